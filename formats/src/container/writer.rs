@@ -1,0 +1,268 @@
+//! Writes a trace as a stream of chunks: first to `NAME.partial`, which becomes `NAME` when it is complete.
+
+use std::collections::HashSet;
+use std::fs::{self, File, OpenOptions};
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+use super::FormatVersion;
+use super::chunk_header::ChunkRecord;
+use super::encoded::EncodedChunk;
+use super::encoding::{Encoding, compress};
+use super::file_header::FileHeader;
+use super::id::ChunkId;
+use super::index::Index;
+use super::tile::TileDirectory;
+use super::trailer::Trailer;
+use crate::error::{Error, Result};
+
+/// Level of the index's zstd frame. Fixed, so that the bytes of a file depend on its chunks alone.
+const INDEX_ZSTD_LEVEL: i32 = 9;
+
+/// Bytes gathered before the system is asked to write; chunks longer than this are not copied.
+const BUFFER_LEN: usize = 256 << 10;
+
+/// A complete file.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Finished {
+    /// The file, under its final name.
+    pub path: PathBuf,
+    /// Its length in bytes.
+    pub len: u64,
+    /// Its chunks, without the index.
+    pub chunks: u64,
+}
+
+/// A file being written. Its memory is 100 bytes or so per chunk, whatever the chunks hold.
+///
+/// Dropping it before [`Writer::finish`] leaves `NAME.partial`, which [`Writer::resume`] continues.
+#[derive(Debug)]
+pub struct Writer {
+    pub(super) out: BufWriter<File>,
+    /// The file being written.
+    pub(super) partial: PathBuf,
+    /// Its name once it is complete.
+    pub(super) path: PathBuf,
+    /// Offset of the next byte.
+    pub(super) offset: u64,
+    pub(super) index: Index,
+    pub(super) ids: HashSet<ChunkId>,
+    /// Set while a write is under way: after one that failed, nobody knows what lies in the file.
+    pub(super) broken: bool,
+}
+
+impl Writer {
+    /// Starts a new file. `path` itself may exist: it is replaced by [`Writer::finish`], and left alone until then.
+    ///
+    /// # Errors
+    /// [`Error::AlreadyExists`] if a killed capture left `NAME.partial`; resume it or [`Writer::discard`] it.
+    /// [`Error::Io`], among others if the folder does not exist.
+    pub fn create(path: &Path) -> Result<Self> {
+        let partial = partial_path(path)?;
+        let file = OpenOptions::new()
+            .read(true)
+            .write(true)
+            .create_new(true)
+            .open(&partial);
+        let file = file.map_err(|error| match error.kind() {
+            io::ErrorKind::AlreadyExists => Error::AlreadyExists {
+                path: partial.clone(),
+                hint: "a capture was cut short; continue it with --resume, or delete this file",
+            },
+            _ => Error::io(&partial, "create", error),
+        })?;
+        Self::start(file, partial, path.to_path_buf(), FormatVersion::CURRENT)
+    }
+
+    /// Deletes the `NAME.partial` of a killed capture, if there is one that nobody is writing.
+    ///
+    /// # Errors
+    /// [`Error::Busy`] if another process is writing it; [`Error::Io`].
+    pub fn discard(path: &Path) -> Result<()> {
+        let partial = partial_path(path)?;
+        let file = match OpenOptions::new().read(true).write(true).open(&partial) {
+            Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(()),
+            other => other.map_err(|error| Error::io(&partial, "open", error))?,
+        };
+        lock(&file, &partial)?;
+        fs::remove_file(&partial).map_err(|error| Error::io(&partial, "delete", error))
+    }
+
+    /// Writes the file header to an empty file.
+    pub(super) fn start(
+        file: File,
+        partial: PathBuf,
+        path: PathBuf,
+        version: FormatVersion,
+    ) -> Result<Self> {
+        lock(&file, &partial)?;
+        let out = BufWriter::with_capacity(BUFFER_LEN, file);
+        let mut writer = Self {
+            out,
+            partial,
+            path,
+            offset: 0,
+            index: Index::default(),
+            ids: HashSet::new(),
+            broken: false,
+        };
+        writer.append(&[&FileHeader::encode(version)])?;
+        Ok(writer)
+    }
+
+    /// Packs a payload and writes it as a chunk.
+    ///
+    /// # Errors
+    /// As [`EncodedChunk::new`] and [`Writer::write_encoded`].
+    pub fn write(
+        &mut self,
+        id: ChunkId,
+        encoding: Encoding,
+        payload: &[u8],
+    ) -> Result<ChunkRecord> {
+        self.write_encoded(&EncodedChunk::new(id, encoding, payload)?)
+    }
+
+    /// Writes a chunk that was packed elsewhere.
+    ///
+    /// # Errors
+    /// [`Error::Usage`] if the file has a chunk of this id, or an earlier write failed; [`Error::Io`].
+    pub fn write_encoded(&mut self, chunk: &EncodedChunk) -> Result<ChunkRecord> {
+        let id = chunk.header.id;
+        if id.kind.is_known() && self.ids.contains(&id) {
+            return Err(Error::usage(format!("the file already has a {id}")));
+        }
+        let directory_len = chunk.directory.as_ref().map_or(0, TileDirectory::file_len);
+        let record = chunk.header.record(self.offset, directory_len);
+        self.append(&[&chunk.header.encode(), &chunk.payload])?;
+        self.push(record, chunk.directory.as_ref());
+        Ok(record)
+    }
+
+    /// Notes a chunk that now lies at the end of the file.
+    pub(super) fn push(&mut self, record: ChunkRecord, directory: Option<&TileDirectory>) {
+        self.ids.insert(record.id);
+        self.index.push(record, directory);
+    }
+
+    /// Writes bytes at the end of the file.
+    pub(super) fn append(&mut self, parts: &[&[u8]]) -> Result<()> {
+        if self.broken {
+            return Err(Error::usage(
+                "an earlier write to this file failed; resume it",
+            ));
+        }
+        self.broken = true;
+        for part in parts {
+            self.out
+                .write_all(part)
+                .map_err(|error| Error::io(&self.partial, "write", error))?;
+            self.offset += part.len() as u64;
+        }
+        self.broken = false;
+        Ok(())
+    }
+
+    /// The chunks in the file so far, in file order.
+    pub fn chunks(&self) -> &[ChunkRecord] {
+        &self.index.chunks
+    }
+
+    /// Whether the file has a chunk of this id.
+    pub fn contains(&self, id: ChunkId) -> bool {
+        self.ids.contains(&id)
+    }
+
+    /// Bytes written so far.
+    pub fn bytes_written(&self) -> u64 {
+        self.offset
+    }
+
+    /// Hands all bytes to the system: from here on they outlive a killed process, though not yet a power cut.
+    ///
+    /// # Errors
+    /// [`Error::Io`].
+    pub fn flush(&mut self) -> Result<()> {
+        self.out.flush().map_err(|error| {
+            self.broken = true;
+            Error::io(&self.partial, "write", error)
+        })
+    }
+
+    /// Writes index and trailer, forces everything to the disk, and gives the file its name in one step.
+    ///
+    /// # Errors
+    /// [`Error::Usage`] if an earlier write failed; [`Error::Io`]. `NAME.partial` is left behind.
+    pub fn finish(mut self) -> Result<Finished> {
+        let chunks = self.index.chunks.len() as u64;
+        let raw = self.index.encode();
+        let packed = compress(&raw, INDEX_ZSTD_LEVEL)?;
+        let index = EncodedChunk::packed(
+            ChunkId::INDX,
+            Encoding::Zstd(INDEX_ZSTD_LEVEL),
+            raw.len() as u64,
+            packed,
+        )?;
+        let trailer = Trailer {
+            index_offset: self.offset,
+            index_len: index.file_len(),
+            chunks,
+        };
+        self.append(&[&index.header.encode(), &index.payload, &trailer.encode()])?;
+        self.flush()?;
+        self.out
+            .get_ref()
+            .sync_all()
+            .map_err(|error| Error::io(&self.partial, "write", error))?;
+        fs::rename(&self.partial, &self.path)
+            .map_err(|error| Error::io(&self.path, "rename to", error))?;
+        sync_folder(&self.path);
+        Ok(Finished {
+            path: self.path,
+            len: self.offset,
+            chunks,
+        })
+    }
+}
+
+/// Forces the new name to the disk. Best effort: not every system can, and the file is complete either way.
+fn sync_folder(path: &Path) {
+    let folder = path
+        .parent()
+        .filter(|folder| !folder.as_os_str().is_empty())
+        .unwrap_or(Path::new("."));
+    if let Ok(folder) = File::open(folder) {
+        folder.sync_all().ok();
+    }
+}
+
+/// `NAME.partial` in the same folder.
+///
+/// # Errors
+/// [`Error::Usage`] if `path` does not end in a file name.
+pub fn partial_path(path: &Path) -> Result<PathBuf> {
+    with_suffix(path, ".partial")
+}
+
+/// The same path with something after its file name.
+pub(super) fn with_suffix(path: &Path, suffix: &str) -> Result<PathBuf> {
+    let name = path
+        .file_name()
+        .ok_or_else(|| Error::usage(format!("{} does not name a file", path.display())))?;
+    let mut name = name.to_os_string();
+    name.push(suffix);
+    Ok(path.with_file_name(name))
+}
+
+/// Keeps a second writer out. Where files cannot be locked, this does nothing.
+pub(super) fn lock(file: &File, path: &Path) -> Result<()> {
+    // Elsewhere a lock would also keep out readers, which need none.
+    #[cfg(unix)]
+    if let Err(fs::TryLockError::WouldBlock) = file.try_lock() {
+        return Err(Error::Busy {
+            path: path.to_path_buf(),
+        });
+    }
+    let _ = (file, path);
+    Ok(())
+}
