@@ -1,0 +1,25 @@
+//! The built-in scenes, generated at run time.
+
+mod cornell;
+
+use crate::{
+    error::{SceneError, hint},
+    scene::Scene,
+};
+
+/// The names that [`builtin()`] knows.
+#[must_use]
+pub fn builtin_names() -> &'static [&'static str] {
+    &["cornell"]
+}
+
+/// Generates a built-in scene.
+///
+/// # Errors
+/// An unknown name, with near ones.
+pub fn builtin(name: &str) -> Result<Scene, SceneError> {
+    match name {
+        "cornell" => cornell::scene(),
+        _ => Err(SceneError::UnknownScene { name: name.to_owned(), hint: hint(name, builtin_names(), "built-in scenes") }),
+    }
+}

@@ -1,0 +1,84 @@
+//! Cutting polygons into triangles.
+
+use glam::DVec3;
+
+/// Above this many corners a concave polygon is cut as a fan: ear cutting is quadratic and worse.
+const MAX_EAR_CORNERS: usize = 2048;
+
+/// Corner indices of the triangles of a polygon: a fan from corner 0 for a convex one, as everywhere, and ears for a concave one.
+pub(crate) fn triangulate(points: &[DVec3]) -> Vec<[usize; 3]> {
+    let count = points.len();
+    let normal = area_normal(points);
+    let fan = || (1..count.saturating_sub(1)).map(|i| [0, i, i + 1]).collect();
+    let convex = (0..count).all(|i| turn(points, normal, [(i + count - 1) % count, i, (i + 1) % count]) >= -1e-9);
+    if count <= 3 || convex || count > MAX_EAR_CORNERS {
+        return fan();
+    }
+    let mut left: Vec<usize> = (0..count).collect();
+    let mut triangles = Vec::with_capacity(count - 2);
+    while left.len() > 3 {
+        let n = left.len();
+        let ear = (0..n).find(|&i| is_ear(points, normal, &left, i));
+        // A polygon that crosses itself may have no ear; a fan over the rest loses nothing that was defined.
+        let Some(i) = ear else { break };
+        triangles.push([left[(i + n - 1) % n], left[i], left[(i + 1) % n]]);
+        left.remove(i);
+    }
+    triangles.extend((1..left.len() - 1).map(|i| [left[0], left[i], left[i + 1]]));
+    triangles
+}
+
+/// Unit normal by Newell's sum; zero for a polygon without area.
+fn area_normal(points: &[DVec3]) -> DVec3 {
+    let origin = points.first().copied().unwrap_or_default();
+    let sum: DVec3 = points
+        .iter()
+        .zip(points.iter().cycle().skip(1))
+        .map(|(a, b)| (*a - origin).cross(*b - origin))
+        .fold(DVec3::ZERO, |sum, c| sum + c);
+    sum.normalize_or_zero()
+}
+
+/// Sine-like measure of the turn at the middle corner: positive turns left, relative to the lengths of the sides.
+fn turn(points: &[DVec3], normal: DVec3, [a, b, c]: [usize; 3]) -> f64 {
+    let (first, second) = (points[b] - points[a], points[c] - points[b]);
+    let scale = first.length() * second.length();
+    if scale > 0.0 { first.cross(second).dot(normal) / scale } else { 0.0 }
+}
+
+fn is_ear(points: &[DVec3], normal: DVec3, left: &[usize], i: usize) -> bool {
+    let n = left.len();
+    let [a, b, c] = [left[(i + n - 1) % n], left[i], left[(i + 1) % n]];
+    if turn(points, normal, [a, b, c]) <= 1e-9 {
+        return false;
+    }
+    let side = |p: DVec3, q: DVec3, x: DVec3| (q - p).cross(x - p).dot(normal);
+    left.iter().filter(|k| ![a, b, c].contains(k)).all(|&k| {
+        let x = points[k];
+        let inside = side(points[a], points[b], x) >= 0.0 && side(points[b], points[c], x) >= 0.0 && side(points[c], points[a], x) >= 0.0;
+        !inside || x == points[a] || x == points[b] || x == points[c]
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_concave_arrow_keeps_its_area() {
+        let arrow = [[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [1.0, 0.5]].map(|[x, y]| DVec3::new(x, y, 0.0));
+        for shift in 0..4 {
+            let points: Vec<DVec3> = (0..4).map(|i| arrow[(i + shift) % 4]).collect();
+            let triangles = triangulate(&points);
+            let areas: Vec<f64> = triangles.iter().map(|t| (points[t[1]] - points[t[0]]).cross(points[t[2]] - points[t[0]]).z / 2.0).collect();
+            assert!(areas.iter().all(|a| *a > 0.0), "{areas:?}");
+            assert!((areas.iter().sum::<f64>() - 1.5).abs() < 1e-12, "{areas:?}");
+        }
+    }
+
+    #[test]
+    fn a_polygon_without_area_still_gives_triangles() {
+        assert_eq!(triangulate(&[DVec3::ZERO; 5]).len(), 3);
+        assert_eq!(triangulate(&[DVec3::ZERO; 2]).len(), 0);
+    }
+}
