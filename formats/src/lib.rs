@@ -2,9 +2,18 @@
 //!
 //! This crate knows nothing of tracing or of hardware. `FORMAT.md` beside it specifies every byte.
 
+pub mod bvh;
+pub mod columns;
 pub mod container;
 pub mod error;
+pub mod half;
+pub mod intersect;
 pub mod limits;
+pub mod math;
+pub mod oct;
+pub mod rays;
+pub mod scene;
+pub mod tile;
 
 pub use error::{Error, Result};
 pub use limits::Limits;

@@ -1,0 +1,365 @@
+//! Adaptive binary range coding, one code path for both directions.
+//!
+//! A column is described once, as a sequence of modelled bits; an [`Encoder`] takes each bit from the data, a [`Decoder`] gives
+//! it back. So reader and writer cannot disagree. The arithmetic is integer only.
+
+/// Initial and running state of one modelled bit: 22 bits of probability that the bit is set, 10 bits of how often it was seen.
+#[derive(Clone, Copy, Debug)]
+pub struct Bit(u32);
+
+/// A bit has seen enough when its adaptation rate reaches 1 / (COUNT_MAX + 1.5).
+const COUNT_MAX: u32 = 254;
+/// Probabilities passed to the coder stay this far from 0 and 65536.
+const PROBABILITY_MARGIN: u32 = 24;
+
+/// `65536 / (count + 1.5)`: the adaptation rate after `count` observations.
+static RATES: [u32; COUNT_MAX as usize + 1] = {
+    let mut rates = [0; COUNT_MAX as usize + 1];
+    let mut n = 0;
+    while n < rates.len() {
+        rates[n] = 131_072 / (2 * n as u32 + 3);
+        n += 1;
+    }
+    rates
+};
+
+impl Bit {
+    /// Nothing known.
+    pub const EVEN: Self = Self::of(32_768, 0);
+
+    /// A bit that is set with probability `p / 65536`, as if seen `count` times.
+    pub const fn of(p: u32, count: u32) -> Self {
+        Self(p << 16 | count)
+    }
+
+    #[inline(always)]
+    fn probability(self) -> u32 {
+        (self.0 >> 16).clamp(PROBABILITY_MARGIN, 65_536 - PROBABILITY_MARGIN)
+    }
+
+    #[inline(always)]
+    fn update(&mut self, bit: bool) {
+        let (p, count) = (self.0 >> 10, self.0 & 1023);
+        let rate = RATES[count as usize];
+        let target = if bit { (1 << 22) - 1 } else { 0 };
+        let moved = i64::from(p) + ((i64::from(target) - i64::from(p)) * i64::from(rate) >> 16);
+        self.0 = (moved as u32) << 10 | if count < COUNT_MAX { count + 1 } else { count };
+    }
+}
+
+/// A range coder in one direction.
+pub trait Coder {
+    /// True for an encoder: values passed in are coded. A decoder ignores them.
+    const ENCODES: bool;
+
+    /// Codes one bit under a model and returns it.
+    fn bit(&mut self, model: &mut Bit, bit: bool) -> bool;
+
+    /// Codes `count` (at most 32) bits without a model, highest first.
+    fn raw(&mut self, count: u32, value: u32) -> u32;
+}
+
+/// Renormalise when the range falls below this; it is then widened by a byte.
+const RANGE_MIN: u64 = 1 << 40;
+const RANGE_START: u64 = (1 << 48) - 1;
+const LOW_MASK: u64 = (1 << 48) - 1;
+
+/// Writes a range-coded stream.
+#[derive(Debug)]
+pub struct Encoder {
+    low: u64,
+    range: u64,
+    /// The last byte that a carry can still change, and how many 0xff bytes follow it.
+    held: Option<u8>,
+    held_ff: u64,
+    out: Vec<u8>,
+}
+
+impl Default for Encoder {
+    fn default() -> Self {
+        Self { low: 0, range: RANGE_START, held: None, held_ff: 0, out: Vec::new() }
+    }
+}
+
+impl Encoder {
+    #[inline]
+    fn shift_low(&mut self) {
+        let carry = self.low > LOW_MASK;
+        let byte = (self.low >> 40) as u8;
+        if byte != 0xff || carry {
+            if let Some(held) = self.held {
+                self.out.push(held.wrapping_add(u8::from(carry)));
+            }
+            let filler = 0xffu8.wrapping_add(u8::from(carry));
+            self.out.extend(std::iter::repeat_n(filler, self.held_ff as usize));
+            (self.held, self.held_ff) = (Some(byte), 0);
+        } else {
+            self.held_ff += 1;
+        }
+        self.low = self.low << 8 & LOW_MASK;
+    }
+
+    /// Ends the stream. The decoder reads zeros past the end, so trailing zero bytes are left out.
+    pub fn finish(mut self) -> Vec<u8> {
+        // The value with the most trailing zeros inside [low, low + range).
+        let top = self.low + self.range - 1;
+        for zeros in (0..48).rev() {
+            let candidate = top >> zeros << zeros;
+            if candidate >= self.low {
+                self.low = candidate;
+                break;
+            }
+        }
+        for _ in 0..7 {
+            self.shift_low();
+        }
+        while self.out.last() == Some(&0) {
+            self.out.pop();
+        }
+        self.out
+    }
+}
+
+impl Coder for Encoder {
+    const ENCODES: bool = true;
+
+    #[inline(always)]
+    fn bit(&mut self, model: &mut Bit, bit: bool) -> bool {
+        let bound = (self.range >> 16) * u64::from(model.probability());
+        if bit {
+            self.range = bound;
+        } else {
+            self.low += bound;
+            self.range -= bound;
+        }
+        model.update(bit);
+        while self.range < RANGE_MIN {
+            self.range <<= 8;
+            self.shift_low();
+        }
+        bit
+    }
+
+    fn raw(&mut self, count: u32, value: u32) -> u32 {
+        for i in (0..count).rev() {
+            let bound = self.range >> 1;
+            if value >> i & 1 == 1 {
+                self.range = bound;
+            } else {
+                self.low += bound;
+                self.range -= bound;
+            }
+            while self.range < RANGE_MIN {
+                self.range <<= 8;
+                self.shift_low();
+            }
+        }
+        value
+    }
+}
+
+/// Reads a range-coded stream. Past its end it reads zeros, so it never fails; callers bound what they ask for.
+#[derive(Debug)]
+pub struct Decoder<'a> {
+    code: u64,
+    range: u64,
+    rest: std::slice::Iter<'a, u8>,
+}
+
+impl<'a> Decoder<'a> {
+    /// Starts on a stream that [`Encoder::finish`] made. The encoder's first byte out of `low` is always kept, so six bytes fill
+    /// the code register.
+    pub fn new(bytes: &'a [u8]) -> Self {
+        let mut decoder = Self { code: 0, range: RANGE_START, rest: bytes.iter() };
+        for _ in 0..6 {
+            decoder.code = decoder.code << 8 | decoder.byte();
+        }
+        decoder
+    }
+
+    #[inline(always)]
+    fn byte(&mut self) -> u64 {
+        self.rest.next().map_or(0, |&b| u64::from(b))
+    }
+
+    #[inline(always)]
+    fn renormalise(&mut self) {
+        while self.range < RANGE_MIN {
+            self.range <<= 8;
+            self.code = self.code << 8 | self.byte();
+        }
+    }
+}
+
+impl Coder for Decoder<'_> {
+    const ENCODES: bool = false;
+
+    #[inline(always)]
+    fn bit(&mut self, model: &mut Bit, _: bool) -> bool {
+        let bound = (self.range >> 16) * u64::from(model.probability());
+        let bit = self.code < bound;
+        if bit {
+            self.range = bound;
+        } else {
+            self.code -= bound;
+            self.range -= bound;
+        }
+        model.update(bit);
+        self.renormalise();
+        bit
+    }
+
+    fn raw(&mut self, count: u32, _: u32) -> u32 {
+        let mut value = 0;
+        for _ in 0..count {
+            let bound = self.range >> 1;
+            let bit = self.code < bound;
+            if bit {
+                self.range = bound;
+            } else {
+                self.code -= bound;
+                self.range -= bound;
+            }
+            self.renormalise();
+            value = value << 1 | u32::from(bit);
+        }
+        value
+    }
+}
+
+/// Models for one symbol of `2^BITS` values, as a binary tree of bits. `N` must be `2^BITS`.
+#[derive(Clone, Copy, Debug)]
+pub struct Symbol<const N: usize>([Bit; N]);
+
+impl<const N: usize> Default for Symbol<N> {
+    fn default() -> Self {
+        Self([Bit::EVEN; N])
+    }
+}
+
+impl<const N: usize> Symbol<N> {
+    /// Codes a value below `N`, highest bit first.
+    #[inline]
+    pub fn code<C: Coder>(&mut self, coder: &mut C, value: usize) -> usize {
+        let bits = N.trailing_zeros();
+        let mut node = 1;
+        for i in (0..bits).rev() {
+            node = node << 1 | usize::from(coder.bit(&mut self.0[node], value >> i & 1 == 1));
+        }
+        node - N
+    }
+}
+
+/// Models for numbers of any size: Elias-gamma with modelled length and modelled upper bits.
+///
+/// `0` has length 0; a number of `n` bits has length `n`, its highest bit is implied, the next two are modelled, the rest raw.
+#[derive(Clone, Debug)]
+pub struct Number {
+    length: [Bit; 33],
+    upper: [[Bit; 4]; 33],
+}
+
+impl Default for Number {
+    fn default() -> Self {
+        Self { length: [Bit::EVEN; 33], upper: [[Bit::EVEN; 4]; 33] }
+    }
+}
+
+impl Number {
+    /// Codes a number.
+    #[inline]
+    pub fn code<C: Coder>(&mut self, coder: &mut C, value: u32) -> u32 {
+        let wanted = 32 - value.leading_zeros();
+        let mut length = 0;
+        while length < 32 && coder.bit(&mut self.length[length as usize], wanted > length) {
+            length += 1;
+        }
+        if length < 2 {
+            return length;
+        }
+        let upper = &mut self.upper[length as usize];
+        let below = length - 1;
+        let first = coder.bit(&mut upper[1], value >> (below - 1) & 1 == 1);
+        let mut result = 2 | u32::from(first);
+        if below > 1 {
+            let second = coder.bit(&mut upper[2 + usize::from(first)], value >> (below - 2) & 1 == 1);
+            result = result << 1 | u32::from(second);
+            let rest = below - 2;
+            if rest > 0 {
+                result = result << rest | coder.raw(rest, value & ((1 << rest) - 1));
+            }
+        }
+        result
+    }
+}
+
+/// Folds a signed difference into an unsigned number, small magnitudes first.
+#[inline]
+pub fn zigzag(v: i32) -> u32 {
+    (v << 1 ^ v >> 31) as u32
+}
+
+/// The inverse of [`zigzag`].
+#[inline]
+pub fn unzigzag(v: u32) -> i32 {
+    (v >> 1) as i32 ^ -((v & 1) as i32)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn what_goes_in_comes_out(items in prop::collection::vec((0u8..4, any::<u32>()), 0..2000)) {
+            fn run<C: Coder>(coder: &mut C, items: &[(u8, u32)]) -> Vec<u32> {
+                let (mut bits, mut symbol, mut number) = ([Bit::EVEN; 3], Symbol::<8>::default(), Number::default());
+                let take = |v| if C::ENCODES { v } else { 0 };
+                items.iter().map(|&(kind, value)| match kind {
+                    0 => u32::from(coder.bit(&mut bits[0], take(value) % 100 == 1)),
+                    1 => symbol.code(coder, take(value) as usize % 8) as u32,
+                    2 => number.code(coder, take(value)),
+                    _ => coder.raw(17, take(value) & 0x1ffff),
+                }).collect()
+            }
+            let mut encoder = Encoder::default();
+            let expected = run(&mut encoder, &items);
+            let bytes = encoder.finish();
+            prop_assert_eq!(run(&mut Decoder::new(&bytes), &items), expected);
+        }
+
+        #[test]
+        fn any_bytes_decode_to_something(bytes in prop::collection::vec(any::<u8>(), 0..200)) {
+            let (mut decoder, mut bit, mut number) = (Decoder::new(&bytes), Bit::EVEN, Number::default());
+            for _ in 0..1000 {
+                decoder.bit(&mut bit, false);
+                number.code(&mut decoder, 0);
+            }
+        }
+    }
+
+    #[test]
+    fn a_long_run_of_carries_is_coded() {
+        let mut encoder = Encoder::default();
+        let (mut rare, mut even) = (Bit::of(24, 254), Bit::EVEN);
+        for i in 0..100_000u32 {
+            encoder.bit(&mut rare, false);
+            encoder.bit(&mut even, i % 3 == 0);
+        }
+        let bytes = encoder.finish();
+        let mut decoder = Decoder::new(&bytes);
+        let (mut rare, mut even) = (Bit::of(24, 254), Bit::EVEN);
+        for i in 0..100_000u32 {
+            assert!(!decoder.bit(&mut rare, false));
+            assert_eq!(decoder.bit(&mut even, false), i % 3 == 0);
+        }
+    }
+
+    #[test]
+    fn zigzag_is_its_own_inverse() {
+        for v in [0, 1, -1, 2, -2, i32::MAX, i32::MIN] {
+            assert_eq!(unzigzag(zigzag(v)), v);
+        }
+    }
+}

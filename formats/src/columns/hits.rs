@@ -1,0 +1,200 @@
+//! The hits column: triangle, `t` and shading normal of every hit.
+//!
+//! Given the triangle, `t` and the normal follow from the ray and the triangle by the functions that the tracer used, so they
+//! cost one well-predicted bit each; any other value is stored whole. A ray in turn follows from its parent's hit.
+
+use super::classes::{ClassRays, Neighbours, Raster, classes};
+use super::coder::{Bit, Coder, Decoder, Encoder, Number, unzigzag, zigzag};
+use crate::bvh::Bvh;
+use crate::intersect::intersect;
+use crate::math::Vec3;
+use crate::oct::Oct;
+use crate::rays::{self, Ray, Surface};
+use crate::scene::Camera;
+use crate::scene::Rect;
+use crate::tile::{Hit, RayClass, Tree};
+
+/// What decoding rays needs beside the tile.
+#[derive(Clone, Copy, Debug)]
+pub struct Geometry<'a> {
+    /// The scene's triangles and materials.
+    pub bvh: &'a Bvh,
+    /// The frame's camera.
+    pub camera: &'a Camera,
+}
+
+struct Models {
+    /// Is it this neighbour's triangle? By place in the list, number of neighbours left that agree, and their number.
+    same: [[[Bit; 5]; 5]; 4],
+    distance: Number,
+    distance_far: Number,
+    t: Bit,
+    normal: Bit,
+}
+
+impl Models {
+    fn new() -> Self {
+        // Prior: the predictions of `t` and normal hold.
+        let sure = Bit::of(65_000, 30);
+        Self {
+            same: [[[Bit::EVEN; 5]; 5]; 4],
+            distance: Number::default(),
+            distance_far: Number::default(),
+            t: sure,
+            normal: sure,
+        }
+    }
+
+    /// Codes a triangle: one of the neighbours', or a distance in leaf order from the west's (or the last coded).
+    fn triangle<C: Coder>(&mut self, coder: &mut C, near: &[u32], last: u32, triangle: u32) -> u32 {
+        for (place, &candidate) in near.iter().enumerate() {
+            if near[..place].contains(&candidate) {
+                continue;
+            }
+            let agree = near[place..].iter().filter(|&&t| t == candidate).count();
+            let model = &mut self.same[place][agree][near.len() - place];
+            if coder.bit(model, candidate == triangle) {
+                return candidate;
+            }
+        }
+        let from = near.first().copied().unwrap_or(last);
+        let number = if near.is_empty() { &mut self.distance_far } else { &mut self.distance };
+        let difference = triangle.wrapping_sub(from) as i32;
+        from.wrapping_add(unzigzag(number.code(coder, zigzag(difference))) as u32)
+    }
+
+    fn t<C: Coder>(&mut self, coder: &mut C, predicted: f32, t: f32) -> f32 {
+        if coder.bit(&mut self.t, predicted.to_bits() == t.to_bits()) {
+            return predicted;
+        }
+        f32::from_bits(coder.raw(32, t.to_bits()))
+    }
+
+    fn normal<C: Coder>(&mut self, coder: &mut C, predicted: Oct, normal: Oct) -> Oct {
+        if coder.bit(&mut self.normal, predicted == normal) {
+            return predicted;
+        }
+        Oct::from_bits(coder.raw(32, normal.to_bits()))
+    }
+}
+
+/// Codes the hits of a tile; `hits` holds one entry a node.
+pub fn encode(tree: &Tree, hits: &[Hit], rect: Rect, geometry: Geometry<'_>) -> Vec<u8> {
+    let mut coder = Encoder::default();
+    code(&mut coder, tree, hits, rect, geometry).expect("the tracer's own hits are on triangles that exist");
+    coder.finish()
+}
+
+/// Decodes the hits of a tile.
+///
+/// # Errors
+/// Says which triangle is not there.
+pub fn decode(bytes: &[u8], tree: &Tree, rect: Rect, geometry: Geometry<'_>) -> Result<Vec<Hit>, String> {
+    code(&mut Decoder::new(bytes), tree, &[], rect, geometry)
+}
+
+fn code<C: Coder>(
+    coder: &mut C,
+    tree: &Tree,
+    hits: &[Hit],
+    rect: Rect,
+    geometry: Geometry<'_>,
+) -> Result<Vec<Hit>, String> {
+    let mut models = Models::new();
+    let mut raster = Raster::new(rect);
+    let mut rays = RayRebuilder::new(tree, rect, geometry);
+    let mut out = vec![Hit::MISS; tree.nodes.len()];
+    let mut last = 0;
+    for ClassRays { class, rays: list } in classes(tree) {
+        raster.clear();
+        for (sample, node) in list {
+            let index = node as usize;
+            if !tree.nodes[index].hit {
+                continue;
+            }
+            let given = if C::ENCODES { hits[index] } else { Hit::MISS };
+            let near = distinct_order(&raster.neighbours(sample));
+            let triangle = models.triangle(coder, &near.0[..near.1], last, given.triangle);
+            if triangle as usize >= geometry.bvh.triangles.len() {
+                return Err(format!("a hit on triangle {triangle} of {}", geometry.bvh.triangles.len()));
+            }
+            let ray = rays.ray(sample, class, node);
+            let corners = geometry.bvh.corners(triangle as usize);
+            let met = intersect(&ray, corners, f32::INFINITY);
+            let (t, u, v) = met.map_or((0.0, 0.0, 0.0), |hit| (hit.t, hit.u, hit.v));
+            let t = models.t(coder, t, given.t);
+            let normal = geometry.bvh.shading_normal(triangle as usize, u, v);
+            let normal = models.normal(coder, normal, given.normal);
+            out[index] = Hit { triangle, t, normal };
+            rays.hit(node, &out[index]);
+            raster.set(sample, triangle);
+            last = triangle;
+        }
+    }
+    Ok(out)
+}
+
+/// The triangles of the neighbours that hit something, nearest first, and their number.
+fn distinct_order(near: &Neighbours) -> ([u32; 4], usize) {
+    let mut list = [0; 4];
+    let mut count = 0;
+    for triangle in [near.w, near.n, near.nw, near.ne].into_iter().flatten() {
+        list[count] = triangle;
+        count += 1;
+    }
+    (list, count)
+}
+
+/// Rebuilds the closest-hit rays of a tile as the hits that they hang on become known.
+#[derive(Debug)]
+pub struct RayRebuilder<'a> {
+    rect: Rect,
+    geometry: Geometry<'a>,
+    parents: Vec<u32>,
+    /// Per node its ray, and the surface that it hit.
+    rays: Vec<Option<Ray>>,
+    surfaces: Vec<Option<(Surface, u32)>>,
+}
+
+impl<'a> RayRebuilder<'a> {
+    /// Nothing is known yet but the shape of the trees.
+    pub fn new(tree: &Tree, rect: Rect, geometry: Geometry<'a>) -> Self {
+        let nodes = tree.nodes.len();
+        Self { rect, geometry, parents: tree.parents(), rays: vec![None; nodes], surfaces: vec![None; nodes] }
+    }
+
+    /// The ray of node `node`, whose parent's hit must be known. A stored tree can ask for a refraction where there is none;
+    /// the ray then goes straight on.
+    pub fn ray(&mut self, sample: u32, class: RayClass, node: u32) -> Ray {
+        let ray = match self.parent_surface(class, node) {
+            None => {
+                let (x, y) = (sample % self.rect.width, sample / self.rect.width);
+                rays::primary(self.geometry.camera, self.rect.x + x, self.rect.y + y)
+            }
+            Some((direction, surface, triangle)) if class.0 % 2 == 1 => {
+                let ior = self.geometry.bvh.material(triangle as usize).ior;
+                let straight = Ray { origin: surface.point, direction, t_max: f32::MAX };
+                rays::refraction(&surface, direction, ior).unwrap_or(straight)
+            }
+            Some((direction, surface, _)) => rays::reflection(&surface, direction),
+        };
+        self.rays[node as usize] = Some(ray);
+        ray
+    }
+
+    fn parent_surface(&self, class: RayClass, node: u32) -> Option<(Vec3, Surface, u32)> {
+        class.parent()?;
+        let parent = self.parents[node as usize] as usize;
+        let (surface, triangle) = self.surfaces[parent]?;
+        Some((self.rays[parent]?.direction, surface, triangle))
+    }
+
+    /// Notes where the ray of `node` ended, and gives the surface there.
+    pub fn hit(&mut self, node: u32, hit: &Hit) -> Option<Surface> {
+        let ray = self.rays[node as usize]?;
+        let corners = self.geometry.bvh.corners(hit.triangle as usize);
+        let surface = rays::surface(&ray, hit.t, corners, hit.normal);
+        self.surfaces[node as usize] = Some((surface, hit.triangle));
+        Some(surface)
+    }
+}

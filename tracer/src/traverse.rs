@@ -1,0 +1,219 @@
+//! Traversal of two-child nodes: closest hit and any hit, with or without recording the path.
+//!
+//! One loop serves tracing, recording and verification, so they cannot disagree. Element-wise SIMD only (no reductions): each
+//! lane is the scalar IEEE operation, so a path is the same on every machine.
+
+use glam::{Vec4, Vec4Swizzles};
+use rayreel_formats::bvh::{Bvh, Child, MAX_TREE_DEPTH};
+use rayreel_formats::intersect::intersect;
+use rayreel_formats::math::Vec3;
+use rayreel_formats::rays::Ray;
+use rayreel_formats::tile::step;
+
+/// Widening of a box's far distance: 16 units in the last place. Slab distances and triangle distances round differently, and
+/// a box must never be left out whose triangle would be hit.
+const WIDEN: f32 = 1.0 + 1.0 / 524_288.0;
+
+/// Smallest magnitude of a direction component in the slab test, so that its reciprocal stays finite and no NaN arises.
+const TINY: f32 = 1.0e-18;
+
+/// A node laid out for the two-box test: lanes are left minimum, right minimum, left maximum, right maximum.
+#[derive(Clone, Copy, Debug)]
+#[repr(align(64))]
+struct TwoBoxes {
+    x: Vec4,
+    y: Vec4,
+    z: Vec4,
+    children: [Child; 2],
+}
+
+/// The tree of a [`Bvh`], laid out for traversal.
+#[derive(Debug)]
+pub struct Accel {
+    nodes: Vec<TwoBoxes>,
+    corners: Vec<[Vec3; 3]>,
+}
+
+/// The closest hit of a ray.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RayHit {
+    /// Triangle in leaf order.
+    pub triangle: u32,
+    /// Ray parameter.
+    pub t: f32,
+    /// Barycentric weight of the second corner.
+    pub u: f32,
+    /// Barycentric weight of the third corner.
+    pub v: f32,
+}
+
+/// Memory of a traversal, reused from ray to ray.
+#[derive(Debug)]
+pub struct Scratch {
+    stack: Box<[(Child, f32); MAX_TREE_DEPTH]>,
+    /// Recorded steps; the caller takes what each ray appended.
+    pub steps: Vec<u8>,
+}
+
+impl Default for Scratch {
+    fn default() -> Self {
+        Self { stack: Box::new([(Child::leaf(0, 0), 0.0); MAX_TREE_DEPTH]), steps: Vec::new() }
+    }
+}
+
+/// A ray prepared for slab tests.
+struct Slabs {
+    origin: [Vec4; 3],
+    inverse: [Vec4; 3],
+}
+
+impl Slabs {
+    fn new(ray: &Ray) -> Self {
+        let inverse = |d: f32| Vec4::splat(1.0 / if d.abs() < TINY { TINY.copysign(d) } else { d });
+        let (o, d) = (ray.origin, ray.direction);
+        Self {
+            origin: [Vec4::splat(o.x), Vec4::splat(o.y), Vec4::splat(o.z)],
+            inverse: [inverse(d.x), inverse(d.y), inverse(d.z)],
+        }
+    }
+
+    /// Entry distances of both boxes, and whether each is met before `t_max`.
+    #[inline(always)]
+    fn test(&self, node: &TwoBoxes, t_max: f32) -> ([f32; 2], [bool; 2]) {
+        let slab = |planes: Vec4, axis: usize| (planes - self.origin[axis]) * self.inverse[axis];
+        let (x, y, z) = (slab(node.x, 0), slab(node.y, 1), slab(node.z, 2));
+        // Minimum and maximum planes change places where the ray runs backwards; taking both orders needs no branch.
+        let (sx, sy, sz) = (x.zwxy(), y.zwxy(), z.zwxy());
+        let near = x.min(sx).max(y.min(sy)).max(z.min(sz).max(Vec4::ZERO));
+        let far = x.max(sx).min(y.max(sy)).min(z.max(sz).min(Vec4::splat(t_max))) * WIDEN;
+        ([near.x, near.y], [near.x <= far.x, near.y <= far.y])
+    }
+}
+
+impl Accel {
+    /// Lays out a tree.
+    pub fn new(bvh: &Bvh) -> Self {
+        let nodes = bvh
+            .nodes
+            .iter()
+            .map(|node| {
+                let [a, b] = node.bounds;
+                TwoBoxes {
+                    x: Vec4::new(a.min.x, b.min.x, a.max.x, b.max.x),
+                    y: Vec4::new(a.min.y, b.min.y, a.max.y, b.max.y),
+                    z: Vec4::new(a.min.z, b.min.z, a.max.z, b.max.z),
+                    children: node.children,
+                }
+            })
+            .collect();
+        Self { nodes, corners: (0..bvh.triangles.len()).map(|t| bvh.corners(t)).collect() }
+    }
+
+    /// The corners of a triangle.
+    #[inline]
+    pub fn corners(&self, triangle: u32) -> [Vec3; 3] {
+        self.corners[triangle as usize]
+    }
+
+    /// The closest hit. `pass(triangle, u, v)` says of a hit whether the ray goes on as if the triangle were not there.
+    #[inline]
+    pub fn closest<const RECORD: bool>(
+        &self,
+        ray: &Ray,
+        scratch: &mut Scratch,
+        pass: impl FnMut(u32, f32, f32) -> bool,
+    ) -> Option<RayHit> {
+        self.walk::<RECORD, false>(ray, scratch, pass)
+    }
+
+    /// Whether anything that does not let the ray pass lies on it.
+    #[inline]
+    pub fn any<const RECORD: bool>(
+        &self,
+        ray: &Ray,
+        scratch: &mut Scratch,
+        pass: impl FnMut(u32, f32, f32) -> bool,
+    ) -> bool {
+        self.walk::<RECORD, true>(ray, scratch, pass).is_some()
+    }
+
+    #[inline(always)]
+    fn walk<const RECORD: bool, const ANY: bool>(
+        &self,
+        ray: &Ray,
+        scratch: &mut Scratch,
+        mut pass: impl FnMut(u32, f32, f32) -> bool,
+    ) -> Option<RayHit> {
+        let slabs = Slabs::new(ray);
+        let Scratch { stack, steps } = scratch;
+        let mut record = |s: u8| {
+            if RECORD {
+                steps.push(s);
+            }
+        };
+        let (mut best, mut t_max, mut top) = (None, ray.t_max, 0);
+        let mut current = Child::inner(0);
+        loop {
+            if current.is_leaf() {
+                for triangle in current.triangles() {
+                    let Some(hit) = intersect(ray, self.corners[triangle], t_max) else {
+                        record(step::MISS);
+                        continue;
+                    };
+                    if pass(triangle as u32, hit.u, hit.v) {
+                        record(step::PASS);
+                        continue;
+                    }
+                    record(step::HIT);
+                    t_max = hit.t;
+                    best = Some(RayHit { triangle: triangle as u32, t: hit.t, u: hit.u, v: hit.v });
+                    if ANY {
+                        return best;
+                    }
+                }
+            } else {
+                let node = &self.nodes[current.node()];
+                let [left, right] = node.children;
+                let ([near_left, near_right], met) = slabs.test(node, t_max);
+                match met {
+                    [true, true] => {
+                        let left_first = near_left <= near_right;
+                        let (first, second, near) =
+                            if left_first { (left, right, near_right) } else { (right, left, near_left) };
+                        record(if left_first { step::LEFT_FIRST } else { step::RIGHT_FIRST });
+                        // A tree is never deeper than the stack (`Bvh::new` checks).
+                        stack[top] = (second, near);
+                        top += 1;
+                        current = first;
+                        continue;
+                    }
+                    [true, false] => {
+                        record(step::LEFT);
+                        current = left;
+                        continue;
+                    }
+                    [false, true] => {
+                        record(step::RIGHT);
+                        current = right;
+                        continue;
+                    }
+                    [false, false] => record(step::NONE),
+                }
+            }
+            // Pop the next child that the closest hit so far does not hide.
+            loop {
+                if top == 0 {
+                    return best;
+                }
+                top -= 1;
+                let (child, near) = stack[top];
+                if ANY || near <= t_max * WIDEN {
+                    record(step::POP);
+                    current = child;
+                    break;
+                }
+                record(step::CULLED);
+            }
+        }
+    }
+}
