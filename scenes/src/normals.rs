@@ -15,12 +15,14 @@ pub(crate) fn area_vector(positions: &[Vec3], [a, b, c]: [u32; 3]) -> DVec3 {
     (b - a).cross(c - a)
 }
 
-/// Whether a triangle is a point or a line as far as its coordinates can tell.
+/// Whether a triangle is a point or a line as far as its coordinates can tell: lower than the rounding of its largest coordinate.
 pub(crate) fn is_degenerate(positions: &[Vec3], triangle: [u32; 3]) -> bool {
     let [a, b, c] = triangle.map(|v| positions[v as usize].as_dvec3());
     let longest = (b - a).length_squared().max((c - b).length_squared()).max((a - c).length_squared());
-    // Not `<`: a NaN, which no checked position gives, would count as degenerate too.
-    !(area_vector(positions, triangle).length() > 1e-10 * longest)
+    let largest = a.abs().max(b.abs()).max(c.abs()).max_element();
+    let height_times_base = (b - a).cross(c - a).length();
+    // Not `<=`: a NaN, which no checked position gives, would count as degenerate too.
+    !(height_times_base > f64::from(f32::EPSILON) * largest * longest.sqrt())
 }
 
 /// Per triangle the normal at each corner. Vertices at the same place in the same group are joined, whatever their indices; no triangle may be
