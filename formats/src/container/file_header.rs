@@ -92,7 +92,11 @@ impl FileHeader {
                 known,
             }));
         }
-        if (len as usize) < FILE_HEADER_LEN || len > FILE_HEADER_LEN_MAX {
+        let len_max = match version.minor > known.minor {
+            true => FILE_HEADER_LEN_MAX,
+            false => FILE_HEADER_LEN as u32,
+        };
+        if !(FILE_HEADER_LEN as u32..=len_max).contains(&len) {
             let detail = format!("the file header claims to be {len} bytes long");
             return Some(Err(Error::corrupt(Place::new(path, 12), detail)));
         }

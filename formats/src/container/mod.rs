@@ -7,7 +7,7 @@
 //! ```
 //!
 //! [`Writer`] streams chunks to `NAME.partial` and renames it at the end; [`Writer::resume`] continues one that was cut short.
-//! [`Reader`] reads finished files by name..
+//! [`Reader`] reads finished files by name; [`scan`] and [`repair()`] do what can be done with damaged ones.
 //!
 //! Invariants: every byte of a finished file is covered by a checksum. No input makes this code panic, loop, or allocate more
 //! than its [`Limits`](crate::Limits) allow. The same chunks in the same order give the same bytes. What the payloads mean is
@@ -21,9 +21,13 @@ mod file_header;
 mod id;
 mod index;
 mod reader;
+mod repair;
+mod resume;
+mod scan;
 mod source;
 mod tile;
 mod trailer;
+mod walk;
 mod wire;
 mod writer;
 
@@ -34,6 +38,9 @@ pub use encoding::Encoding;
 pub use id::{ChunkId, ChunkKind, FormatVersion, NONE};
 pub use index::ColumnTotals;
 pub use reader::Reader;
+pub use repair::{RepairReport, repair};
+pub use resume::Resumed;
+pub use scan::{DamagedRange, Scan, scan, scan_source};
 pub use source::Source;
 pub use tile::{ColumnEntry, ColumnInfo, TileDirectory};
 pub use writer::{Finished, Writer, partial_path};

@@ -9,6 +9,10 @@ const DIRECTORY_FIXED_LEN: usize = 8;
 /// Bytes per column in a directory.
 const DIRECTORY_COLUMN_LEN: usize = 24;
 
+/// Bytes of the longest directory that the format can hold.
+pub(crate) const DIRECTORY_LEN_MAX: u64 =
+    (DIRECTORY_FIXED_LEN + u8::MAX as usize * DIRECTORY_COLUMN_LEN) as u64;
+
 /// One column to write.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ColumnEntry {

@@ -20,7 +20,7 @@ use crate::error::{Error, Result};
 const INDEX_ZSTD_LEVEL: i32 = 9;
 
 /// Bytes gathered before the system is asked to write; chunks longer than this are not copied.
-const BUFFER_LEN: usize = 256 << 10;
+pub(super) const BUFFER_LEN: usize = 256 << 10;
 
 /// A complete file.
 #[derive(Debug, Clone, PartialEq, Eq)]

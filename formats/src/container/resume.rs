@@ -1,0 +1,167 @@
+//! Continues a capture that was cut short: keeps the whole chunks of `NAME.partial` and drops what follows them.
+
+use std::collections::HashSet;
+use std::fs::OpenOptions;
+use std::io::{self, BufWriter, Seek, SeekFrom};
+use std::path::Path;
+
+use super::FormatVersion;
+use super::chunk_file::{ChunkFile, TilePayload};
+use super::chunk_header::ChunkRecord;
+use super::file_header::FILE_HEADER_LEN;
+use super::id::ChunkKind;
+use super::index::Index;
+use super::reader::read_file_header;
+use super::tile::TileDirectory;
+use super::walk::{Verdict, judge};
+use super::writer::{BUFFER_LEN, Writer, lock, partial_path};
+use crate::error::{Error, Result, check_limit};
+use crate::limits::Limits;
+
+/// An unfinished file that can be read and continued.
+///
+/// Whether it is the same capture is for the caller to say: compare the `META` payload before writing on.
+#[derive(Debug)]
+pub struct Resumed {
+    /// Continues the file after its last whole chunk; [`Writer::chunks`] lists what is there already.
+    pub writer: Writer,
+    /// Bytes that were cut off because they were no whole chunk, or an index that is written anew.
+    pub dropped_bytes: u64,
+    file: ChunkFile,
+}
+
+impl Resumed {
+    /// The payload of a chunk that was there already, as [`Reader::read`](super::Reader::read).
+    ///
+    /// # Errors
+    /// As there.
+    pub fn read(&self, record: &ChunkRecord) -> Result<Vec<u8>> {
+        self.file
+            .read(record, self.file.limits().max_chunk_raw_bytes)
+    }
+
+    /// A tile that was there already, as [`Reader::read_tile`](super::Reader::read_tile).
+    ///
+    /// # Errors
+    /// As there.
+    pub fn read_tile(&self, record: &ChunkRecord) -> Result<TilePayload> {
+        self.file.read_tile(record)
+    }
+
+    /// The columns of a tile that was there already, as [`Reader::tile_directory`](super::Reader::tile_directory).
+    ///
+    /// # Errors
+    /// As there.
+    pub fn tile_directory(&self, record: &ChunkRecord) -> Result<TileDirectory> {
+        self.file.tile_directory(record)
+    }
+
+    /// One column of a tile that was there already, as [`Reader::read_column`](super::Reader::read_column).
+    ///
+    /// # Errors
+    /// As there.
+    pub fn read_column(
+        &self,
+        record: &ChunkRecord,
+        directory: &TileDirectory,
+        id: u8,
+    ) -> Result<Option<Vec<u8>>> {
+        self.file.read_column(record, directory, id)
+    }
+}
+
+impl Writer {
+    /// Continues `NAME.partial`, if there is one. The first byte that belongs to no whole chunk, and all that follow it, are
+    /// cut off: a killed process leaves only its last chunks torn. (After worse damage, [`repair`](super::repair()) saves more.)
+    ///
+    /// The chunks written next give the same file, byte for byte, as if nothing had happened.
+    ///
+    /// # Errors
+    /// [`Error::Busy`] if another process is writing the file; [`Error::NotATrace`], [`Error::ChecksumMismatch`] if its header
+    /// is damaged; [`Error::UnsupportedVersion`] if a newer version began it; [`Error::LimitExceeded`]; [`Error::Io`].
+    pub fn resume(path: &Path, limits: &Limits) -> Result<Option<Resumed>> {
+        let partial = partial_path(path)?;
+        let file = match OpenOptions::new().read(true).write(true).open(&partial) {
+            Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
+            other => other.map_err(|error| Error::io(&partial, "open", error))?,
+        };
+        lock(&file, &partial)?;
+        let found = ChunkFile::open(&partial, limits.clone())?;
+        if header_is_torn(&found)? {
+            file.set_len(0)
+                .map_err(|error| Error::io(&partial, "truncate", error))?;
+            let dropped_bytes = found.len();
+            let writer = Self::start(file, partial, path.to_path_buf(), FormatVersion::CURRENT)?;
+            return Ok(Some(Resumed {
+                writer,
+                dropped_bytes,
+                file: found,
+            }));
+        }
+        let header = read_file_header(&found)?;
+        if header.version > FormatVersion::CURRENT {
+            let known = FormatVersion::CURRENT;
+            return Err(Error::UnsupportedVersion {
+                path: partial,
+                found: header.version,
+                known,
+            });
+        }
+        let (index, ids, offset) = whole_chunks(&found, header.len)?;
+        let dropped_bytes = found.len() - offset;
+        let io = |action| {
+            let partial = partial.clone();
+            move |error| Error::io(&partial, action, error)
+        };
+        file.set_len(offset).map_err(io("truncate"))?;
+        let mut out = BufWriter::with_capacity(BUFFER_LEN, file);
+        out.seek(SeekFrom::Start(offset)).map_err(io("seek in"))?;
+        let writer = Self {
+            out,
+            partial,
+            path: path.to_path_buf(),
+            offset,
+            index,
+            ids,
+            broken: false,
+        };
+        Ok(Some(Resumed {
+            writer,
+            dropped_bytes,
+            file: found,
+        }))
+    }
+}
+
+/// Whether the process was killed before the whole file header was written: the file is a beginning of it.
+fn header_is_torn(file: &ChunkFile) -> Result<bool> {
+    if file.len() == 0 {
+        return Ok(true);
+    }
+    match read_file_header(file) {
+        Err(Error::Truncated { .. }) if file.len() < FILE_HEADER_LEN as u64 => Ok(true),
+        _ => Ok(false),
+    }
+}
+
+/// The chunks from `offset` up to the first that is not whole, and where that is. The index counts as not whole: it would have
+/// to move.
+fn whole_chunks(
+    file: &ChunkFile,
+    mut offset: u64,
+) -> Result<(Index, HashSet<super::ChunkId>, u64)> {
+    let (mut index, mut ids, mut buffer) = (Index::default(), HashSet::new(), Vec::new());
+    while let Verdict::Whole(record, directory) = judge(file, offset, &mut buffer)? {
+        if record.id.kind == ChunkKind::INDX
+            || (!ids.insert(record.id) && record.id.kind.is_known())
+        {
+            break;
+        }
+        let count = index.chunks.len() as u64 + 1;
+        check_limit("number of chunks", count, file.limits().max_index_entries)
+            .map_err(|error| error.at(&file.place(offset)))?;
+        offset = record.end();
+        index.push(record, directory.as_ref());
+    }
+    Ok((index, ids, offset))
+}
