@@ -1,0 +1,235 @@
+//! The replay of frames: tiles in, picture and counts out.
+//!
+//! Tiles are read and decided in parallel, but everything is put together in tile order, and floats are never summed across
+//! threads: the result is the same for any number of them.
+
+mod band;
+pub mod counts;
+pub mod states;
+
+use rayreel_formats::scene::Camera;
+
+use crate::error::{ReplayError, Result};
+use crate::image::resolve::Resolver;
+use crate::image::{Image, psnr, srgb, ssim};
+use crate::policy::Policy;
+use crate::policy::adaptive::Rules;
+use crate::source::TileSource;
+use band::Band;
+use counts::{FrameStats, Quality, TileStats};
+use states::StateMap;
+
+/// What a replay also makes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Options {
+    /// Make the picture of `full` too, and compare with it.
+    pub reference: bool,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self { reference: true }
+    }
+}
+
+/// A replayed frame.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FrameReplay {
+    /// Frame number.
+    pub frame: u32,
+    /// The policy's picture, linear RGB.
+    pub image: Image,
+    /// The picture of `full`, if it was asked for.
+    pub reference: Option<Image>,
+    /// What became of each sample.
+    pub states: StateMap,
+    /// Block edge of the policy in samples; 1 for `full`.
+    pub block: u32,
+    /// Counts and quality.
+    pub stats: FrameStats,
+}
+
+/// Several replayed frames, all in memory.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Replay {
+    /// The frames, in the order asked for.
+    pub frames: Vec<FrameReplay>,
+}
+
+impl Replay {
+    /// The statistics of all frames, as a report takes them.
+    pub fn stats(&self) -> Vec<FrameStats> {
+        self.frames.iter().map(|f| f.stats.clone()).collect()
+    }
+}
+
+/// Replays one frame after the other. Frames are given to it in order: a policy may come to depend on the frame before.
+pub struct Replayer<'a, S: ?Sized> {
+    source: &'a S,
+    rules: Rules,
+    options: Options,
+}
+
+impl<'a, S: TileSource + ?Sized> Replayer<'a, S> {
+    /// Prepares `policy` for the frames of `source`.
+    ///
+    /// # Errors
+    /// A value of the policy out of range, blocks that do not fit the tiles, a trace without samples.
+    pub fn new(source: &'a S, policy: &Policy, options: Options) -> Result<Self> {
+        let meta = source.meta();
+        let (width, height) = meta.grid();
+        if width == 0 || height == 0 || meta.tile == 0 {
+            return Err(ReplayError::Nothing { what: "the sample grid of the trace is empty" });
+        }
+        let rules = Rules::new(policy, (width, height))?;
+        check_tile(meta.tile, rules.lattice.block)?;
+        Ok(Self { source, rules, options })
+    }
+
+    /// Replays frame `frame`.
+    ///
+    /// # Errors
+    /// A frame that the trace does not hold, or that cannot be read.
+    pub fn frame(&mut self, frame: u32) -> Result<FrameReplay> {
+        let meta = self.source.meta();
+        if !meta.frame_numbers().contains(&frame) {
+            let (first, last) = (meta.first_frame, meta.first_frame + meta.frames.saturating_sub(1));
+            return Err(ReplayError::NoSuchFrame { frame, first, last });
+        }
+        let camera = self.source.camera(frame).map_err(|e| ReplayError::Trace {
+            what: "the camera".into(),
+            frame,
+            source: Box::new(e),
+        })?;
+        let mut canvas = Canvas::new(self.source, self.options);
+        self.bands(frame, &camera, &mut canvas)?;
+        canvas.finish(frame, self.rules.lattice.block)
+    }
+
+    fn bands(&self, frame: u32, camera: &Camera, canvas: &mut Canvas) -> Result<()> {
+        let mut above: Option<Band> = None;
+        for row in 0..self.source.meta().tile_grid().1 {
+            let band = Band::open(self.source, &self.rules, camera, frame, row)?;
+            if let Some(mut above) = above.take() {
+                let stats = above.close(&self.rules, Some(&band));
+                canvas.add(&above, stats);
+            }
+            above = Some(band);
+        }
+        if let Some(mut last) = above {
+            let stats = last.close(&self.rules, None);
+            canvas.add(&last, stats);
+        }
+        Ok(())
+    }
+}
+
+/// Replays `frames` and keeps them all.
+///
+/// # Errors
+/// As [`Replayer::new`] and [`Replayer::frame`].
+pub fn replay<S: TileSource + ?Sized>(
+    source: &S,
+    policy: &Policy,
+    frames: impl IntoIterator<Item = u32>,
+    options: Options,
+) -> Result<Replay> {
+    let mut kept = Vec::new();
+    replay_each(source, policy, frames, options, |frame| {
+        kept.push(frame);
+        Ok(())
+    })?;
+    Ok(Replay { frames: kept })
+}
+
+/// Replays `frames` one by one, gives each to `sink` and keeps only its statistics.
+///
+/// # Errors
+/// As [`Replayer::new`] and [`Replayer::frame`], and what `sink` returns.
+pub fn replay_each<S: TileSource + ?Sized>(
+    source: &S,
+    policy: &Policy,
+    frames: impl IntoIterator<Item = u32>,
+    options: Options,
+    mut sink: impl FnMut(FrameReplay) -> Result<()>,
+) -> Result<Vec<FrameStats>> {
+    let mut replayer = Replayer::new(source, policy, options)?;
+    let mut stats = Vec::new();
+    for number in frames {
+        let frame = replayer.frame(number)?;
+        stats.push(frame.stats.clone());
+        sink(frame)?;
+    }
+    if stats.is_empty() {
+        return Err(ReplayError::Nothing { what: "no frame was chosen" });
+    }
+    Ok(stats)
+}
+
+/// Tiles must begin at R-samples.
+fn check_tile(tile: u32, block: u32) -> Result<()> {
+    if tile.is_multiple_of(block) {
+        return Ok(());
+    }
+    let blocks: Vec<_> = [2, 3, 4, 8].into_iter().filter(|&b| tile.is_multiple_of(b)).map(|b| b.to_string()).collect();
+    let below = tile / block * block;
+    let tiles: Vec<_> = [below, below + block].into_iter().filter(|&t| t > 0).map(|t| t.to_string()).collect();
+    let blocks = if blocks.is_empty() { "none does".into() } else { blocks.join(", ") };
+    Err(ReplayError::TileSize { tile, block, blocks, tiles: tiles.join(" or ") })
+}
+
+/// A frame that is being put together.
+struct Canvas {
+    image: Resolver,
+    reference: Option<Resolver>,
+    states: StateMap,
+    tiles: Vec<TileStats>,
+}
+
+impl Canvas {
+    fn new<S: TileSource + ?Sized>(source: &S, options: Options) -> Self {
+        let meta = source.meta();
+        let resolver = || Resolver::new(meta.width, meta.height, meta.samples);
+        Self {
+            image: resolver(),
+            reference: options.reference.then(resolver),
+            states: StateMap::new(meta.grid()),
+            tiles: Vec::new(),
+        }
+    }
+
+    /// Takes over a decided band; bands come top to bottom.
+    fn add(&mut self, band: &Band, stats: Vec<TileStats>) {
+        let rows = band.tiles.first().map_or(0..0, |t| t.rect().y..t.rect().y + t.rect().height);
+        for y in rows {
+            for view in &band.tiles {
+                let rect = view.rect();
+                for x in rect.x..rect.x + rect.width {
+                    self.image.add(x, y, view.point(x, y).colour);
+                    if let Some(state) = view.state(x, y) {
+                        self.states.set(x, y, state);
+                    }
+                }
+                if let Some(reference) = &mut self.reference {
+                    (rect.x..).zip(view.recorded_row(y)).for_each(|(x, colour)| reference.add(x, y, colour));
+                }
+            }
+        }
+        self.tiles.extend(stats);
+    }
+
+    fn finish(self, frame: u32, block: u32) -> Result<FrameReplay> {
+        let image = self.image.finish();
+        let reference = self.reference.map(Resolver::finish);
+        let quality = reference.as_ref().map(|full| compare(&image, full)).transpose()?;
+        let counts = self.tiles.iter().map(|t| t.counts).sum();
+        let stats = FrameStats { frame, counts, tiles: self.tiles, quality };
+        Ok(FrameReplay { frame, image, reference, states: self.states, block, stats })
+    }
+}
+
+fn compare(image: &Image, full: &Image) -> Result<Quality> {
+    let (a, b) = (srgb::encode(image), srgb::encode(full));
+    let squared_error = psnr::squared_error(&a, &b)?;
+    Ok(Quality { squared_error, values: a.values() as u64, ssim: ssim::ssim(&a, &b)? })
+}

@@ -1,0 +1,51 @@
+//! Where the R-samples of a frame stand.
+
+/// The R-sample grid of a frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Lattice {
+    /// Columns of samples in the frame.
+    pub width: u32,
+    /// Rows of samples in the frame.
+    pub height: u32,
+    /// Block edge in samples; 1 makes every sample an R-sample.
+    pub block: u32,
+}
+
+impl Lattice {
+    /// True for a column of R-samples: a multiple of the block, or the last one.
+    pub fn is_column(&self, x: u32) -> bool {
+        x.is_multiple_of(self.block) || x + 1 == self.width
+    }
+
+    /// True for a row of R-samples: a multiple of the block, or the last one.
+    pub fn is_row(&self, y: u32) -> bool {
+        y.is_multiple_of(self.block) || y + 1 == self.height
+    }
+
+    /// The R-columns in `from..to`, ascending.
+    pub fn columns(&self, from: u32, to: u32) -> impl Iterator<Item = u32> + use<> {
+        let own = *self;
+        (from..to).filter(move |&x| own.is_column(x))
+    }
+
+    /// The R-rows in `from..to`, ascending.
+    pub fn rows(&self, from: u32, to: u32) -> impl Iterator<Item = u32> + use<> {
+        let own = *self;
+        (from..to).filter(move |&y| own.is_row(y))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_last_column_and_row_close_the_frame() {
+        let lattice = Lattice { width: 8, height: 7, block: 3 };
+        assert_eq!(lattice.columns(0, 8).collect::<Vec<_>>(), [0, 3, 6, 7]);
+        assert_eq!(lattice.rows(0, 7).collect::<Vec<_>>(), [0, 3, 6]);
+        assert_eq!(lattice.columns(3, 6).collect::<Vec<_>>(), [3]);
+        let every = Lattice { width: 3, height: 1, block: 1 };
+        assert_eq!(every.columns(0, 3).count(), 3);
+    }
+}

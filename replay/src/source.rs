@@ -1,0 +1,25 @@
+//! Where a replay reads from: a trace, or a synthetic frame of a test.
+
+use rayreel_formats::scene::{Camera, Meta};
+use rayreel_formats::tile::Tile;
+
+/// A recorded frame sequence. Every call may come from any thread.
+pub trait TileSource: Sync {
+    /// What was captured.
+    fn meta(&self) -> &Meta;
+
+    /// The object that a triangle (in leaf order) belongs to.
+    fn object_of(&self, triangle: u32) -> u32;
+
+    /// The camera of a frame.
+    ///
+    /// # Errors
+    /// When the source cannot be read or does not hold the frame.
+    fn camera(&self, frame: u32) -> rayreel_formats::Result<Camera>;
+
+    /// The ray trees, hits and radiance of a tile; traversal paths may be missing.
+    ///
+    /// # Errors
+    /// When the source cannot be read or does not hold the tile.
+    fn tile(&self, frame: u32, index: u32) -> rayreel_formats::Result<Tile>;
+}

@@ -1,0 +1,182 @@
+//! The adaptive policy against a slow second implementation, and against samples it must not see.
+
+mod common;
+
+use common::poison::Poisoned;
+use common::reference::{self, How, Outcome};
+use common::synthetic::{Look, Synthetic};
+use common::{adaptive, policy};
+use rayreel_replay::frame::counts::RayCounts;
+use rayreel_replay::image::resolve::Resolver;
+use rayreel_replay::policy::view::SampleState;
+use rayreel_replay::policy::{Adaptive, Apron, Limit, Policy, Refine};
+use rayreel_replay::{FrameReplay, Options, TileSource, replay};
+
+const FRAME: u32 = 6;
+
+fn run<S: TileSource>(source: &S, policy: &Policy, threads: usize) -> FrameReplay {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+    let options = Options::default();
+    pool.install(|| replay(source, policy, [FRAME], options)).unwrap().frames.remove(0)
+}
+
+fn kinds(rays: RayCounts) -> reference::Rays {
+    [rays.primary, rays.reflection, rays.refraction, rays.shadow]
+}
+
+fn assert_same<S: TileSource>(source: &S, frame: &FrameReplay, expected: &Outcome, what: &str) {
+    let meta = source.meta();
+    let (width, height) = meta.grid();
+    let mut resolver = Resolver::new(meta.width, meta.height, meta.samples);
+    for y in 0..height {
+        for x in 0..width {
+            let i = y as usize * expected.width + x as usize;
+            let how = match frame.states.state(x, y) {
+                SampleState::Reference => How::R,
+                SampleState::Traced => How::Traced,
+                SampleState::Interpolated => How::Interpolated,
+            };
+            assert_eq!(how, expected.how[i], "{what}: sample ({x}, {y})");
+            resolver.add(x, y, expected.colours[i].into());
+        }
+    }
+    let (image, bits) = (resolver.finish(), |v: &[f32; 3]| v.map(f32::to_bits));
+    assert!(image.pixels.iter().map(bits).eq(frame.image.pixels.iter().map(bits)), "{what}: colours");
+    let counts = &frame.stats.counts;
+    let number = |how| expected.how.iter().filter(|h| **h == how).count() as u64;
+    assert_eq!(counts.samples_reference, number(How::R), "{what}");
+    assert_eq!(counts.samples_traced, number(How::R) + number(How::Traced), "{what}");
+    assert_eq!(counts.samples_interpolated, number(How::Interpolated), "{what}");
+    assert_eq!(counts.samples_full, expected.how.len() as u64, "{what}");
+    assert_eq!(counts.samples_apron, expected.samples_apron, "{what}");
+    assert_eq!(kinds(counts.rays_full), expected.rays_full, "{what}");
+    assert_eq!(kinds(counts.rays_traced), expected.rays_traced, "{what}");
+    assert_eq!(kinds(counts.rays_apron), expected.rays_apron, "{what}");
+    let tiles: Vec<_> =
+        frame.stats.tiles.iter().map(|t| (kinds(t.counts.rays_traced), kinds(t.counts.rays_apron))).collect();
+    assert_eq!(tiles, expected.tiles, "{what}: tiles");
+}
+
+/// Sizes whose grids end in every way: on a block, past a block, on a tile, one sample past a tile, smaller than a block.
+const SIZES: [(u32, u32); 6] = [(48, 24), (47, 35), (25, 49), (1, 1), (2, 50), (31, 1)];
+
+fn policies() -> Vec<Adaptive> {
+    let mut list = Vec::new();
+    for block in [2, 3, 4, 8] {
+        for refine in [Refine::Direct, Refine::Hierarchical] {
+            for apron in [Apron::Share, Apron::Retrace] {
+                list.push(adaptive(block, refine, apron));
+            }
+        }
+    }
+    list
+}
+
+#[test]
+fn equals_the_reference() {
+    for (i, &size) in SIZES.iter().enumerate() {
+        for look in [Look::Discs, Look::Noise] {
+            // A tile of 24 samples is a multiple of every block.
+            let source = Synthetic::new(look, size, 1 + i as u32 % 2, 24, i as u64);
+            for own in policies() {
+                let what = format!("{look:?} {size:?} {own:?}");
+                let expected = reference::replay(&source, &own, FRAME);
+                let policy = Policy::Adaptive(own);
+                let frame = run(&source, &policy, 1);
+                assert_same(&source, &frame, &expected, &what);
+                assert_eq!(run(&source, &policy, 4), frame, "{what}: threads");
+            }
+        }
+    }
+}
+
+#[test]
+fn equals_the_reference_under_all_tests() {
+    let source = Synthetic::new(Look::Discs, (40, 30), 2, 16, 3);
+    let noise = Synthetic::new(Look::Noise, (40, 30), 2, 16, 4);
+    for switches in 0u32..32 {
+        let on = |bit: u32, value: f64| if switches >> bit & 1 == 1 { Limit::At(value) } else { Limit::Off };
+        let mut own = adaptive(4, Refine::Hierarchical, Apron::Retrace);
+        own.similarity.object_id = switches & 1 == 1;
+        own.similarity.shadow = switches & 2 == 2;
+        own.similarity.normal_deg = on(2, 7.5);
+        own.similarity.position = on(3, 0.05);
+        own.similarity.plane = on(4, 0.01);
+        for source in [&source, &noise] {
+            let expected = reference::replay(source, &own, FRAME);
+            assert_same(source, &run(source, &Policy::Adaptive(own.clone()), 2), &expected, &format!("{own:?}"));
+        }
+    }
+}
+
+#[test]
+fn tiles_do_not_change_the_picture() {
+    let own = policy(3, Refine::Hierarchical, Apron::Share);
+    let whole = run(&Synthetic::new(Look::Discs, (45, 33), 2, 96, 1), &own, 2);
+    // 15 is odd: pixels of two samples straddle tiles.
+    for tile in [3, 15, 24] {
+        let frame = run(&Synthetic::new(Look::Discs, (45, 33), 2, tile, 1), &own, 2);
+        assert_eq!((&frame.image, &frame.states), (&whole.image, &whole.states), "tile {tile}");
+        assert_eq!(frame.reference, whole.reference, "tile {tile}");
+        assert_eq!(frame.stats.counts, whole.stats.counts, "tile {tile}");
+    }
+}
+
+#[test]
+fn untraced_samples_are_never_read() {
+    for look in [Look::Discs, Look::Noise] {
+        let source = Synthetic::new(look, (37, 29), 2, 24, 9);
+        for own in policies() {
+            let policy = Policy::Adaptive(own);
+            let clean = run(&source, &policy, 2);
+            assert!(clean.stats.counts.samples_interpolated > 0, "nothing to poison");
+            for seed in 0..2 {
+                let poisoned = Poisoned { source: &source, states: &clean.states, seed };
+                let frame = run(&poisoned, &policy, 2);
+                assert_eq!(frame.image, clean.image, "{policy:?}");
+                assert_eq!(frame.states, clean.states, "{policy:?}");
+                let (a, b) = (&frame.stats.counts, &clean.stats.counts);
+                assert_eq!((a.rays_traced, a.rays_apron), (b.rays_traced, b.rays_apron), "{policy:?}");
+                assert_ne!(frame.reference, clean.reference, "the poison is real");
+            }
+        }
+    }
+}
+
+#[test]
+fn full_traces_everything_once() {
+    let source = Synthetic::new(Look::Noise, (19, 23), 2, 7, 2);
+    let frame = run(&source, &Policy::Full, 2);
+    let counts = &frame.stats.counts;
+    assert_eq!(counts.samples_traced, 19 * 23 * 4);
+    assert_eq!((counts.samples_traced, counts.samples_interpolated), (counts.samples_full, 0));
+    assert_eq!(counts.rays_traced, counts.rays_full);
+    assert_eq!((counts.samples_apron, counts.rays_apron, counts.rays_saved()), (0, RayCounts::default(), 0));
+    assert_eq!(counts.similarity_ratio(), None);
+    assert_eq!(frame.reference.as_ref(), Some(&frame.image));
+    let quality = frame.stats.quality.unwrap();
+    assert_eq!((quality.squared_error, quality.ssim), (0, Some(1.0)));
+    let rays: u64 = (0..source.meta.tile_count()).map(|i| source.tile(FRAME, i).unwrap().tree.ray_count()).sum();
+    assert_eq!(counts.rays_full.total(), rays);
+}
+
+/// One flat object on a 9 x 5 grid, tiles of 4, blocks of 4: R-columns 0 4 8, R-rows 0 4.
+#[test]
+fn a_flat_frame_by_hand() {
+    let source = Synthetic::new(Look::Flat, (9, 5), 1, 4, 0);
+    let frame = run(&source, &policy(4, Refine::Direct, Apron::Retrace), 2);
+    let counts = &frame.stats.counts;
+    assert_eq!((counts.samples_reference, counts.samples_traced, counts.samples_interpolated), (6, 6, 39));
+    assert_eq!(counts.similarity_ratio(), Some(1.0));
+    // One primary and one shadow ray a sample.
+    assert_eq!((counts.rays_full.total(), counts.rays_traced.total()), (90, 12));
+    // Tiles 0 and 1 each see two R-samples to the right (closing column and corner) and one below; tile 2, the single
+    // column 8, one below; tiles 3 and 4, the single row 4, one to the right; tile 5 none.
+    let apron: Vec<_> = frame.stats.tiles.iter().map(|t| t.counts.samples_apron).collect();
+    assert_eq!(apron, [3, 3, 1, 1, 1, 0]);
+    assert_eq!(counts.rays_saved(), 90 - 12 - 18);
+    // A tile of one R-sample and nothing else has no ratio.
+    assert_eq!(frame.stats.tiles[5].counts.similarity_ratio(), None);
+    assert_eq!(frame.stats.tiles[0].counts.similarity_ratio(), Some(1.0));
+    assert_eq!((frame.states.wave(0, 0), frame.states.wave(1, 0), frame.states.wave(1, 1)), (0, 1, 2));
+}
