@@ -24,9 +24,10 @@ pub fn scene() -> Result<Scene, SceneError> {
     let blue = out.material(builder::polished("blue", [0.10, 0.20, 0.48], 0.05, 120));
     let lamp = out.material(Material { emission: Vec3::new(1.0, 0.95, 0.82), ..builder::matte("lamp", [0.0; 3]) });
     room(&mut out, white, red, green);
-    let panel = block::block(DVec3::new(-0.45, HEIGHT - 0.03, -0.5), DVec3::new(0.45, HEIGHT + 0.01, 0.25));
+    // Just under the ceiling, facing down.
+    let panel = block::rectangle(DVec3::new(-0.45, HEIGHT - 0.004, -0.5), DVec3::new(0.9, 0.0, 0.0), DVec3::new(0.0, 0.0, 0.75));
     out.object("lamp", &panel, lamp);
-    let tall = block::block(DVec3::new(-0.34, 0.0, -0.34), DVec3::new(0.34, 1.16, 0.34)).turned(24.0);
+    let tall = block::block(DVec3::new(-0.34, 0.0, -0.34), DVec3::new(0.34, 1.16, 0.34)).turned(41.0);
     out.object("mirror box", &tall.at(-0.72, 0.0, -0.35), steel);
     let short = block::block(DVec3::new(-0.27, 0.0, -0.27), DVec3::new(0.27, 0.46, 0.27)).turned(-18.0);
     out.object("short box", &short.at(1.18, 0.0, -0.45), blue);

@@ -1,6 +1,11 @@
 //! The built-in scenes, generated at run time.
 
+mod chess;
+mod chessmen;
 mod cornell;
+mod knight;
+mod newell;
+mod teapot;
 
 use crate::{
     error::{SceneError, hint},
@@ -10,7 +15,7 @@ use crate::{
 /// The names that [`builtin()`] knows.
 #[must_use]
 pub fn builtin_names() -> &'static [&'static str] {
-    &["cornell"]
+    &["cornell", "teapot", "chess"]
 }
 
 /// Generates a built-in scene.
@@ -20,6 +25,8 @@ pub fn builtin_names() -> &'static [&'static str] {
 pub fn builtin(name: &str) -> Result<Scene, SceneError> {
     match name {
         "cornell" => cornell::scene(),
+        "chess" => chess::scene(),
+        "teapot" => teapot::scene(),
         _ => Err(SceneError::UnknownScene { name: name.to_owned(), hint: hint(name, builtin_names(), "built-in scenes") }),
     }
 }

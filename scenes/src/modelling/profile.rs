@@ -32,7 +32,7 @@ pub fn sample(knots: &[Knot], step: f64) -> Vec<DVec2> {
     for i in 1..knots.len() {
         let (a, b) = (knots[i - 1], knots[i]);
         let straight = a.sharp && b.sharp;
-        let pieces = if straight { 1 } else { libm::ceil((b.point - a.point).length() / step).max(2.0) as usize };
+        let pieces = if straight { 1 } else { libm::ceil((b.point - a.point).length() / step).max(1.0) as usize };
         // At a corner the neighbour beyond it must not pull on the curve: reflect the other end instead.
         let before = if a.sharp || i < 2 { a.point * 2.0 - b.point } else { knots[i - 2].point };
         let after = if b.sharp || i + 1 >= knots.len() { b.point * 2.0 - a.point } else { knots[i + 1].point };
