@@ -41,7 +41,7 @@ fn resume(path: &Path, bytes: &[u8], chunks: &[EncodedChunk]) -> Vec<u8> {
 #[test]
 fn resuming_after_a_cut_at_any_byte_gives_the_same_file() {
     let (chunks, whole) = (sample(), sample_bytes());
-    let folder = tempfile::tempdir().unwrap();
+    let folder = container_support::folder();
     let path = folder.path().join("t");
     for cut in 0..=whole.len() {
         assert!(
@@ -56,7 +56,7 @@ fn resuming_after_a_cut_at_any_byte_gives_the_same_file() {
 #[test]
 fn resuming_after_a_damaged_byte_gives_the_same_file() {
     let (chunks, whole) = (sample(), sample_bytes());
-    let folder = tempfile::tempdir().unwrap();
+    let folder = container_support::folder();
     let path = folder.path().join("t");
     for at in 32..whole.len() {
         let mut bytes = whole.clone();
@@ -67,7 +67,7 @@ fn resuming_after_a_damaged_byte_gives_the_same_file() {
 
 #[test]
 fn nothing_to_resume() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = container_support::folder();
     assert!(
         Writer::resume(&folder.path().join("t"), &Limits::default())
             .unwrap()
@@ -77,7 +77,7 @@ fn nothing_to_resume() {
 
 #[test]
 fn what_is_not_ours_is_not_touched() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = container_support::folder();
     let path = folder.path().join("t");
     let mut newer = sample_bytes();
     patch(&mut newer, 10, &1_u16.to_le_bytes(), 0, 28);
@@ -97,7 +97,7 @@ fn what_is_not_ours_is_not_touched() {
 
 #[test]
 fn a_resumed_writer_knows_its_chunks() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = container_support::folder();
     let path = folder.path().join("t");
     fs::write(partial(&path), sample_bytes()).unwrap();
     let mut resumed = Writer::resume(&path, &Limits::default()).unwrap().unwrap();

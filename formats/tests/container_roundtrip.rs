@@ -80,7 +80,7 @@ fn an_empty_trace_is_a_trace() {
 
 #[test]
 fn the_writer_keeps_its_rules() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = container_support::folder();
     assert!(matches!(
         Writer::create(&folder.path().join("no/such/t")),
         Err(Error::Io { .. })
@@ -133,7 +133,7 @@ fn the_writer_keeps_its_rules() {
 
 #[test]
 fn a_partial_file_is_not_overwritten() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = container_support::folder();
     let path = folder.path().join("t");
     let writer = Writer::create(&path).unwrap();
     assert!(matches!(

@@ -2,6 +2,8 @@
 
 #![allow(dead_code, reason = "each test binary uses its own part of this")]
 
+pub mod forge;
+
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -55,9 +57,16 @@ pub fn sample() -> Vec<EncodedChunk> {
     ]
 }
 
+/// A new folder, in memory where there is such a place: these tests finish thousands of files, each forced to the disk.
+pub fn folder() -> TempDir {
+    tempfile::tempdir_in("/dev/shm")
+        .or_else(|_| tempfile::tempdir())
+        .unwrap()
+}
+
 /// Writes chunks to `trace.rtrace` in a new folder.
 pub fn write(chunks: &[EncodedChunk]) -> (TempDir, PathBuf) {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = folder();
     let path = folder.path().join("trace.rtrace");
     let mut writer = Writer::create(&path).unwrap();
     for chunk in chunks {

@@ -1,0 +1,120 @@
+//! The input is in the hands of an attacker. The contract: an error, or the content that was written; never a panic. (Memory is
+//! watched in `container_memory.rs`.)
+
+mod container_support;
+
+use container_support::forge::{Forge, expect_corrupt};
+use container_support::{read_bytes, sample, sample_bytes, write};
+use rayreel_formats::container::{ChunkId, Reader};
+use rayreel_formats::{Error, Limits};
+
+#[test]
+fn every_flipped_byte_is_noticed() {
+    let whole = sample_bytes();
+    let content = read_bytes(&whole).unwrap();
+    for at in 0..whole.len() {
+        for flip in (0..8).map(|bit| 1 << bit).chain([0xff]) {
+            let mut bytes = whole.clone();
+            bytes[at] ^= flip;
+            match read_bytes(&bytes) {
+                Ok(found) => assert_eq!(found, content, "byte {at} ^ {flip:#x}"),
+                Err(error) => assert!(!error.to_string().is_empty()),
+            }
+        }
+    }
+}
+
+#[test]
+fn every_truncation_is_noticed() {
+    let whole = sample_bytes();
+    for len in 0..whole.len() {
+        let error = read_bytes(&whole[..len]).unwrap_err();
+        match len {
+            0 => assert!(matches!(error, Error::NotATrace { .. })),
+            1..32 => assert!(matches!(error, Error::Truncated { .. }), "{len}: {error}"),
+            _ => assert!(
+                matches!(error, Error::MissingIndex { .. }),
+                "{len}: {error}"
+            ),
+        }
+    }
+    let mut longer = whole;
+    longer.push(0);
+    assert!(read_bytes(&longer).is_err());
+}
+
+#[test]
+fn errors_say_where() {
+    let (_folder, path) = write(&sample());
+    let mut bytes = std::fs::read(&path).unwrap();
+    let reader = Reader::open(&path, Limits::default()).unwrap();
+    let record = *reader.find(ChunkId::tile(0, 1)).unwrap();
+    let last = record.end() as usize - 1;
+    bytes[last] ^= 1;
+    std::fs::write(&path, &bytes).unwrap();
+    let error = Reader::open(&path, Limits::default())
+        .unwrap()
+        .read(&record)
+        .unwrap_err()
+        .to_string();
+    let start = format!(
+        "{}, byte {}, frame 0, tile 1: checksum of the chunk payload",
+        path.display(),
+        record.offset
+    );
+    assert!(error.starts_with(&start), "{error}");
+    let directory = reader.tile_directory(&record).unwrap();
+    let error = reader.read_column(&record, &directory, 7).unwrap_err();
+    assert!(
+        error
+            .to_string()
+            .contains("checksum of the column 7 does not hold"),
+        "{error}"
+    );
+    assert!(
+        reader.read_column(&record, &directory, 2).is_ok(),
+        "the other column is still good"
+    );
+}
+
+#[test]
+fn forged_content_is_refused() {
+    let forge = Forge::new;
+    let (tile, entry) = (forge().tile, forge().tile_entry);
+    expect_corrupt(forge().index_field(entry, b"INDX"), "lists an index");
+    expect_corrupt(forge().index_field(entry, b"META"), "do not fit the kind");
+    expect_corrupt(
+        forge().index_field(entry + 8, &1_u32.to_le_bytes()),
+        "second TILE chunk of frame 0, tile 1",
+    );
+    expect_corrupt(forge().directory_field(4, &[9]), "do not ascend");
+    let unknown = forge()
+        .header_field(tile, 16, &[9])
+        .index_field(entry + 12, &[9])
+        .error();
+    assert!(
+        matches!(unknown, Error::UnsupportedEncoding { encoding: 9, .. }),
+        "{unknown}"
+    );
+    let totals = 16 + 48 * 9 + 8 + 8;
+    expect_corrupt(forge().index_field(totals, &[0xee]), "do not add up");
+}
+
+#[test]
+fn limits_bind() {
+    let with = |change: fn(&mut Limits)| {
+        let mut limits = Limits::default();
+        change(&mut limits);
+        let reader = Reader::from_bytes(sample_bytes(), limits)?;
+        container_support::read_all(&reader)
+    };
+    assert!(with(|_| ()).is_ok());
+    for change in [
+        (|limits| limits.max_chunk_packed_bytes = 60) as fn(&mut Limits),
+        |limits| limits.max_chunk_raw_bytes = 299,
+        |limits| limits.max_index_entries = 8,
+        |limits| limits.max_columns_per_tile = 2,
+    ] {
+        assert!(matches!(with(change), Err(Error::LimitExceeded { .. })));
+    }
+}
