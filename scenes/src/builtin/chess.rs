@@ -32,10 +32,10 @@ pub fn scene() -> Result<Scene, SceneError> {
     let ebony = out.material(builder::polished("ebony", [0.075, 0.026, 0.018], 0.075, 220));
     side(&mut out, "glass", glass, 1.0);
     side(&mut out, "ebony", ebony, -1.0);
-    out.point_light([5.0, 11.0, -3.5], [0.86, 0.80, 0.70]);
+    out.point_light([5.0, 11.0, -3.5], [0.94, 0.87, 0.76]);
     out.point_light([-8.0, 8.0, 6.0], [0.36, 0.40, 0.46]);
-    out.sky([0.10, 0.18, 0.34], [0.60, 0.66, 0.74], [0.18, 0.16, 0.15], 0.45);
-    let hero = Camera { eye: Vec3::new(4.9, 4.1, 8.6), target: Vec3::new(0.15, 0.35, 0.25), up: Vec3::Y, vfov_deg: 30.0 };
+    out.sky([0.07, 0.13, 0.28], [0.46, 0.53, 0.63], [0.13, 0.11, 0.10], 0.50);
+    let hero = Camera { eye: Vec3::new(4.7, 4.3, 10.4), target: Vec3::new(-0.1, 0.2, 0.35), up: Vec3::Y, vfov_deg: 29.5 };
     out.finish(camera::orbit(hero, FRAMES, 0.8))
 }
 
@@ -47,9 +47,12 @@ fn side(out: &mut SceneBuilder, name: &str, material: u32, front: f64) {
         let men = [(RANK[file], 3.5), (PieceKind::Pawn, 2.5)];
         for (kind, rank) in men {
             let parts = chessmen::piece(kind);
-            // Knights look at the enemy, a little towards the middle; they are modelled looking along x.
-            let inward = if x < 0.0 { -18.0 } else { 18.0 };
-            let turn = if front > 0.0 { 90.0 + inward } else { -90.0 - inward };
+            // Knights look at the enemy, turned towards the middle; they are modelled looking along x.
+            let inward = if x < 0.0 { -40.0 } else { 40.0 };
+            let turn = if kind == PieceKind::Bishop {
+                // The cut of the mitre towards the camera.
+                -38.0
+            } else if front > 0.0 { 90.0 + inward } else { -90.0 - inward };
             let place = |part: &Part| part.clone().turned(turn).at(x, 0.0, rank * front);
             let mut parts = parts.iter();
             if let Some(first) = parts.next() {
@@ -98,13 +101,13 @@ fn frame_part() -> Part {
 
 /// A round wooden table.
 fn table(out: &mut SceneBuilder) {
-    let planks = out.texture(paint::paint("oak", 1024, |u, v| paint::wood(u, v, 6.0, DVec3::new(0.20, 0.105, 0.05), DVec3::new(0.44, 0.27, 0.145))));
+    let planks = out.texture(paint::paint("oak", 1024, |u, v| paint::wood(u * 2.0, v, 13.0, DVec3::new(0.075, 0.034, 0.016), DVec3::new(0.25, 0.125, 0.058))));
     let mut top = builder::polished("table", [1.0; 3], 0.035, 60);
     top.diffuse_map = Some(planks);
     let top = out.material(top);
     let edge = out.material(builder::polished("table edge", [0.16, 0.08, 0.04], 0.04, 60));
     let at = |part: Part| part.at(0.0, -0.34, 0.0);
-    let disc = lathe(&[DVec2::new(10.6, 0.0), DVec2::new(0.0, 0.0)], 72).planar_uv(DVec2::ZERO, 9.0);
+    let disc = lathe(&[DVec2::new(10.6, 0.0), DVec2::new(0.0, 0.0)], 72).planar_uv(DVec2::ZERO, 21.6);
     out.object("table", &at(disc), top);
     let rim = [c(0.0, -0.7), c(9.8, -0.7), s(10.7, -0.5), s(10.85, -0.2), s(10.75, 0.0), c(10.6, 0.0)];
     out.extend(&at(lathe(&sample(&rim, 0.4), 72)), edge);

@@ -80,7 +80,7 @@ fn pawn() -> Part {
     let mut knots = foot(0.31, 0.50);
     knots.extend([c(0.125, 0.54), s(0.205, 0.565), s(0.20, 0.59), c(0.115, 0.615)]);
     knots.extend([s(0.155, 0.655), s(0.178, 0.735), s(0.150, 0.825), s(0.08, 0.885), c(0.0, 0.90)]);
-    turned(&knots, 0.085, 18)
+    turned(&knots, 0.085, 17)
 }
 
 /// Six merlons; the wall between them drops to the platform behind.
@@ -127,7 +127,7 @@ fn bishop() -> Part {
     let outline = sample(&MITRE, 0.01);
     lathe_with(profile.len(), 24, |row, angle, _| {
         let Some(at) = row.checked_sub(first).filter(|at| *at < MITRE_ROWS.len()) else { return profile[row] };
-        let (_, cos) = sin_cos(angle - 2.2);
+        let (_, cos) = sin_cos(angle - std::f64::consts::FRAC_PI_2);
         // Full tilt at the cut, none at the ends; gentle enough that rows never cross.
         let away = (profile[row].y - 1.095) / 0.225;
         let y = profile[row].y + 0.085 * cos * (1.0 - away * away).max(0.0);
@@ -176,5 +176,5 @@ fn king() -> Vec<Part> {
         .collect();
     // The cross faces the players, who sit along the direction that knights look in.
     let cross = block::prism(&outline, 0.028).turned(90.0).at(0.0, 1.735, 0.0);
-    vec![turned(&knots, 0.10, 32), cross]
+    vec![turned(&knots, 0.10, 28), cross]
 }

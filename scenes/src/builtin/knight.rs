@@ -13,7 +13,7 @@ use crate::{
 };
 
 /// Points round the skin.
-const SEGMENTS: usize = 24;
+const SEGMENTS: usize = 22;
 
 /// The solids of the knight, looking along x.
 pub fn parts() -> Vec<Part> {

@@ -72,7 +72,7 @@ fn tumbler() -> Part {
         s(0.56, 0.20),
         c(0.0, 0.20),
     ];
-    lathe(&sample(&knots, 0.30), 40)
+    lathe(&sample(&knots, 0.22), 42)
 }
 
 /// Tea, a hair's breadth inside the glass.
