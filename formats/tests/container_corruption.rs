@@ -5,6 +5,7 @@ mod container_support;
 
 use container_support::forge::{Forge, expect_corrupt};
 use container_support::{read_bytes, sample, sample_bytes, write};
+use proptest::prelude::*;
 use rayreel_formats::container::{ChunkId, Reader};
 use rayreel_formats::{Error, Limits};
 
@@ -116,5 +117,46 @@ fn limits_bind() {
         |limits| limits.max_columns_per_tile = 2,
     ] {
         assert!(matches!(with(change), Err(Error::LimitExceeded { .. })));
+    }
+}
+
+/// Fields worth lying with: small, at the edges of their types, and anything.
+fn any_field() -> impl Strategy<Value = Vec<u8>> {
+    let word = prop_oneof![
+        0..200_u64,
+        (0..64_u32).prop_map(|bit| 1 << bit),
+        Just(u64::MAX),
+        any::<u64>()
+    ];
+    (word, prop_oneof![Just(1_usize), Just(4), Just(8)])
+        .prop_map(|(word, len)| word.to_le_bytes()[..len].to_vec())
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { failure_persistence: None, cases: 400, ..ProptestConfig::default() })]
+
+    /// Checksums are no defence against an attacker: with all of them right, a lie is still refused or harmless.
+    #[test]
+    fn lies_never_panic(
+        index in prop::collection::vec((0..528_usize, any_field()), 0..3),
+        directory in prop::option::of((0..69_usize, any_field())),
+        header in prop::option::of((4..37_usize, any_field())),
+        trailer in prop::option::of((0..17_usize, any_field())),
+    ) {
+        let mut forge = Forge::new();
+        if let Some((at, value)) = directory {
+            forge = forge.directory_field(at, &value);
+        }
+        if let Some((at, value)) = header {
+            let tile = forge.tile;
+            forge = forge.header_field(tile, at, &value);
+        }
+        for (at, value) in index {
+            forge = forge.index_field(at, &value);
+        }
+        if let Some((at, value)) = trailer {
+            forge = forge.trailer_field(at, &value);
+        }
+        let _ = forge.read();
     }
 }

@@ -69,10 +69,10 @@ pub fn scan(path: &Path, limits: &Limits) -> Result<Scan> {
     scan_file(&ChunkFile::open(path, limits.clone())?)
 }
 
-/// Walks through any source, as [`scan`]; `path` names it in errors.
+/// Walks through any source, as [`scan()`]; `path` names it in errors.
 ///
 /// # Errors
-/// As [`scan`].
+/// As [`scan()`].
 pub fn scan_source(source: Box<dyn Source>, path: &Path, limits: &Limits) -> Result<Scan> {
     scan_file(&ChunkFile::new(source, path, limits.clone())?)
 }

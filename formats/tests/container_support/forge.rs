@@ -1,9 +1,9 @@
 //! Files whose fields lie, under checksums that hold.
 
 use rayreel_formats::container::{CHUNK_HEADER_LEN, ChunkId, Reader, Source, scan_source};
-use rayreel_formats::{Error, Limits};
+use rayreel_formats::{Error, Limits, Result};
 
-use super::{patch, read_bytes, sample_bytes};
+use super::{Content, patch, read_bytes, sample_bytes};
 
 const HEADER: usize = CHUNK_HEADER_LEN as usize;
 
@@ -84,14 +84,15 @@ impl Forge {
             .index_field(entry + 40, &crc)
     }
 
+    /// Scans the file, then reads everything in it.
+    pub fn read(self) -> Result<Content> {
+        let source = Box::new(Bytes(self.bytes.clone()));
+        let _whatever_it_finds = scan_source(source, "forged".as_ref(), &Limits::default());
+        read_bytes(&self.bytes)
+    }
+
     pub fn error(self) -> Error {
-        let scanned = scan_source(
-            Box::new(Bytes(self.bytes.clone())),
-            "forged".as_ref(),
-            &Limits::default(),
-        );
-        drop(scanned);
-        read_bytes(&self.bytes).unwrap_err()
+        self.read().unwrap_err()
     }
 }
 
