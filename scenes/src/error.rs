@@ -160,7 +160,10 @@ pub enum SceneError {
         fix: &'static str,
     },
     /// More lights than the trace can hold.
-    #[error("{place}: {count} lights are too many: at most {} fit the trace; remove some", crate::validate::MAX_LIGHTS)]
+    #[error(
+        "{place}: {count} lights are too many: at most {} fit the trace; remove some",
+        crate::validate::MAX_LIGHTS
+    )]
     TooManyLights {
         /// Scene or file.
         place: String,
@@ -184,8 +187,13 @@ pub(crate) fn near_names<'a>(name: &str, known: impl Iterator<Item = &'a str>) -
     let mut near: Vec<(usize, &str)> = known
         .filter_map(|candidate| {
             let lower = candidate.to_lowercase();
-            let contains = wanted.len() >= 3 && (lower.contains(&wanted) || (lower.len() >= 3 && wanted.contains(&lower)));
-            let distance = if contains { 1 } else { edit_distance(&wanted, &lower) };
+            let contains = wanted.len() >= 3
+                && (lower.contains(&wanted) || (lower.len() >= 3 && wanted.contains(&lower)));
+            let distance = if contains {
+                1
+            } else {
+                edit_distance(&wanted, &lower)
+            };
             (distance <= budget).then_some((distance, candidate))
         })
         .collect();
@@ -197,12 +205,22 @@ pub(crate) fn near_names<'a>(name: &str, known: impl Iterator<Item = &'a str>) -
 /// `did you mean ...?` when something is near, else the list of what there is.
 pub(crate) fn hint<'a>(name: &str, known: &[&'a str], what: &str) -> String {
     let near = near_names(name, known.iter().copied());
-    let quote = |names: &[&'a str]| names.iter().map(|n| format!("`{n}`")).collect::<Vec<_>>().join(", ");
+    let quote = |names: &[&'a str]| {
+        names
+            .iter()
+            .map(|n| format!("`{n}`"))
+            .collect::<Vec<_>>()
+            .join(", ")
+    };
     match (near.is_empty(), known.len()) {
         (false, _) => format!("did you mean {}?", quote(&near)),
         (true, 0) => format!("there are no {what}"),
         (true, 1..=12) => format!("the {what} are {}", quote(known)),
-        (true, count) => format!("the {what} are {} and {} more", quote(&known[..12]), count - 12),
+        (true, count) => format!(
+            "the {what} are {} and {} more",
+            quote(&known[..12]),
+            count - 12
+        ),
     }
 }
 

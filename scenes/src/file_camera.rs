@@ -39,36 +39,82 @@ struct KeyframeTable {
 }
 
 /// The cameras that the table asks for. `up` and `vfov_deg` beside keyframes are their defaults; with nothing else a camera is framed on `bounds`.
-pub(crate) fn cameras(file: &Path, table: &CameraTable, bounds: (Vec3, Vec3)) -> Result<Vec<Camera>, SceneError> {
+pub(crate) fn cameras(
+    file: &Path,
+    table: &CameraTable,
+    bounds: (Vec3, Vec3),
+) -> Result<Vec<Camera>, SceneError> {
     let up = table.up.map_or(Vec3::Y, Vec3::from);
     let vfov_deg = table.vfov_deg.unwrap_or(defaults::DEFAULT_VFOV_DEG);
     let place = || format!("{}: [camera]", file.display());
     let single = table.eye.is_some() || table.target.is_some();
-    if usize::from(single) + usize::from(table.path.is_some()) + usize::from(table.keyframes.is_some()) > 1 {
-        return Err(value(file, "[camera] has more than one of eye/target, path and keyframes".into(), "keep one"));
+    if usize::from(single)
+        + usize::from(table.path.is_some())
+        + usize::from(table.keyframes.is_some())
+        > 1
+    {
+        return Err(value(
+            file,
+            "[camera] has more than one of eye/target, path and keyframes".into(),
+            "keep one",
+        ));
     }
     if table.interpolation.is_some() && table.keyframes.is_none() {
-        return Err(value(file, "[camera] has interpolation but no keyframes".into(), "remove it or add [[camera.keyframes]]"));
+        return Err(value(
+            file,
+            "[camera] has interpolation but no keyframes".into(),
+            "remove it or add [[camera.keyframes]]",
+        ));
     }
     if let Some(keyframes) = &table.keyframes {
-        return from_keyframes(file, keyframes, up, vfov_deg, table.interpolation.unwrap_or_default());
+        return from_keyframes(
+            file,
+            keyframes,
+            up,
+            vfov_deg,
+            table.interpolation.unwrap_or_default(),
+        );
     }
     if let Some(path) = &table.path {
         if table.up.is_some() || table.vfov_deg.is_some() {
-            return Err(value(file, "[camera] has a path and also up or vfov_deg".into(), "the path file has its own; remove them"));
+            return Err(value(
+                file,
+                "[camera] has a path and also up or vfov_deg".into(),
+                "the path file has its own; remove them",
+            ));
         }
         return camera::read_path(&file.parent().unwrap_or(Path::new("")).join(path));
     }
     let camera = match (table.eye, table.target) {
-        (Some(eye), Some(target)) => Camera { eye: eye.into(), target: target.into(), up, vfov_deg },
-        (None, None) => Camera { up, ..defaults::framing_camera(bounds, vfov_deg) },
-        _ => return Err(value(file, "[camera] has only one of eye and target".into(), "give both or neither")),
+        (Some(eye), Some(target)) => Camera {
+            eye: eye.into(),
+            target: target.into(),
+            up,
+            vfov_deg,
+        },
+        (None, None) => Camera {
+            up,
+            ..defaults::framing_camera(bounds, vfov_deg)
+        },
+        _ => {
+            return Err(value(
+                file,
+                "[camera] has only one of eye and target".into(),
+                "give both or neither",
+            ));
+        }
     };
     check_camera(&camera, place)?;
     Ok(vec![camera])
 }
 
-fn from_keyframes(file: &Path, tables: &[KeyframeTable], up: Vec3, vfov_deg: f32, how: Interpolation) -> Result<Vec<Camera>, SceneError> {
+fn from_keyframes(
+    file: &Path,
+    tables: &[KeyframeTable],
+    up: Vec3,
+    vfov_deg: f32,
+    how: Interpolation,
+) -> Result<Vec<Camera>, SceneError> {
     let mut keys: Vec<Keyframe> = Vec::with_capacity(tables.len());
     for (index, table) in tables.iter().enumerate() {
         let camera = Camera {
@@ -77,22 +123,47 @@ fn from_keyframes(file: &Path, tables: &[KeyframeTable], up: Vec3, vfov_deg: f32
             up: table.up.map_or(up, Vec3::from),
             vfov_deg: table.vfov_deg.unwrap_or(vfov_deg),
         };
-        check_camera(&camera, || format!("{}: camera.keyframes[{index}]", file.display()))?;
+        check_camera(&camera, || {
+            format!("{}: camera.keyframes[{index}]", file.display())
+        })?;
         if keys.last().is_some_and(|last| last.frame >= table.frame) {
-            return Err(value(file, format!("camera.keyframes[{index}] has frame {} after a frame as late", table.frame), "put the keyframes in order, each frame once"));
+            return Err(value(
+                file,
+                format!(
+                    "camera.keyframes[{index}] has frame {} after a frame as late",
+                    table.frame
+                ),
+                "put the keyframes in order, each frame once",
+            ));
         }
-        keys.push(Keyframe { frame: table.frame, camera });
+        keys.push(Keyframe {
+            frame: table.frame,
+            camera,
+        });
     }
     let (Some(first), Some(last)) = (keys.first(), keys.last()) else {
-        return Err(value(file, "camera.keyframes is empty".into(), "add [[camera.keyframes]] tables"));
+        return Err(value(
+            file,
+            "camera.keyframes is empty".into(),
+            "add [[camera.keyframes]] tables",
+        ));
     };
     if last.frame - first.frame >= MAX_FRAMES {
-        return Err(value(file, format!("the keyframes span {} frames", last.frame - first.frame), "at most a million are possible"));
+        return Err(value(
+            file,
+            format!("the keyframes span {} frames", last.frame - first.frame),
+            "at most a million are possible",
+        ));
     }
     let cameras = camera::interpolate(&keys, how);
     for (index, camera) in cameras.iter().enumerate() {
         let frame = first.frame + index as u64;
-        check_camera(camera, || format!("{}: camera at frame {frame}, between keyframes", file.display()))?;
+        check_camera(camera, || {
+            format!(
+                "{}: camera at frame {frame}, between keyframes",
+                file.display()
+            )
+        })?;
     }
     Ok(cameras)
 }

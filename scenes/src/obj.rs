@@ -54,32 +54,68 @@ pub fn load_obj(path: impl AsRef<Path>) -> Result<ObjModel, SceneError> {
     let mut materials = load_libraries(path, &checked, &mut textures, &mut warnings)?;
     let slots = material_slots(path, &checked, &mut materials, &mut warnings);
     let raw = triangles(path, &checked, &slots, &mut warnings)?;
-    Ok(ObjModel { mesh: join(raw), objects: checked.objects, materials, textures: textures.into_list(), warnings: warnings.into_list() })
+    Ok(ObjModel {
+        mesh: join(raw),
+        objects: checked.objects,
+        materials,
+        textures: textures.into_list(),
+        warnings: warnings.into_list(),
+    })
 }
 
 /// Reads a text file. Old exporters write names in Latin-1: bytes that are no UTF-8 are replaced, with a warning.
-fn read_text(path: &Path, what: &'static str, warnings: &mut Warnings) -> Result<String, SceneError> {
+fn read_text(
+    path: &Path,
+    what: &'static str,
+    warnings: &mut Warnings,
+) -> Result<String, SceneError> {
     if path.is_dir() {
-        return Err(SceneError::IsFolder { path: path.to_owned(), expected: what });
+        return Err(SceneError::IsFolder {
+            path: path.to_owned(),
+            expected: what,
+        });
     }
-    let bytes = std::fs::read(path).map_err(|source| SceneError::Io { path: path.to_owned(), what, source })?;
+    let bytes = std::fs::read(path).map_err(|source| SceneError::Io {
+        path: path.to_owned(),
+        what,
+        source,
+    })?;
     Ok(String::from_utf8(bytes).unwrap_or_else(|error| {
-        warnings.add("utf-8", || format!("{}: is not UTF-8; the odd bytes were replaced", path.display()));
+        warnings.add("utf-8", || {
+            format!(
+                "{}: is not UTF-8; the odd bytes were replaced",
+                path.display()
+            )
+        });
         String::from_utf8_lossy(error.as_bytes()).into_owned()
     }))
 }
 
-fn load_libraries(path: &Path, checked: &Checked, textures: &mut TextureSet, warnings: &mut Warnings) -> Result<Vec<Material>, SceneError> {
+fn load_libraries(
+    path: &Path,
+    checked: &Checked,
+    textures: &mut TextureSet,
+    warnings: &mut Warnings,
+) -> Result<Vec<Material>, SceneError> {
     let folder = path.parent().unwrap_or(Path::new(""));
     let mut materials = Vec::new();
     let mut done: Vec<&str> = Vec::new();
     for (line, statement) in &checked.libraries {
         // A name may hold blanks, and a statement may hold several names: the whole is tried first.
         let whole = folder.join(statement.replace('\\', "/"));
-        let names: Vec<&str> = if whole.is_file() { vec![statement] } else { statement.split_whitespace().collect() };
+        let names: Vec<&str> = if whole.is_file() {
+            vec![statement]
+        } else {
+            statement.split_whitespace().collect()
+        };
         if names.is_empty() {
             let what = "`mtllib` names no file".to_owned();
-            return Err(SceneError::Syntax { path: path.to_owned(), line: *line, what, fix: "name a material library".into() });
+            return Err(SceneError::Syntax {
+                path: path.to_owned(),
+                line: *line,
+                what,
+                fix: "name a material library".into(),
+            });
         }
         for name in names {
             if done.contains(&name) {
@@ -92,7 +128,13 @@ fn load_libraries(path: &Path, checked: &Checked, textures: &mut TextureSet, war
                     SceneError::Io { source, .. } => source,
                     _ => ErrorKind::IsADirectory.into(),
                 };
-                SceneError::MissingFile { path: path.to_owned(), line: *line, what: "material library", missing: library.clone(), source }
+                SceneError::MissingFile {
+                    path: path.to_owned(),
+                    line: *line,
+                    what: "material library",
+                    missing: library.clone(),
+                    source,
+                }
             })?;
             mtl::read(&library, &text, &mut materials, textures, warnings)?;
         }
@@ -101,7 +143,12 @@ fn load_libraries(path: &Path, checked: &Checked, textures: &mut TextureSet, war
 }
 
 /// For each used material name its index; adds default materials for names that no library knows.
-fn material_slots(path: &Path, checked: &Checked, materials: &mut Vec<Material>, warnings: &mut Warnings) -> Vec<u32> {
+fn material_slots(
+    path: &Path,
+    checked: &Checked,
+    materials: &mut Vec<Material>,
+    warnings: &mut Warnings,
+) -> Vec<u32> {
     let mut slots = Vec::with_capacity(checked.uses.len());
     for (name, line) in &checked.uses {
         let known = materials.iter().position(|m| m.name == *name);
@@ -122,38 +169,92 @@ fn material_slots(path: &Path, checked: &Checked, materials: &mut Vec<Material>,
 }
 
 /// Runs tobj over the checked text and drops degenerate triangles.
-fn triangles(path: &Path, checked: &Checked, slots: &[u32], warnings: &mut Warnings) -> Result<Raw, SceneError> {
-    let failed = |reason: String| SceneError::Obj { path: path.to_owned(), reason };
+fn triangles(
+    path: &Path,
+    checked: &Checked,
+    slots: &[u32],
+    warnings: &mut Warnings,
+) -> Result<Raw, SceneError> {
+    let failed = |reason: String| SceneError::Obj {
+        path: path.to_owned(),
+        reason,
+    };
     // The libraries have been read; tobj only needs to know the names.
     let names: String = (0..slots.len()).map(|m| format!("newmtl m{m}\n")).collect();
     let library = |_: &Path| tobj::load_mtl_buf(&mut names.as_bytes());
-    let options = tobj::LoadOptions { single_index: true, triangulate: true, ignore_points: true, ignore_lines: true, ..Default::default() };
-    let (models, _) = tobj::load_obj_buf(&mut checked.text.as_bytes(), &options, library).map_err(|e| failed(e.to_string()))?;
+    let options = tobj::LoadOptions {
+        single_index: true,
+        triangulate: true,
+        ignore_points: true,
+        ignore_lines: true,
+    };
+    let (models, _) = tobj::load_obj_buf(&mut checked.text.as_bytes(), &options, library)
+        .map_err(|e| failed(e.to_string()))?;
     let mut raw = Raw::default();
     for model in &models {
-        let object = model.name.strip_prefix('g').and_then(|n| n.parse().ok()).ok_or_else(|| failed(format!("odd group `{}`", model.name)))?;
-        let material = model.mesh.material_id.and_then(|m| slots.get(m)).ok_or_else(|| failed("a material got lost".into()))?;
+        let object = model
+            .name
+            .strip_prefix('g')
+            .and_then(|n| n.parse().ok())
+            .ok_or_else(|| failed(format!("odd group `{}`", model.name)))?;
+        let material = model
+            .mesh
+            .material_id
+            .and_then(|m| slots.get(m))
+            .ok_or_else(|| failed("a material got lost".into()))?;
         append(&model.mesh, object, *material, &mut raw);
     }
     let before = raw.triangles.len();
-    let Raw { positions, triangles, .. } = &mut raw;
+    let Raw {
+        positions,
+        triangles,
+        ..
+    } = &mut raw;
     triangles.retain(|t| !normals::is_degenerate(positions, t.vertices));
     for _ in triangles.len()..before {
-        warnings.add("degenerate", || format!("{}: triangles without area were dropped", path.display()));
+        warnings.add("degenerate", || {
+            format!("{}: triangles without area were dropped", path.display())
+        });
     }
     if triangles.is_empty() {
-        return Err(SceneError::EmptyMesh { path: path.to_owned(), why: format!("all {before} triangles have no area") });
+        return Err(SceneError::EmptyMesh {
+            path: path.to_owned(),
+            why: format!("all {before} triangles have no area"),
+        });
     }
     Ok(raw)
 }
 
 fn append(mesh: &tobj::Mesh, object: u32, material: u32, raw: &mut Raw) {
     let base = raw.positions.len() as u32;
-    raw.positions.extend(mesh.positions.as_chunks().0.iter().map(|p: &[f32; 3]| Vec3::from(*p)));
-    raw.normals.extend(mesh.normals.as_chunks().0.iter().map(|n: &[f32; 3]| Vec3::from(*n)));
-    raw.uvs.extend(mesh.texcoords.as_chunks().0.iter().map(|t: &[f32; 2]| Vec2::from(*t)));
-    let triangle = |v: &[u32; 3]| Triangle { vertices: v.map(|v| base + v), object, material };
-    raw.triangles.extend(mesh.indices.as_chunks().0.iter().map(triangle));
+    raw.positions.extend(
+        mesh.positions
+            .as_chunks()
+            .0
+            .iter()
+            .map(|p: &[f32; 3]| Vec3::from(*p)),
+    );
+    raw.normals.extend(
+        mesh.normals
+            .as_chunks()
+            .0
+            .iter()
+            .map(|n: &[f32; 3]| Vec3::from(*n)),
+    );
+    raw.uvs.extend(
+        mesh.texcoords
+            .as_chunks()
+            .0
+            .iter()
+            .map(|t: &[f32; 2]| Vec2::from(*t)),
+    );
+    let triangle = |v: &[u32; 3]| Triangle {
+        vertices: v.map(|v| base + v),
+        object,
+        material,
+    };
+    raw.triangles
+        .extend(mesh.indices.as_chunks().0.iter().map(triangle));
 }
 
 /// Gives each corner its normal: the file's, the face's where the file's is broken, a smooth one where there is none.
@@ -170,7 +271,11 @@ fn join(raw: Raw) -> Mesh {
     for (at, triangle) in raw.triangles.iter().enumerate() {
         let mut corner = 0;
         let vertices = triangle.vertices.map(|v| {
-            let face = || normals::area_vector(&raw.positions, triangle.vertices).normalize_or(glam::DVec3::Y).as_vec3();
+            let face = || {
+                normals::area_vector(&raw.positions, triangle.vertices)
+                    .normalize_or(glam::DVec3::Y)
+                    .as_vec3()
+            };
             let given = raw.normals[v as usize];
             let normal = if absent(v) {
                 smooth[at][corner]
@@ -182,7 +287,10 @@ fn join(raw: Raw) -> Mesh {
             corner += 1;
             out.vertex(v, raw.positions[v as usize], normal, raw.uvs[v as usize])
         });
-        out.mesh.triangles.push(Triangle { vertices, ..*triangle });
+        out.mesh.triangles.push(Triangle {
+            vertices,
+            ..*triangle
+        });
     }
     out.mesh
 }

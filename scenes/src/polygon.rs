@@ -9,8 +9,18 @@ const MAX_EAR_CORNERS: usize = 2048;
 pub(crate) fn triangulate(points: &[DVec3]) -> Vec<[usize; 3]> {
     let count = points.len();
     let normal = area_normal(points);
-    let fan = || (1..count.saturating_sub(1)).map(|i| [0, i, i + 1]).collect();
-    let convex = (0..count).all(|i| turn(points, normal, [(i + count - 1) % count, i, (i + 1) % count]) >= -1e-9);
+    let fan = || {
+        (1..count.saturating_sub(1))
+            .map(|i| [0, i, i + 1])
+            .collect()
+    };
+    let convex = (0..count).all(|i| {
+        turn(
+            points,
+            normal,
+            [(i + count - 1) % count, i, (i + 1) % count],
+        ) >= -1e-9
+    });
     if count <= 3 || convex || count > MAX_EAR_CORNERS {
         return fan();
     }
@@ -43,7 +53,11 @@ fn area_normal(points: &[DVec3]) -> DVec3 {
 fn turn(points: &[DVec3], normal: DVec3, [a, b, c]: [usize; 3]) -> f64 {
     let (first, second) = (points[b] - points[a], points[c] - points[b]);
     let scale = first.length() * second.length();
-    if scale > 0.0 { first.cross(second).dot(normal) / scale } else { 0.0 }
+    if scale > 0.0 {
+        first.cross(second).dot(normal) / scale
+    } else {
+        0.0
+    }
 }
 
 fn is_ear(points: &[DVec3], normal: DVec3, left: &[usize], i: usize) -> bool {
@@ -55,7 +69,9 @@ fn is_ear(points: &[DVec3], normal: DVec3, left: &[usize], i: usize) -> bool {
     let side = |p: DVec3, q: DVec3, x: DVec3| (q - p).cross(x - p).dot(normal);
     left.iter().filter(|k| ![a, b, c].contains(k)).all(|&k| {
         let x = points[k];
-        let inside = side(points[a], points[b], x) >= 0.0 && side(points[b], points[c], x) >= 0.0 && side(points[c], points[a], x) >= 0.0;
+        let inside = side(points[a], points[b], x) >= 0.0
+            && side(points[b], points[c], x) >= 0.0
+            && side(points[c], points[a], x) >= 0.0;
         !inside || x == points[a] || x == points[b] || x == points[c]
     })
 }
@@ -66,11 +82,20 @@ mod tests {
 
     #[test]
     fn a_concave_arrow_keeps_its_area() {
-        let arrow = [[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [1.0, 0.5]].map(|[x, y]| DVec3::new(x, y, 0.0));
+        let arrow =
+            [[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [1.0, 0.5]].map(|[x, y]| DVec3::new(x, y, 0.0));
         for shift in 0..4 {
             let points: Vec<DVec3> = (0..4).map(|i| arrow[(i + shift) % 4]).collect();
             let triangles = triangulate(&points);
-            let areas: Vec<f64> = triangles.iter().map(|t| (points[t[1]] - points[t[0]]).cross(points[t[2]] - points[t[0]]).z / 2.0).collect();
+            let areas: Vec<f64> = triangles
+                .iter()
+                .map(|t| {
+                    (points[t[1]] - points[t[0]])
+                        .cross(points[t[2]] - points[t[0]])
+                        .z
+                        / 2.0
+                })
+                .collect();
             assert!(areas.iter().all(|a| *a > 0.0), "{areas:?}");
             assert!((areas.iter().sum::<f64>() - 1.5).abs() < 1e-12, "{areas:?}");
         }

@@ -10,8 +10,28 @@ const MTL: &str = "newmtl m\nKd 0.5 0.4 0.3\nKs 0.2\nNs 30\nillum 3\n\nnewmtl n\
 const TOML: &str = "model = \"a.obj\"\n[camera]\neye = [5.0, 3.2, 7.0]\ntarget = [0.0, 0.4, 0.0]\nvfov_deg = 36.0\n[[lights]]\nkind = \"point\"\nposition = [6.0, 10.0, 6.0]\n[sky]\ncolour = [0.5, 0.6, 0.75]\n[materials.m]\nreflect = 0.25\n";
 /// Words that have hurt readers before.
 const WORDS: [&str; 22] = [
-    "nan", "-inf", "1e40", "0", "-1", "99999999999999999999", "4294967296", "\\", "/", "//", "1/2/3/4", "f", "v", "vn 0 0 0", "usemtl", "mtllib a.mtl b.mtl", "Kd 0.5", "Kd spectral f",
-    "map_Kd -s 1 1 1 a.obj", "illum 4", "\u{feff}", "é",
+    "nan",
+    "-inf",
+    "1e40",
+    "0",
+    "-1",
+    "99999999999999999999",
+    "4294967296",
+    "\\",
+    "/",
+    "//",
+    "1/2/3/4",
+    "f",
+    "v",
+    "vn 0 0 0",
+    "usemtl",
+    "mtllib a.mtl b.mtl",
+    "Kd 0.5",
+    "Kd spectral f",
+    "map_Kd -s 1 1 1 a.obj",
+    "illum 4",
+    "\u{feff}",
+    "é",
 ];
 
 /// One change: where (in thousandths of the text), what kind, which word.

@@ -27,6 +27,9 @@ pub fn builtin(name: &str) -> Result<Scene, SceneError> {
         "cornell" => cornell::scene(),
         "chess" => chess::scene(),
         "teapot" => teapot::scene(),
-        _ => Err(SceneError::UnknownScene { name: name.to_owned(), hint: hint(name, builtin_names(), "built-in scenes") }),
+        _ => Err(SceneError::UnknownScene {
+            name: name.to_owned(),
+            hint: hint(name, builtin_names(), "built-in scenes"),
+        }),
     }
 }

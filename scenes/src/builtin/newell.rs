@@ -29,29 +29,102 @@ const TANGENT: f64 = 0.56;
 
 /// Handle, from where it leaves the body at the top.
 const HANDLE: [Row; 7] = [
-    [[-1.6, 0.0, 2.025], [-1.6, -0.3, 2.025], [-1.5, -0.3, 2.25], [-1.5, 0.0, 2.25]],
-    [[-2.3, 0.0, 2.025], [-2.3, -0.3, 2.025], [-2.5, -0.3, 2.25], [-2.5, 0.0, 2.25]],
-    [[-2.7, 0.0, 2.025], [-2.7, -0.3, 2.025], [-3.0, -0.3, 2.25], [-3.0, 0.0, 2.25]],
-    [[-2.7, 0.0, 1.8], [-2.7, -0.3, 1.8], [-3.0, -0.3, 1.8], [-3.0, 0.0, 1.8]],
-    [[-2.7, 0.0, 1.575], [-2.7, -0.3, 1.575], [-3.0, -0.3, 1.35], [-3.0, 0.0, 1.35]],
-    [[-2.5, 0.0, 1.125], [-2.5, -0.3, 1.125], [-2.65, -0.3, 0.9375], [-2.65, 0.0, 0.9375]],
-    [[-2.0, 0.0, 0.9], [-2.0, -0.3, 0.9], [-1.9, -0.3, 0.6], [-1.9, 0.0, 0.6]],
+    [
+        [-1.6, 0.0, 2.025],
+        [-1.6, -0.3, 2.025],
+        [-1.5, -0.3, 2.25],
+        [-1.5, 0.0, 2.25],
+    ],
+    [
+        [-2.3, 0.0, 2.025],
+        [-2.3, -0.3, 2.025],
+        [-2.5, -0.3, 2.25],
+        [-2.5, 0.0, 2.25],
+    ],
+    [
+        [-2.7, 0.0, 2.025],
+        [-2.7, -0.3, 2.025],
+        [-3.0, -0.3, 2.25],
+        [-3.0, 0.0, 2.25],
+    ],
+    [
+        [-2.7, 0.0, 1.8],
+        [-2.7, -0.3, 1.8],
+        [-3.0, -0.3, 1.8],
+        [-3.0, 0.0, 1.8],
+    ],
+    [
+        [-2.7, 0.0, 1.575],
+        [-2.7, -0.3, 1.575],
+        [-3.0, -0.3, 1.35],
+        [-3.0, 0.0, 1.35],
+    ],
+    [
+        [-2.5, 0.0, 1.125],
+        [-2.5, -0.3, 1.125],
+        [-2.65, -0.3, 0.9375],
+        [-2.65, 0.0, 0.9375],
+    ],
+    [
+        [-2.0, 0.0, 0.9],
+        [-2.0, -0.3, 0.9],
+        [-1.9, -0.3, 0.6],
+        [-1.9, 0.0, 0.6],
+    ],
 ];
 
 /// Spout, from the body to the mouth and a little way in.
 const SPOUT: [Row; 7] = [
-    [[1.7, 0.0, 1.425], [1.7, -0.66, 1.425], [1.7, -0.66, 0.6], [1.7, 0.0, 0.6]],
-    [[2.6, 0.0, 1.425], [2.6, -0.66, 1.425], [3.1, -0.66, 0.825], [3.1, 0.0, 0.825]],
-    [[2.3, 0.0, 2.1], [2.3, -0.25, 2.1], [2.4, -0.25, 2.025], [2.4, 0.0, 2.025]],
-    [[2.7, 0.0, 2.4], [2.7, -0.25, 2.4], [3.3, -0.25, 2.4], [3.3, 0.0, 2.4]],
-    [[2.8, 0.0, 2.475], [2.8, -0.25, 2.475], [3.525, -0.25, 2.49375], [3.525, 0.0, 2.49375]],
-    [[2.9, 0.0, 2.475], [2.9, -0.15, 2.475], [3.45, -0.15, 2.5125], [3.45, 0.0, 2.5125]],
-    [[2.8, 0.0, 2.4], [2.8, -0.15, 2.4], [3.2, -0.15, 2.4], [3.2, 0.0, 2.4]],
+    [
+        [1.7, 0.0, 1.425],
+        [1.7, -0.66, 1.425],
+        [1.7, -0.66, 0.6],
+        [1.7, 0.0, 0.6],
+    ],
+    [
+        [2.6, 0.0, 1.425],
+        [2.6, -0.66, 1.425],
+        [3.1, -0.66, 0.825],
+        [3.1, 0.0, 0.825],
+    ],
+    [
+        [2.3, 0.0, 2.1],
+        [2.3, -0.25, 2.1],
+        [2.4, -0.25, 2.025],
+        [2.4, 0.0, 2.025],
+    ],
+    [
+        [2.7, 0.0, 2.4],
+        [2.7, -0.25, 2.4],
+        [3.3, -0.25, 2.4],
+        [3.3, 0.0, 2.4],
+    ],
+    [
+        [2.8, 0.0, 2.475],
+        [2.8, -0.25, 2.475],
+        [3.525, -0.25, 2.49375],
+        [3.525, 0.0, 2.49375],
+    ],
+    [
+        [2.9, 0.0, 2.475],
+        [2.9, -0.15, 2.475],
+        [3.45, -0.15, 2.5125],
+        [3.45, 0.0, 2.5125],
+    ],
+    [
+        [2.8, 0.0, 2.4],
+        [2.8, -0.15, 2.4],
+        [3.2, -0.15, 2.4],
+        [3.2, 0.0, 2.4],
+    ],
 ];
 
 /// The patches of the body with lid, rim and bottom (24), of the handle (4) and of the spout (4). `u` x `v` points out of the pot.
 pub fn patches() -> [Vec<Patch>; 3] {
-    let round = ROUND.iter().flat_map(|rings| (0..4).map(|quarter| quarter_patch(rings, quarter))).collect();
+    let round = ROUND
+        .iter()
+        .flat_map(|rings| (0..4).map(|quarter| quarter_patch(rings, quarter)))
+        .collect();
     [round, halves(&HANDLE), halves(&SPOUT)]
 }
 
@@ -79,11 +152,17 @@ fn quarter_patch(rings: &[Ring; 4], quarter: usize) -> Patch {
 fn halves(rows: &[Row; 7]) -> Vec<Patch> {
     let mut patches = Vec::new();
     for start in [0, 3] {
-        let half = |side: f64| -> Patch { std::array::from_fn(|i| rows[start + i].map(|[x, y, z]| upright([x, y * side, z]))) };
+        let half = |side: f64| -> Patch {
+            std::array::from_fn(|i| rows[start + i].map(|[x, y, z]| upright([x, y * side, z])))
+        };
         for side in [1.0, -1.0] {
             let patch = half(side);
             // Mirroring turns the front to the back: read the rows the other way round.
-            patches.push(if side < 0.0 { patch.map(|[a, b, c, d]| [d, c, b, a]) } else { patch });
+            patches.push(if side < 0.0 {
+                patch.map(|[a, b, c, d]| [d, c, b, a])
+            } else {
+                patch
+            });
         }
     }
     patches
@@ -99,11 +178,32 @@ mod tests {
     fn there_are_32_patches_and_the_control_points_of_the_data_set() {
         let all: Vec<Patch> = patches().into_iter().flatten().collect();
         assert_eq!(all.len(), 32);
-        let points: BTreeSet<[i64; 3]> = all.iter().flatten().flatten().map(|p| (*p * 1e6).to_array().map(|c| c.round() as i64)).collect();
+        let points: BTreeSet<[i64; 3]> = all
+            .iter()
+            .flatten()
+            .flatten()
+            .map(|p| (*p * 1e6).to_array().map(|c| c.round() as i64))
+            .collect();
         // The published list has 306 entries; it writes shared poles and seams of the bottom several times.
-        assert!((280..=306).contains(&points.len()), "{} distinct control points", points.len());
-        for expected in [[0.8, 3.15, 0.45], [-1.425, 0.0, 0.798], [3.525, 2.49375, 0.25], [-3.0, 1.8, -0.3]] {
-            assert!(points.contains(&DVec3::from(expected).to_array().map(|c| (c * 1e6).round() as i64)), "{expected:?}");
+        assert!(
+            (280..=306).contains(&points.len()),
+            "{} distinct control points",
+            points.len()
+        );
+        for expected in [
+            [0.8, 3.15, 0.45],
+            [-1.425, 0.0, 0.798],
+            [3.525, 2.49375, 0.25],
+            [-3.0, 1.8, -0.3],
+        ] {
+            assert!(
+                points.contains(
+                    &DVec3::from(expected)
+                        .to_array()
+                        .map(|c| (c * 1e6).round() as i64)
+                ),
+                "{expected:?}"
+            );
         }
     }
 }

@@ -24,7 +24,13 @@ pub fn point(patch: &Patch, u: f64, v: f64) -> DVec3 {
 /// Cuts a patch into `columns` x `rows` cells; the front is where `u` x `v` points.
 #[must_use]
 pub fn tessellate(patch: &Patch, columns: usize, rows: usize) -> Part {
-    Part::grid(rows + 1, columns + 1, false, |row, column| point(patch, column as f64 / columns as f64, row as f64 / rows as f64))
+    Part::grid(rows + 1, columns + 1, false, |row, column| {
+        point(
+            patch,
+            column as f64 / columns as f64,
+            row as f64 / rows as f64,
+        )
+    })
 }
 
 fn bernstein(t: f64) -> [f64; 4] {
