@@ -6,8 +6,8 @@ use crate::math::{Vec3, vec3};
 use crate::oct::Oct;
 use crate::scene::Material;
 
-/// Most triangles a leaf can hold: the path codec keeps two bits a triangle in a 16-bit word.
-pub const MAX_LEAF_TRIANGLES: u32 = 7;
+/// Most triangles a leaf can hold: the path codec keeps two bits a triangle in a byte.
+pub const MAX_LEAF_TRIANGLES: u32 = 4;
 /// Deepest tree that is accepted, counted in inner nodes from the root. It bounds every traversal stack.
 pub const MAX_TREE_DEPTH: usize = 128;
 

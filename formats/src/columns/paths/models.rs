@@ -1,0 +1,136 @@
+//! The contexts of a path's steps.
+
+use super::labels::Around;
+use crate::columns::coder::{Bit, Symbol};
+
+/// Neighbour labels of an inner node: not visited, or one of five outcomes.
+pub(super) const OUTCOMES: usize = 6;
+const OUTCOME_CONTEXTS: usize = 8 * 8 * 8 * 8;
+/// Neighbour labels of a pop: none, visited, culled.
+const POP_CONTEXTS: usize = 256;
+/// Neighbour labels of a triangle test: none, missed, hit, passed.
+const TEST_CONTEXTS: usize = 256;
+/// How often the ray was lately not as predicted: never, once, more.
+const SURPRISES: usize = 3;
+
+/// The models of one tile's uncertain steps.
+pub(super) struct Models {
+    /// Is the outcome the expected one?
+    pub outcome: Vec<Bit>,
+    /// Which one, if not: by expectation and second choice.
+    pub other: Vec<Symbol<8>>,
+    /// Where no neighbour was: by the last label in this column and the step before.
+    pub fresh: Vec<Symbol<8>>,
+    /// Is the popped child visited?
+    pub pop: Vec<Bit>,
+    /// Are a leaf's tests as expected?
+    pub leaf: [Bit; SURPRISES * 16],
+    /// Is the triangle met?
+    pub test: Vec<Bit>,
+    /// Does the ray pass the triangle that it met?
+    pub pass: Vec<Bit>,
+}
+
+impl Models {
+    pub fn new() -> Self {
+        Self {
+            outcome: OUTCOME_PRIORS.repeat(SURPRISES),
+            other: vec![Symbol::default(); 8 * 8],
+            fresh: vec![Symbol::default(); 8 * 8],
+            pop: vec![Bit::EVEN; SURPRISES * POP_CONTEXTS],
+            leaf: [Bit::EVEN; SURPRISES * 16],
+            test: vec![Bit::EVEN; SURPRISES * TEST_CONTEXTS],
+            pass: vec![Bit::EVEN; TEST_CONTEXTS],
+        }
+    }
+}
+
+/// Recent surprises of a ray as a context, from its shift register (newest lowest).
+#[inline(always)]
+pub(super) fn surprise_level(register: u8) -> usize {
+    ((register & 0b111).count_ones() as usize).min(SURPRISES - 1)
+}
+
+/// The neighbours' outcomes in one number, 3 bits each, west lowest.
+#[inline(always)]
+pub(super) fn outcome_context(around: &Around) -> usize {
+    let of = |label: u8| usize::from(label & 7);
+    of(around.ne) << 9 | of(around.nw) << 6 | of(around.n) << 3 | of(around.w)
+}
+
+/// Index into [`Models::outcome`].
+#[inline(always)]
+pub(super) fn outcome_model(context: usize, surprises: usize) -> usize {
+    surprises * OUTCOME_CONTEXTS + context
+}
+
+/// Index into [`Models::pop`].
+#[inline(always)]
+pub(super) fn pop_model(context: usize, surprises: usize) -> usize {
+    surprises * POP_CONTEXTS + context
+}
+
+/// Index into [`Models::test`].
+#[inline(always)]
+pub(super) fn test_model(context: usize, surprises: usize) -> usize {
+    surprises * TEST_CONTEXTS + context
+}
+
+/// The neighbours' pops in one number, 2 bits each, west lowest.
+#[inline(always)]
+pub(super) fn pop_context(around: &Around) -> usize {
+    let of = |label: u8| usize::from(label >> 3 & 3);
+    of(around.ne) << 6 | of(around.nw) << 4 | of(around.n) << 2 | of(around.w)
+}
+
+/// The value to expect from those around, 0 where there is none. An edge between north-west and north is taken to run on
+/// between west and here, as in LOCO-I.
+pub(super) const fn expect(w: u8, n: u8, nw: u8, ne: u8) -> u8 {
+    let vertical = w == nw && n != 0;
+    if w != 0 && !vertical {
+        w
+    } else if n != 0 {
+        n
+    } else if nw != 0 && nw == ne {
+        nw
+    } else if w != 0 {
+        w
+    } else if ne != 0 {
+        ne
+    } else {
+        nw
+    }
+}
+
+/// [`expect`] by outcome context.
+pub(super) static EXPECTED: [u8; OUTCOME_CONTEXTS] = {
+    let mut table = [0; OUTCOME_CONTEXTS];
+    let mut i = 0;
+    while i < OUTCOME_CONTEXTS {
+        table[i] = expect((i & 7) as u8, (i >> 3 & 7) as u8, (i >> 6 & 7) as u8, (i >> 9) as u8);
+        i += 1;
+    }
+    table
+};
+
+/// Before anything is seen: the more neighbours agree with the expectation, the surer it is.
+static OUTCOME_PRIORS: [Bit; OUTCOME_CONTEXTS] = {
+    const AGREE: [u32; 5] = [32_768, 52_000, 60_000, 63_500, 64_900];
+    let mut table = [Bit::EVEN; OUTCOME_CONTEXTS];
+    let mut i = 0;
+    while i < OUTCOME_CONTEXTS {
+        let labels = [i & 7, i >> 3 & 7, i >> 6 & 7, i >> 9];
+        let (mut agree, mut against, mut k) = (0, false, 0);
+        while k < 4 {
+            if labels[k] == EXPECTED[i] as usize {
+                agree += 1;
+            } else if labels[k] != 0 {
+                against = true;
+            }
+            k += 1;
+        }
+        table[i] = Bit::of(if against { AGREE[agree] * 7 / 8 } else { AGREE[agree] }, 2);
+        i += 1;
+    }
+    table
+};
