@@ -1,9 +1,9 @@
 //! Continues a capture that was cut short: keeps the whole chunks of `NAME.partial` and drops what follows them.
 
 use std::collections::HashSet;
-use std::fs::OpenOptions;
+use std::fs::{File, OpenOptions};
 use std::io::{self, BufWriter, Seek, SeekFrom};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use super::FormatVersion;
 use super::chunk_file::{ChunkFile, TilePayload};
@@ -98,9 +98,14 @@ impl Writer {
                 file: found,
             }));
         }
+        Self::continued(file, found, partial, path).map(Some)
+    }
+
+    /// A writer behind the last whole chunk of `file`, which is read through `found`.
+    fn continued(file: File, found: ChunkFile, partial: PathBuf, path: &Path) -> Result<Resumed> {
         let header = read_file_header(&found)?;
-        if header.version > FormatVersion::CURRENT {
-            let known = FormatVersion::CURRENT;
+        let known = FormatVersion::CURRENT;
+        if header.version > known {
             return Err(Error::UnsupportedVersion {
                 path: partial,
                 found: header.version,
@@ -109,13 +114,12 @@ impl Writer {
         }
         let (index, ids, offset) = whole_chunks(&found, header.len)?;
         let dropped_bytes = found.len() - offset;
-        let io = |action| {
-            let partial = partial.clone();
-            move |error| Error::io(&partial, action, error)
-        };
-        file.set_len(offset).map_err(io("truncate"))?;
         let mut out = BufWriter::with_capacity(BUFFER_LEN, file);
-        out.seek(SeekFrom::Start(offset)).map_err(io("seek in"))?;
+        out.get_ref()
+            .set_len(offset)
+            .map_err(|error| Error::io(&partial, "truncate", error))?;
+        out.seek(SeekFrom::Start(offset))
+            .map_err(|error| Error::io(&partial, "seek in", error))?;
         let writer = Self {
             out,
             partial,
@@ -125,11 +129,11 @@ impl Writer {
             ids,
             broken: false,
         };
-        Ok(Some(Resumed {
+        Ok(Resumed {
             writer,
             dropped_bytes,
             file: found,
-        }))
+        })
     }
 }
 
