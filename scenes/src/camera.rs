@@ -137,7 +137,8 @@ fn parse_row(row: &str) -> Result<(u64, Camera), (String, &'static str)> {
     ))
 }
 
-/// One camera per frame from the first keyframe to the last; `keys` has rising frame numbers and at least one entry.
+/// One camera per frame from the first keyframe to the last; `keys` has rising frame numbers and at
+/// least one entry.
 pub(crate) fn interpolate(keys: &[Keyframe], how: Interpolation) -> Vec<Camera> {
     let mut cameras = Vec::new();
     for (i, pair) in keys.windows(2).enumerate() {
@@ -187,14 +188,16 @@ fn between(around: &[Keyframe; 4], frame: u64, how: Interpolation) -> Camera {
     }
 }
 
-/// A full turn round the vertical axis through the hero camera's target; frame 0 is the hero camera itself.
+/// A full turn round the vertical axis through the hero camera's target; frame 0 is the hero camera
+/// itself.
 pub(crate) fn orbit(hero: Camera, frames: u32, lift: f64) -> Vec<Camera> {
     let arm = (hero.eye - hero.target).as_dvec3();
     (0..frames)
         .map(|frame| {
             let angle = std::f64::consts::TAU * f64::from(frame) / f64::from(frames);
             let (sin, cos) = (libm::sin(angle), libm::cos(angle));
-            // Half a turn away the camera stands `lift` higher, so that the far side is not all shadow and table edge.
+            // Half a turn away the camera stands `lift` higher, so that the far side is not all
+            // shadow and table edge.
             let y = arm.y + lift * (1.0 - cos) / 2.0;
             let turned = DVec3::new(arm.x * cos + arm.z * sin, y, arm.z * cos - arm.x * sin);
             let eye = if frame == 0 {

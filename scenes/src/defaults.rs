@@ -9,7 +9,8 @@ pub const DEFAULT_VFOV_DEG: f32 = 35.0;
 /// Ambient fraction where none is given.
 pub const DEFAULT_AMBIENT: f32 = 0.35;
 
-/// Centre and radius of the sphere around a box; the radius of a single point is one, so that there is something to stand back from.
+/// Centre and radius of the sphere around a box; the radius of a single point is one, so that there
+/// is something to stand back from.
 fn sphere((low, high): (Vec3, Vec3)) -> (DVec3, f64) {
     let (low, high) = (low.as_dvec3(), high.as_dvec3());
     let radius = (high - low).length() / 2.0;

@@ -4,8 +4,8 @@ use std::path::PathBuf;
 
 /// Why a scene could not be loaded.
 ///
-/// Messages are fragments: a caller puts them behind its own words (`cannot load scene: {err}`). Each names the file, the line
-/// where one is known, what is wrong, and what would put it right.
+/// Messages are fragments: a caller puts them behind its own words (`cannot load scene: {err}`).
+/// Each names the file, the line where one is known, what is wrong, and what would put it right.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum SceneError {

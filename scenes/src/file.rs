@@ -14,7 +14,7 @@ use crate::{
     file_camera::{self, CameraTable},
     obj,
     scene::{Light, Material, Optics, Scene, Sky},
-    validate::{is_colour, is_direction},
+    validate::{MAX_LIGHTS, is_colour, is_direction},
 };
 
 /// Three numbers as TOML has them.
@@ -84,8 +84,8 @@ enum OpticsName {
 
 /// Loads a scene file.
 ///
-/// # Errors
-/// Whatever is wrong with it or with a file that it names; with line and column where the file itself is at fault.
+/// # Errors Whatever is wrong with it or with a file that it names; with line and column where the
+/// file itself is at fault.
 pub fn load_scene_file(path: impl AsRef<Path>) -> Result<Scene, SceneError> {
     let path = path.as_ref();
     if path.is_dir() {
@@ -117,34 +117,9 @@ pub fn load_scene_file(path: impl AsRef<Path>) -> Result<Scene, SceneError> {
     if let Some(name) = table.name.or_else(|| stem(path)) {
         scene.name = name;
     }
-    for (name, changes) in &table.materials {
-        let known: Vec<&str> = scene.materials.iter().map(|m| m.name.as_str()).collect();
-        let Some(at) = known.iter().position(|k| k == name) else {
-            let line = text
-                .lines()
-                .position(|l| l.contains("materials") && l.contains(name.as_str()))
-                .map_or(1, |l| l + 1);
-            return Err(SceneError::UnknownMaterial {
-                path: path.to_owned(),
-                line,
-                name: name.clone(),
-                hint: hint(name, &known, "materials"),
-            });
-        };
-        change_material(path, &mut scene.materials[at], changes)?;
-    }
+    change_materials(path, &text, &mut scene.materials, &table.materials)?;
     if let Some(lights) = &table.lights {
-        scene.lights = lights
-            .iter()
-            .enumerate()
-            .map(|(i, l)| light(path, i, l))
-            .collect::<Result<_, _>>()?;
-        if scene.lights.len() > crate::validate::MAX_LIGHTS {
-            return Err(SceneError::TooManyLights {
-                place: path.display().to_string(),
-                count: scene.lights.len(),
-            });
-        }
+        scene.lights = light_list(path, lights)?;
     }
     if let Some(table) = &table.sky {
         scene.sky = sky(path, table)?;
@@ -228,6 +203,17 @@ fn amount(path: &Path, key: &str, number: f32, low: f32, high: f32) -> Result<f3
     ))
 }
 
+fn light_list(path: &Path, tables: &[LightTable]) -> Result<Vec<Light>, SceneError> {
+    if tables.len() > MAX_LIGHTS {
+        let (place, count) = (path.display().to_string(), tables.len());
+        return Err(SceneError::TooManyLights { place, count });
+    }
+    let lights = tables.iter().enumerate();
+    lights
+        .map(|(index, table)| light(path, index, table))
+        .collect()
+}
+
 fn light(path: &Path, index: usize, table: &LightTable) -> Result<Light, SceneError> {
     let key = |what: &str| format!("lights[{index}].{what}");
     let tint = table
@@ -284,6 +270,32 @@ fn sky(path: &Path, table: &SkyTable) -> Result<Sky, SceneError> {
             100.0,
         )?,
     })
+}
+
+/// Applies the `[materials]` tables; `text` is searched for the line of a table that fits no material.
+fn change_materials(
+    path: &Path,
+    text: &str,
+    materials: &mut [Material],
+    changes: &BTreeMap<String, MaterialTable>,
+) -> Result<(), SceneError> {
+    for (name, change) in changes {
+        let known: Vec<&str> = materials.iter().map(|m| m.name.as_str()).collect();
+        let Some(at) = known.iter().position(|k| k == name) else {
+            let line = text
+                .lines()
+                .position(|l| l.contains("materials") && l.contains(name.as_str()))
+                .map_or(1, |l| l + 1);
+            return Err(SceneError::UnknownMaterial {
+                path: path.to_owned(),
+                line,
+                name: name.clone(),
+                hint: hint(name, &known, "materials"),
+            });
+        };
+        change_material(path, &mut materials[at], change)?;
+    }
+    Ok(())
 }
 
 /// `reflect` first makes a mirror; the other keys then count as written.

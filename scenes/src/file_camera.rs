@@ -38,7 +38,8 @@ struct KeyframeTable {
     vfov_deg: Option<f32>,
 }
 
-/// The cameras that the table asks for. `up` and `vfov_deg` beside keyframes are their defaults; with nothing else a camera is framed on `bounds`.
+/// The cameras that the table asks for. `up` and `vfov_deg` beside keyframes are their defaults;
+/// with nothing else a camera is framed on `bounds`.
 pub(crate) fn cameras(
     file: &Path,
     table: &CameraTable,
@@ -47,25 +48,7 @@ pub(crate) fn cameras(
     let up = table.up.map_or(Vec3::Y, Vec3::from);
     let vfov_deg = table.vfov_deg.unwrap_or(defaults::DEFAULT_VFOV_DEG);
     let place = || format!("{}: [camera]", file.display());
-    let single = table.eye.is_some() || table.target.is_some();
-    if usize::from(single)
-        + usize::from(table.path.is_some())
-        + usize::from(table.keyframes.is_some())
-        > 1
-    {
-        return Err(value(
-            file,
-            "[camera] has more than one of eye/target, path and keyframes".into(),
-            "keep one",
-        ));
-    }
-    if table.interpolation.is_some() && table.keyframes.is_none() {
-        return Err(value(
-            file,
-            "[camera] has interpolation but no keyframes".into(),
-            "remove it or add [[camera.keyframes]]",
-        ));
-    }
+    check_kind(file, table)?;
     if let Some(keyframes) = &table.keyframes {
         return from_keyframes(
             file,
@@ -76,13 +59,6 @@ pub(crate) fn cameras(
         );
     }
     if let Some(path) = &table.path {
-        if table.up.is_some() || table.vfov_deg.is_some() {
-            return Err(value(
-                file,
-                "[camera] has a path and also up or vfov_deg".into(),
-                "the path file has its own; remove them",
-            ));
-        }
         return camera::read_path(&file.parent().unwrap_or(Path::new("")).join(path));
     }
     let camera = match (table.eye, table.target) {
@@ -106,6 +82,37 @@ pub(crate) fn cameras(
     };
     check_camera(&camera, place)?;
     Ok(vec![camera])
+}
+
+/// Refuses keys that contradict each other.
+fn check_kind(file: &Path, table: &CameraTable) -> Result<(), SceneError> {
+    let single = table.eye.is_some() || table.target.is_some();
+    if usize::from(single)
+        + usize::from(table.path.is_some())
+        + usize::from(table.keyframes.is_some())
+        > 1
+    {
+        return Err(value(
+            file,
+            "[camera] has more than one of eye/target, path and keyframes".into(),
+            "keep one",
+        ));
+    }
+    if table.interpolation.is_some() && table.keyframes.is_none() {
+        return Err(value(
+            file,
+            "[camera] has interpolation but no keyframes".into(),
+            "remove it or add [[camera.keyframes]]",
+        ));
+    }
+    if table.path.is_some() && (table.up.is_some() || table.vfov_deg.is_some()) {
+        return Err(value(
+            file,
+            "[camera] has a path and also up or vfov_deg".into(),
+            "the path file has its own; remove them",
+        ));
+    }
+    Ok(())
 }
 
 fn from_keyframes(

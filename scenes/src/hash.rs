@@ -18,7 +18,8 @@ impl Scene {
         positions.fold((first, first), |(low, high), p| (low.min(*p), high.max(*p)))
     }
 
-    /// BLAKE3 over everything that can change a picture, in a fixed order; floats as their bits, little-endian.
+    /// BLAKE3 over everything that can change a picture, in a fixed order; floats as their bits,
+    /// little-endian.
     ///
     /// Names and warnings are left out: renaming a material changes no ray.
     #[must_use]

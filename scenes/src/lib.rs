@@ -1,11 +1,12 @@
 //! Scenes for Rayreel: what is in front of the camera, before any ray is traced.
 //!
-//! A [`Scene`] is a triangle mesh with object ids and materials, textures, lights, a sky and a camera path. It comes from a
-//! built-in generator, an OBJ/MTL file or a scene file (TOML); [`load`] takes any of them. This crate knows nothing of rays,
-//! traces or hardware.
+//! A [`Scene`] is a triangle mesh with object ids and materials, textures, lights, a sky and a
+//! camera path. It comes from a built-in generator, an OBJ/MTL file or a scene file (TOML);
+//! [`load`] takes any of them. This crate knows nothing of rays, traces or hardware.
 //!
-//! Invariants: a scene that a loader returns has passed [`Scene::validate`]; the same input gives the same bytes on every machine (no hash
-//! order, and every transcendental function from `libm` in `f64`); no input makes a loader panic.
+//! Invariants: a scene that a loader returns has passed [`Scene::validate`]; the same input gives
+//! the same bytes on every machine (no hash order, and every transcendental function from `libm` in
+//! `f64`); no input makes a loader panic.
 
 pub mod builtin;
 pub mod camera;

@@ -9,10 +9,10 @@ use crate::{
     scene::Scene,
 };
 
-/// Loads a built-in scene by name, a scene file (`.toml`), or an OBJ model (`.obj`) with default camera and lights.
+/// Loads a built-in scene by name, a scene file (`.toml`), or an OBJ model (`.obj`) with default
+/// camera and lights.
 ///
-/// # Errors
-/// What is wrong with the file, or which names come near a name that is none.
+/// # Errors What is wrong with the file, or which names come near a name that is none.
 pub fn load(spec: &str) -> Result<Scene, SceneError> {
     if builtin::builtin_names().contains(&spec) {
         return builtin::builtin(spec);

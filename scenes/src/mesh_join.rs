@@ -7,7 +7,8 @@ use crate::scene::Mesh;
 /// No vertex.
 const NONE: u32 = u32::MAX;
 
-/// A mesh under construction. Source vertices that get one normal stay one vertex; each further normal adds a copy.
+/// A mesh under construction. Source vertices that get one normal stay one vertex; each further
+/// normal adds a copy.
 pub(crate) struct MeshJoin {
     /// The result so far.
     pub mesh: Mesh,

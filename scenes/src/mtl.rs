@@ -1,17 +1,22 @@
 //! Material libraries (MTL).
 //!
-//! tobj panics on a legal `Kd 0.5`, loses a whole library at a `Kd spectral` line, and hands `map_Kd` over with its options, so libraries are
-//! read here, with a line number in every error. How the statements are understood:
+//! tobj panics on a legal `Kd 0.5`, loses a whole library at a `Kd spectral` line, and hands
+//! `map_Kd` over with its options, so libraries are read here, with a line number in every error.
+//! How the statements are understood:
 //!
-//! - `illum` 0 to 2 (or none) is [`Optics::Opaque`], 3 and 8 [`Optics::Mirror`], 5 [`Optics::FresnelMirror`], 4, 6, 7 and 9
-//!   [`Optics::Dielectric`]; 10 (shadow matte) is opaque with a warning.
+//! - `illum` 0 to 2 (or none) is [`Optics::Opaque`], 3 and 8 [`Optics::Mirror`], 5
+//!   [`Optics::FresnelMirror`], 4, 6, 7 and 9 [`Optics::Dielectric`]; 10 (shadow matte) is opaque
+//!   with a warning.
 //! - Colours are linear. Without `Kd` a surface is 0.8 grey, or white under a `map_Kd`.
-//! - `Tf` is the tint of a refracted ray per surface crossed, 1 = clear; none = clear. In the wild `Tf .1 .1 .1` without any `d` or
-//!   `Tr` also means "filters a tenth" (the McGuire Cornell boxes): a dielectric whose `Tf` is below one half in all channels and that
-//!   states no `d`/`Tr` gets `1 - Tf`.
-//! - `d` below 1 on an opaque surface is plain transparency: a dielectric of index 1 (no reflection, no bending) that lets `1 - d`
-//!   through. `d 0` there is what broken exporters write for "opaque" and is read so, with a warning.
-//! - `Ni` of a dielectric without one is 1.5, `Ks` of a dielectric without one is 1 (the full Fresnel reflection).
+//! - `Tf` is the tint of a refracted ray per surface crossed, 1 = clear; none = clear. In the wild
+//!   `Tf .1 .1 .1` without any `d` or `Tr` also means "filters a tenth" (the McGuire Cornell
+//!   boxes): a dielectric whose `Tf` is below one half in all channels and that states no `d`/`Tr`
+//!   gets `1 - Tf`.
+//! - `d` below 1 on an opaque surface is plain transparency: a dielectric of index 1 (no
+//!   reflection, no bending) that lets `1 - d` through. `d 0` there is what broken exporters write
+//!   for "opaque" and is read so, with a warning.
+//! - `Ni` of a dielectric without one is 1.5, `Ks` of a dielectric without one is 1 (the full
+//!   Fresnel reflection).
 
 use std::path::{Path, PathBuf};
 
@@ -59,7 +64,8 @@ struct Statements {
     alpha_map: Option<(PathBuf, usize)>,
 }
 
-/// Reads one library and appends its materials; a material defined twice keeps its place and the later definition.
+/// Reads one library and appends its materials; a material defined twice keeps its place and the
+/// later definition.
 pub(crate) fn read(
     path: &Path,
     text: &str,
@@ -120,7 +126,8 @@ fn statement(
         "illum" => into.illum = Some(line.illum()?),
         "map_Kd" => into.diffuse_map = Some((mtl_line::map_path(line, warnings)?, line.number)),
         "map_d" => into.alpha_map = Some((mtl_line::map_path(line, warnings)?, line.number)),
-        // The ambient colour belongs to a lighting model that has a sky here; sharpness to reflection maps that nobody has.
+        // The ambient colour belongs to a lighting model that has a sky here; sharpness to
+        // reflection maps that nobody has.
         "Ka" | "map_Ka" | "sharpness" | "map_aat" => {}
         other => {
             let (file, number) = (line.path.display(), line.number);
@@ -141,18 +148,7 @@ fn finish(
     warnings: &mut Warnings,
 ) -> Result<(), SceneError> {
     let place = format!("{}:{}: material `{}`", path.display(), s.line, s.name);
-    let mut optics = match s.illum.unwrap_or(2) {
-        3 | 8 => Optics::Mirror,
-        5 => Optics::FresnelMirror,
-        4 | 6 | 7 | 9 => Optics::Dielectric,
-        10 => {
-            warnings.add("illum 10", || {
-                format!("{place}: illum 10 (shadow matte) is drawn as an ordinary opaque surface")
-            });
-            Optics::Opaque
-        }
-        _ => Optics::Opaque,
-    };
+    let mut optics = optics(s.illum, &place, warnings);
     let dielectric = optics == Optics::Dielectric;
     let mut transmission = transmission(&s, dielectric, &place, warnings);
     let mut diffuse =
@@ -189,15 +185,37 @@ fn finish(
         alpha_map: load(&s.alpha_map, true)?,
         name: s.name,
     };
-    if let Some(earlier) = materials.iter_mut().find(|m| m.name == material.name) {
-        warnings.add("newmtl twice", || {
-            format!("{place} is defined twice; the later definition counts")
-        });
-        *earlier = material;
-    } else {
-        materials.push(material);
-    }
+    add(material, materials, &place, warnings);
     Ok(())
+}
+
+/// The kind of secondary rays that an illumination model asks for.
+fn optics(illum: Option<i64>, place: &str, warnings: &mut Warnings) -> Optics {
+    match illum {
+        Some(3 | 8) => Optics::Mirror,
+        Some(5) => Optics::FresnelMirror,
+        Some(4 | 6 | 7 | 9) => Optics::Dielectric,
+        Some(10) => {
+            warnings.add("illum 10", || {
+                format!("{place}: illum 10 (shadow matte) is drawn as an ordinary opaque surface")
+            });
+            Optics::Opaque
+        }
+        _ => Optics::Opaque,
+    }
+}
+
+/// Appends a material, or puts it in the place of an earlier one of the same name.
+fn add(material: Material, materials: &mut Vec<Material>, place: &str, warnings: &mut Warnings) {
+    match materials.iter_mut().find(|m| m.name == material.name) {
+        Some(earlier) => {
+            warnings.add("newmtl twice", || {
+                format!("{place} is defined twice; the later definition counts")
+            });
+            *earlier = material;
+        }
+        None => materials.push(material),
+    }
 }
 
 /// The tint per surface; see the module's documentation for the reading of a small `Tf`.

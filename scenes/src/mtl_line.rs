@@ -1,4 +1,5 @@
-//! One line of a material library: numbers with their checks, and texture statements with their options.
+//! One line of a material library: numbers with their checks, and texture statements with their
+//! options.
 
 use std::path::{Path, PathBuf};
 
@@ -116,7 +117,8 @@ impl<'a> Line<'a> {
         }
     }
 
-    /// A colour: one number (grey), three numbers, or `xyz` with one or three; `spectral` files are not supported (`None`, a warning).
+    /// A colour: one number (grey), three numbers, or `xyz` with one or three; `spectral` files are
+    /// not supported (`None`, a warning).
     pub fn colour(&self, warnings: &mut Warnings) -> Result<Option<Vec3>, SceneError> {
         let words: Vec<&str> = self.words().collect();
         let (numbers, xyz) = match words.first() {
@@ -188,7 +190,8 @@ fn next_option(rest: &str) -> Option<(&str, &str)> {
     known.contains(&word).then_some((word, behind.trim_start()))
 }
 
-/// Arguments of an option. `-o`, `-s`, `-t` have one to three numbers; the last word always stays: it is the file.
+/// Arguments of an option. `-o`, `-s`, `-t` have one to three numbers; the last word always stays:
+/// it is the file.
 fn take_arguments<'a>(option: &str, mut rest: &'a str) -> (Vec<&'a str>, &'a str) {
     let (most, numeric) = match option {
         "-o" | "-s" | "-t" => (3, true),

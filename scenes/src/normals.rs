@@ -6,7 +6,8 @@ use glam::{DVec3, Vec3};
 
 /// Faces that meet at a sharper angle than 40 degrees keep an edge.
 pub(crate) const CREASE_COS: f64 = 0.766_044_443_118_978;
-/// A vertex with more corners than this is the hub of a huge fan, where comparing all pairs would take for ever; it stays flat.
+/// A vertex with more corners than this is the hub of a huge fan, where comparing all pairs would
+/// take for ever; it stays flat.
 const MAX_CORNERS: usize = 4096;
 
 /// A group and a position in it, bit by bit.
@@ -20,7 +21,8 @@ pub(crate) fn area_vector(positions: &[Vec3], [a, b, c]: [u32; 3]) -> DVec3 {
     (b - a).cross(c - a)
 }
 
-/// Whether a triangle is a point or a line as far as its coordinates can tell: lower than the rounding of its largest coordinate.
+/// Whether a triangle is a point or a line as far as its coordinates can tell: lower than the
+/// rounding of its largest coordinate.
 pub(crate) fn is_degenerate(positions: &[Vec3], triangle: [u32; 3]) -> bool {
     let [a, b, c] = triangle.map(|v| positions[v as usize].as_dvec3());
     let longest = (b - a)
@@ -32,8 +34,8 @@ pub(crate) fn is_degenerate(positions: &[Vec3], triangle: [u32; 3]) -> bool {
     height_times_base <= f64::from(f32::EPSILON) * largest * longest.sqrt()
 }
 
-/// Per triangle the normal at each corner. Vertices at the same place in the same group are joined, whatever their indices; no triangle may be
-/// degenerate.
+/// Per triangle the normal at each corner. Vertices at the same place in the same group are joined,
+/// whatever their indices; no triangle may be degenerate.
 pub(crate) fn corner_normals(
     positions: &[Vec3],
     triangles: &[[u32; 3]],

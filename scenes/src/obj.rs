@@ -40,10 +40,10 @@ struct Raw {
 
 /// Loads an OBJ model with its material libraries and textures.
 ///
-/// Polygons are triangulated (concave ones too), normals are the file's where it has them, else smooth across edges of less than 40 degrees.
+/// Polygons are triangulated (concave ones too), normals are the file's where it has them, else
+/// smooth across edges of less than 40 degrees.
 ///
-/// # Errors
-/// Whatever is wrong with the files, with the line it is in.
+/// # Errors Whatever is wrong with the files, with the line it is in.
 pub fn load_obj(path: impl AsRef<Path>) -> Result<ObjModel, SceneError> {
     let path = path.as_ref();
     let mut warnings = Warnings::default();
@@ -63,7 +63,8 @@ pub fn load_obj(path: impl AsRef<Path>) -> Result<ObjModel, SceneError> {
     })
 }
 
-/// Reads a text file. Old exporters write names in Latin-1: bytes that are no UTF-8 are replaced, with a warning.
+/// Reads a text file. Old exporters write names in Latin-1: bytes that are no UTF-8 are replaced,
+/// with a warning.
 fn read_text(
     path: &Path,
     what: &'static str,
@@ -257,7 +258,8 @@ fn append(mesh: &tobj::Mesh, object: u32, material: u32, raw: &mut Raw) {
         .extend(mesh.indices.as_chunks().0.iter().map(triangle));
 }
 
-/// Gives each corner its normal: the file's, the face's where the file's is broken, a smooth one where there is none.
+/// Gives each corner its normal: the file's, the face's where the file's is broken, a smooth one
+/// where there is none.
 fn join(raw: Raw) -> Mesh {
     let indices: Vec<[u32; 3]> = raw.triangles.iter().map(|t| t.vertices).collect();
     let groups: Vec<u32> = raw.triangles.iter().map(|t| t.object).collect();

@@ -1,8 +1,9 @@
 //! Checks an OBJ text line by line and rewrites it so that tobj can neither panic nor guess.
 //!
-//! tobj's errors carry no line, it accepts `nan`, and it returns arrays of unequal length when some faces have texture coordinates and
-//! others none. The text that leaves here has only finite vertices, absolute indices that exist, a full `v/vt/vn` on each corner (with the
-//! stand-ins below), triangles only, and `g0`, `m0`, ... in place of names.
+//! tobj's errors carry no line, it accepts `nan`, and it returns arrays of unequal length when some
+//! faces have texture coordinates and others none. The text that leaves here has only finite
+//! vertices, absolute indices that exist, a full `v/vt/vn` on each corner (with the stand-ins
+//! below), triangles only, and `g0`, `m0`, ... in place of names.
 
 use std::{collections::BTreeMap, fmt::Write, path::Path};
 
@@ -26,7 +27,8 @@ pub(crate) struct Checked {
     pub libraries: Vec<(usize, String)>,
     /// Object names in the order of their first face; `gN` in the text is index N.
     pub objects: Vec<String>,
-    /// Material names in the order of their first face with the line of it; `mN` in the text is index N. An empty name: no `usemtl`.
+    /// Material names in the order of their first face with the line of it; `mN` in the text is
+    /// index N. An empty name: no `usemtl`.
     pub uses: Vec<(String, usize)>,
 }
 
@@ -295,7 +297,8 @@ impl Scan<'_> {
                     "lines",
                     "points and lines have no surface and were ignored",
                 ),
-                // Smoothing groups: normals come from `vn` or from the crease angle. The rest only steers display.
+                // Smoothing groups: normals come from `vn` or from the crease angle. The rest only
+                // steers display.
                 "" | "s" | "vp" | "lod" | "shadow_obj" | "trace_obj" | "c_interp" | "d_interp"
                 | "bevel" => {}
                 comment if comment.starts_with('#') => {}
@@ -399,7 +402,8 @@ impl Scan<'_> {
         ])
     }
 
-    /// Writes `g` and `usemtl` when they changed. Names get their number at their first face, so empty groups are no objects.
+    /// Writes `g` and `usemtl` when they changed. Names get their number at their first face, so
+    /// empty groups are no objects.
     fn select(&mut self, line: usize) {
         let objects = &mut self.out.objects;
         let object = self

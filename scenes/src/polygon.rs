@@ -5,7 +5,8 @@ use glam::DVec3;
 /// Above this many corners a concave polygon is cut as a fan: ear cutting is quadratic and worse.
 const MAX_EAR_CORNERS: usize = 2048;
 
-/// Corner indices of the triangles of a polygon: a fan from corner 0 for a convex one, as everywhere, and ears for a concave one.
+/// Corner indices of the triangles of a polygon: a fan from corner 0 for a convex one, as
+/// everywhere, and ears for a concave one.
 pub(crate) fn triangulate(points: &[DVec3]) -> Vec<[usize; 3]> {
     let count = points.len();
     let normal = area_normal(points);
@@ -29,7 +30,8 @@ pub(crate) fn triangulate(points: &[DVec3]) -> Vec<[usize; 3]> {
     while left.len() > 3 {
         let n = left.len();
         let ear = (0..n).find(|&i| is_ear(points, normal, &left, i));
-        // A polygon that crosses itself may have no ear; a fan over the rest loses nothing that was defined.
+        // A polygon that crosses itself may have no ear; a fan over the rest loses nothing that was
+        // defined.
         let Some(i) = ear else { break };
         triangles.push([left[(i + n - 1) % n], left[i], left[(i + 1) % n]]);
         left.remove(i);
@@ -49,7 +51,8 @@ fn area_normal(points: &[DVec3]) -> DVec3 {
     sum.normalize_or_zero()
 }
 
-/// Sine-like measure of the turn at the middle corner: positive turns left, relative to the lengths of the sides.
+/// Sine-like measure of the turn at the middle corner: positive turns left, relative to the lengths
+/// of the sides.
 fn turn(points: &[DVec3], normal: DVec3, [a, b, c]: [usize; 3]) -> f64 {
     let (first, second) = (points[b] - points[a], points[c] - points[b]);
     let scale = first.length() * second.length();

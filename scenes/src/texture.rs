@@ -17,7 +17,8 @@ pub(crate) struct TextureSet {
 }
 
 impl TextureSet {
-    /// Loads a texture that `path:line` names. A `mask` is used as `map_d`: without an alpha channel its luminance becomes alpha.
+    /// Loads a texture that `path:line` names. A `mask` is used as `map_d`: without an alpha
+    /// channel its luminance becomes alpha.
     pub fn load(
         &mut self,
         path: &Path,

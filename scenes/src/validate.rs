@@ -13,10 +13,10 @@ pub const MAX_LIGHTS: usize = 16;
 pub const MAX_TEXTURE_SIDE: u32 = 16_384;
 
 impl Scene {
-    /// Checks that indices are in range, arrays are equally long, numbers are finite and cameras can look.
+    /// Checks that indices are in range, arrays are equally long, numbers are finite and cameras
+    /// can look.
     ///
-    /// # Errors
-    /// The first promise that is broken.
+    /// # Errors The first promise that is broken.
     pub fn validate(&self) -> Result<(), SceneError> {
         self.validate_mesh()?;
         for (index, material) in self.materials.iter().enumerate() {

@@ -25,7 +25,8 @@ fn triangle_counts_are_within_two_percent() {
     assert!((300..=700).contains(&cornell), "cornell has {cornell}");
 }
 
-/// Triangles of connected solids, found by joining corners at the same place within an object; `which` picks materials.
+/// Triangles of connected solids, found by joining corners at the same place within an object;
+/// `which` picks materials.
 fn solids(scene: &Scene, which: impl Fn(Optics) -> bool) -> Vec<(String, Vec<[Vec3; 3]>)> {
     let mut groups: Vec<(String, Vec<[Vec3; 3]>)> = Vec::new();
     for (object, name) in scene.objects.iter().enumerate() {
@@ -214,5 +215,23 @@ fn cornell_is_the_same_everywhere() {
         .iter()
         .map(|b| format!("{b:02x}"))
         .collect();
-    assert_eq!(hash, "4787d3825e3f7c394bd0ecddcc06882997850f728ecad76333ed163107ccce24");
+    assert_eq!(
+        hash,
+        "4787d3825e3f7c394bd0ecddcc06882997850f728ecad76333ed163107ccce24"
+    );
+}
+
+/// The pictures of frame A and of frame A plus one belong together: no jump in the path.
+#[test]
+fn orbits_are_closed_and_smooth() {
+    for name in ["teapot", "chess"] {
+        let cameras = scene(name).cameras;
+        let steps: Vec<f32> = (0..cameras.len())
+            .map(|i| (cameras[i].eye - cameras[(i + 1) % cameras.len()].eye).length())
+            .collect();
+        let (low, high) = steps
+            .iter()
+            .fold((f32::MAX, 0.0_f32), |(l, h), s| (l.min(*s), h.max(*s)));
+        assert!(high < 1.2 * low, "{name}: steps from {low} to {high}");
+    }
 }

@@ -1,4 +1,5 @@
-//! `chess`: the start position, glass against dark polished wood, on a reflecting board. 42,000 triangles.
+//! `chess`: the start position, glass against dark polished wood, on a reflecting board. 42,000
+//! triangles.
 
 use glam::{DVec2, DVec3, Vec3};
 
@@ -54,7 +55,8 @@ pub fn scene() -> Result<Scene, SceneError> {
     out.finish(camera::orbit(hero, FRAMES, 0.8))
 }
 
-/// The sixteen pieces of one side; `front` is 1 for the side near the camera, whose pieces look along -z.
+/// The sixteen pieces of one side; `front` is 1 for the side near the camera, whose pieces look
+/// along -z.
 fn side(out: &mut SceneBuilder, name: &str, material: u32, front: f64) {
     for (file, kind) in RANK.into_iter().enumerate() {
         let x = file as f64 - 3.5;

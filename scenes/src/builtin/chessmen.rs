@@ -113,7 +113,8 @@ fn rook() -> Part {
         DVec2::new(0.18, 0.82),
         DVec2::new(0.0, 0.80),
     ]);
-    // Columns: each merlon has four, each gap two more; where they meet two columns share an angle, which makes upright cheeks.
+    // Columns: each merlon has four, each gap two more; where they meet two columns share an angle,
+    // which makes upright cheeks.
     let per = 6;
     Part::grid(profile.len(), MERLONS * per, true, |row, column| {
         let (merlon, k) = (column / per, column % per);
@@ -146,7 +147,8 @@ const MITRE: [Knot; 8] = [
     s(0.078, 1.275),
     s(0.046, 1.302),
 ];
-/// Heights of the mitre's rows at the axis. At the two doubled heights are the lips and, further in, the bottom of the cut.
+/// Heights of the mitre's rows at the axis. At the two doubled heights are the lips and, further
+/// in, the bottom of the cut.
 const MITRE_ROWS: [f64; 13] = [
     0.90, 0.935, 0.97, 1.005, 1.04, 1.075, 1.075, 1.115, 1.115, 1.155, 1.20, 1.245, 1.28,
 ];

@@ -1,4 +1,5 @@
-//! `cornell`: a tiny Cornell box, as wide as the picture, with a mirror box and a glass sphere. Golden traces are made from it.
+//! `cornell`: a tiny Cornell box, as wide as the picture, with a mirror box and a glass sphere.
+//! Golden traces are made from it.
 
 use glam::{DVec3, Vec3};
 

@@ -38,8 +38,8 @@ const fn section(back: (f64, f64), front: (f64, f64), half_width: f64, crest: f6
     }
 }
 
-/// Cross-sections from the chest up the neck, over the poll and down to the lips. Back runs along the mane, the forehead and the nose;
-/// front along the chest, the throat, the cheek and the chin.
+/// Cross-sections from the chest up the neck, over the poll and down to the lips. Back runs along
+/// the mane, the forehead and the nose; front along the chest, the throat, the cheek and the chin.
 const SECTIONS: [Section; 17] = [
     section((-0.215, 0.285), (0.215, 0.285), 0.205, 0.0),
     section((-0.235, 0.36), (0.225, 0.36), 0.185, 0.15),

@@ -1,8 +1,9 @@
 //! Martin Newell's teapot (1975): 32 bicubic Bezier patches, public domain.
 //!
-//! The data set has 306 control points. Its round parts are circles of control points whose tangents are 0.56 of the radius (0.5625 at the
-//! lid's knob), so they stand here as profiles; handle and spout stand as half rows, mirrored in the plane of symmetry.
-//! Z is up, as in the original; [`patches`] turns it so that y is.
+//! The data set has 306 control points. Its round parts are circles of control points whose
+//! tangents are 0.56 of the radius (0.5625 at the lid's knob), so they stand here as profiles;
+//! handle and spout stand as half rows, mirrored in the plane of symmetry. Z is up, as in the
+//! original; [`patches`] turns it so that y is.
 
 use glam::DVec3;
 
@@ -13,7 +14,8 @@ type Ring = (f64, f64);
 /// Half a row of a handle or spout patch, from the plane of symmetry outwards and back to it: x, y, z.
 type Row = [[f64; 3]; 4];
 
-/// Round parts from the top down, outside to the left of the way down: lid, rim, body. The bottom follows on.
+/// Round parts from the top down, outside to the left of the way down: lid, rim, body. The bottom
+/// follows on.
 const ROUND: [[Ring; 4]; 6] = [
     [(0.0, 3.15), (0.8, 3.15), (0.0, 2.85), (0.2, 2.7)],
     [(0.2, 2.7), (0.4, 2.55), (1.3, 2.55), (1.3, 2.4)],
@@ -119,7 +121,8 @@ const SPOUT: [Row; 7] = [
     ],
 ];
 
-/// The patches of the body with lid, rim and bottom (24), of the handle (4) and of the spout (4). `u` x `v` points out of the pot.
+/// The patches of the body with lid, rim and bottom (24), of the handle (4) and of the spout (4).
+/// `u` x `v` points out of the pot.
 pub fn patches() -> [Vec<Patch>; 3] {
     let round = ROUND
         .iter()
@@ -184,7 +187,8 @@ mod tests {
             .flatten()
             .map(|p| (*p * 1e6).to_array().map(|c| c.round() as i64))
             .collect();
-        // The published list has 306 entries; it writes shared poles and seams of the bottom several times.
+        // The published list has 306 entries; it writes shared poles and seams of the bottom
+        // several times.
         assert!(
             (280..=306).contains(&points.len()),
             "{} distinct control points",

@@ -37,7 +37,7 @@ pub fn scene() -> Result<Scene, SceneError> {
     );
     let hero = Camera {
         eye: Vec3::new(1.4, 5.0, 11.2),
-        target: Vec3::new(0.75, 1.02, 0.0),
+        target: Vec3::new(0.75, 0.94, 0.0),
         up: Vec3::Y,
         vfov_deg: 27.0,
     };

@@ -73,7 +73,8 @@ pub fn bevelled(low: DVec3, high: DVec3, bevel: f64) -> Part {
     Part::grid(rows.len(), 8, true, |row, column| rows[row][column]).crease(30.0)
 }
 
-/// A closed prism: an outline (counter-clockwise seen from +z, star-shaped about the origin) from `-half` to `half` in z.
+/// A closed prism: an outline (counter-clockwise seen from +z, star-shaped about the origin) from
+/// `-half` to `half` in z.
 #[must_use]
 pub fn prism(outline: &[DVec2], half: f64) -> Part {
     let at = |p: DVec2, z: f64| DVec3::new(p.x, p.y, z);

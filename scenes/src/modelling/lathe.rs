@@ -4,7 +4,8 @@ use glam::{DVec2, DVec3};
 
 use crate::modelling::part::{Part, sin_cos};
 
-/// Turns a profile (radius, height; from the bottom up, outside to the right) about the y axis. A profile that starts and ends on the axis gives a closed solid.
+/// Turns a profile (radius, height; from the bottom up, outside to the right) about the y axis. A
+/// profile that starts and ends on the axis gives a closed solid.
 #[must_use]
 pub fn lathe(profile: &[DVec2], segments: usize) -> Part {
     lathe_with(profile.len(), segments, |row, _, _| profile[row])

@@ -4,7 +4,8 @@ use glam::{DVec2, DVec3};
 
 use crate::modelling::part::{Part, sin_cos};
 
-/// A cross-section across the plane z = 0: it spans from `back` to `front` in that plane and `half_width` to either side of it.
+/// A cross-section across the plane z = 0: it spans from `back` to `front` in that plane and
+/// `half_width` to either side of it.
 #[derive(Clone, Copy, Debug)]
 pub struct Section {
     /// Rear end in x and y.
@@ -55,7 +56,8 @@ pub fn refine(sections: &[Section], pieces: usize) -> Vec<Section> {
     out
 }
 
-/// A closed skin over the sections from the bottom up: flat caps at both ends, `shape` moves each point of the skin (section, angle, point).
+/// A closed skin over the sections from the bottom up: flat caps at both ends, `shape` moves each
+/// point of the skin (section, angle, point).
 pub fn loft(
     sections: &[Section],
     segments: usize,

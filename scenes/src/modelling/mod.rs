@@ -1,6 +1,7 @@
 //! Shapes for the built-in scenes: parts made of grids, put together by a builder.
 //!
-//! Everything is computed in `f64` with `libm` and rounded once, so that the built-in scenes are the same bytes on every machine.
+//! Everything is computed in `f64` with `libm` and rounded once, so that the built-in scenes are
+//! the same bytes on every machine.
 
 pub mod block;
 pub mod builder;

@@ -29,10 +29,11 @@ impl Default for Part {
 }
 
 impl Part {
-    /// A grid of `rows` x `columns` points, `surface(row, column)` each; with `wrap` the last column meets the first.
+    /// A grid of `rows` x `columns` points, `surface(row, column)` each; with `wrap` the last
+    /// column meets the first.
     ///
-    /// The front is where rows run up and columns run to the right. Rows that fall together in a point are fine: triangles without area are dropped
-    /// when the part is built in.
+    /// The front is where rows run up and columns run to the right. Rows that fall together in a
+    /// point are fine: triangles without area are dropped when the part is built in.
     pub fn grid(
         rows: usize,
         columns: usize,

@@ -29,8 +29,8 @@ pub const fn c(r: f64, y: f64) -> Knot {
     }
 }
 
-/// Points along the profile, at most `step` apart measured along straight knots. Runs of smooth knots become Catmull-Rom curves; between two corners the line is straight and stays
-/// one piece.
+/// Points along the profile, at most `step` apart measured along straight knots. Runs of smooth
+/// knots become Catmull-Rom curves; between two corners the line is straight and stays one piece.
 #[must_use]
 pub fn sample(knots: &[Knot], step: f64) -> Vec<DVec2> {
     let Some(first) = knots.first() else {
@@ -45,7 +45,8 @@ pub fn sample(knots: &[Knot], step: f64) -> Vec<DVec2> {
         } else {
             libm::ceil((b.point - a.point).length() / step).max(1.0) as usize
         };
-        // At a corner the neighbour beyond it must not pull on the curve: reflect the other end instead.
+        // At a corner the neighbour beyond it must not pull on the curve: reflect the other end
+        // instead.
         let before = if a.sharp || i < 2 {
             a.point * 2.0 - b.point
         } else {
