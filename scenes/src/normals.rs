@@ -8,7 +8,7 @@ use glam::{DVec3, Vec3};
 pub(crate) const CREASE_COS: f64 = 0.766_044_443_118_978;
 /// A vertex with more corners than this is the hub of a huge fan, where comparing all pairs would
 /// take for ever; it stays flat.
-const MAX_CORNERS: usize = 4096;
+const MAX_CORNERS: usize = 1024;
 
 /// A group and a position in it, bit by bit.
 type Place = (u32, [u32; 3]);

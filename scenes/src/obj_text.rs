@@ -118,7 +118,8 @@ fn statements(text: &str) -> impl Iterator<Item = (usize, String)> {
     std::iter::from_fn(move || {
         let (index, first) = lines.next()?;
         let mut statement = first.trim_start_matches('\u{feff}').trim().to_owned();
-        while statement.ends_with('\\') {
+        // Not in comments: `# C:\models\` ends in a path.
+        while statement.ends_with('\\') && !statement.starts_with('#') {
             statement.pop();
             let Some((_, more)) = lines.next() else { break };
             statement.push(' ');
@@ -335,7 +336,11 @@ impl Scan<'_> {
         }
         self.select(line);
         let points: Vec<DVec3> = corners.iter().map(|c| self.positions[c[0] - 1]).collect();
-        for triangle in polygon::triangulate(&points) {
+        let (triangles, exact) = polygon::triangulate(&points);
+        if !exact {
+            self.warn(line, "polygon", "a concave polygon that is too large or crosses itself was cut as a fan and may look wrong");
+        }
+        for triangle in triangles {
             self.faces.push('f');
             for [v, vt, vn] in triangle.map(|at| corners[at]) {
                 let _ = write!(self.faces, " {v}/{vt}/{vn}");

@@ -2,12 +2,12 @@
 
 use glam::DVec3;
 
-/// Above this many corners a concave polygon is cut as a fan: ear cutting is quadratic and worse.
-const MAX_EAR_CORNERS: usize = 2048;
+/// Above this many corners a concave polygon is cut as a fan: ear cutting is cubic at worst.
+const MAX_EAR_CORNERS: usize = 512;
 
 /// Corner indices of the triangles of a polygon: a fan from corner 0 for a convex one, as
-/// everywhere, and ears for a concave one.
-pub(crate) fn triangulate(points: &[DVec3]) -> Vec<[usize; 3]> {
+/// everywhere, and ears for a concave one. `false` when ears could not be cut and a fan had to do.
+pub(crate) fn triangulate(points: &[DVec3]) -> (Vec<[usize; 3]>, bool) {
     let count = points.len();
     let normal = area_normal(points);
     let fan = || {
@@ -23,7 +23,7 @@ pub(crate) fn triangulate(points: &[DVec3]) -> Vec<[usize; 3]> {
         ) >= -1e-9
     });
     if count <= 3 || convex || count > MAX_EAR_CORNERS {
-        return fan();
+        return (fan(), count <= 3 || convex);
     }
     let mut left: Vec<usize> = (0..count).collect();
     let mut triangles = Vec::with_capacity(count - 2);
@@ -36,8 +36,9 @@ pub(crate) fn triangulate(points: &[DVec3]) -> Vec<[usize; 3]> {
         triangles.push([left[(i + n - 1) % n], left[i], left[(i + 1) % n]]);
         left.remove(i);
     }
+    let exact = left.len() == 3;
     triangles.extend((1..left.len() - 1).map(|i| [left[0], left[i], left[i + 1]]));
-    triangles
+    (triangles, exact)
 }
 
 /// Unit normal by Newell's sum; zero for a polygon without area.
@@ -89,7 +90,8 @@ mod tests {
             [[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [1.0, 0.5]].map(|[x, y]| DVec3::new(x, y, 0.0));
         for shift in 0..4 {
             let points: Vec<DVec3> = (0..4).map(|i| arrow[(i + shift) % 4]).collect();
-            let triangles = triangulate(&points);
+            let (triangles, exact) = triangulate(&points);
+            assert!(exact);
             let areas: Vec<f64> = triangles
                 .iter()
                 .map(|t| {
@@ -106,7 +108,20 @@ mod tests {
 
     #[test]
     fn a_polygon_without_area_still_gives_triangles() {
-        assert_eq!(triangulate(&[DVec3::ZERO; 5]).len(), 3);
-        assert_eq!(triangulate(&[DVec3::ZERO; 2]).len(), 0);
+        assert_eq!(triangulate(&[DVec3::ZERO; 5]).0.len(), 3);
+        assert_eq!(triangulate(&[DVec3::ZERO; 2]).0.len(), 0);
+    }
+
+    #[test]
+    fn a_huge_concave_polygon_is_a_fan_that_says_so() {
+        let star: Vec<DVec3> = (0..2000)
+            .map(|i| {
+                let angle = std::f64::consts::TAU * f64::from(i) / 2000.0;
+                DVec3::new(libm::cos(angle), libm::sin(angle), 0.0)
+                    * if i % 2 == 0 { 1.0 } else { 0.5 }
+            })
+            .collect();
+        let (triangles, exact) = triangulate(&star);
+        assert_eq!((triangles.len(), exact), (1998, false));
     }
 }

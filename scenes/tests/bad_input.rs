@@ -191,6 +191,16 @@ fn corners_with_and_without_texture_coordinates_mix() {
 }
 
 #[test]
+fn a_comment_that_ends_in_a_backslash_ends_there() {
+    let obj = format!(
+        "# C:\\models\\\n{}",
+        TRIANGLE.replace("f 1 2 3", "f 1 \\\n 2 3")
+    );
+    let scene = load_in(&folder(&[("a.obj", &obj)]), "a.obj").expect("loads");
+    assert_eq!(scene.mesh.positions.len(), 3);
+}
+
+#[test]
 fn objects_are_merged_by_name_and_materials_by_library() {
     let obj = "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\no one\nusemtl x\nf 1 2 3\nusemtl y\nf 3 2 1\no empty\no two words\nf 1 2 3\no one\nf 1 2 3\n";
     let scene = load_in(
