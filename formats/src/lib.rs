@@ -11,9 +11,11 @@ pub mod intersect;
 pub mod limits;
 pub mod math;
 pub mod oct;
+pub mod payload;
 pub mod rays;
 pub mod scene;
 pub mod tile;
+pub mod trace;
 
 pub use error::{Error, Result};
 pub use limits::Limits;

@@ -5,11 +5,13 @@
 //! traversal loop that records paths.
 
 pub mod accel;
+pub mod capture;
 pub mod convert;
 pub mod shade;
 pub mod texture;
 pub mod trace;
 pub mod traverse;
+pub mod verify;
 
 pub use accel::build;
 pub use trace::{Settings, Tracer};

@@ -243,17 +243,17 @@ impl<'a> Tracer<'a> {
         self.textures[map].is_transparent(self.uv(triangle, u, v))
     }
 
-    /// Whether a shadow ray passes a triangle; a dielectric tints the light.
+    /// Whether a shadow ray passes a triangle; a dielectric does not stop it, and tints the light where it is not cut out.
     fn lets_light_through(&self, triangle: u32, u: f32, v: f32, tint: &mut Vec3, passed: &mut bool) -> bool {
-        if self.cut_out(triangle, u, v) {
-            return true;
-        }
+        let cut_out = self.cut_out(triangle, u, v);
         let material = self.built.bvh.material(triangle as usize);
         if material.optics != Optics::Dielectric {
-            return false;
+            return cut_out;
         }
         *passed = true;
-        *tint = tint.times(material.transmission * SHADOW_TRANSMITTANCE);
+        if !cut_out {
+            *tint = tint.times(material.transmission * SHADOW_TRANSMITTANCE);
+        }
         true
     }
 

@@ -134,7 +134,18 @@ impl Accel {
         scratch: &mut Scratch,
         pass: impl FnMut(u32, f32, f32) -> bool,
     ) -> bool {
-        self.walk::<RECORD, true>(ray, scratch, pass).is_some()
+        self.any_hit::<RECORD>(ray, scratch, pass).is_some()
+    }
+
+    /// As [`Accel::any`], and what lies there.
+    #[inline]
+    pub fn any_hit<const RECORD: bool>(
+        &self,
+        ray: &Ray,
+        scratch: &mut Scratch,
+        pass: impl FnMut(u32, f32, f32) -> bool,
+    ) -> Option<RayHit> {
+        self.walk::<RECORD, true>(ray, scratch, pass)
     }
 
     #[inline(always)]

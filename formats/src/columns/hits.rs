@@ -20,7 +20,7 @@ pub struct Geometry<'a> {
     /// The scene's triangles and materials.
     pub bvh: &'a Bvh,
     /// The frame's camera.
-    pub camera: &'a Camera,
+    pub camera: Camera,
 }
 
 struct Models {
@@ -169,7 +169,7 @@ impl<'a> RayRebuilder<'a> {
         let ray = match self.parent_surface(class, node) {
             None => {
                 let (x, y) = (sample % self.rect.width, sample / self.rect.width);
-                rays::primary(self.geometry.camera, self.rect.x + x, self.rect.y + y)
+                rays::primary(&self.geometry.camera, self.rect.x + x, self.rect.y + y)
             }
             Some((direction, surface, triangle)) if class.0 % 2 == 1 => {
                 let ior = self.geometry.bvh.material(triangle as usize).ior;

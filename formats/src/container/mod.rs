@@ -35,6 +35,7 @@ pub use chunk_file::TilePayload;
 pub use chunk_header::{CHUNK_HEADER_LEN, ChunkRecord};
 pub use encoded::EncodedChunk;
 pub use encoding::Encoding;
+pub(crate) use encoding::{compress, decompress};
 pub use id::{ChunkId, ChunkKind, FormatVersion, NONE};
 pub use index::ColumnTotals;
 pub use reader::Reader;

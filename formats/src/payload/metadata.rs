@@ -1,0 +1,103 @@
+//! Metadata payloads: bincode 2 with fixed-width little-endian integers, under a byte limit, nothing left over.
+//!
+//! This is the only place that knows bincode; FORMAT.md spells out the bytes.
+
+use bincode::config::{Configuration, Fixint, LittleEndian, Limit};
+use bincode::{Decode, Encode};
+
+use crate::error::{Error, Result};
+use crate::limits::Limits;
+use crate::scene::{Camera, Light, MAX_LIGHTS, Meta};
+use crate::tile::MAX_DEPTH;
+
+/// Largest sample grid edge: sample numbers stay exact in `f32`.
+const MAX_GRID: u32 = 1 << 20;
+
+/// A hard limit on what decoding may allocate; [`Limits::max_metadata_bytes`] is checked before.
+fn config() -> Configuration<LittleEndian, Fixint, Limit<{ 1 << 26 }>> {
+    bincode::config::standard().with_little_endian().with_fixed_int_encoding().with_limit::<{ 1 << 26 }>()
+}
+
+/// Encodes a metadata value.
+///
+/// # Errors
+/// When the value is larger than a reader would accept.
+pub fn encode<T: Encode>(what: &'static str, value: &T) -> Result<Vec<u8>> {
+    bincode::encode_to_vec(value, config()).map_err(|e| Error::decode(what, e.to_string()))
+}
+
+/// Decodes a metadata value that fills `bytes`.
+///
+/// # Errors
+/// When the bytes are not such a value, exceed the limit, or go on after it.
+pub fn decode<T: Decode<()>>(what: &'static str, bytes: &[u8], limits: &Limits) -> Result<T> {
+    let size = bytes.len() as u64;
+    if size > limits.max_metadata_bytes {
+        return Err(Error::limit("metadata bytes", size, limits.max_metadata_bytes));
+    }
+    let (value, used) =
+        bincode::decode_from_slice(bytes, config()).map_err(|e| Error::decode(what, e.to_string()))?;
+    if used != bytes.len() {
+        return Err(Error::decode(what, format!("{} bytes left over", bytes.len() - used)));
+    }
+    Ok(value)
+}
+
+/// Decodes and checks a `META` payload.
+///
+/// # Errors
+/// When a value is impossible or over a limit.
+pub fn decode_meta(bytes: &[u8], limits: &Limits) -> Result<Meta> {
+    let meta: Meta = decode("metadata", bytes, limits)?;
+    check_meta(&meta, limits).map_err(|detail| Error::decode("metadata", detail))?;
+    Ok(meta)
+}
+
+/// Says what is impossible in a `META` value.
+///
+/// # Errors
+/// That.
+pub fn check_meta(meta: &Meta, limits: &Limits) -> std::result::Result<(), String> {
+    let range = |name: &str, value: u32, low: u32, high: u32| {
+        if (low..=high).contains(&value) { Ok(()) } else { Err(format!("{name} is {value}, not {low} to {high}")) }
+    };
+    range("samples per pixel and axis", meta.samples, 1, 8)?;
+    range("image width", meta.width, 1, MAX_GRID / meta.samples)?;
+    range("image height", meta.height, 1, MAX_GRID / meta.samples)?;
+    range("tile edge", meta.tile, 1, 1024)?;
+    let samples = u64::from(meta.tile) * u64::from(meta.tile);
+    if samples > limits.max_samples_per_tile {
+        return Err(format!("a tile has {samples} samples, over the limit of {}", limits.max_samples_per_tile));
+    }
+    range("maximum depth", meta.max_depth, 0, MAX_DEPTH)?;
+    range("number of lights", meta.lights.len() as u32, 0, MAX_LIGHTS as u32)?;
+    range("number of frames", meta.frames, 1, u32::MAX - meta.first_frame)?;
+    let tiles = u64::from(meta.tile_count()) * u64::from(meta.frames);
+    if tiles > limits.max_index_entries {
+        return Err(format!("{tiles} tiles, over the limit of {}", limits.max_index_entries));
+    }
+    if !meta.lights.iter().all(light_is_finite) || !meta.min_weight.is_finite() {
+        return Err("a number is not finite".into());
+    }
+    Ok(())
+}
+
+fn light_is_finite(light: &Light) -> bool {
+    match light {
+        Light::Point { position, colour } => position.is_finite() && colour.is_finite(),
+        Light::Directional { to_light, colour } => to_light.is_finite() && colour.is_finite(),
+    }
+}
+
+/// Decodes a `FRAM` payload.
+///
+/// # Errors
+/// When it is not a camera of finite numbers.
+pub fn decode_camera(bytes: &[u8], limits: &Limits) -> Result<Camera> {
+    let camera: Camera = decode("camera", bytes, limits)?;
+    if [camera.eye, camera.corner, camera.right, camera.down].iter().all(|v| v.is_finite()) {
+        Ok(camera)
+    } else {
+        Err(Error::decode("camera", "a number is not finite"))
+    }
+}

@@ -1,0 +1,189 @@
+//! Tiles to columns and back, by either codec.
+
+use crate::bvh::Bvh;
+use crate::columns::hits::Geometry;
+use crate::columns::paths::{PathScratch, Topology};
+use crate::columns::{hits, paths, radiance, tree};
+use crate::container::{ChunkId, ColumnEntry, EncodedChunk, NONE, compress, decompress};
+use crate::error::{Error, Result, check_limit};
+use crate::limits::Limits;
+use crate::payload::canonical;
+use crate::scene::{Camera, Meta, Rect};
+use crate::tile::{Column, Hit, Paths, Radiance, Tile, Tree};
+
+/// How the columns of a tile are coded.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Codec {
+    /// Canonical bytes in a zstd frame of this level: simple to read anywhere, two to three times the size.
+    Plain(i32),
+    /// The column codec: adaptive range coding in the context of neighbouring rays.
+    Context,
+}
+
+impl Codec {
+    /// Code of [`Codec::Plain`] in a column directory.
+    pub const PLAIN: u8 = 0;
+    /// Code of [`Codec::Context`] in a column directory.
+    pub const CONTEXT: u8 = 1;
+}
+
+/// Memory that coding a tile needs, reused from tile to tile.
+#[derive(Debug, Default)]
+pub struct Scratch {
+    paths: PathScratch,
+}
+
+/// What coding a tile of one frame needs beside the tile.
+#[derive(Clone, Copy, Debug)]
+pub struct TileCodec<'a> {
+    /// Lights, depth and tile layout.
+    pub meta: &'a Meta,
+    /// Triangles and materials.
+    pub bvh: &'a Bvh,
+    /// The tree, packed for walking.
+    pub topology: &'a Topology,
+    /// The frame's camera.
+    pub camera: &'a Camera,
+    /// What decoding may cost.
+    pub limits: &'a Limits,
+}
+
+/// A column as read: codec, canonical length in bytes, coded bytes.
+type Packed = (u8, u64, Vec<u8>);
+
+impl TileCodec<'_> {
+    fn geometry(&self) -> Geometry<'_> {
+        Geometry { bvh: self.bvh, camera: *self.camera }
+    }
+
+    fn lights(&self) -> usize {
+        self.meta.lights.len()
+    }
+
+    /// Codes a whole tile as a chunk.
+    ///
+    /// # Errors
+    /// When zstd or the container refuses.
+    pub fn encode(&self, tile: &Tile, codec: Codec, scratch: &mut Scratch) -> Result<EncodedChunk> {
+        let entry = |column: Column| -> Result<ColumnEntry> {
+            let (code, raw_len, packed) = match codec {
+                Codec::Plain(level) => {
+                    let raw = canonical_bytes(tile, column);
+                    (Codec::PLAIN, raw.len() as u64, compress(&raw, level)?)
+                }
+                Codec::Context => (Codec::CONTEXT, canonical_length(tile, column), self.context(tile, column, scratch)),
+            };
+            Ok(ColumnEntry { id: column as u8, codec: code, raw_len, packed })
+        };
+        let columns: Vec<ColumnEntry> = Column::ALL.into_iter().map(entry).collect::<Result<_>>()?;
+        EncodedChunk::tile(ChunkId::tile(tile.frame, tile.index), &columns)
+    }
+
+    /// Codes one column with the column codec.
+    pub fn context(&self, tile: &Tile, column: Column, scratch: &mut Scratch) -> Vec<u8> {
+        let (tree, rect) = (&tile.tree, tile.rect);
+        match column {
+            Column::Tree => tree::encode(tree, rect, self.lights()),
+            Column::Hits => hits::encode(tree, &tile.hits, rect, self.geometry()),
+            Column::Radiance => radiance::encode(tree, &tile.hits, &tile.radiance, rect, self.geometry()),
+            Column::Paths => {
+                paths::encode(&tile.paths, tree, rect, self.lights(), self.topology, &mut scratch.paths)
+            }
+        }
+    }
+
+    /// Decodes the tree column.
+    ///
+    /// # Errors
+    /// When it is damaged or over a limit.
+    pub fn decode_tree(&self, rect: Rect, packed: &Packed) -> Result<Tree> {
+        check_limit("samples per tile", rect.len() as u64, self.limits.max_samples_per_tile)?;
+        let depth = self.meta.max_depth;
+        let decoded = decode(
+            packed,
+            |bytes| tree::decode(bytes, rect, self.lights(), depth, self.limits),
+            |bytes| canonical::parse_tree(bytes, rect.len(), self.lights(), depth),
+        );
+        named(Column::Tree, decoded)
+    }
+
+    /// Decodes the hits column of a tile whose tree is there.
+    ///
+    /// # Errors
+    /// When it is damaged.
+    pub fn decode_hits(&self, tile: &Tile, packed: &Packed) -> Result<Vec<Hit>> {
+        let decoded = decode(
+            packed,
+            |bytes| hits::decode(bytes, &tile.tree, tile.rect, self.geometry()),
+            |bytes| canonical::parse_hits(bytes, &tile.tree, self.bvh.triangles.len()),
+        );
+        named(Column::Hits, decoded)
+    }
+
+    /// Decodes the radiance column of a tile whose tree and hits are there.
+    ///
+    /// # Errors
+    /// When it is damaged.
+    pub fn decode_radiance(&self, tile: &Tile, packed: &Packed) -> Result<Vec<Radiance>> {
+        let decoded = decode(
+            packed,
+            |bytes| radiance::decode(bytes, &tile.tree, &tile.hits, tile.rect, self.geometry()),
+            |bytes| canonical::parse_radiance(bytes, &tile.tree),
+        );
+        named(Column::Radiance, decoded)
+    }
+
+    /// Decodes the paths column of a tile whose tree is there.
+    ///
+    /// # Errors
+    /// When it is damaged or over a limit.
+    pub fn decode_paths(&self, tile: &Tile, packed: &Packed, scratch: &mut Scratch) -> Result<Paths> {
+        let (tree, rect, lights) = (&tile.tree, tile.rect, self.lights());
+        let scratch = &mut scratch.paths;
+        let decoded = decode(
+            packed,
+            |bytes| paths::decode(bytes, tree, rect, lights, self.topology, self.limits, scratch),
+            |bytes| canonical::parse_paths(bytes, tree.ray_count() as usize),
+        );
+        named(Column::Paths, decoded)
+    }
+}
+
+/// Decodes by the codec that the directory names.
+fn decode<T>(
+    (codec, raw_len, bytes): &Packed,
+    context: impl FnOnce(&[u8]) -> std::result::Result<T, String>,
+    plain: impl FnOnce(&[u8]) -> std::result::Result<T, String>,
+) -> std::result::Result<T, String> {
+    match *codec {
+        Codec::PLAIN => plain(&decompress(bytes, *raw_len).map_err(|e| e.to_string())?),
+        Codec::CONTEXT => context(bytes),
+        other => Err(format!("coded by codec {other}, which this build does not know; use a newer rayreel")),
+    }
+}
+
+fn named<T>(column: Column, result: std::result::Result<T, String>) -> Result<T> {
+    result.map_err(|detail| Error::column(NONE, NONE, column.name(), detail))
+}
+
+/// A column as canonical bytes.
+pub(super) fn canonical_bytes(tile: &Tile, column: Column) -> Vec<u8> {
+    match column {
+        Column::Tree => canonical::tree(&tile.tree),
+        Column::Hits => canonical::hits(&tile.tree, &tile.hits),
+        Column::Radiance => canonical::radiance(&tile.tree, &tile.radiance),
+        Column::Paths => canonical::paths(&tile.paths),
+    }
+}
+
+/// The length of [`canonical_bytes`], without making them.
+fn canonical_length(tile: &Tile, column: Column) -> u64 {
+    let nodes = &tile.tree.nodes;
+    let count = |f: &dyn Fn(&crate::tile::RayNode) -> u64| nodes.iter().map(f).sum();
+    match column {
+        Column::Tree => count(&|n| 1 + 4 * u64::from(n.hit)),
+        Column::Hits => count(&|n| 12 * u64::from(n.hit)),
+        Column::Radiance => count(&|n| 6 * (1 + u64::from(n.reflect) + u64::from(n.refract))),
+        Column::Paths => tile.paths.spans.iter().map(|&(_, length)| 4 + u64::from(length)).sum(),
+    }
+}

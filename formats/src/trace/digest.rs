@@ -1,0 +1,77 @@
+//! What a trace says, as one hash a column: independent of codec, compression level, thread count and chunk order.
+
+use rayon::prelude::*;
+
+use super::codec::canonical_bytes;
+use super::{Scratch, Trace};
+use crate::error::Result;
+use crate::payload::{bvh, metadata};
+use crate::scene::Meta;
+use crate::tile::Column;
+
+/// The hashes of a trace, BLAKE3.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Digest {
+    /// Metadata, without the name of the program that wrote it.
+    pub meta: blake3::Hash,
+    /// The BVH payload before compression.
+    pub bvh: blake3::Hash,
+    /// Cameras, by frame.
+    pub cameras: blake3::Hash,
+    /// Each column, over all tiles by frame and number: frame, tile, and the hash of the column's canonical bytes.
+    pub columns: [blake3::Hash; 4],
+}
+
+impl Digest {
+    /// All parts with their names, in a fixed order.
+    pub fn parts(&self) -> Vec<(&'static str, blake3::Hash)> {
+        let mut parts = vec![("meta", self.meta), ("bvh", self.bvh), ("cameras", self.cameras)];
+        parts.extend(Column::ALL.iter().zip(self.columns).map(|(column, hash)| (column.name(), hash)));
+        parts
+    }
+
+    /// One hash over all parts, in the order of [`Digest::parts`].
+    pub fn total(&self) -> blake3::Hash {
+        let mut hasher = blake3::Hasher::new();
+        for (_, hash) in self.parts() {
+            hasher.update(hash.as_bytes());
+        }
+        hasher.finalize()
+    }
+}
+
+/// Digests a trace. Tiles that it does not hold are left out (see [`Trace::missing_tiles`]).
+///
+/// # Errors
+/// When a tile is damaged.
+pub fn digest(trace: &Trace) -> Result<Digest> {
+    let missing = trace.missing_tiles();
+    let meta = Meta { tool: String::new(), ..trace.meta().clone() };
+    let mut cameras = blake3::Hasher::new();
+    let mut columns = [(); 4].map(|()| blake3::Hasher::new());
+    for frame in trace.meta().frame_numbers() {
+        let Ok(camera) = trace.camera(frame) else { continue };
+        cameras.update(&frame.to_le_bytes());
+        cameras.update(&metadata::encode("camera", &camera)?);
+        let tiles: Vec<u32> =
+            (0..trace.meta().tile_count()).filter(|&t| missing.binary_search(&(frame, t)).is_err()).collect();
+        let hash = |scratch: &mut Scratch, &tile: &u32| -> Result<[blake3::Hash; 4]> {
+            let content = trace.tile_with(frame, tile, &Column::ALL, scratch)?;
+            Ok(Column::ALL.map(|column| blake3::hash(&canonical_bytes(&content, column))))
+        };
+        let hashes: Vec<_> = tiles.par_iter().map_init(Scratch::default, hash).collect::<Result<_>>()?;
+        for (tile, hashes) in tiles.iter().zip(hashes) {
+            for (hasher, hash) in columns.iter_mut().zip(hashes) {
+                hasher.update(&frame.to_le_bytes());
+                hasher.update(&tile.to_le_bytes());
+                hasher.update(hash.as_bytes());
+            }
+        }
+    }
+    Ok(Digest {
+        meta: blake3::hash(&metadata::encode("metadata", &meta)?),
+        bvh: blake3::hash(&bvh::encode(trace.bvh())?),
+        cameras: cameras.finalize(),
+        columns: columns.map(|hasher| hasher.finalize()),
+    })
+}

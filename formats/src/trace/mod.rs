@@ -1,0 +1,197 @@
+//! A whole trace: typed access to what a file holds, tile by tile, in any order and from any thread.
+
+mod codec;
+mod compare;
+mod digest;
+mod writer;
+
+use std::path::Path;
+
+use crate::bvh::Bvh;
+use crate::columns::paths::Topology;
+use crate::container::{ChunkId, ChunkKind, ChunkRecord, ColumnTotals, Reader, TileDirectory, TilePayload};
+use crate::error::{Error, Result};
+use crate::limits::Limits;
+use crate::payload::{bvh, metadata};
+use crate::scene::{Camera, Meta};
+use crate::tile::{Column, Paths, Tile};
+
+pub use codec::{Codec, Scratch, TileCodec};
+pub use compare::{Difference, compare};
+pub use digest::{Digest, digest};
+pub use writer::{TraceWriter, Started};
+
+/// An open trace.
+#[derive(Debug)]
+pub struct Trace {
+    reader: Reader,
+    meta: Meta,
+    bvh: Bvh,
+    topology: Topology,
+    /// One per captured frame; `None` where the chunk is missing.
+    cameras: Vec<Option<Camera>>,
+}
+
+impl Trace {
+    /// Opens a finished trace: reads the index, the metadata, the BVH and the cameras, and no tile.
+    ///
+    /// # Errors
+    /// When the file cannot be read, is not a trace, has no index or is damaged in one of these parts.
+    pub fn open(path: &Path, limits: Limits) -> Result<Self> {
+        Self::from_reader(Reader::open(path, limits)?)
+    }
+
+    /// As [`Trace::open`], on bytes in memory.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn from_bytes(bytes: Vec<u8>, limits: Limits) -> Result<Self> {
+        Self::from_reader(Reader::from_bytes(bytes, limits)?)
+    }
+
+    fn from_reader(reader: Reader) -> Result<Self> {
+        let limits = reader.limits().clone();
+        let meta = metadata::decode_meta(&reader.read(reader.require(ChunkId::META)?)?, &limits)?;
+        let bvh = bvh::decode(&reader.read(reader.require(ChunkId::BVH)?)?, &limits)?;
+        let topology = Topology::new(&bvh);
+        let mut trace = Self { reader, meta, bvh, topology, cameras: Vec::new() };
+        trace.check_chunks()?;
+        for frame in trace.meta.frame_numbers() {
+            let record = trace.reader.find(ChunkId::frame(frame));
+            let camera = match record {
+                Some(record) => Some(metadata::decode_camera(&trace.reader.read(record)?, &limits)?),
+                None => None,
+            };
+            trace.cameras.push(camera);
+        }
+        Ok(trace)
+    }
+
+    /// Refuses tiles and frames that the metadata does not know of.
+    fn check_chunks(&self) -> Result<()> {
+        for record in self.reader.chunks() {
+            let ChunkId { kind, frame, tile } = record.id;
+            let foreign = match kind {
+                ChunkKind::FRAM => !self.meta.frame_numbers().contains(&frame),
+                ChunkKind::TILE => {
+                    !self.meta.frame_numbers().contains(&frame) || tile >= self.meta.tile_count()
+                }
+                _ => false,
+            };
+            if foreign {
+                return Err(Error::decode("index", format!("a {} is outside what the metadata says", record.id)));
+            }
+        }
+        Ok(())
+    }
+
+    /// What was captured.
+    pub fn meta(&self) -> &Meta {
+        &self.meta
+    }
+
+    /// The acceleration structure.
+    pub fn bvh(&self) -> &Bvh {
+        &self.bvh
+    }
+
+    /// The file.
+    pub fn reader(&self) -> &Reader {
+        &self.reader
+    }
+
+    /// What each column takes in the file.
+    pub fn column_totals(&self) -> &[ColumnTotals] {
+        self.reader.column_totals()
+    }
+
+    /// The camera of frame `frame`.
+    ///
+    /// # Errors
+    /// When the trace does not hold that frame.
+    pub fn camera(&self, frame: u32) -> Result<Camera> {
+        let at = frame.checked_sub(self.meta.first_frame).map(|i| i as usize);
+        let camera = at.and_then(|i| self.cameras.get(i).copied().flatten());
+        camera.ok_or_else(|| Error::missing(self.reader.path(), ChunkId::frame(frame)))
+    }
+
+    /// Tiles (and frames, as their first tile) that a complete trace would hold and this one does not.
+    pub fn missing_tiles(&self) -> Vec<(u32, u32)> {
+        let mut missing = Vec::new();
+        for frame in self.meta.frame_numbers() {
+            let camera = self.reader.find(ChunkId::frame(frame)).is_some();
+            for tile in 0..self.meta.tile_count() {
+                if !camera || self.reader.find(ChunkId::tile(frame, tile)).is_none() {
+                    missing.push((frame, tile));
+                }
+            }
+        }
+        missing
+    }
+
+    /// Reads the columns of a tile that `columns` name, and those they need; the others stay empty.
+    ///
+    /// # Errors
+    /// When the trace does not hold the tile, or it is damaged.
+    pub fn tile(&self, frame: u32, index: u32, columns: &[Column]) -> Result<Tile> {
+        self.tile_with(frame, index, columns, &mut Scratch::default())
+    }
+
+    /// As [`Trace::tile`], with memory that is reused from call to call.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn tile_with(&self, frame: u32, index: u32, columns: &[Column], scratch: &mut Scratch) -> Result<Tile> {
+        let record = *self.reader.require(ChunkId::tile(frame, index))?;
+        let wanted = |column: Column| columns.contains(&column) || columns.iter().any(|c| c.needs().contains(&column));
+        let camera = self.camera(frame)?;
+        let codec = self.codec(&camera);
+        let source = if columns.contains(&Column::Paths) {
+            Columns::Whole(self.reader.read_tile(&record)?)
+        } else {
+            Columns::Single(self.reader.tile_directory(&record)?)
+        };
+        let read = |column: Column| self.column(&record, &source, column);
+        let mut decode = || -> Result<Tile> {
+            let rect = self.meta.tile_rect(index);
+            let tree = codec.decode_tree(rect, &read(Column::Tree)?)?;
+            let mut tile = Tile { frame, index, rect, tree, hits: vec![], radiance: vec![], paths: Paths::default() };
+            if wanted(Column::Hits) {
+                tile.hits = codec.decode_hits(&tile, &read(Column::Hits)?)?;
+            }
+            if wanted(Column::Radiance) {
+                tile.radiance = codec.decode_radiance(&tile, &read(Column::Radiance)?)?;
+            }
+            if wanted(Column::Paths) {
+                tile.paths = codec.decode_paths(&tile, &read(Column::Paths)?, scratch)?;
+            }
+            Ok(tile)
+        };
+        decode().map_err(|error| error.in_tile(frame, index))
+    }
+
+    fn codec<'a>(&'a self, camera: &'a Camera) -> TileCodec<'a> {
+        TileCodec { meta: &self.meta, bvh: &self.bvh, topology: &self.topology, camera, limits: self.reader.limits() }
+    }
+
+    fn column(&self, record: &ChunkRecord, source: &Columns, column: Column) -> Result<(u8, u64, Vec<u8>)> {
+        let id = column as u8;
+        let found = match source {
+            Columns::Whole(payload) => payload.column(id).map(|(info, bytes)| (*info, bytes.to_vec())),
+            Columns::Single(directory) => {
+                let info = directory.column(id).copied();
+                info.zip(self.reader.read_column(record, directory, id)?)
+            }
+        };
+        match found {
+            Some((info, bytes)) => Ok((info.codec, info.raw_len, bytes)),
+            None => Err(Error::column(record.id.frame, record.id.tile, column.name(), "the tile does not hold it")),
+        }
+    }
+}
+
+/// Where the columns of a tile come from: one read of everything, or one read each.
+enum Columns {
+    Whole(TilePayload),
+    Single(TileDirectory),
+}

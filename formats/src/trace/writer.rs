@@ -1,0 +1,119 @@
+//! Writes a trace chunk by chunk, or goes on with one that was cut short.
+
+use std::path::Path;
+
+use crate::bvh::Bvh;
+use crate::container::{ChunkId, EncodedChunk, Encoding, Finished, Writer};
+use crate::error::{Error, Result};
+use crate::limits::Limits;
+use crate::payload::{bvh, metadata};
+use crate::scene::{Camera, Meta};
+
+/// A trace being written.
+#[derive(Debug)]
+pub struct TraceWriter {
+    writer: Writer,
+    encoding: Encoding,
+}
+
+/// How a writer came to be.
+#[derive(Debug)]
+pub struct Started {
+    /// The writer.
+    pub writer: TraceWriter,
+    /// Bytes of whole chunks that were there already; 0 for a new trace.
+    pub resumed_bytes: u64,
+    /// Bytes that were cut off because they were no whole chunk.
+    pub dropped_bytes: u64,
+}
+
+impl TraceWriter {
+    /// Starts `NAME.partial` with metadata and BVH; `level` is the zstd level of both.
+    ///
+    /// # Errors
+    /// When the file cannot be written, or a `NAME.partial` is there already.
+    pub fn create(path: &Path, meta: &Meta, tree: &Bvh, level: i32) -> Result<Self> {
+        let mut writer = Self { writer: Writer::create(path)?, encoding: Encoding::Zstd(level) };
+        writer.writer.write(ChunkId::META, writer.encoding, &metadata::encode("metadata", meta)?)?;
+        writer.writer.write(ChunkId::BVH, writer.encoding, &bvh::encode(tree)?)?;
+        Ok(writer)
+    }
+
+    /// Goes on with `NAME.partial`; starts anew where there is none, or none with metadata and BVH.
+    ///
+    /// # Errors
+    /// When the partial file is of another capture, or cannot be read or written.
+    pub fn resume(path: &Path, meta: &Meta, tree: &Bvh, level: i32, limits: &Limits) -> Result<Started> {
+        let fresh = |dropped_bytes| {
+            let writer = Self::create(path, meta, tree, level)?;
+            Ok(Started { writer, resumed_bytes: 0, dropped_bytes })
+        };
+        let Some(resumed) = Writer::resume(path, limits)? else {
+            return fresh(0);
+        };
+        let found = |id| resumed.writer.chunks().iter().find(|record| record.id == id).copied();
+        let (Some(old_meta), Some(old_bvh)) = (found(ChunkId::META), found(ChunkId::BVH)) else {
+            let dropped = resumed.writer.bytes_written();
+            drop(resumed);
+            Writer::discard(path)?;
+            return fresh(dropped);
+        };
+        let same = resumed.read(&old_meta)? == metadata::encode("metadata", meta)?
+            && resumed.read(&old_bvh)? == bvh::encode(tree)?;
+        if !same {
+            return Err(Error::usage(format!(
+                "{} was started with another scene, other settings or another version; capture with the same ones, \
+                 or delete it",
+                crate::container::partial_path(path)?.display()
+            )));
+        }
+        let resumed_bytes = resumed.writer.bytes_written();
+        let writer = Self { writer: resumed.writer, encoding: Encoding::Zstd(level) };
+        Ok(Started { writer, resumed_bytes, dropped_bytes: resumed.dropped_bytes })
+    }
+
+    /// True when the trace has this tile already.
+    pub fn has_tile(&self, frame: u32, tile: u32) -> bool {
+        self.writer.contains(ChunkId::tile(frame, tile))
+    }
+
+    /// Writes the camera of a frame, unless it is there.
+    ///
+    /// # Errors
+    /// When the file cannot be written.
+    pub fn frame(&mut self, frame: u32, camera: &Camera) -> Result<()> {
+        if !self.writer.contains(ChunkId::frame(frame)) {
+            self.writer.write(ChunkId::frame(frame), self.encoding, &metadata::encode("camera", camera)?)?;
+        }
+        Ok(())
+    }
+
+    /// Writes a tile.
+    ///
+    /// # Errors
+    /// When the file cannot be written, or has the tile.
+    pub fn tile(&mut self, chunk: &EncodedChunk) -> Result<()> {
+        self.writer.write_encoded(chunk).map(|_| ())
+    }
+
+    /// Hands everything written so far to the system.
+    ///
+    /// # Errors
+    /// When the file cannot be written.
+    pub fn flush(&mut self) -> Result<()> {
+        self.writer.flush()
+    }
+
+    /// Bytes written so far.
+    pub fn bytes_written(&self) -> u64 {
+        self.writer.bytes_written()
+    }
+
+    /// Writes the index and renames `NAME.partial` to `NAME`.
+    ///
+    /// # Errors
+    /// When the file cannot be written or renamed.
+    pub fn finish(self) -> Result<Finished> {
+        self.writer.finish()
+    }
+}

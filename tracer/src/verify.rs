@@ -1,0 +1,212 @@
+//! Verification: re-traverses the BVH that a trace holds with the rays rebuilt from it, and checks every path, hit, shadow
+//! state, normal and weight, bit for bit. No scene is needed.
+//!
+//! The one thing that cannot be checked without the scene is what a cut-out texture says at a texel; there the recorded
+//! outcome stands, and everything that follows from it is checked.
+
+use rayon::prelude::*;
+use rayreel_formats::Result;
+use rayreel_formats::bvh::Bvh;
+use rayreel_formats::columns::hits::{Geometry, RayRebuilder};
+use rayreel_formats::rays::{self, Ray, Surface};
+use rayreel_formats::scene::Optics;
+use rayreel_formats::tile::{Column, Hit, RayNode, Tile, step};
+use rayreel_formats::trace::{Scratch as CodecScratch, Trace};
+
+use crate::shade;
+use crate::traverse::{Accel, RayHit, Scratch};
+
+/// What a verification found.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Verified {
+    /// Tiles checked.
+    pub tiles: u64,
+    /// Rays traversed again.
+    pub rays: u64,
+    /// Steps compared.
+    pub steps: u64,
+    /// Tiles that differ.
+    pub tiles_wrong: u64,
+    /// The first difference, by frame and tile.
+    pub first: Option<Mismatch>,
+}
+
+/// Something in a trace that does not follow from the rest of it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Mismatch {
+    /// Frame number.
+    pub frame: u32,
+    /// Tile number.
+    pub tile: u32,
+    /// Column of the sample in the frame's grid.
+    pub x: u32,
+    /// Row of the sample.
+    pub y: u32,
+    /// What was recorded, and what follows.
+    pub detail: String,
+}
+
+/// Verifies all tiles that a trace holds. After each batch `progress` is told the number of tiles done, and stops by returning
+/// false.
+///
+/// # Errors
+/// When a tile is damaged.
+pub fn verify(trace: &Trace, mut progress: impl FnMut(u64) -> bool) -> Result<Verified> {
+    let accel = Accel::new(trace.bvh());
+    let missing = trace.missing_tiles();
+    let every = |frame| (0..trace.meta().tile_count()).map(move |tile| (frame, tile));
+    let tiles: Vec<(u32, u32)> =
+        trace.meta().frame_numbers().flat_map(every).filter(|t| missing.binary_search(t).is_err()).collect();
+    let mut total = Verified::default();
+    for batch in tiles.chunks(64 * rayon::current_num_threads()) {
+        let check = |scratch: &mut (CodecScratch, Scratch), &(frame, tile): &(u32, u32)| {
+            let content = trace.tile_with(frame, tile, &Column::ALL, &mut scratch.0)?;
+            TileCheck::new(trace, &accel, &content, frame).map(|mut check| check.run(&mut scratch.1))
+        };
+        let checked: Vec<Verified> = batch.par_iter().map_init(Default::default, check).collect::<Result<_>>()?;
+        for one in checked {
+            total.tiles += one.tiles;
+            total.rays += one.rays;
+            total.steps += one.steps;
+            total.tiles_wrong += one.tiles_wrong;
+            total.first = total.first.or(one.first);
+        }
+        if !progress(total.tiles) {
+            break;
+        }
+    }
+    Ok(total)
+}
+
+struct TileCheck<'a> {
+    trace: &'a Trace,
+    bvh: &'a Bvh,
+    accel: &'a Accel,
+    tile: &'a Tile,
+    rebuilt: RayRebuilder<'a>,
+    counts: Verified,
+}
+
+impl<'a> TileCheck<'a> {
+    fn new(trace: &'a Trace, accel: &'a Accel, tile: &'a Tile, frame: u32) -> Result<TileCheck<'a>> {
+        let bvh = trace.bvh();
+        let camera = trace.camera(frame)?;
+        let geometry = Geometry { bvh, camera };
+        let rebuilt = RayRebuilder::new(&tile.tree, tile.rect, geometry);
+        Ok(Self { trace, bvh, accel, tile, rebuilt, counts: Verified { tiles: 1, ..Verified::default() } })
+    }
+
+    fn run(&mut self, scratch: &mut Scratch) -> Verified {
+        let index = self.tile.tree.ray_index();
+        for sample in 0..self.tile.tree.samples() {
+            for node in self.tile.tree.sample(sample) {
+                if let Err(detail) = self.node(sample as u32, node, index[node] as usize, scratch) {
+                    let Tile { frame, index: tile, rect, .. } = *self.tile;
+                    let (x, y) = (rect.x + sample as u32 % rect.width, rect.y + sample as u32 / rect.width);
+                    self.counts.tiles_wrong = 1;
+                    self.counts.first = Some(Mismatch { frame, tile, x, y, detail });
+                    return std::mem::take(&mut self.counts);
+                }
+            }
+        }
+        std::mem::take(&mut self.counts)
+    }
+
+    /// Checks a closest-hit ray, whose number is `ray`, and its shadow rays.
+    fn node(&mut self, sample: u32, index: usize, ray: usize, scratch: &mut Scratch) -> Result<(), String> {
+        let node = self.tile.tree.nodes[index];
+        let hit = self.tile.hits[index];
+        let name = format!("{} ray of class {}", node.class.kind().name(), node.class.0);
+        let rebuilt = self.rebuilt.ray(sample, node.class, index as u32);
+        let found = self.traverse::<false>(&rebuilt, ray, &name, scratch)?.0;
+        let found = match found {
+            None if !node.hit => return Ok(()),
+            Some(found) if node.hit => found,
+            _ => return Err(format!("{name}: recorded as {}, is not", if node.hit { "a hit" } else { "a miss" })),
+        };
+        if (found.triangle, found.t.to_bits()) != (hit.triangle, hit.t.to_bits()) {
+            let (a, b) = ((hit.triangle, hit.t), (found.triangle, found.t));
+            return Err(format!("{name}: triangle and t recorded as {a:?}, are {b:?}"));
+        }
+        let normal = self.bvh.shading_normal(hit.triangle as usize, found.u, found.v);
+        if normal != hit.normal {
+            return Err(format!("{name}: normal recorded as {:?}, is {normal:?}", hit.normal));
+        }
+        let surface = self.rebuilt.hit(index as u32, &hit).ok_or("the hit has no ray")?;
+        self.children(index, &node, &hit, &surface, &rebuilt)?;
+        self.shadows(&node, &surface, ray, &name, scratch)
+    }
+
+    fn children(&self, index: usize, node: &RayNode, hit: &Hit, surface: &Surface, ray: &Ray) -> Result<(), String> {
+        let material = self.bvh.material(hit.triangle as usize);
+        let expected = rays::children(surface, ray.direction, material);
+        let recorded = self.tile.radiance[index];
+        for (there, weight, expected) in
+            [(node.reflect, recorded.reflect, expected.reflect), (node.refract, recorded.refract, expected.refract)]
+        {
+            if there && Some(weight) != expected {
+                return Err(format!("a child's weight is recorded as {weight:?}, is {expected:?}"));
+            }
+        }
+        Ok(())
+    }
+
+    fn shadows(
+        &mut self,
+        node: &RayNode,
+        surface: &Surface,
+        ray: usize,
+        name: &str,
+        scratch: &mut Scratch,
+    ) -> Result<(), String> {
+        for (rank, light) in node.shadows.cast().enumerate() {
+            let source = &self.trace.meta().lights[light];
+            let name = format!("{name}, shadow ray to light {light}");
+            if !shade::faces(surface, source) {
+                return Err(format!("{name}: the light is behind the surface"));
+            }
+            let shadow = rays::shadow(surface, source);
+            let (hit, passed) = self.traverse::<true>(&shadow, ray + 1 + rank, &name, scratch)?;
+            let state = shade::shadow_state(hit.is_some(), passed);
+            if state != node.shadows.get(light) {
+                return Err(format!("{name}: recorded as {:?}, is {state:?}", node.shadows.get(light)));
+            }
+        }
+        Ok(())
+    }
+
+    /// Traverses a ray again and compares its path. Gives what it hit, and whether it passed a dielectric.
+    fn traverse<const ANY: bool>(
+        &mut self,
+        ray: &Ray,
+        number: usize,
+        name: &str,
+        scratch: &mut Scratch,
+    ) -> Result<(Option<RayHit>, bool), String> {
+        let recorded = self.tile.paths.ray(number);
+        // What the recording says of the triangles that were met, in order: only cut-outs ask for it.
+        let mut met = recorded.iter().filter(|&&s| s == step::HIT || s == step::PASS);
+        let mut passed = false;
+        scratch.steps.clear();
+        let pass = |triangle: u32, _, _| {
+            let said = met.next() == Some(&step::PASS);
+            let material = self.bvh.material(triangle as usize);
+            let dielectric = ANY && material.optics == Optics::Dielectric;
+            passed |= dielectric;
+            dielectric || (material.cutout && said)
+        };
+        let hit = if ANY {
+            self.accel.any_hit::<true>(ray, scratch, pass)
+        } else {
+            self.accel.closest::<true>(ray, scratch, pass)
+        };
+        self.counts.rays += 1;
+        self.counts.steps += scratch.steps.len() as u64;
+        if scratch.steps != recorded {
+            let at = scratch.steps.iter().zip(recorded).take_while(|(a, b)| a == b).count();
+            let (a, b) = (recorded.get(at), scratch.steps.get(at));
+            return Err(format!("{name}: step {at} of the path recorded as {a:?}, is {b:?}"));
+        }
+        Ok((hit, passed))
+    }
+}
