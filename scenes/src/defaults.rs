@@ -2,7 +2,10 @@
 
 use glam::{DVec3, Vec3};
 
-use crate::scene::{Camera, Light, Sky};
+use crate::{
+    normals,
+    scene::{Camera, Light, Scene, Sky},
+};
 
 /// Vertical field of view where none is given, degrees.
 pub const DEFAULT_VFOV_DEG: f32 = 35.0;
@@ -17,12 +20,49 @@ fn sphere((low, high): (Vec3, Vec3)) -> (DVec3, f64) {
     ((low + high) / 2.0, if radius > 0.0 { radius } else { 1.0 })
 }
 
-/// A camera from the front, the right and above that has the whole box in view. Y is up.
+/// The box that is worth looking at: a model on a wide floor of few triangles is its vertices, not
+/// its floor. One vertex in a hundred may stay outside at either end of each axis.
+pub(crate) fn main_bounds(positions: &[Vec3]) -> (Vec3, Vec3) {
+    let (mut low, mut high) = (Vec3::ZERO, Vec3::ZERO);
+    // Few vertices are all worth looking at.
+    let outside = if positions.len() < 200 {
+        0
+    } else {
+        positions.len() / 100
+    };
+    for axis in 0..3 {
+        let mut values: Vec<f32> = positions.iter().map(|p| p[axis]).collect();
+        values.sort_by(f32::total_cmp);
+        if let Some(&first) = values.get(outside) {
+            low[axis] = first;
+            high[axis] = values[values.len() - 1 - outside];
+        }
+    }
+    (low, high)
+}
+
+/// A camera from the front, the right and above that has the whole box in view at 2:1. Y is up.
 pub(crate) fn framing_camera(bounds: (Vec3, Vec3), vfov_deg: f32) -> Camera {
     let (centre, radius) = sphere(bounds);
-    let half = f64::from(vfov_deg).to_radians() / 2.0;
-    let distance = radius / libm::sin(half.clamp(0.02, 1.5));
+    let (low, high) = (bounds.0.as_dvec3(), bounds.1.as_dvec3());
+    let slope = libm::tan((f64::from(vfov_deg).to_radians() / 2.0).clamp(0.02, 1.5));
     let towards = DVec3::new(0.5, 0.42, 0.76).normalize();
+    let right = DVec3::Y.cross(towards).normalize();
+    let up = towards.cross(right);
+    // Far enough for each corner to be inside the picture, and never inside the box.
+    let mut distance = radius * 1.2;
+    for corner in 0..8 {
+        let pick = |axis: usize| {
+            if corner >> axis & 1 == 0 {
+                low[axis]
+            } else {
+                high[axis]
+            }
+        };
+        let arm = DVec3::new(pick(0), pick(1), pick(2)) - centre;
+        let aside = arm.dot(up).abs().max(arm.dot(right).abs() / 2.0);
+        distance = distance.max(arm.dot(towards) + 1.08 * aside / slope);
+    }
     Camera {
         eye: (centre + towards * distance).as_vec3(),
         target: centre.as_vec3(),
@@ -42,6 +82,75 @@ pub(crate) fn two_lights(bounds: (Vec3, Vec3)) -> Vec<Light> {
         point(1.8, 2.6, 1.6, Vec3::new(0.82, 0.79, 0.74)),
         point(-2.2, 1.9, 0.9, Vec3::new(0.31, 0.34, 0.38)),
     ]
+}
+
+/// Lights for a scene whose file names none. Lamps of the model (objects that emit) become point
+/// lights just in front of them, at most four: rooms are closed, and nothing from outside would
+/// light them. A model without lamps gets [`two_lights`].
+pub(crate) fn lights(scene: &Scene, bounds: (Vec3, Vec3)) -> Vec<Light> {
+    let mut lamps = lamps(scene);
+    lamps.retain(|lamp| lamp.area > 0.0);
+    // The largest first; the sort is stable, so equal lamps keep the order of the file.
+    lamps.sort_by(|a, b| b.area.total_cmp(&a.area));
+    lamps.truncate(4);
+    if lamps.is_empty() {
+        return two_lights(bounds);
+    }
+    let gap = sphere(bounds).1 * 0.03;
+    let intensity = 1.1 / lamps.len() as f32;
+    let light = |lamp: &Lamp| {
+        let upwards = lamp.facing.y > 0.5 * lamp.area;
+        let middle = (lamp.low + lamp.high).as_dvec3() / 2.0;
+        let y = if upwards {
+            f64::from(lamp.high.y) + gap
+        } else {
+            f64::from(lamp.low.y) - gap
+        };
+        Light::Point {
+            position: DVec3::new(middle.x, y, middle.z).as_vec3(),
+            colour: lamp.emission / lamp.emission.max_element() * intensity,
+        }
+    };
+    lamps.iter().map(light).collect()
+}
+
+/// What an object's emitting triangles add up to.
+struct Lamp {
+    /// Twice the area.
+    area: f64,
+    /// Sum of twice the area vectors.
+    facing: DVec3,
+    low: Vec3,
+    high: Vec3,
+    emission: Vec3,
+}
+
+/// One lamp per object; those that emit nothing have no area.
+fn lamps(scene: &Scene) -> Vec<Lamp> {
+    let dark = || Lamp {
+        area: 0.0,
+        facing: DVec3::ZERO,
+        low: Vec3::INFINITY,
+        high: Vec3::NEG_INFINITY,
+        emission: Vec3::ZERO,
+    };
+    let mut lamps: Vec<Lamp> = scene.objects.iter().map(|_| dark()).collect();
+    for triangle in &scene.mesh.triangles {
+        let emission = scene.materials[triangle.material as usize].emission;
+        if emission.max_element() <= 0.0 {
+            continue;
+        }
+        let lamp = &mut lamps[triangle.object as usize];
+        let area = normals::area_vector(&scene.mesh.positions, triangle.vertices);
+        lamp.area += area.length();
+        lamp.facing += area;
+        lamp.emission = lamp.emission.max(emission);
+        for vertex in triangle.vertices {
+            let p = scene.mesh.positions[vertex as usize];
+            (lamp.low, lamp.high) = (lamp.low.min(p), lamp.high.max(p));
+        }
+    }
+    lamps
 }
 
 /// A soft blue sky over pale ground.

@@ -125,7 +125,8 @@ pub fn load_scene_file(path: impl AsRef<Path>) -> Result<Scene, SceneError> {
         scene.sky = sky(path, table)?;
     }
     if let Some(table) = &table.camera {
-        scene.cameras = file_camera::cameras(path, table, scene.bounds())?;
+        scene.cameras =
+            file_camera::cameras(path, table, defaults::main_bounds(&scene.mesh.positions))?;
     }
     scene.validate()?;
     Ok(scene)
@@ -145,8 +146,8 @@ pub(crate) fn from_obj(path: &Path) -> Result<Scene, SceneError> {
         cameras: Vec::new(),
         warnings: model.warnings,
     };
-    let bounds = scene.bounds();
-    scene.lights = defaults::two_lights(bounds);
+    let bounds = defaults::main_bounds(&scene.mesh.positions);
+    scene.lights = defaults::lights(&scene, bounds);
     scene.cameras = vec![defaults::framing_camera(bounds, defaults::DEFAULT_VFOV_DEG)];
     scene.validate()?;
     Ok(scene)

@@ -471,6 +471,38 @@ fn a_scene_file_is_taken_at_its_word() {
 }
 
 #[test]
+fn lamps_of_the_model_become_lights() {
+    let obj = format!("mtllib a.mtl\nusemtl m\n{TRIANGLE}");
+    let files = folder(&[("a.obj", &obj), ("a.mtl", "newmtl m\nKe 17 8.5 0\n")]);
+    let scene = load_in(&files, "a.obj").expect("loads");
+    let [rayreel_scenes::Light::Point { position, colour }] = scene.lights[..] else {
+        panic!("{:?}", scene.lights)
+    };
+    assert!(
+        position.y < 0.0 && (colour.y * 2.0 - colour.x).abs() < 1e-6,
+        "{position} {colour}"
+    );
+}
+
+#[test]
+fn the_default_camera_looks_past_a_wide_floor() {
+    let mut obj =
+        String::from("v -1000 0 -1000\nv 1000 0 -1000\nv 1000 0 1000\nv -1000 0 1000\nf 4 3 2 1\n");
+    for i in 0..500 {
+        let (x, y) = (f64::from(i % 25) / 25.0, f64::from(i / 25) / 20.0);
+        obj += &format!(
+            "v {x} {y} 0\nv {} {y} 0\nv {x} {} 0\nf -3 -2 -1\n",
+            x + 0.03,
+            y + 0.03
+        );
+    }
+    let camera = load_in(&folder(&[("a.obj", &obj)]), "a.obj")
+        .expect("loads")
+        .cameras[0];
+    assert!((camera.eye - camera.target).length() < 10.0, "{camera:?}");
+}
+
+#[test]
 fn keyframes_and_paths_give_one_camera_per_frame() {
     let keys = "[camera]\nvfov_deg = 40.0\n[[camera.keyframes]]\nframe = 10\neye = [0.0, 0.0, 5.0]\ntarget = [0.0, 0.0, 0.0]\n[[camera.keyframes]]\nframe = 14\neye = [4.0, 0.0, 5.0]\ntarget = [0.0, 0.0, 0.0]\n";
     let scene = toml(keys);

@@ -10,9 +10,18 @@ const COUNTS: [(&str, usize); 2] = [("teapot", 15_000), ("chess", 42_000)];
 
 /// Content hashes, the same on every machine.
 const HASHES: [(&str, &str); 3] = [
-    ("cornell", "4787d3825e3f7c394bd0ecddcc06882997850f728ecad76333ed163107ccce24"),
-    ("teapot", "329f9b35963ddacb571bfd48e7de74a204ff59cc153a309bd71f4290a066d150"),
-    ("chess", "bbc8e62b5f130eb5d12f9d1adcfa59df991d510ecdd50d8449e8abb3b454eb5f"),
+    (
+        "cornell",
+        "4787d3825e3f7c394bd0ecddcc06882997850f728ecad76333ed163107ccce24",
+    ),
+    (
+        "teapot",
+        "329f9b35963ddacb571bfd48e7de74a204ff59cc153a309bd71f4290a066d150",
+    ),
+    (
+        "chess",
+        "bbc8e62b5f130eb5d12f9d1adcfa59df991d510ecdd50d8449e8abb3b454eb5f",
+    ),
 ];
 
 fn scene(name: &str) -> Scene {
