@@ -180,3 +180,37 @@ fn a_flat_frame_by_hand() {
     assert_eq!(frame.stats.tiles[0].counts.similarity_ratio(), Some(1.0));
     assert_eq!((frame.states.wave(0, 0), frame.states.wave(1, 0), frame.states.wave(1, 1)), (0, 1, 2));
 }
+
+/// One row of nine samples, the second object from column 3 on, one block of 8.
+#[test]
+fn an_edge_by_hand() {
+    let source = Synthetic::new(Look::Edge(3), (9, 1), 1, 16, 0);
+    let row = |refine| {
+        let frame = run(&source, &policy(8, refine, Apron::Share), 1);
+        (0..9).map(|x| (frame.states.state(x, 0), frame.states.wave(x, 0))).collect::<Vec<_>>()
+    };
+    let (r, t, i) = (SampleState::Reference, SampleState::Traced, SampleState::Interpolated);
+    // 0 and 8 differ: 4 is traced. 0 and 4 differ: 2 is traced. 0 and 2 agree, 2 and 4 differ, 4 and 8 agree.
+    let expected = [(r, 0), (i, 3), (t, 2), (t, 3), (t, 1), (i, 2), (i, 2), (i, 2), (r, 0)];
+    assert_eq!(row(Refine::Hierarchical), expected);
+    let expected = [(r, 0), (t, 1), (t, 1), (t, 1), (t, 1), (t, 1), (t, 1), (t, 1), (r, 0)];
+    assert_eq!(row(Refine::Direct), expected);
+}
+
+#[test]
+fn waves_stay_in_their_step() {
+    let source = Synthetic::new(Look::Noise, (41, 37), 1, 24, 8);
+    for (own, levels) in policies().into_iter().zip([1, 1, 1, 1, 1, 1, 2, 2, 1, 1, 2, 2, 1, 1, 3, 3]) {
+        let n = own.block;
+        let frame = run(&source, &Policy::Adaptive(own), 1);
+        for (x, y) in (0..37).flat_map(|y| (0..41).map(move |x| (x, y))) {
+            let on_row = y % n == 0 || y == 36;
+            let allowed = match (frame.states.state(x, y), on_row) {
+                (SampleState::Reference, _) => 0..=0,
+                (_, true) => 1..=levels,
+                (_, false) => levels + 1..=2 * levels,
+            };
+            assert!(allowed.contains(&frame.states.wave(x, y)), "block {n}: ({x}, {y}) {allowed:?}");
+        }
+    }
+}

@@ -88,6 +88,9 @@ fn full_is_identical_and_no_comparison_is_null() {
     let none = report([5], Options { reference: false }, &full);
     assert_eq!((none.sum.psnr_db, none.sum.ssim, none.sum.identical), (None, None, None));
     let value: Value = serde_json::from_str(&none.to_json().unwrap()).unwrap();
+    assert!(value["frames"][0]["tiles"].is_array());
+    let short: Value = serde_json::from_str(&none.without_tiles().to_json().unwrap()).unwrap();
+    assert!(short["frames"][0].get("tiles").is_none());
     assert!(value["psnr_db"].is_null() && value["similarity_ratio"].is_null());
 }
 

@@ -2,6 +2,8 @@
 //! the BT.601 luma (0.299 R + 0.587 G + 0.114 B, not rounded) of the 8-bit sRGB values, averaged over all positions at which
 //! the window lies inside the picture. No down-sampling.
 
+use std::ops::Range;
+
 use rayon::prelude::*;
 
 use super::Srgb8;
@@ -9,6 +11,8 @@ use crate::error::Result;
 
 /// Window edge in pixels.
 const WINDOW: usize = 11;
+/// Rows of window positions per task: memory stays small, and few rows are blurred twice.
+const STRIP: usize = 64;
 const SIGMA: f64 = 1.5;
 const C1: f64 = (0.01 * 255.0) * (0.01 * 255.0);
 const C2: f64 = (0.03 * 255.0) * (0.03 * 255.0);
@@ -24,17 +28,21 @@ pub fn ssim(a: &Srgb8, b: &Srgb8) -> Result<Option<f64>> {
         return Ok(None);
     }
     let kernel = kernel();
-    let (a, b) = (luma(a), luma(b));
-    // Five moments per pixel, blurred along the rows, then down the columns: the Gaussian is separable.
-    let rows: Vec<Vec<[f64; 5]>> = (0..height)
-        .into_par_iter()
-        .map(|y| blur_row(&kernel, &a[y * width..][..width], &b[y * width..][..width]))
-        .collect();
-    let sums: Vec<f64> =
-        (0..=height - WINDOW).into_par_iter().map(|y| row_sum(&kernel, &rows[y..y + WINDOW])).collect();
-    let positions = (width - WINDOW + 1) * sums.len();
+    let positions = height - WINDOW + 1;
+    let strip = |start: usize| strip_sums(&kernel, a, b, start..(start + STRIP).min(positions));
+    let starts: Vec<usize> = (0..positions).step_by(STRIP).collect();
+    let sums: Vec<Vec<f64>> = starts.into_par_iter().map(strip).collect();
     // Row sums are added in order: a parallel sum would depend on the threads.
-    Ok(Some(sums.iter().sum::<f64>() / positions as f64))
+    let sum: f64 = sums.iter().flatten().sum();
+    Ok(Some(sum / ((width - WINDOW + 1) * positions) as f64))
+}
+
+/// SSIM sums of the rows of window positions in `rows`. Five moments per pixel are blurred along the rows, then down the
+/// columns: the Gaussian is separable.
+fn strip_sums(kernel: &[f64; WINDOW], a: &Srgb8, b: &Srgb8, rows: Range<usize>) -> Vec<f64> {
+    let blurred: Vec<_> =
+        (rows.start..rows.end + WINDOW - 1).map(|y| blur_row(kernel, &luma_row(a, y), &luma_row(b, y))).collect();
+    (0..rows.len()).map(|y| row_sum(kernel, &blurred[y..y + WINDOW])).collect()
 }
 
 /// The window along one axis; its weights sum to 1.
@@ -47,8 +55,10 @@ fn kernel() -> [f64; WINDOW] {
     raw.map(|w| w / sum)
 }
 
-fn luma(image: &Srgb8) -> Vec<f64> {
-    image.pixels.iter().map(|p| 0.299 * f64::from(p[0]) + 0.587 * f64::from(p[1]) + 0.114 * f64::from(p[2])).collect()
+fn luma_row(image: &Srgb8, y: usize) -> Vec<f64> {
+    let width = image.width as usize;
+    let luma = |p: &[u8; 3]| 0.299 * f64::from(p[0]) + 0.587 * f64::from(p[1]) + 0.114 * f64::from(p[2]);
+    image.pixels[y * width..][..width].iter().map(luma).collect()
 }
 
 /// Means of a, b, a^2, b^2 and ab along a row.
@@ -103,6 +113,7 @@ mod tests {
 
     /// The formulas of the paper with the two-dimensional window, variances as means of squared differences.
     fn direct(a: &Srgb8, b: &Srgb8) -> f64 {
+        let luma = |image: &Srgb8| (0..image.height as usize).flat_map(|y| luma_row(image, y)).collect::<Vec<_>>();
         let (x, y) = (luma(a), luma(b));
         let (width, height) = (a.width as usize, a.height as usize);
         let mut weights = Vec::new();
@@ -134,7 +145,7 @@ mod tests {
 
     #[test]
     fn equals_the_direct_form() {
-        for (width, height) in [(11, 11), (17, 13), (24, 31)] {
+        for (width, height) in [(11, 11), (17, 13), (24, 31), (13, 90)] {
             let a = noise(width, height, 1, 256);
             let mut near = a.clone();
             near.pixels.iter_mut().step_by(3).for_each(|p| p[1] = p[1].saturating_add(20));

@@ -108,7 +108,8 @@ pub struct FrameReport {
     /// Its figures.
     #[serde(flatten)]
     pub figures: Figures,
-    /// Its tiles, in order.
+    /// Its tiles, in order; left out if empty.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
     pub tiles: Vec<TileReport>,
 }
 
@@ -151,6 +152,13 @@ impl Report {
             frames: frames.iter().map(FrameReport::new).collect(),
             descriptions: keys::descriptions(),
         }
+    }
+
+    /// The same without the tiles of the frames, which make up most of the report of a long sequence.
+    #[must_use]
+    pub fn without_tiles(mut self) -> Self {
+        self.frames.iter_mut().for_each(|frame| frame.tiles.clear());
+        self
     }
 
     /// The report as JSON, indented, ending in a newline.

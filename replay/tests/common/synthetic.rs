@@ -40,6 +40,8 @@ pub enum Look {
     Noise,
     /// One flat object.
     Flat,
+    /// Two flat objects: the second from this column on.
+    Edge(u32),
 }
 
 /// A source of synthetic frames.
@@ -75,7 +77,8 @@ impl Synthetic {
         match self.look {
             Look::Discs => self.discs(frame, x, y, &mut random),
             Look::Noise => noise(&mut random),
-            Look::Flat => Sample { hit: true, object: 1, normal: vec3(0.0, 0.0, 1.0), t: 4.0, lit: 1, children: 0 },
+            Look::Flat => flat(1),
+            Look::Edge(column) => flat(1 + u32::from(x >= column)),
         }
     }
 
@@ -108,6 +111,10 @@ struct Sample {
     lit: u32,
     /// 0 none, 1 a reflection, 2 a reflection and a refraction, 3 a refraction.
     children: u32,
+}
+
+fn flat(object: u32) -> Sample {
+    Sample { hit: true, object, normal: vec3(0.0, 0.0, 1.0), t: 4.0, lit: 1, children: 0 }
 }
 
 fn noise(random: &mut Random) -> Sample {
