@@ -1,7 +1,8 @@
 //! Where a replay reads from: a trace, or a synthetic frame of a test.
 
 use rayreel_formats::scene::{Camera, Meta};
-use rayreel_formats::tile::Tile;
+use rayreel_formats::tile::{Column, Tile};
+use rayreel_formats::trace::Trace;
 
 /// A recorded frame sequence. Every call may come from any thread.
 pub trait TileSource: Sync {
@@ -22,4 +23,25 @@ pub trait TileSource: Sync {
     /// # Errors
     /// When the source cannot be read or does not hold the tile.
     fn tile(&self, frame: u32, index: u32) -> rayreel_formats::Result<Tile>;
+}
+
+/// What a policy reads of a trace: everything but the traversal paths.
+const COLUMNS: &[Column] = &[Column::Tree, Column::Hits, Column::Radiance];
+
+impl TileSource for Trace {
+    fn meta(&self) -> &Meta {
+        Self::meta(self)
+    }
+
+    fn object_of(&self, triangle: u32) -> u32 {
+        self.bvh().triangles[triangle as usize].object
+    }
+
+    fn camera(&self, frame: u32) -> rayreel_formats::Result<Camera> {
+        Self::camera(self, frame)
+    }
+
+    fn tile(&self, frame: u32, index: u32) -> rayreel_formats::Result<Tile> {
+        Self::tile(self, frame, index, COLUMNS)
+    }
 }

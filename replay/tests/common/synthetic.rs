@@ -4,7 +4,7 @@ use rayreel_formats::Error;
 use rayreel_formats::half::Half3;
 use rayreel_formats::math::{Vec3, vec3};
 use rayreel_formats::oct::Oct;
-use rayreel_formats::scene::{Camera, Meta};
+use rayreel_formats::scene::{Camera, Light, Meta};
 use rayreel_formats::tile::{Hit, Paths, Radiance, RayClass, RayNode, ShadowState, Shadows, Tile, Tree};
 use rayreel_replay::TileSource;
 
@@ -66,7 +66,7 @@ impl Synthetic {
             frames: 3,
             max_depth: 4,
             min_weight: 0.01,
-            lights: Vec::new(),
+            lights: vec![Light::Directional { to_light: vec3(0.0, 1.0, 0.0), colour: Vec3::ONE }; 2],
         };
         Self { meta, look, seed }
     }
