@@ -1,0 +1,152 @@
+//! `rayreel capture`: trace a scene once, into a trace file.
+
+use std::path::PathBuf;
+use std::time::Instant;
+
+use anyhow::{Result, bail};
+use clap::ValueEnum;
+use rayreel_formats::container::Writer;
+use rayreel_formats::trace::Codec;
+use rayreel_tracer::capture::{self, Captured, Outcome, Output};
+use serde_json::json;
+
+use crate::common::{GridArgs, build, load_scene, meta, print, print_json, si};
+use crate::exit::Exit;
+use crate::progress::{self, Progress};
+
+/// Trace a scene into a trace file.
+///
+/// The file is written as NAME.partial and renamed when it is complete; a capture that was killed goes on with --resume.
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    /// Built-in scene, scene file (.toml) or model (.obj).
+    scene: String,
+    /// Trace to write, by custom ending in .rtrace.
+    #[arg(short, long, value_name = "FILE")]
+    output: PathBuf,
+    #[command(flatten)]
+    grid: GridArgs,
+    /// Tile edge in samples.
+    #[arg(long, default_value_t = 32, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
+    tile: u32,
+    /// Frames of the camera path: A..B without B, or a single number.
+    #[arg(long, default_value = "0", value_name = "A..B", value_parser = frames)]
+    frames: (u32, u32),
+    /// zstd level of metadata, BVH and index, and of the tiles with --codec plain.
+    #[arg(long, default_value_t = 9, value_name = "N", value_parser = clap::value_parser!(i32).range(1..=22))]
+    level: i32,
+    /// How tiles are coded.
+    #[arg(long, value_enum, default_value = "context")]
+    codec: CodecName,
+    /// Go on with NAME.partial of a capture that was cut short.
+    #[arg(long)]
+    resume: bool,
+    /// Replace an existing file, and drop an existing NAME.partial.
+    #[arg(long)]
+    force: bool,
+    /// Print a JSON summary.
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum CodecName {
+    /// Adaptive range coding in the context of neighbouring rays: smallest.
+    Context,
+    /// Plain bytes under zstd: simple to read in any language.
+    Plain,
+}
+
+/// Parses `A..B` or `A` to first frame and number of frames.
+fn frames(text: &str) -> Result<(u32, u32), String> {
+    let wrong = || "give frames as A..B with A below B, such as 0..60, or one number".to_string();
+    let number = |s: &str| s.trim().parse::<u32>().map_err(|_| wrong());
+    let Some((first, end)) = text.split_once("..") else {
+        let frame = number(text)?;
+        return if frame < u32::MAX { Ok((frame, 1)) } else { Err(wrong()) };
+    };
+    let (first, end) = (number(first)?, number(end)?);
+    if first < end { Ok((first, end - first)) } else { Err(wrong()) }
+}
+
+pub fn run(args: &Args, quiet: bool) -> Result<Exit> {
+    if args.output.exists() && !args.force {
+        bail!("{} already exists; give another name, or --force to replace it", args.output.display());
+    }
+    let scene = load_scene(&args.scene)?;
+    if args.force && !args.resume {
+        Writer::discard(&args.output)?;
+    }
+    let codec = match args.codec {
+        CodecName::Context => Codec::Context,
+        CodecName::Plain => Codec::Plain(args.level),
+    };
+    let output = Output { path: args.output.clone(), codec, level: args.level, resume: args.resume };
+    let (first, count) = args.frames;
+    let meta = meta(&scene, &args.grid, args.tile, first, count);
+    let built = build(&scene)?;
+    progress::stop_on_signal();
+    let start = Instant::now();
+    let mut bar = Progress::new(&format!("capture {}", scene.name), u64::from(meta.tile_count()) * u64::from(count), quiet);
+    let outcome = capture::capture(&scene, &built, &meta, &output, |now| {
+        bar.set(now.tiles, || {
+            let rate = now.rays as f64 / start.elapsed().as_secs_f64();
+            format!("{}rays/s, {:.2} bytes/ray", si(rate), now.bytes as f64 / now.rays.max(1) as f64)
+        });
+        !progress::stopped()
+    })?;
+    bar.finish();
+    match outcome {
+        Outcome::Finished(captured) => {
+            report(args, &scene, &meta, &captured, start.elapsed().as_secs_f64())?;
+            Ok(Exit::Done)
+        }
+        Outcome::Interrupted(now) => {
+            eprintln!(
+                "interrupted: {} of {} tiles are in {}.partial; go on with the same command and --resume",
+                now.tiles,
+                now.tiles_total,
+                args.output.display()
+            );
+            Ok(Exit::Interrupted)
+        }
+    }
+}
+
+fn report(
+    args: &Args,
+    scene: &rayreel_scenes::Scene,
+    meta: &rayreel_formats::scene::Meta,
+    captured: &Captured,
+    seconds: f64,
+) -> Result<()> {
+    let rate = captured.rays_this_run as f64 / seconds;
+    if args.json {
+        return print_json(&json!({
+            "scene": scene.name,
+            "triangles": scene.mesh.triangles.len(),
+            "frames": meta.frames,
+            "samples": captured.samples,
+            "rays": captured.rays,
+            "steps": captured.steps,
+            "file_bytes": captured.file_bytes,
+            "path_bytes": captured.path_bytes,
+            "rays_per_s": rate,
+            "output": args.output.display().to_string(),
+        }));
+    }
+    let rays = captured.rays as f64;
+    print(&format!(
+        "{}: {} frames, {} samples, {} rays, {:.1} steps/ray\n{}: {} bytes, {:.3} bytes/ray (paths {:.3}), {}rays/s\n",
+        scene.name,
+        meta.frames,
+        captured.samples,
+        captured.rays,
+        captured.steps as f64 / rays,
+        args.output.display(),
+        captured.file_bytes,
+        captured.file_bytes as f64 / rays,
+        captured.path_bytes as f64 / rays,
+        si(rate),
+    ))
+}

@@ -1,0 +1,108 @@
+//! Argument types and small steps that several commands share.
+
+use std::io::Write;
+use std::path::Path;
+
+use anyhow::{Context, Result};
+use rayreel_formats::Limits;
+use rayreel_formats::scene::Meta;
+use rayreel_formats::trace::Trace;
+use rayreel_replay::image::Image;
+use rayreel_replay::image::resolve::Resolver;
+use rayreel_scenes::Scene;
+use rayreel_tracer::Settings;
+use rayreel_tracer::accel::{self, Built};
+use rayreel_tracer::capture::{self, Grid};
+
+/// The program's name and version, as traces record it.
+pub const TOOL: &str = concat!("rayreel ", env!("CARGO_PKG_VERSION"));
+
+/// The sample grid of a picture or a capture.
+#[derive(Clone, Copy, Debug, clap::Args)]
+pub struct GridArgs {
+    /// Image size in pixels.
+    #[arg(long, default_value = "1024x512", value_name = "WxH", value_parser = size)]
+    pub size: (u32, u32),
+    /// Samples per pixel: 1x1 (pixel centres) or 2x2 (sub-pixels).
+    #[arg(long, default_value = "2x2", value_name = "NxN", value_parser = samples)]
+    pub samples: u32,
+    /// Secondary bounces allowed; 0 is primary and shadow rays only.
+    #[arg(long, default_value_t = Settings::default().max_depth, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=14))]
+    pub depth: u32,
+}
+
+/// Parses `WxH`.
+pub fn size(text: &str) -> Result<(u32, u32), String> {
+    let parse = |s: &str| s.parse::<u32>().ok().filter(|&v| (1..=131_072).contains(&v));
+    let pair = text.split_once('x').and_then(|(w, h)| Some((parse(w)?, parse(h)?)));
+    pair.ok_or_else(|| "give width and height in pixels, such as 1024x512".to_string())
+}
+
+/// Parses `1x1` or `2x2`.
+fn samples(text: &str) -> Result<u32, String> {
+    match text {
+        "1x1" => Ok(1),
+        "2x2" => Ok(2),
+        _ => Err("give 1x1 or 2x2".to_string()),
+    }
+}
+
+/// Loads a scene and tells its warnings.
+pub fn load_scene(spec: &str) -> Result<Scene> {
+    let scene = rayreel_scenes::load(spec)?;
+    for warning in &scene.warnings {
+        eprintln!("warning: {} ({} times)", warning.message, warning.count);
+    }
+    Ok(scene)
+}
+
+/// Builds a scene's BVH.
+pub fn build(scene: &Scene) -> Result<Built> {
+    accel::build(scene).map_err(|e| anyhow::anyhow!("cannot build the BVH of scene {}: {e}", scene.name))
+}
+
+/// Renders one frame straight from the tracer.
+pub fn render(scene: &Scene, built: &Built, meta: &Meta, frame: u32) -> Result<Image> {
+    let mut resolver = Resolver::new(meta.width, meta.height, meta.samples);
+    capture::render(scene, built, meta, frame, |rect, colours| {
+        for (i, colour) in (0u32..).zip(colours) {
+            resolver.add(rect.x + i % rect.width, rect.y + i / rect.width, colour);
+        }
+    })?;
+    Ok(resolver.finish())
+}
+
+/// The metadata of a render or capture.
+pub fn meta(scene: &Scene, grid: &GridArgs, tile: u32, first_frame: u32, frames: u32) -> Meta {
+    let (width, height) = grid.size;
+    let grid_of = Grid { width, height, samples: grid.samples, tile, first_frame, frames };
+    let settings = Settings { max_depth: grid.depth, ..Settings::default() };
+    capture::meta(scene, grid_of, settings, TOOL)
+}
+
+/// Opens a trace with the default limits.
+pub fn open(path: &Path) -> Result<Trace> {
+    Ok(Trace::open(path, Limits::default())?)
+}
+
+/// Writes to standard output; the caller decides what a closed pipe means.
+pub fn print(text: &str) -> Result<()> {
+    let mut out = std::io::stdout().lock();
+    out.write_all(text.as_bytes()).and_then(|()| out.flush()).context("cannot write to standard output")
+}
+
+/// Prints a JSON value, indented, with a newline.
+pub fn print_json(value: &serde_json::Value) -> Result<()> {
+    print(&format!("{value:#}\n"))
+}
+
+/// `12_345_678` as `12.35 M`, for people.
+pub fn si(value: f64) -> String {
+    let (scale, unit) = match value {
+        v if v >= 1e9 => (1e9, " G"),
+        v if v >= 1e6 => (1e6, " M"),
+        v if v >= 1e3 => (1e3, " k"),
+        _ => return format!("{value:.0}"),
+    };
+    format!("{:.2}{unit}", value / scale)
+}

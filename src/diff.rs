@@ -1,0 +1,35 @@
+//! `rayreel diff`: the first place where two traces differ.
+
+use std::path::PathBuf;
+
+use anyhow::Result;
+use rayreel_formats::trace::compare;
+use serde_json::json;
+
+use crate::common::{open, print, print_json};
+use crate::exit::Exit;
+
+/// Compare two traces and name the first frame, tile, column and sample that differ. Exits with 1 if one does.
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    /// One trace.
+    a: PathBuf,
+    /// The other.
+    b: PathBuf,
+    /// Print JSON.
+    #[arg(long)]
+    json: bool,
+}
+
+pub fn run(args: &Args) -> Result<Exit> {
+    let found = compare(&open(&args.a)?, &open(&args.b)?)?;
+    if args.json {
+        let first = found.as_ref().map(|d| json!({"place": d.place, "detail": d.detail}));
+        print_json(&json!({"equal": found.is_none(), "first_difference": first}))?;
+    } else if let Some(d) = &found {
+        print(&format!("{}: {}\n", d.place, d.detail))?;
+    } else {
+        print("the traces are equal\n")?;
+    }
+    Ok(if found.is_none() { Exit::Done } else { Exit::No })
+}

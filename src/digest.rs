@@ -1,0 +1,41 @@
+//! `rayreel digest`: one hash a column.
+
+use std::path::PathBuf;
+
+use anyhow::Result;
+use rayreel_formats::trace::digest;
+use serde_json::{Map, Value};
+
+use crate::common::{open, print, print_json};
+use crate::exit::Exit;
+
+/// Print one hash per column of a trace.
+///
+/// The hashes do not depend on codec, compression level, thread count or chunk order.
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    /// The trace.
+    trace: PathBuf,
+    /// Print JSON.
+    #[arg(long)]
+    json: bool,
+}
+
+pub fn run(args: &Args) -> Result<Exit> {
+    let trace = open(&args.trace)?;
+    let digest = digest(&trace)?;
+    let mut parts = digest.parts();
+    parts.push(("total", digest.total()));
+    if args.json {
+        let map: Map<String, Value> = parts.iter().map(|(n, h)| ((*n).into(), h.to_string().into())).collect();
+        print_json(&map.into())?;
+    } else {
+        print(&parts.iter().map(|(name, hash)| format!("{hash}  {name}\n")).collect::<String>())?;
+    }
+    let missing = trace.missing_tiles().len();
+    if missing > 0 {
+        eprintln!("incomplete: {missing} tiles are missing");
+        return Ok(Exit::Incomplete);
+    }
+    Ok(Exit::Done)
+}

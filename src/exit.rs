@@ -1,0 +1,58 @@
+//! Exit codes: what a script may rely on.
+
+use std::process::ExitCode;
+
+use rayreel_formats::Error as TraceError;
+use rayreel_replay::ReplayError;
+use rayreel_scenes::SceneError;
+
+/// How a command ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Exit {
+    /// Done.
+    Done = 0,
+    /// The result says no: verify or diff found a difference.
+    No = 1,
+    /// Wrong usage.
+    Usage = 2,
+    /// Tiles or frames are missing.
+    Incomplete = 3,
+    /// Bad input data.
+    BadData = 65,
+    /// Interrupted, with everything flushed.
+    Interrupted = 75,
+}
+
+impl From<Exit> for ExitCode {
+    fn from(exit: Exit) -> Self {
+        Self::from(exit as u8)
+    }
+}
+
+/// The exit code of an error.
+pub fn of(error: &anyhow::Error) -> Exit {
+    // A replay's error may stand on a trace's: the innermost one that says who must act decides.
+    if let Some(error) = error.chain().find_map(|cause| cause.downcast_ref::<TraceError>()) {
+        return of_trace(error);
+    }
+    let bad_data = |cause: &(dyn std::error::Error + 'static)| {
+        cause.is::<SceneError>() || matches!(cause.downcast_ref(), Some(ReplayError::BadTile { .. }))
+    };
+    if error.chain().any(bad_data) { Exit::BadData } else { Exit::Usage }
+}
+
+fn of_trace(error: &TraceError) -> Exit {
+    match error {
+        TraceError::MissingIndex { .. } | TraceError::MissingChunk { .. } => Exit::Incomplete,
+        TraceError::Io { .. } | TraceError::AlreadyExists { .. } | TraceError::Busy { .. } | TraceError::Usage { .. } => {
+            Exit::Usage
+        }
+        _ => Exit::BadData,
+    }
+}
+
+/// True when standard output was closed by its reader.
+pub fn is_broken_pipe(error: &anyhow::Error) -> bool {
+    let broken = |e: &std::io::Error| e.kind() == std::io::ErrorKind::BrokenPipe;
+    error.chain().any(|cause| cause.downcast_ref::<std::io::Error>().is_some_and(broken))
+}

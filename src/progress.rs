@@ -1,0 +1,85 @@
+//! Progress on standard error: a bar on a terminal, plain lines where it is piped, nothing when quiet.
+
+use std::io::IsTerminal;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+use indicatif::{ProgressBar, ProgressStyle};
+
+static STOP: AtomicBool = AtomicBool::new(false);
+
+/// From now on Ctrl-C, SIGTERM and SIGHUP ask the command to stop at the next batch.
+pub fn stop_on_signal() {
+    // A second handler is not an error here: the first one does the same.
+    let _ = ctrlc::set_handler(|| STOP.store(true, Ordering::Relaxed));
+}
+
+/// True once a signal asked to stop.
+pub fn stopped() -> bool {
+    STOP.load(Ordering::Relaxed)
+}
+
+/// Plain lines come at most this often.
+const LINE_EVERY: Duration = Duration::from_secs(5);
+
+/// How far something is.
+pub enum Progress {
+    /// A bar that redraws.
+    Bar(ProgressBar),
+    /// Lines.
+    Lines {
+        /// What is being done.
+        what: String,
+        /// Where it ends.
+        total: u64,
+        /// When it began.
+        start: Instant,
+        /// When the last line was printed.
+        last: Instant,
+    },
+    /// Nothing.
+    Quiet,
+}
+
+impl Progress {
+    /// Starts on `total` steps of `what`.
+    pub fn new(what: &str, total: u64, quiet: bool) -> Self {
+        if quiet {
+            return Self::Quiet;
+        }
+        if !std::io::stderr().is_terminal() {
+            let now = Instant::now();
+            return Self::Lines { what: what.to_string(), total, start: now, last: now };
+        }
+        let style = ProgressStyle::with_template("{prefix} {wide_bar} {percent:>3} %  {msg}  ETA {eta}");
+        let bar = ProgressBar::new(total).with_prefix(what.to_string());
+        Self::Bar(bar.with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar())))
+    }
+
+    /// Tells that `done` steps are done; `message` says what else is worth knowing.
+    pub fn set(&mut self, done: u64, message: impl FnOnce() -> String) {
+        match self {
+            Self::Bar(bar) => {
+                bar.set_message(message());
+                bar.set_position(done);
+            }
+            Self::Lines { what, total, start, last } => {
+                if last.elapsed() < LINE_EVERY || done == 0 {
+                    return;
+                }
+                *last = Instant::now();
+                let left = start.elapsed().mul_f64((*total - done.min(*total)) as f64 / done as f64);
+                let percent = 100 * done / (*total).max(1);
+                eprintln!("{what}: {percent} %, {}, {} s left", message(), left.as_secs());
+            }
+            Self::Quiet => {}
+        }
+    }
+
+    /// Takes the bar away.
+    pub fn finish(self) {
+        if let Self::Bar(bar) = self {
+            bar.finish_and_clear();
+        }
+    }
+}
