@@ -4,7 +4,7 @@
 //! lane is the scalar IEEE operation, so a path is the same on every machine.
 
 use glam::{Vec4, Vec4Swizzles};
-use rayreel_formats::bvh::{Bvh, Child, MAX_TREE_DEPTH};
+use rayreel_formats::bvh::{Aabb, Bvh, Child, MAX_TREE_DEPTH};
 use rayreel_formats::intersect::intersect;
 use rayreel_formats::math::Vec3;
 use rayreel_formats::rays::Ray;
@@ -13,6 +13,11 @@ use rayreel_formats::tile::step;
 /// Widening of a box's far distance: 16 units in the last place. Slab distances and triangle distances round differently, and
 /// a box must never be left out whose triangle would be hit.
 const WIDEN: f32 = 1.0 + 1.0 / 524_288.0;
+
+/// Boxes grow on every side by this fraction of the distance from the ray's origin to the far side of the scene, and by one
+/// unit in the last place of the origin: the intersection test takes rays that pass a triangle's edge on the outside by its
+/// rounding, and a ray in the plane of a box's side must meet the box.
+const PAD: f32 = 1.0 / 262_144.0;
 
 /// Smallest magnitude of a direction component in the slab test, so that its reciprocal stays finite and no NaN arises.
 const TINY: f32 = 1.0e-18;
@@ -31,6 +36,7 @@ struct TwoBoxes {
 #[derive(Debug)]
 pub struct Accel {
     nodes: Vec<TwoBoxes>,
+    bounds: Aabb,
     corners: Vec<[Vec3; 3]>,
 }
 
@@ -61,18 +67,25 @@ impl Default for Scratch {
     }
 }
 
-/// A ray prepared for slab tests.
+/// A ray prepared for slab tests. Lanes as in [`TwoBoxes`].
 struct Slabs {
     origin: [Vec4; 3],
     inverse: [Vec4; 3],
 }
 
 impl Slabs {
-    fn new(ray: &Ray) -> Self {
+    fn new(ray: &Ray, bounds: &Aabb) -> Self {
         let inverse = |d: f32| Vec4::splat(1.0 / if d.abs() < TINY { TINY.copysign(d) } else { d });
         let (o, d) = (ray.origin, ray.direction);
+        let (low, high) = ((bounds.min - o).max_abs(), (bounds.max - o).max_abs());
+        let reach = if low > high { low } else { high };
+        // Moving the origin up against minimum planes and down against maximum planes grows all boxes at no cost.
+        let padded = |o: f32| {
+            let pad = reach * PAD + o.abs() * f32::EPSILON;
+            Vec4::new(o + pad, o + pad, o - pad, o - pad)
+        };
         Self {
-            origin: [Vec4::splat(o.x), Vec4::splat(o.y), Vec4::splat(o.z)],
+            origin: [padded(o.x), padded(o.y), padded(o.z)],
             inverse: [inverse(d.x), inverse(d.y), inverse(d.z)],
         }
     }
@@ -106,7 +119,7 @@ impl Accel {
                 }
             })
             .collect();
-        Self { nodes, corners: (0..bvh.triangles.len()).map(|t| bvh.corners(t)).collect() }
+        Self { nodes, bounds: bvh.bounds(), corners: (0..bvh.triangles.len()).map(|t| bvh.corners(t)).collect() }
     }
 
     /// The corners of a triangle.
@@ -155,7 +168,7 @@ impl Accel {
         scratch: &mut Scratch,
         mut pass: impl FnMut(u32, f32, f32) -> bool,
     ) -> Option<RayHit> {
-        let slabs = Slabs::new(ray);
+        let slabs = Slabs::new(ray, &self.bounds);
         let Scratch { stack, steps } = scratch;
         let mut record = |s: u8| {
             if RECORD {
