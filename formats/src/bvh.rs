@@ -247,9 +247,9 @@ fn link(shape: &[[Shape; 2]], triangles: usize) -> Result<Vec<[Child; 2]>, Strin
     let empty = Child::leaf(0, 0);
     let mut children = vec![[empty; 2]; shape.len()];
     let (mut next_node, mut next_triangle) = (1u32, 0u32);
-    // What is still to be linked: (node, side), the next one on top.
-    let mut open = vec![(0usize, 1usize), (0, 0)];
-    while let Some((node, side)) = open.pop() {
+    // What is still to be linked: (node, side, inner nodes from the root to here), the next one on top.
+    let mut open = vec![(0usize, 1usize, 1usize), (0, 0, 1)];
+    while let Some((node, side, depth)) = open.pop() {
         children[node][side] = match shape[node][side] {
             Shape::Leaf(count) => {
                 let count = u32::from(count);
@@ -264,12 +264,12 @@ fn link(shape: &[[Shape; 2]], triangles: usize) -> Result<Vec<[Child; 2]>, Strin
                 if index as usize >= shape.len() {
                     return Err(format!("node {node} has a child that is not there"));
                 }
-                // Every open entry but the top one is a right child still waiting on the way down.
-                if open.len() >= MAX_TREE_DEPTH {
+                // Any child may be put aside on the way down, so the depth of every branch counts, not only of left ones.
+                if depth >= MAX_TREE_DEPTH {
                     return Err(format!("the tree is deeper than {MAX_TREE_DEPTH} nodes"));
                 }
                 next_node += 1;
-                open.extend([(index as usize, 1), (index as usize, 0)]);
+                open.extend([(index as usize, 1, depth + 1), (index as usize, 0, depth + 1)]);
                 Child::inner(index)
             }
         };

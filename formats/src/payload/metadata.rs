@@ -72,8 +72,11 @@ pub fn check_meta(meta: &Meta, limits: &Limits) -> std::result::Result<(), Strin
     range("maximum depth", meta.max_depth, 0, MAX_DEPTH)?;
     range("number of lights", meta.lights.len() as u32, 0, MAX_LIGHTS as u32)?;
     range("number of frames", meta.frames, 1, u32::MAX - meta.first_frame)?;
-    let tiles = u64::from(meta.tile_count()) * u64::from(meta.frames);
-    if tiles > limits.max_index_entries {
+    // In 64 bits: a grid of 2^20 x 2^20 samples in tiles of one has more tiles than `tile_count` can say.
+    let (columns, rows) = meta.tile_grid();
+    let tiles_per_frame = u64::from(columns) * u64::from(rows);
+    let tiles = tiles_per_frame.saturating_mul(u64::from(meta.frames));
+    if tiles_per_frame > u64::from(u32::MAX) || tiles > limits.max_index_entries {
         return Err(format!("{tiles} tiles, over the limit of {}", limits.max_index_entries));
     }
     if !meta.lights.iter().all(light_is_finite) || !meta.min_weight.is_finite() {
