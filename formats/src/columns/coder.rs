@@ -41,9 +41,10 @@ impl Bit {
     fn update(&mut self, bit: bool) {
         let (p, count) = (self.0 >> 10, self.0 & 1023);
         let rate = RATES[count as usize];
-        let target = if bit { (1 << 22) - 1 } else { 0 };
-        let moved = i64::from(p) + ((i64::from(target) - i64::from(p)) * i64::from(rate) >> 16);
-        self.0 = (moved as u32) << 10 | if count < COUNT_MAX { count + 1 } else { count };
+        // Without branches: whether a bit is set is what no processor can predict.
+        let target = u32::from(bit).wrapping_neg() & ((1 << 22) - 1);
+        let moved = i64::from(p) + (((i64::from(target) - i64::from(p)) * i64::from(rate)) >> 16);
+        self.0 = ((moved as u32) << 10) | (count + u32::from(count < COUNT_MAX));
     }
 }
 
@@ -59,8 +60,9 @@ pub trait Coder {
     fn raw(&mut self, count: u32, value: u32) -> u32;
 }
 
-/// Renormalise when the range falls below this; it is then widened by a byte.
-const RANGE_MIN: u64 = 1 << 40;
+/// Renormalise when the range falls below this; it is then widened by 16 bits. One modelled bit takes at most 12 off it, so once
+/// is enough.
+const RANGE_MIN: u64 = 1 << 32;
 const RANGE_START: u64 = (1 << 48) - 1;
 const LOW_MASK: u64 = (1 << 48) - 1;
 
@@ -69,34 +71,46 @@ const LOW_MASK: u64 = (1 << 48) - 1;
 pub struct Encoder {
     low: u64,
     range: u64,
-    /// The last byte that a carry can still change, and how many 0xff bytes follow it.
-    held: Option<u8>,
-    held_ff: u64,
+    /// The last word that a carry can still change, and how many words of ones follow it.
+    held: Option<u16>,
+    held_ones: u64,
     out: Vec<u8>,
 }
 
 impl Default for Encoder {
     fn default() -> Self {
-        Self { low: 0, range: RANGE_START, held: None, held_ff: 0, out: Vec::new() }
+        Self { low: 0, range: RANGE_START, held: None, held_ones: 0, out: Vec::new() }
     }
 }
 
 impl Encoder {
-    #[inline]
     fn shift_low(&mut self) {
-        let carry = self.low > LOW_MASK;
-        let byte = (self.low >> 40) as u8;
-        if byte != 0xff || carry {
+        let carry = u16::from(self.low > LOW_MASK);
+        let word = (self.low >> 32) as u16;
+        if word != 0xffff || carry == 1 {
             if let Some(held) = self.held {
-                self.out.push(held.wrapping_add(u8::from(carry)));
+                self.out.extend_from_slice(&held.wrapping_add(carry).to_be_bytes());
             }
-            let filler = 0xffu8.wrapping_add(u8::from(carry));
-            self.out.extend(std::iter::repeat_n(filler, self.held_ff as usize));
-            (self.held, self.held_ff) = (Some(byte), 0);
+            for _ in 0..self.held_ones {
+                self.out.extend_from_slice(&0xffffu16.wrapping_add(carry).to_be_bytes());
+            }
+            (self.held, self.held_ones) = (Some(word), 0);
         } else {
-            self.held_ff += 1;
+            self.held_ones += 1;
         }
-        self.low = self.low << 8 & LOW_MASK;
+        self.low = (self.low << 16) & LOW_MASK;
+    }
+
+    /// Takes the lower part of the range, `bound` wide, if `lower`, else the rest.
+    #[inline(always)]
+    fn narrow(&mut self, bound: u64, lower: bool) {
+        let mask = u64::from(lower).wrapping_neg();
+        self.low += bound & !mask;
+        self.range = (bound & mask) | ((self.range - bound) & !mask);
+        if self.range < RANGE_MIN {
+            self.range <<= 16;
+            self.shift_low();
+        }
     }
 
     /// Ends the stream. The decoder reads zeros past the end, so trailing zero bytes are left out.
@@ -104,13 +118,13 @@ impl Encoder {
         // The value with the most trailing zeros inside [low, low + range).
         let top = self.low + self.range - 1;
         for zeros in (0..48).rev() {
-            let candidate = top >> zeros << zeros;
+            let candidate = (top >> zeros) << zeros;
             if candidate >= self.low {
                 self.low = candidate;
                 break;
             }
         }
-        for _ in 0..7 {
+        for _ in 0..4 {
             self.shift_low();
         }
         while self.out.last() == Some(&0) {
@@ -126,33 +140,14 @@ impl Coder for Encoder {
     #[inline(always)]
     fn bit(&mut self, model: &mut Bit, bit: bool) -> bool {
         let bound = (self.range >> 16) * u64::from(model.probability());
-        if bit {
-            self.range = bound;
-        } else {
-            self.low += bound;
-            self.range -= bound;
-        }
         model.update(bit);
-        while self.range < RANGE_MIN {
-            self.range <<= 8;
-            self.shift_low();
-        }
+        self.narrow(bound, bit);
         bit
     }
 
     fn raw(&mut self, count: u32, value: u32) -> u32 {
         for i in (0..count).rev() {
-            let bound = self.range >> 1;
-            if value >> i & 1 == 1 {
-                self.range = bound;
-            } else {
-                self.low += bound;
-                self.range -= bound;
-            }
-            while self.range < RANGE_MIN {
-                self.range <<= 8;
-                self.shift_low();
-            }
+            self.narrow(self.range >> 1, (value >> i) & 1 == 1);
         }
         value
     }
@@ -163,31 +158,42 @@ impl Coder for Encoder {
 pub struct Decoder<'a> {
     code: u64,
     range: u64,
-    rest: std::slice::Iter<'a, u8>,
+    rest: &'a [u8],
 }
 
 impl<'a> Decoder<'a> {
-    /// Starts on a stream that [`Encoder::finish`] made. The encoder's first byte out of `low` is always kept, so six bytes fill
-    /// the code register.
+    /// Starts on a stream that [`Encoder::finish`] made.
     pub fn new(bytes: &'a [u8]) -> Self {
-        let mut decoder = Self { code: 0, range: RANGE_START, rest: bytes.iter() };
-        for _ in 0..6 {
-            decoder.code = decoder.code << 8 | decoder.byte();
+        let mut decoder = Self { code: 0, range: RANGE_START, rest: bytes };
+        for _ in 0..3 {
+            decoder.code = (decoder.code << 16) | decoder.word();
         }
         decoder
     }
 
-    #[inline(always)]
-    fn byte(&mut self) -> u64 {
-        self.rest.next().map_or(0, |&b| u64::from(b))
+    #[inline]
+    fn word(&mut self) -> u64 {
+        if let Some((word, rest)) = self.rest.split_first_chunk::<2>() {
+            self.rest = rest;
+            return u64::from(u16::from_be_bytes(*word));
+        }
+        let last = self.rest.first().map_or(0, |&b| u64::from(b) << 8);
+        self.rest = &[];
+        last
     }
 
+    /// True if the code lies in the lower part of the range, `bound` wide; takes that part.
     #[inline(always)]
-    fn renormalise(&mut self) {
-        while self.range < RANGE_MIN {
-            self.range <<= 8;
-            self.code = self.code << 8 | self.byte();
+    fn narrow(&mut self, bound: u64) -> bool {
+        let lower = self.code < bound;
+        let mask = u64::from(lower).wrapping_neg();
+        self.code -= bound & !mask;
+        self.range = (bound & mask) | ((self.range - bound) & !mask);
+        if self.range < RANGE_MIN {
+            self.range <<= 16;
+            self.code = (self.code << 16) | self.word();
         }
+        lower
     }
 }
 
@@ -196,32 +202,15 @@ impl Coder for Decoder<'_> {
 
     #[inline(always)]
     fn bit(&mut self, model: &mut Bit, _: bool) -> bool {
-        let bound = (self.range >> 16) * u64::from(model.probability());
-        let bit = self.code < bound;
-        if bit {
-            self.range = bound;
-        } else {
-            self.code -= bound;
-            self.range -= bound;
-        }
+        let bit = self.narrow((self.range >> 16) * u64::from(model.probability()));
         model.update(bit);
-        self.renormalise();
         bit
     }
 
     fn raw(&mut self, count: u32, _: u32) -> u32 {
         let mut value = 0;
         for _ in 0..count {
-            let bound = self.range >> 1;
-            let bit = self.code < bound;
-            if bit {
-                self.range = bound;
-            } else {
-                self.code -= bound;
-                self.range -= bound;
-            }
-            self.renormalise();
-            value = value << 1 | u32::from(bit);
+            value = (value << 1) | u32::from(self.narrow(self.range >> 1));
         }
         value
     }

@@ -65,22 +65,33 @@ impl TileCodec<'_> {
     /// # Errors
     /// When zstd or the container refuses.
     pub fn encode(&self, tile: &Tile, codec: Codec, scratch: &mut Scratch) -> Result<EncodedChunk> {
-        let entry = |column: Column| -> Result<ColumnEntry> {
-            let (code, raw_len, packed) = match codec {
-                Codec::Plain(level) => {
-                    let raw = canonical_bytes(tile, column);
-                    (Codec::PLAIN, raw.len() as u64, compress(&raw, level)?)
-                }
-                Codec::Context => (Codec::CONTEXT, canonical_length(tile, column), self.context(tile, column, scratch)),
-            };
-            Ok(ColumnEntry { id: column as u8, codec: code, raw_len, packed })
-        };
-        let columns: Vec<ColumnEntry> = Column::ALL.into_iter().map(entry).collect::<Result<_>>()?;
+        let columns: Vec<ColumnEntry> =
+            Column::ALL.into_iter().map(|column| self.column(tile, column, codec, scratch)).collect::<Result<_>>()?;
         EncodedChunk::tile(ChunkId::tile(tile.frame, tile.index), &columns)
     }
 
+    /// Codes one column.
+    fn column(&self, tile: &Tile, column: Column, codec: Codec, scratch: &mut Scratch) -> Result<ColumnEntry> {
+        let (code, raw_len, packed) = match codec {
+            Codec::Plain(level) => {
+                let raw = canonical_bytes(tile, column);
+                (Codec::PLAIN, raw.len() as u64, compress(&raw, level)?)
+            }
+            Codec::Context => (Codec::CONTEXT, canonical_length(tile, column), self.context(tile, column, scratch)),
+        };
+        Ok(ColumnEntry { id: column as u8, codec: code, raw_len, packed })
+    }
+
+    /// How many bytes a column of a tile takes, coded by `codec`.
+    ///
+    /// # Errors
+    /// When zstd refuses.
+    pub fn column_bytes(&self, tile: &Tile, column: Column, codec: Codec, scratch: &mut Scratch) -> Result<usize> {
+        self.column(tile, column, codec, scratch).map(|entry| entry.packed.len())
+    }
+
     /// Codes one column with the column codec.
-    pub fn context(&self, tile: &Tile, column: Column, scratch: &mut Scratch) -> Vec<u8> {
+    fn context(&self, tile: &Tile, column: Column, scratch: &mut Scratch) -> Vec<u8> {
         let (tree, rect) = (&tile.tree, tile.rect);
         match column {
             Column::Tree => tree::encode(tree, rect, self.lights()),

@@ -459,14 +459,13 @@ fn place(rect: Rect, sample: u32, any: bool) -> Place {
 fn start<'a, C, R>(
     coder: C,
     runs: [R; RUNS],
-    rect: Rect,
     topology: &'a Topology,
     scratch: &'a mut PathScratch,
     budget: u64,
 ) -> PathCoder<'a, C, R> {
-    let ring = Ring::new(rect.width as usize);
-    scratch.nodes.start(topology.children.len(), &ring);
-    scratch.leaves.start(topology.passes.len(), &ring);
+    let ring = Ring::new();
+    scratch.nodes.start(topology.children.len());
+    scratch.leaves.start(topology.passes.len());
     let same = [Bit::EVEN; 2 * SAME_CONTEXTS];
     let stack = [Waiting { child: Child::leaf(0, 0), slot: 0, context: 0 }; MAX_TREE_DEPTH];
     PathCoder { coder, runs, topology, models: Models::new(), scratch, ring, same, stack, surprises: 0, budget }
@@ -482,7 +481,7 @@ pub fn encode(
     scratch: &mut PathScratch,
 ) -> Vec<u8> {
     let runs: [RunEncoder; RUNS] = Default::default();
-    let mut coder = start(Encoder::default(), runs, rect, topology, scratch, u64::MAX);
+    let mut coder = start(Encoder::default(), runs, topology, scratch, u64::MAX);
     let mut none = Vec::new();
     for (any, rays) in streams(tree, lights) {
         coder.scratch.rows.clear(rect.width as usize);
@@ -525,7 +524,7 @@ pub fn decode(
         bytes = rest;
     }
     let runs: [RunDecoder<'_>; RUNS] = runs.try_into().map_err(|_| "the paths lack a run")?;
-    let mut coder = start(Decoder::new(bytes), runs, rect, topology, scratch, limits.max_path_steps_per_tile);
+    let mut coder = start(Decoder::new(bytes), runs, topology, scratch, limits.max_path_steps_per_tile);
     let mut out = Paths { steps: Vec::new(), spans: vec![(0, 0); tree.ray_count() as usize] };
     let Paths { steps, spans } = &mut out;
     for (any, rays) in streams(tree, lights) {

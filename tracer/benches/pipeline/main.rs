@@ -1,0 +1,178 @@
+//! What recording costs and what a trace weighs.
+//!
+//! ```text
+//! cargo bench -p rayreel-tracer --bench pipeline                    all scenes at 1024x512, 2x2 samples, depth 4
+//! cargo bench -p rayreel-tracer --bench pipeline -- --codecs        also the plain codec at zstd levels 1, 9, 19
+//! cargo bench -p rayreel-tracer --bench pipeline -- --size 512x256 chess teapot
+//! ```
+//!
+//! Scenes are the built-in ones and, where `../shared/scenes` is there, those of its `cameras.json`. Speeds are the best of
+//! several runs that take turns (plain tracing, recording, capture), so the ratios hold on a noisy machine. "plain" is tracing
+//! and shading without recording; "recorded" adds paths in memory; "capture" adds coding, without the disk.
+
+mod scenes;
+
+use std::time::Instant;
+
+use rayon::prelude::*;
+use rayreel_formats::Limits;
+use rayreel_formats::columns::paths::Topology;
+use rayreel_formats::scene::{Camera, Meta};
+use rayreel_formats::tile::{Column, Tile};
+use rayreel_formats::trace::{Codec, Scratch, TileCodec};
+use rayreel_scenes::Scene;
+use rayreel_tracer::capture::{Grid, meta};
+use rayreel_tracer::{Settings, Tracer, build, convert};
+
+const ROUNDS: usize = 3;
+
+struct Arguments {
+    size: (u32, u32),
+    codecs: bool,
+    scenes: Vec<String>,
+}
+
+fn arguments() -> Arguments {
+    let mut parsed = Arguments { size: (1024, 512), codecs: false, scenes: Vec::new() };
+    let mut given = std::env::args().skip(1);
+    while let Some(argument) = given.next() {
+        match argument.as_str() {
+            "--bench" => {}
+            "--codecs" => parsed.codecs = true,
+            "--size" => {
+                let size = given.next().unwrap_or_default();
+                let pair = size.split_once('x').and_then(|(w, h)| Some((w.parse().ok()?, h.parse().ok()?)));
+                parsed.size = pair.expect("--size takes WxH");
+            }
+            name => parsed.scenes.push(name.to_string()),
+        }
+    }
+    parsed
+}
+
+/// One frame of a scene, ready to be traced.
+struct Frame<'a> {
+    tracer: &'a Tracer<'a>,
+    meta: &'a Meta,
+    camera: Camera,
+    codec: TileCodec<'a>,
+}
+
+impl Frame<'_> {
+    fn tiles(&self) -> Vec<u32> {
+        (0..self.meta.tile_count()).collect()
+    }
+
+    fn plain(&self) -> f64 {
+        let start = Instant::now();
+        self.tiles().par_iter().for_each(|&t| {
+            std::hint::black_box(self.tracer.colours(&self.camera, self.meta.tile_rect(t)));
+        });
+        start.elapsed().as_secs_f64()
+    }
+
+    fn record(&self, tile: u32) -> Tile {
+        self.tracer.tile::<true>(&self.camera, self.meta.tile_rect(tile), 0, tile)
+    }
+
+    fn recorded(&self) -> f64 {
+        let start = Instant::now();
+        self.tiles().par_iter().for_each(|&t| {
+            std::hint::black_box(self.record(t));
+        });
+        start.elapsed().as_secs_f64()
+    }
+
+    fn capture(&self) -> f64 {
+        let start = Instant::now();
+        self.tiles().par_iter().for_each_init(Scratch::default, |scratch, &t| {
+            std::hint::black_box(self.codec.encode(&self.record(t), Codec::Context, scratch).expect("tile codes"));
+        });
+        start.elapsed().as_secs_f64()
+    }
+
+    /// Coded bytes by column, rays, steps.
+    fn sizes(&self, codec: Codec) -> ([u64; 4], u64, u64) {
+        let one = |scratch: &mut Scratch, &t: &u32| {
+            let tile = self.record(t);
+            let bytes = Column::ALL.map(|c| self.codec.column_bytes(&tile, c, codec, scratch).expect("codes") as u64);
+            (bytes, tile.tree.ray_count(), tile.paths.steps.len() as u64)
+        };
+        let all: Vec<_> = self.tiles().par_iter().map_init(Scratch::default, one).collect();
+        all.into_iter().fold(([0; 4], 0, 0), |sum, one| {
+            (std::array::from_fn(|c| sum.0[c] + one.0[c]), sum.1 + one.1, sum.2 + one.2)
+        })
+    }
+}
+
+fn bench(name: &str, scene: &Scene, frame: usize, arguments: &Arguments) {
+    let built = build(scene).expect("bvh");
+    let (width, height) = arguments.size;
+    let grid = Grid { width, height, samples: 2, tile: 32, first_frame: 0, frames: 1 };
+    let meta = meta(scene, grid, Settings::default(), "bench");
+    let tracer = Tracer::new(scene, &built, Settings::default());
+    let (columns, rows) = meta.grid();
+    let camera = convert::camera(&scene.cameras[frame], columns, rows);
+    let topology = Topology::new(&built.bvh);
+    let limits = Limits::default();
+    let codec = TileCodec { meta: &meta, bvh: &built.bvh, topology: &topology, camera: &camera, limits: &limits };
+    let frame = Frame { tracer: &tracer, meta: &meta, camera, codec };
+    let bvh = rayreel_formats::payload::bvh::encode(&built.bvh).expect("bvh");
+    let bvh = zstd::bulk::compress(&bvh, 9).expect("zstd").len() as f64;
+
+    let (mut plain, mut recorded, mut capture) = (f64::MAX, f64::MAX, f64::MAX);
+    for _ in 0..ROUNDS {
+        plain = plain.min(frame.plain());
+        recorded = recorded.min(frame.recorded());
+        capture = capture.min(frame.capture());
+    }
+    let (bytes, rays, steps) = frame.sizes(Codec::Context);
+    let per_ray = |bytes: f64| bytes / rays as f64;
+    let total = per_ray(bytes.iter().sum::<u64>() as f64 + bvh);
+    let speed = rays as f64 / plain / 1e6;
+    println!(
+        "{name:<17} {:>9} {:>5.1} {speed:>7.2} {:>6.2} {:>6.2}  {:>6.3} {:>6.3} {:>8.3} {:>6.3} {:>6.3} {total:>6.3}",
+        rays,
+        steps as f64 / rays as f64,
+        plain / recorded,
+        plain / capture,
+        per_ray(bytes[0] as f64),
+        per_ray(bytes[1] as f64),
+        per_ray(bytes[2] as f64),
+        per_ray(bytes[3] as f64),
+        per_ray(bvh),
+    );
+    if arguments.codecs {
+        for level in [1, 9, 19] {
+            let start = Instant::now();
+            let (bytes, ..) = frame.sizes(Codec::Plain(level));
+            let [tree, hits, radiance, paths] = bytes.map(|b| per_ray(b as f64));
+            let sum = tree + hits + radiance + paths + per_ray(bvh);
+            let seconds = start.elapsed().as_secs_f64();
+            println!(
+                "  plain, zstd {level:<2}  {:>37.2}  {tree:>6.3} {hits:>6.3} {radiance:>8.3} {paths:>6.3} {:>6} {sum:>6.3}",
+                plain / seconds,
+                ""
+            );
+        }
+    }
+}
+
+fn main() {
+    let arguments = arguments();
+    let (w, h) = arguments.size;
+    println!("{w}x{h} pixels, 2x2 samples, depth 4, {} threads; bytes a ray", rayon::current_num_threads());
+    println!("speed: Mrays/s of plain tracing; rec, cap: recording's and capture's speed over it\n");
+    println!(
+        "{:<17} {:>9} {:>5} {:>7} {:>6} {:>6}  {:>6} {:>6} {:>8} {:>6} {:>6} {:>6}",
+        "scene", "rays", "steps", "Mrays/s", "rec", "cap", "tree", "hits", "radiance", "paths", "bvh", "all"
+    );
+    for (name, frame, load) in scenes::all() {
+        if arguments.scenes.is_empty() || arguments.scenes.contains(&name) {
+            match load() {
+                Ok(scene) => bench(&name, &scene, frame, &arguments),
+                Err(error) => println!("{name}: left out, {error}"),
+            }
+        }
+    }
+}
