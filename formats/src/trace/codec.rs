@@ -114,8 +114,11 @@ impl TileCodec<'_> {
             packed,
             |bytes| tree::decode(bytes, rect, self.lights(), depth, self.limits),
             |bytes| canonical::parse_tree(bytes, rect.len(), self.lights(), depth),
+            tree_length,
         );
-        named(Column::Tree, decoded)
+        let tree = named(Column::Tree, decoded)?;
+        check_limit("ray-tree nodes per tile", tree.nodes.len() as u64, self.limits.max_nodes_per_tile)?;
+        Ok(tree)
     }
 
     /// Decodes the hits column of a tile whose tree is there.
@@ -127,6 +130,7 @@ impl TileCodec<'_> {
             packed,
             |bytes| hits::decode(bytes, &tile.tree, tile.rect, self.geometry()),
             |bytes| canonical::parse_hits(bytes, &tile.tree, self.bvh.triangles.len()),
+            |_| hits_length(&tile.tree),
         );
         named(Column::Hits, decoded)
     }
@@ -140,6 +144,7 @@ impl TileCodec<'_> {
             packed,
             |bytes| radiance::decode(bytes, &tile.tree, &tile.hits, tile.rect, self.geometry()),
             |bytes| canonical::parse_radiance(bytes, &tile.tree),
+            |_| radiance_length(&tile.tree),
         );
         named(Column::Radiance, decoded)
     }
@@ -155,21 +160,30 @@ impl TileCodec<'_> {
             packed,
             |bytes| paths::decode(bytes, tree, rect, lights, self.topology, self.limits, scratch),
             |bytes| canonical::parse_paths(bytes, tree.ray_count() as usize),
+            paths_length,
         );
-        named(Column::Paths, decoded)
+        let paths = named(Column::Paths, decoded)?;
+        check_limit("path steps per tile", paths.steps.len() as u64, self.limits.max_path_steps_per_tile)?;
+        Ok(paths)
     }
 }
 
-/// Decodes by the codec that the directory names.
+/// Decodes by the codec that the directory names, and checks that the canonical length is the one it promises: paths may share
+/// their steps, so only this bounds what the column comes to when they are written out.
 fn decode<T>(
     (codec, raw_len, bytes): &Packed,
     context: impl FnOnce(&[u8]) -> std::result::Result<T, String>,
     plain: impl FnOnce(&[u8]) -> std::result::Result<T, String>,
+    length: impl FnOnce(&T) -> u64,
 ) -> std::result::Result<T, String> {
-    match *codec {
-        Codec::PLAIN => plain(&decompress(bytes, *raw_len).map_err(|e| e.to_string())?),
-        Codec::CONTEXT => context(bytes),
-        other => Err(format!("coded by codec {other}, which this build does not know; use a newer rayreel")),
+    let decoded = match *codec {
+        Codec::PLAIN => plain(&decompress(bytes, *raw_len).map_err(|e| e.to_string())?)?,
+        Codec::CONTEXT => context(bytes)?,
+        other => return Err(format!("coded by codec {other}, which this build does not know; use a newer rayreel")),
+    };
+    match length(&decoded) {
+        length if length == *raw_len => Ok(decoded),
+        length => Err(format!("it has {length} canonical bytes, not the {raw_len} that the directory promises")),
     }
 }
 
@@ -189,12 +203,26 @@ pub(super) fn canonical_bytes(tile: &Tile, column: Column) -> Vec<u8> {
 
 /// The length of [`canonical_bytes`], without making them.
 fn canonical_length(tile: &Tile, column: Column) -> u64 {
-    let nodes = &tile.tree.nodes;
-    let count = |f: &dyn Fn(&crate::tile::RayNode) -> u64| nodes.iter().map(f).sum();
     match column {
-        Column::Tree => count(&|n| 1 + 4 * u64::from(n.hit)),
-        Column::Hits => count(&|n| 12 * u64::from(n.hit)),
-        Column::Radiance => count(&|n| 6 * (1 + u64::from(n.reflect) + u64::from(n.refract))),
-        Column::Paths => tile.paths.spans.iter().map(|&(_, length)| 4 + u64::from(length)).sum(),
+        Column::Tree => tree_length(&tile.tree),
+        Column::Hits => hits_length(&tile.tree),
+        Column::Radiance => radiance_length(&tile.tree),
+        Column::Paths => paths_length(&tile.paths),
     }
+}
+
+fn tree_length(tree: &Tree) -> u64 {
+    tree.nodes.iter().map(|n| 1 + 4 * u64::from(n.hit)).sum()
+}
+
+fn hits_length(tree: &Tree) -> u64 {
+    tree.nodes.iter().map(|n| 12 * u64::from(n.hit)).sum()
+}
+
+fn radiance_length(tree: &Tree) -> u64 {
+    tree.nodes.iter().map(|n| 6 * (1 + u64::from(n.reflect) + u64::from(n.refract))).sum()
+}
+
+fn paths_length(paths: &Paths) -> u64 {
+    paths.spans.iter().map(|&(_, length)| 4 + u64::from(length)).sum()
 }

@@ -1,0 +1,237 @@
+//! A whole trace in the hands of an attacker: an error, or what was written; never a panic, a hang, or memory beyond the limits.
+//!
+//! `container_corruption.rs` does this for the container with payloads that mean nothing; here metadata, BVH, cameras and columns
+//! of both codecs are decoded too. `RAYREEL_LONG=1` tells fifty times as many lies.
+
+mod trace_support;
+
+use std::time::{Duration, Instant};
+
+use rayreel_formats::tile::Column;
+use rayreel_formats::trace::{Codec, Trace};
+use rayreel_formats::{Error, Limits};
+use trace_support::Random;
+use trace_support::forge::{Chunk, change, put_together, take_apart};
+use trace_support::whole::{Content, read_bytes};
+
+/// Longest that reading any forged trace may take. The machine may be busy; a hang is much longer.
+const PATIENCE: Duration = Duration::from_secs(1);
+
+/// Two frames of two tiles each, one of each codec.
+fn sample() -> Content {
+    Content::random(21, (7, 4), 4, 6, 3, 2)
+}
+
+fn mixed(tile: &rayreel_formats::tile::Tile) -> Codec {
+    if tile.index == 0 { Codec::Context } else { Codec::Plain(9) }
+}
+
+/// What a small machine would allow: enough for the sample.
+fn small() -> Limits {
+    Limits {
+        max_chunk_packed_bytes: 1 << 16,
+        max_chunk_raw_bytes: 1 << 17,
+        max_index_entries: 4096,
+        max_columns_per_tile: 8,
+        max_samples_per_tile: 4096,
+        max_nodes_per_tile: 1 << 14,
+        max_path_steps_per_tile: 1 << 17,
+        max_bvh_nodes: 1 << 12,
+        max_triangles: 1 << 12,
+        max_metadata_bytes: 1 << 16,
+    }
+}
+
+/// Reads everything, and complains of panics by the seed, and of slowness.
+fn read_in_time(bytes: Vec<u8>, limits: &Limits, what: &str) -> Result<Content, Error> {
+    let start = Instant::now();
+    let read = std::panic::catch_unwind(|| read_bytes(bytes, limits));
+    let took = start.elapsed();
+    assert!(took < PATIENCE, "{what}: {took:?}");
+    read.unwrap_or_else(|_| panic!("{what}: reading panicked"))
+}
+
+fn rounds(normally: u64) -> u64 {
+    if std::env::var_os("RAYREEL_LONG").is_some() { normally * 50 } else { normally }
+}
+
+#[test]
+fn every_flipped_byte_is_noticed() {
+    let content = sample();
+    let whole = content.bytes(mixed);
+    assert_eq!(read_bytes(whole.clone(), &small()).expect("a good trace"), content);
+    for at in 0..whole.len() {
+        for flip in [0x01, 0x10, 0x80, 0xff] {
+            let mut bytes = whole.clone();
+            bytes[at] ^= flip;
+            if let Ok(found) = read_in_time(bytes, &small(), &format!("byte {at} ^ {flip:#x}")) {
+                assert_eq!(found, content, "byte {at} ^ {flip:#x}");
+            }
+        }
+    }
+}
+
+#[test]
+fn every_truncation_is_noticed() {
+    let whole = sample().bytes(mixed);
+    for len in 0..whole.len() {
+        assert!(read_in_time(whole[..len].to_vec(), &small(), &format!("{len} bytes")).is_err(), "{len} bytes");
+    }
+}
+
+/// Overwrites, flips, cuts or lengthens.
+fn damage(random: &mut Random, bytes: &mut Vec<u8>) {
+    if bytes.is_empty() {
+        bytes.push(random.next() as u8);
+    }
+    let at = random.below(bytes.len() as u32) as usize;
+    match random.below(8) {
+        0..3 => bytes[at] ^= 1 << random.below(8),
+        3 => bytes[at] = [0, 1, 0x7f, 0x80, 0xff][random.below(5) as usize],
+        4 => {
+            let word = [0, u32::MAX, 1 << 31, 1 << 30, random.next()][random.below(5) as usize];
+            bytes.iter_mut().skip(at).zip(word.to_le_bytes()).for_each(|(b, new)| *b = new);
+        }
+        5 => bytes.truncate(at),
+        6 => bytes.extend((0..random.below(40)).map(|_| random.next() as u8)),
+        _ => bytes[at..].iter_mut().for_each(|b| *b = random.next() as u8),
+    }
+}
+
+/// Checksums, lengths and index are right, and zstd's frames are good: only the payloads lie.
+#[test]
+fn lies_under_good_checksums_never_panic() {
+    let chunks = take_apart(&sample().bytes(mixed));
+    let mut strings = 0;
+    change(&mut chunks.clone(), |_, _, _| strings += 1);
+    let (mut good, mut bad) = (0, 0);
+    for seed in 0..rounds(6000) {
+        let random = &mut Random(seed);
+        let mut forged = chunks.clone();
+        // Mostly one lie, so that what comes behind it is reached.
+        let (target, all) = (random.below(strings), random.once_in(10));
+        let mut number = 0;
+        change(&mut forged, |_, _, bytes| {
+            if number == target || all && random.once_in(3) {
+                damage(random, bytes);
+            }
+            number += 1;
+        });
+        match read_in_time(put_together(&forged), &small(), &format!("seed {seed}")) {
+            Ok(_) => good += 1,
+            Err(error) => {
+                bad += 1;
+                assert!(!error.to_string().is_empty());
+            }
+        }
+    }
+    assert!(good > 100 && bad > 100, "{good} were read, {bad} refused: the test is one-sided");
+}
+
+/// Columns of nothing but noise, for scenes of many kinds.
+#[test]
+fn noise_for_columns_never_panics() {
+    for seed in 0..rounds(300) {
+        let random = &mut Random(seed);
+        let triangles = [0, 1, 3, 60][random.below(4) as usize];
+        let content = Content::random(seed, (9, 5), 8, triangles, random.below(15), random.below(17));
+        let mut chunks = take_apart(&content.bytes(|_| Codec::Context));
+        let first = random.below(4) as u8;
+        change(&mut chunks, |_, column, bytes| {
+            if column.is_some_and(|c| c >= first) {
+                let length = random.below(400);
+                *bytes = (0..length).map(|_| random.next() as u8).collect();
+                if column == Some(Column::Paths as u8) && random.once_in(2) {
+                    // No runs, so that the main stream is reached.
+                    bytes.iter_mut().take(4 * random.below(7) as usize).for_each(|b| *b = 0);
+                }
+            }
+        });
+        let _ = read_in_time(put_together(&chunks), &small(), &format!("seed {seed}"));
+    }
+}
+
+fn tile_of(chunks: &mut [Chunk], codec: u8, column: Column) -> &mut rayreel_formats::container::ColumnEntry {
+    let columns = chunks.iter_mut().filter_map(|chunk| match chunk {
+        Chunk::Tile(_, columns) => columns.iter_mut().find(|c| c.id == column as u8 && c.codec == codec),
+        Chunk::Payload(..) => None,
+    });
+    columns.into_iter().next().expect("the sample has tiles of both codecs")
+}
+
+/// Lengths that no machine can give.
+#[test]
+fn absurd_lengths_are_refused() {
+    let chunks = take_apart(&sample().bytes(mixed));
+    for (codec, column) in [(0, Column::Tree), (0, Column::Paths), (1, Column::Tree), (1, Column::Paths)] {
+        for length in [1 << 60, u64::MAX, 1 << 32] {
+            let mut forged = chunks.clone();
+            tile_of(&mut forged, codec, column).raw_len = length;
+            let read = read_in_time(put_together(&forged), &Limits::default(), "a length");
+            assert!(matches!(read, Err(Error::LimitExceeded { .. })), "{column:?} of {length}: {read:?}");
+        }
+    }
+    for at in [0, 4, 8, 12] {
+        let mut forged = chunks.clone();
+        change(&mut forged, |id, _, bytes| {
+            if id == rayreel_formats::container::ChunkId::BVH {
+                bytes[at..at + 4].copy_from_slice(&u32::MAX.to_le_bytes());
+            }
+        });
+        assert!(read_in_time(put_together(&forged), &Limits::default(), "a count").is_err(), "BVH count {at}");
+    }
+}
+
+/// Each limit refuses the sample when it is a little too low for it, in both codecs.
+#[test]
+fn every_limit_binds() {
+    let content = sample();
+    let most = |f: &dyn Fn(&rayreel_formats::tile::Tile) -> u64| content.tiles.iter().map(f).max().unwrap_or(0);
+    let nodes = most(&|t| t.tree.nodes.len() as u64);
+    for codec in [Codec::Context, Codec::Plain(3)] {
+        let bytes = content.bytes(|_| codec);
+        let (bvh_nodes, triangles) = (content.bvh.nodes.len() as u64, content.bvh.triangles.len() as u64);
+        let exact = Limits { max_nodes_per_tile: nodes, max_bvh_nodes: bvh_nodes, max_triangles: triangles, ..small() };
+        assert!(read_bytes(bytes.clone(), &exact).is_ok(), "{codec:?}: what just fits is read");
+        let cases: [(&str, Limits); 9] = [
+            ("nodes", Limits { max_nodes_per_tile: nodes - 1, ..small() }),
+            ("steps", Limits { max_path_steps_per_tile: 10, ..small() }),
+            ("samples", Limits { max_samples_per_tile: 15, ..small() }),
+            ("bvh nodes", Limits { max_bvh_nodes: bvh_nodes - 1, ..small() }),
+            ("triangles", Limits { max_triangles: triangles - 1, ..small() }),
+            ("metadata", Limits { max_metadata_bytes: 50, ..small() }),
+            ("index", Limits { max_index_entries: 7, ..small() }),
+            ("columns", Limits { max_columns_per_tile: 3, ..small() }),
+            ("raw bytes", Limits { max_chunk_raw_bytes: 300, ..small() }),
+        ];
+        for (name, limits) in cases {
+            assert!(read_bytes(bytes.clone(), &limits).is_err(), "{codec:?}: the limit on {name} does not bind");
+        }
+    }
+}
+
+/// A raw length that is not the column's is a lie, even where the decoder could do without it.
+#[test]
+fn raw_lengths_are_checked() {
+    let chunks = take_apart(&sample().bytes(mixed));
+    for codec in [0, 1] {
+        for column in Column::ALL {
+            let mut forged = chunks.clone();
+            tile_of(&mut forged, codec, column).raw_len += 1;
+            let read = read_bytes(put_together(&forged), &small());
+            assert!(read.is_err(), "codec {codec}, column {}: a wrong raw length was accepted", column.name());
+        }
+    }
+}
+
+/// A small file that claims many frames costs no more than what it holds.
+#[test]
+fn frames_that_are_not_there_cost_little() {
+    let mut content = sample();
+    content.meta.frames = 1 << 22;
+    let bytes = content.bytes(mixed);
+    let start = Instant::now();
+    let trace = Trace::from_bytes(bytes, Limits::default()).expect("an incomplete trace can be opened");
+    assert!(trace.tile(3, 0, &Column::ALL).is_ok() && trace.camera(5).is_err());
+    assert!(start.elapsed() < PATIENCE, "{:?}", start.elapsed());
+}
