@@ -1,0 +1,32 @@
+//! Traces through the library: to look into a file, and to write one that is subtly wrong.
+
+use std::path::Path;
+
+use rayreel_formats::Limits;
+use rayreel_formats::columns::paths::Topology;
+use rayreel_formats::tile::{Column, Tile};
+use rayreel_formats::trace::{Codec, Scratch, TileCodec, Trace, TraceWriter};
+
+/// Opens a trace.
+#[track_caller]
+pub fn open(file: &Path) -> Trace {
+    Trace::open(file, Limits::default()).unwrap()
+}
+
+/// Writes `trace` to `file`, each tile changed by `change`.
+pub fn rewrite(trace: &Trace, file: &Path, codec: Codec, mut change: impl FnMut(&mut Tile)) {
+    let (meta, bvh, limits) = (trace.meta(), trace.bvh(), Limits::default());
+    let topology = Topology::new(bvh);
+    let mut writer = TraceWriter::create(file, meta, bvh, 3).unwrap();
+    for frame in meta.frame_numbers() {
+        let camera = trace.camera(frame).unwrap();
+        writer.frame(frame, &camera).unwrap();
+        let coder = TileCodec { meta, bvh, topology: &topology, camera: &camera, limits: &limits };
+        for index in 0..meta.tile_count() {
+            let mut tile = trace.tile(frame, index, &Column::ALL).unwrap();
+            change(&mut tile);
+            writer.tile(&coder.encode(&tile, codec, &mut Scratch::default()).unwrap()).unwrap();
+        }
+    }
+    writer.finish().unwrap();
+}

@@ -1,0 +1,131 @@
+//! Who may depend on whom: the promise that a sweep runs on the trace alone, on a machine that has no scene.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use serde_json::Value;
+
+fn root() -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR"))
+}
+
+/// The machine this runs on: packages of others need not be downloaded.
+fn host() -> String {
+    let rustc = std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
+    let output = Command::new(rustc).arg("-vV").output().unwrap();
+    let text = String::from_utf8(output.stdout).unwrap();
+    text.lines().find_map(|line| line.strip_prefix("host: ")).unwrap().to_string()
+}
+
+fn metadata() -> Value {
+    let host = host();
+    let ask = |offline: &[&str]| {
+        let mut command = Command::new(env!("CARGO"));
+        command.args(["metadata", "--format-version", "1", "--locked", "--filter-platform", &host]).args(offline);
+        command.current_dir(root()).output().unwrap()
+    };
+    // Offline first; only a package that no build has needed yet makes it ask the registry.
+    let mut output = ask(&["--offline"]);
+    if !output.status.success() {
+        output = ask(&[]);
+    }
+    assert!(output.status.success(), "cargo metadata: {}", String::from_utf8_lossy(&output.stderr));
+    serde_json::from_slice(&output.stdout).unwrap()
+}
+
+/// The resolved graph by package name: what each depends on in a build, tests and benches left out.
+struct Graph {
+    names: BTreeMap<String, String>,
+    nodes: BTreeMap<String, Value>,
+}
+
+impl Graph {
+    fn new() -> Self {
+        let metadata = metadata();
+        let list = |value: &Value| value.as_array().unwrap().clone();
+        let id = |value: &Value| value["id"].as_str().unwrap().to_string();
+        let names = list(&metadata["packages"]).iter().map(|p| (id(p), p["name"].as_str().unwrap().into())).collect();
+        let nodes = list(&metadata["resolve"]["nodes"]).into_iter().map(|n| (id(&n), n)).collect();
+        Self { names, nodes }
+    }
+
+    fn node(&self, name: &str) -> &Value {
+        let mut found = self.nodes.iter().filter(|(id, _)| self.names[*id] == name);
+        let node = found.next().unwrap_or_else(|| panic!("no package {name}")).1;
+        assert!(found.next().is_none(), "two versions of {name}");
+        node
+    }
+
+    fn direct(&self, node: &Value) -> BTreeSet<String> {
+        let in_build = |dep: &&Value| dep["dep_kinds"].as_array().unwrap().iter().any(|kind| kind["kind"] != "dev");
+        let deps = node["deps"].as_array().unwrap().iter().filter(in_build);
+        deps.map(|dep| dep["pkg"].as_str().unwrap().to_string()).collect()
+    }
+
+    /// The members of this workspace that a member depends on directly.
+    fn siblings(&self, name: &str) -> Vec<String> {
+        let names = self.direct(self.node(name)).into_iter().map(|id| self.names[&id].clone());
+        names.filter(|name| name.starts_with("rayreel")).collect::<BTreeSet<_>>().into_iter().collect()
+    }
+
+    /// Everything a member depends on, however far.
+    fn closure(&self, name: &str) -> BTreeSet<String> {
+        let mut todo: Vec<String> = self.direct(self.node(name)).into_iter().collect();
+        let mut seen = BTreeSet::new();
+        while let Some(id) = todo.pop() {
+            if seen.insert(id.clone()) {
+                todo.extend(self.direct(&self.nodes[&id]));
+            }
+        }
+        seen.into_iter().map(|id| self.names[&id].clone()).collect()
+    }
+}
+
+#[test]
+fn siblings_are_those_of_the_design() {
+    let graph = Graph::new();
+    let none: [&str; 0] = [];
+    assert_eq!(graph.siblings("rayreel-formats"), none);
+    assert_eq!(graph.siblings("rayreel-scenes"), none);
+    assert_eq!(graph.siblings("rayreel-tracer"), ["rayreel-formats", "rayreel-scenes"]);
+    assert_eq!(graph.siblings("rayreel-replay"), ["rayreel-formats"]);
+}
+
+#[test]
+fn a_replay_needs_no_scene() {
+    let graph = Graph::new();
+    for member in ["rayreel-replay", "rayreel-formats"] {
+        let closure = graph.closure(member);
+        for name in ["rayreel-tracer", "rayreel-scenes", "obvhs", "tobj", "glam"] {
+            assert!(!closure.contains(name), "{member} depends on {name}");
+        }
+    }
+    // The walk finds what is there: the tracer does depend on all of these.
+    let tracer = graph.closure("rayreel-tracer");
+    assert!(["rayreel-formats", "rayreel-scenes", "obvhs", "tobj"].iter().all(|name| tracer.contains(*name)));
+}
+
+/// These features build another tree, and with it other traces.
+#[test]
+fn obvhs_builds_the_same_tree_everywhere() {
+    let graph = Graph::new();
+    let features: Vec<&str> =
+        graph.node("obvhs")["features"].as_array().unwrap().iter().map(|f| f.as_str().unwrap()).collect();
+    for feature in ["parallel", "small_bvh2_node"] {
+        assert!(!features.contains(&feature), "feature {feature} of obvhs is on: {features:?}");
+    }
+}
+
+fn lint(manifest: &Path) -> Option<String> {
+    let table: toml::Table = std::fs::read_to_string(manifest).unwrap().parse().unwrap();
+    Some(table.get("lints")?.get("rust")?.get("unsafe_code")?.as_str()?.to_string())
+}
+
+/// The two crates that read files from anywhere.
+#[test]
+fn readers_of_foreign_files_are_safe_code() {
+    for member in ["formats", "replay"] {
+        assert_eq!(lint(&root().join(member).join("Cargo.toml")).as_deref(), Some("forbid"), "{member}");
+    }
+}

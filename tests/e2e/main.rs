@@ -1,0 +1,23 @@
+//! End-to-end tests: the binary as a user runs it, on real scenes and real files.
+//!
+//! One test program for all of them, so that it is linked once. Each file holds one idea; `../common` what they share.
+
+#[path = "../common/mod.rs"]
+mod common;
+/// The policies' slow second implementation.
+#[path = "../../replay/tests/common/mod.rs"]
+mod replay_common;
+
+mod damage;
+mod determinism;
+mod every_scene;
+mod exit_codes;
+mod goldens;
+mod help;
+#[cfg(unix)]
+mod kill;
+mod paper;
+mod policies;
+mod repair;
+mod replay_json;
+mod tamper;

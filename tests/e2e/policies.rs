@@ -1,0 +1,135 @@
+//! The adaptive policy on real traces: against the independent reference, and with the untraced samples poisoned.
+
+use std::path::Path;
+
+use rayreel_formats::trace::Trace;
+use rayreel_replay::image::resolve::Resolver;
+use rayreel_replay::policy::view::SampleState;
+use rayreel_replay::policy::{Adaptive, Apron, Limit, Policy, Refine};
+use rayreel_replay::{FrameReplay, Options, TileSource, replay};
+
+use crate::common::capture;
+use crate::common::scenes::moving;
+use crate::common::trace::open;
+use crate::replay_common::adaptive;
+use crate::replay_common::poison::Poisoned;
+use crate::replay_common::reference::{self, How, Outcome};
+
+/// Traces of several scenes and both grids; a tile of 24 is a multiple of every block.
+fn traces(folder: &Path) -> Vec<(String, Trace)> {
+    let room = moving(folder);
+    let captures = [
+        ("cornell", "--size 50x27 --samples 2x2"),
+        ("cornell", "--size 61x50 --samples 1x1"),
+        ("teapot", "--size 47x26 --samples 2x2"),
+        ("chess", "--size 47x26 --samples 2x2"),
+        ("chess", "--size 73x41 --samples 1x1 --frames 60"),
+        (room.as_str(), "--size 37x25 --samples 2x2 --frames 2"),
+    ];
+    let all = captures.iter().enumerate().map(|(i, (scene, options))| {
+        let file = folder.join(format!("{i}.rtrace"));
+        capture(scene, &format!("{options} --tile 24"), &file);
+        (format!("{scene} {options}"), open(&file))
+    });
+    all.collect()
+}
+
+fn policies() -> Vec<Adaptive> {
+    let mut list = Vec::new();
+    for block in [2, 3, 4, 8] {
+        for refine in [Refine::Direct, Refine::Hierarchical] {
+            for apron in [Apron::Share, Apron::Retrace] {
+                list.push(adaptive(block, refine, apron));
+            }
+        }
+    }
+    let mut strict = adaptive(4, Refine::Hierarchical, Apron::Share);
+    strict.similarity.position = Limit::At(0.08);
+    strict.similarity.plane = Limit::At(0.004);
+    list.push(strict);
+    list
+}
+
+fn run<S: TileSource>(source: &S, policy: &Adaptive) -> FrameReplay {
+    let frame = source.meta().first_frame;
+    replay(source, &Policy::Adaptive(policy.clone()), [frame], Options::default()).unwrap().frames.remove(0)
+}
+
+#[track_caller]
+fn assert_same(trace: &Trace, frame: &FrameReplay, expected: &Outcome, what: &str) {
+    let (width, height) = trace.meta().grid();
+    let mut resolver = Resolver::new(trace.meta().width, trace.meta().height, trace.meta().samples);
+    for (i, (x, y)) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).enumerate() {
+        let how = match frame.states.state(x, y) {
+            SampleState::Reference => How::R,
+            SampleState::Traced => How::Traced,
+            SampleState::Interpolated => How::Interpolated,
+        };
+        assert_eq!(how, expected.how[i], "{what}: sample ({x}, {y})");
+        resolver.add(x, y, expected.colours[i].into());
+    }
+    let (image, bits) = (resolver.finish(), |v: &[f32; 3]| v.map(f32::to_bits));
+    let wrong = image.pixels.iter().zip(&frame.image.pixels).position(|(a, b)| bits(a) != bits(b));
+    assert_eq!(wrong, None, "{what}: colour of a pixel");
+    let counts = &frame.stats.counts;
+    let number = |how| expected.how.iter().filter(|h| **h == how).count() as u64;
+    assert_eq!(counts.samples_traced, number(How::R) + number(How::Traced), "{what}");
+    assert_eq!(counts.samples_interpolated, number(How::Interpolated), "{what}");
+    assert_eq!(counts.samples_apron, expected.samples_apron, "{what}");
+    let kinds = [counts.rays_full, counts.rays_traced, counts.rays_apron]
+        .map(|rays| [rays.primary, rays.reflection, rays.refraction, rays.shadow]);
+    assert_eq!(kinds, [expected.rays_full, expected.rays_traced, expected.rays_apron], "{what}");
+}
+
+#[test]
+fn real_traces_replay_like_the_reference() {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, trace) in traces(folder.path()) {
+        let mut ratios = Vec::new();
+        for policy in policies() {
+            let what = format!("{name} {policy:?}");
+            let frame = run(&trace, &policy);
+            assert_same(&trace, &frame, &reference::replay(&trace, &policy, trace.meta().first_frame), &what);
+            ratios.push(frame.stats.counts.similarity_ratio().unwrap());
+        }
+        // The comparison means something: some samples pass and some fail.
+        assert!(ratios.iter().any(|r| *r > 0.2) && ratios.iter().all(|r| *r < 1.0), "{name}: {ratios:?}");
+    }
+}
+
+#[test]
+fn untraced_samples_of_real_traces_are_never_read() {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, trace) in traces(folder.path()) {
+        for policy in policies() {
+            let clean = run(&trace, &policy);
+            assert!(clean.stats.counts.samples_interpolated > 0, "{name} {policy:?}: nothing to poison");
+            let frame = run(&Poisoned { source: &trace, states: &clean.states, seed: 11 }, &policy);
+            assert_eq!(frame.image, clean.image, "{name} {policy:?}");
+            assert_eq!(frame.states, clean.states, "{name} {policy:?}");
+            let rays = |f: &FrameReplay| (f.stats.counts.rays_traced, f.stats.counts.rays_apron);
+            assert_eq!(rays(&frame), rays(&clean), "{name} {policy:?}");
+            assert_ne!(frame.reference, clean.reference, "{name}: the poison is real");
+        }
+    }
+}
+
+/// Tiles are how the work is cut, not what is seen: other tiles, same picture and counts.
+#[test]
+fn tiles_do_not_show_in_real_pictures() {
+    let folder = tempfile::tempdir().unwrap();
+    let of = |tile: u32| {
+        let file = folder.path().join(format!("{tile}.rtrace"));
+        capture("cornell", &format!("--size 60x34 --samples 2x2 --tile {tile}"), &file);
+        open(&file)
+    };
+    let traces = [8, 24, 128].map(of);
+    for refine in [Refine::Direct, Refine::Hierarchical] {
+        let policy = adaptive(8, refine, Apron::Share);
+        let frames = traces.each_ref().map(|trace| run(trace, &policy));
+        for frame in &frames[1..] {
+            assert_eq!((&frame.image, &frame.states), (&frames[0].image, &frames[0].states));
+            assert_eq!(frame.stats.counts, frames[0].stats.counts);
+        }
+    }
+}

@@ -1,0 +1,166 @@
+//! What programs read: the JSON of `capture`, `info` and `replay`.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use serde_json::{Value, json};
+
+use crate::common::scenes::moving;
+use crate::common::{capture, digest, replay, run};
+use crate::rayreel;
+
+fn trace(folder: &Path, scene: &str, options: &str) -> PathBuf {
+    let file = folder.join("a.rtrace");
+    capture(scene, options, &file);
+    file
+}
+
+#[test]
+fn capture_says_what_it_did() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("a.rtrace");
+    let said = capture("teapot", "--size 41x23 --samples 2x2 --frames 3..5", &file);
+    let keys = ["scene", "triangles", "frames", "samples", "rays", "steps", "file_bytes", "path_bytes", "rays_per_s"];
+    keys.iter().for_each(|key| assert!(!said[*key].is_null(), "{key} is missing in {said}"));
+    assert_eq!((&said["scene"], &said["frames"], &said["samples"]), (&json!("teapot"), &json!(2), &json!(41 * 23 * 8)));
+    assert_eq!(said["file_bytes"], fs::metadata(&file).unwrap().len());
+    let info = rayreel!["info", "--json", &file].expect(0).json();
+    for key in ["scene", "triangles", "frames", "rays", "file_bytes"] {
+        assert_eq!(said[key], info[key], "{key}");
+    }
+    assert_eq!(said["path_bytes"], info["bytes"]["paths"]);
+    let parts: u64 = info["bytes"].as_object().unwrap().values().map(|v| v.as_u64().unwrap()).sum();
+    assert_eq!(said["file_bytes"], parts, "the parts make up the file");
+    let kinds: u64 = info["rays_by_kind"].as_object().unwrap().values().map(|v| v.as_u64().unwrap()).sum();
+    assert_eq!(said["rays"], kinds);
+    let verified = rayreel!["verify", "--json", "--quiet", &file].json();
+    assert_eq!((&said["rays"], &said["steps"]), (&verified["rays"], &verified["steps"]));
+}
+
+#[test]
+fn replay_has_the_promised_keys() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = trace(folder.path(), "cornell", "--size 60x34");
+    let said = replay(&file, "--policy adaptive-4").expect(0).json();
+    let keys = ["rays_full", "rays_traced", "samples_traced", "samples_interpolated", "psnr_db", "ssim"];
+    for key in keys {
+        assert!(said[key].is_number(), "{key}: {}", said[key]);
+        assert!(said["descriptions"][key]["unit"].is_string(), "{key} has no unit");
+        assert!(said["descriptions"][key]["description"].is_string(), "{key} is not described");
+    }
+    assert_eq!((&said["trace"], &said["policy"]), (&json!("a.rtrace"), &json!("adaptive-4")));
+    assert_eq!(said.get("machine"), Some(&Value::Null), "no machine model, and it says so");
+    assert_eq!(said["trace_digest"], digest(&file)["total"]);
+    let number = |key: &str| said[key].as_u64().unwrap();
+    assert_eq!(number("samples_traced") + number("samples_interpolated"), 60 * 34 * 4);
+    assert!(number("rays_traced") < number("rays_full"));
+    assert_eq!(number("rays_full"), rayreel!["info", "--json", &file].json()["rays"].as_u64().unwrap());
+    assert!(!said.to_string().contains("seconds"), "no wall clock");
+}
+
+#[test]
+fn frames_add_up() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = trace(folder.path(), &moving(folder.path()), "--size 40x26 --frames 1..4");
+    let out = folder.path().join("out");
+    let said = replay(&file, &format!("--out {}", out.display())).expect(0).json();
+    let frames = said["frames"].as_array().unwrap();
+    assert_eq!(frames.iter().map(|f| f["frame"].as_u64().unwrap()).collect::<Vec<_>>(), [1, 2, 3]);
+    for key in ["rays_full", "rays_traced", "rays_saved", "samples_traced", "samples_interpolated"] {
+        let sum: i64 = frames.iter().map(|f| f[key].as_i64().unwrap()).sum();
+        assert_eq!(said[key], sum, "{key}");
+        let tiles =
+            |f: &Value| f["tiles"].as_array().unwrap().iter().map(|t| t[key].as_i64().unwrap_or(0)).sum::<i64>();
+        if key != "rays_saved" {
+            frames.iter().for_each(|f| assert_eq!(f[key], tiles(f), "{key} of the tiles"));
+        }
+    }
+    // The PSNR of the mean squared error over all frames, not the mean of the decibels.
+    let error = |f: &Value| 10f64.powf(-f["psnr_db"].as_f64().unwrap() / 10.0);
+    let mean = -10.0 * (frames.iter().map(error).sum::<f64>() / 3.0).log10();
+    assert!((said["psnr_db"].as_f64().unwrap() - mean).abs() < 1e-9, "{} {mean}", said["psnr_db"]);
+    for frame in 1..4 {
+        for name in ["result.exr", "result.png", "reference.png", "similarity.png"] {
+            assert!(out.join(format!("frame_{frame:04}_{name}")).is_file(), "{name} of frame {frame}");
+        }
+    }
+}
+
+#[test]
+fn the_bytes_do_not_depend_on_threads_or_folder() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = trace(folder.path(), "teapot", "--size 63x35 --tile 16 --frames 7..9");
+    for policy in ["full", "adaptive", "adaptive-8"] {
+        let outs = [1, 2, 3].map(|threads| {
+            let out = folder.path().join(format!("{policy}-{threads}"));
+            let options = format!("--policy {policy} --threads {threads} --out {}", out.display());
+            (replay(&file, &options).expect(0).out, out)
+        });
+        for (said, out) in &outs {
+            assert!(*said == outs[0].0, "{policy}: JSON");
+            assert_eq!(fs::read_to_string(out.join("stats.json")).unwrap(), *said, "stats.json is what is printed");
+            for entry in fs::read_dir(&outs[0].1).unwrap() {
+                let name = entry.unwrap().file_name();
+                let same = fs::read(out.join(&name)).unwrap() == fs::read(outs[0].1.join(&name)).unwrap();
+                assert!(same, "{policy}: {}", name.display());
+            }
+        }
+    }
+}
+
+#[test]
+fn overrides_are_the_same_as_a_policy_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = trace(folder.path(), "cornell", "--size 60x34");
+    let figures = |options: &str| {
+        let said = replay(&file, options).expect(0).json();
+        (said["policy_config"].clone(), said["rays_traced"].clone(), said["psnr_db"].clone(), said["policy"].clone())
+    };
+    let preset = figures("--policy adaptive-4");
+    let set = figures("--policy adaptive --set block=4 --set refine=hierarchical");
+    assert_eq!((&preset.0, &preset.1, &preset.2), (&set.0, &set.1, &set.2));
+    assert_eq!(set.3, "adaptive+block=4+refine=hierarchical");
+    let own = folder.path().join("own.toml");
+    fs::write(&own, "kind = \"adaptive\"\nblock = 4\nrefine = \"hierarchical\"\n").unwrap();
+    let from_file = figures(&format!("--policy {}", own.display()));
+    assert_eq!((&from_file.0, &from_file.1, &from_file.3), (&set.0, &set.1, &json!("own")));
+
+    let loose =
+        figures("--set similarity.normal_deg=90 --set similarity.object_id=false --set similarity.shadow=false");
+    let plain = figures("--policy adaptive");
+    assert!(loose.1.as_u64() < plain.1.as_u64(), "looser tests trace less: {} {}", loose.1, plain.1);
+    assert_eq!(loose.0["similarity"]["normal_deg"], 90.0);
+    let full = figures("--policy adaptive --set kind=full");
+    assert_eq!(full.2, Value::Null, "full is identical to itself");
+}
+
+#[test]
+fn wrong_policies_are_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = trace(folder.path(), "cornell", "--size 16x16");
+    for (options, words) in [
+        ("--policy adaptiv", vec!["adaptiv", "did you mean adaptive?"]),
+        ("--policy nowhere/own.toml", vec!["cannot read the policy file", "nowhere/own.toml"]),
+        ("--set blok=4", vec!["blok", "did you mean block?"]),
+        ("--set similarity.normal_degs=4", vec!["did you mean similarity.normal_deg?"]),
+        ("--set block=5", vec!["block = 5", "2 or 3 or 4 or 8"]),
+        ("--set refine=both", vec!["refine", "\"direct\" or \"hierarchical\""]),
+        ("--set similarity.normal_deg=200", vec!["similarity.normal_deg", "0 to 180"]),
+        ("--set block", vec!["key=value"]),
+        ("--policy full --set block=4", vec!["block", "full"]),
+        ("--set block=3", vec!["blocks of 3", "tiles of 32", "2, 4, 8"]),
+    ] {
+        let ran = replay(&file, options).expect(2).says(&words);
+        assert_eq!(ran.out, "", "{options}");
+    }
+}
+
+#[test]
+fn people_get_a_table() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = trace(folder.path(), "cornell", "--size 32x20");
+    let text = run(&["replay".into(), "--quiet".into(), file.into()]).expect(0).out;
+    for word in ["a.rtrace", "adaptive", "rays", "primary", "shadow", "PSNR", "SSIM"] {
+        assert!(text.contains(word), "no {word} in\n{text}");
+    }
+}
