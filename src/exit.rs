@@ -32,7 +32,9 @@ impl From<Exit> for ExitCode {
 /// The exit code of an error.
 pub fn of(error: &anyhow::Error) -> Exit {
     // A replay's error may stand on a trace's: the innermost one that says who must act decides.
-    if let Some(error) = error.chain().find_map(|cause| cause.downcast_ref::<TraceError>()) {
+    if let Some(error) =
+        error.chain().find_map(|c| c.downcast_ref().or_else(|| Some(&**c.downcast_ref::<Box<TraceError>>()?)))
+    {
         return of_trace(error);
     }
     let bad_data = |cause: &(dyn std::error::Error + 'static)| {
