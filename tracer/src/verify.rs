@@ -1,16 +1,18 @@
 //! Verification: re-traverses the BVH that a trace holds with the rays rebuilt from it, and checks every path, hit, shadow
 //! state, normal and weight, bit for bit. No scene is needed.
 //!
-//! The one thing that cannot be checked without the scene is what a cut-out texture says at a texel; there the recorded
-//! outcome stands, and everything that follows from it is checked.
+//! Three things cannot be checked without the scene: what a cut-out texture says at a texel, where the recorded outcome stands and
+//! everything that follows from it is checked; local colours; and whether a surface is so dark that no light shows on it.
 
 use rayon::prelude::*;
 use rayreel_formats::Result;
 use rayreel_formats::bvh::Bvh;
 use rayreel_formats::columns::hits::{Geometry, RayRebuilder};
 use rayreel_formats::rays::{self, Ray, Surface};
-use rayreel_formats::scene::Optics;
-use rayreel_formats::tile::{Column, Hit, RayNode, Tile, step};
+use rayreel_formats::half::Half3;
+use rayreel_formats::math::Vec3;
+use rayreel_formats::scene::{Light, Optics};
+use rayreel_formats::tile::{Column, Hit, RayNode, ShadowState, Tile, step};
 use rayreel_formats::trace::{Scratch as CodecScratch, Trace};
 
 use crate::shade;
@@ -84,6 +86,9 @@ struct TileCheck<'a> {
     accel: &'a Accel,
     tile: &'a Tile,
     rebuilt: RayRebuilder<'a>,
+    parents: Vec<u32>,
+    /// Per node the product of the weights from the eye, once its parent was checked.
+    weights: Vec<Vec3>,
     counts: Verified,
 }
 
@@ -93,7 +98,9 @@ impl<'a> TileCheck<'a> {
         let camera = trace.camera(frame)?;
         let geometry = Geometry { bvh, camera };
         let rebuilt = RayRebuilder::new(&tile.tree, tile.rect, geometry);
-        Ok(Self { trace, bvh, accel, tile, rebuilt, counts: Verified { tiles: 1, ..Verified::default() } })
+        let weights = vec![Vec3::ONE; tile.tree.nodes.len()];
+        let counts = Verified { tiles: 1, ..Verified::default() };
+        Ok(Self { trace, bvh, accel, tile, rebuilt, parents: tile.tree.parents(), weights, counts })
     }
 
     fn run(&mut self, scratch: &mut Scratch) -> Verified {
@@ -137,15 +144,34 @@ impl<'a> TileCheck<'a> {
         self.shadows(&node, &surface, ray, &name, scratch)
     }
 
-    fn children(&self, index: usize, node: &RayNode, hit: &Hit, surface: &Surface, ray: &Ray) -> Result<(), String> {
-        let material = self.bvh.material(hit.triangle as usize);
-        let expected = rays::children(surface, ray.direction, material);
-        let recorded = self.tile.radiance[index];
-        for (there, weight, expected) in
-            [(node.reflect, recorded.reflect, expected.reflect), (node.refract, recorded.refract, expected.refract)]
-        {
-            if there && Some(weight) != expected {
-                return Err(format!("a child's weight is recorded as {weight:?}, is {expected:?}"));
+    /// Checks which children there are and what they weigh: as many as material, depth and weight limit ask for.
+    fn children(
+        &mut self,
+        index: usize,
+        node: &RayNode,
+        hit: &Hit,
+        surface: &Surface,
+        ray: &Ray,
+    ) -> Result<(), String> {
+        let meta = self.trace.meta();
+        if node.class.parent().is_some() {
+            let parent = self.parents[index] as usize;
+            let own = self.tile.radiance[parent];
+            let weight = if node.class.0 % 2 == 0 { own.reflect } else { own.refract };
+            self.weights[index] = self.weights[parent].times(weight.to_vec3());
+        }
+        let grows = |weight: &Half3| {
+            let total = self.weights[index].times(weight.to_vec3()).max_component();
+            node.class.depth() < meta.max_depth && total > meta.min_weight
+        };
+        let expected = rays::children(surface, ray.direction, self.bvh.material(hit.triangle as usize));
+        let own = self.tile.radiance[index];
+        for (name, recorded, expected) in [
+            ("reflection", node.reflect.then_some(own.reflect), expected.reflect.filter(grows)),
+            ("refraction", node.refract.then_some(own.refract), expected.refract.filter(grows)),
+        ] {
+            if recorded != expected {
+                return Err(format!("the {name}'s weight is recorded as {recorded:?}, is {expected:?}"));
             }
         }
         Ok(())
@@ -159,6 +185,13 @@ impl<'a> TileCheck<'a> {
         name: &str,
         scratch: &mut Scratch,
     ) -> Result<(), String> {
+        // A surface that shows one light shows all that face it.
+        let faced = |(_, light): &(usize, &Light)| shade::faces(surface, light);
+        let missing = |(light, _): &(usize, &Light)| node.shadows.get(*light) == ShadowState::NotCast;
+        let lights = || self.trace.meta().lights.iter().enumerate();
+        if let Some((light, _)) = lights().filter(faced).find(missing).filter(|_| node.shadows.count() > 0) {
+            return Err(format!("{name}: lacks its shadow ray to light {light}"));
+        }
         for (rank, light) in node.shadows.cast().enumerate() {
             let source = &self.trace.meta().lights[light];
             let name = format!("{name}, shadow ray to light {light}");

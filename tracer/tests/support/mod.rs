@@ -2,6 +2,9 @@
 
 #![allow(dead_code, reason = "each test binary uses its own part of this")]
 
+pub mod cutout;
+pub mod recorded;
+
 use std::path::PathBuf;
 
 use rayreel_formats::math::{Vec3, vec3};

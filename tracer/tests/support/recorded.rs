@@ -1,0 +1,67 @@
+//! Captures small traces and writes changed ones.
+
+use std::path::PathBuf;
+
+use rayreel_formats::Limits;
+use rayreel_formats::columns::paths::Topology;
+use rayreel_formats::scene::Meta;
+use rayreel_formats::tile::{Column, Tile};
+use rayreel_formats::trace::{Codec, Scratch, TileCodec, Trace, TraceWriter};
+use rayreel_scenes::Scene;
+use rayreel_tracer::Settings;
+use rayreel_tracer::accel::{Built, build};
+use rayreel_tracer::capture::{Grid, Outcome, Output, capture, meta};
+use tempfile::TempDir;
+
+/// A trace in a folder of its own.
+pub struct Recorded {
+    pub trace: Trace,
+    _folder: TempDir,
+}
+
+fn folder() -> TempDir {
+    tempfile::tempdir_in("/dev/shm").or_else(|_| tempfile::tempdir()).expect("a folder can be made")
+}
+
+fn open(folder: TempDir, path: &PathBuf) -> Recorded {
+    Recorded { trace: Trace::open(path, Limits::default()).expect("it opens"), _folder: folder }
+}
+
+/// A sample grid of one frame.
+pub fn grid(width: u32, height: u32, samples: u32, tile: u32) -> Grid {
+    Grid { width, height, samples, tile, first_frame: 0, frames: 1 }
+}
+
+pub fn record(scene: &Scene, grid: Grid, max_depth: u32, codec: Codec) -> Recorded {
+    let built: Built = build(scene).expect("a tree");
+    let meta: Meta = meta(scene, grid, Settings { max_depth, ..Settings::default() }, "test");
+    let folder = folder();
+    let path = folder.path().join("trace.rtrace");
+    let output = Output { path: path.clone(), codec, level: 1, resume: false };
+    let outcome = capture(scene, &built, &meta, &output, |_| true).expect("it captures");
+    assert!(matches!(outcome, Outcome::Finished(_)));
+    open(folder, &path)
+}
+
+/// All tiles of a trace.
+pub fn tiles(trace: &Trace) -> Vec<Tile> {
+    let numbers = trace.meta().frame_numbers().flat_map(|f| (0..trace.meta().tile_count()).map(move |t| (f, t)));
+    numbers.map(|(frame, tile)| trace.tile(frame, tile, &Column::ALL).expect("it decodes")).collect()
+}
+
+/// The same trace with other tiles, coded plainly: that codec takes any steps.
+pub fn rewrite(trace: &Trace, tiles: &[Tile]) -> Recorded {
+    let folder = folder();
+    let path = folder.path().join("changed.rtrace");
+    let mut writer = TraceWriter::create(&path, trace.meta(), trace.bvh(), 1).expect("a new file");
+    let (topology, limits) = (Topology::new(trace.bvh()), Limits::default());
+    for tile in tiles {
+        let camera = trace.camera(tile.frame).expect("the frame is there");
+        writer.frame(tile.frame, &camera).expect("it is written");
+        let coder = TileCodec { meta: trace.meta(), bvh: trace.bvh(), topology: &topology, camera: &camera, limits: &limits };
+        let chunk = coder.encode(tile, Codec::Plain(1), &mut Scratch::default()).expect("it encodes");
+        writer.tile(&chunk).expect("it is written");
+    }
+    let path = writer.finish().expect("a whole file").path;
+    open(folder, &path)
+}
