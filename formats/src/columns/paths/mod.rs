@@ -19,7 +19,7 @@ use crate::limits::Limits;
 use crate::scene::Rect;
 use crate::tile::{Paths, Tree, step};
 use labels::{Around, Cell, Labels, Ring};
-use models::{EXPECTED, Models, OUTCOMES, expect, outcome_context, outcome_model, pop_context, pop_model, surprise_level, test_model};
+use models::{EXPECTED, Expectation, Models, OUTCOMES, expect, outcome_context, outcome_model, pop_context, pop_model, surprise_level, test_model};
 use runs::{Run, RunDecoder, RunEncoder};
 
 /// Sequences of near-certain steps: outcomes where four or fewer neighbours agree, leaves likewise, pops.
@@ -148,10 +148,9 @@ impl<C: Coder, R: Run> PathCoder<'_, C, R> {
     #[inline(always)]
     fn outcome(&mut self, slot: usize, around: &Around, last: u8, given: u8) -> u8 {
         let context = outcome_context(around);
-        let agree = agreement(context);
-        if agree < 2 && self.surprises & 7 == 0 {
-            let expected = (context >> 3 & 7) as u8;
-            if self.runs[OUTCOME_RUN + agree].as_expected(given == expected) {
+        let Expectation { label: expected, doubt } = EXPECTED[context];
+        if doubt < 2 && self.surprises & 7 == 0 {
+            if self.runs[OUTCOME_RUN + usize::from(doubt)].as_expected(given == expected) {
                 return expected;
             }
             self.note(false);
@@ -162,7 +161,6 @@ impl<C: Coder, R: Run> PathCoder<'_, C, R> {
             let models = &mut self.models.fresh[usize::from(stale & 7) * 8 + usize::from(last)];
             return models.code(&mut self.coder, usize::from(given)) as u8;
         }
-        let expected = EXPECTED[context];
         let model = &mut self.models.outcome[outcome_model(context, surprise_level(self.surprises))];
         let met = self.coder.bit(model, given == expected);
         self.note(met);
@@ -380,20 +378,6 @@ impl<C: Coder, R: Run> PathCoder<'_, C, R> {
         self.budget = self.budget.saturating_sub((out.len() - start) as u64);
         Ok(())
     }
-}
-
-/// How near to certain an outcome is: 0 where all four neighbours agree, 1 where west and north do and no other objects, 2 else.
-#[inline(always)]
-fn agreement(context: usize) -> usize {
-    let n = context >> 3 & 7;
-    if n == 0 || context & 7 != n {
-        return 2;
-    }
-    if context == n * 0o1111 {
-        return 0;
-    }
-    let (nw, ne) = (context >> 6 & 7, context >> 9);
-    if (nw == n || nw == 0) && (ne == n || ne == 0) { 1 } else { 2 }
 }
 
 /// Triangle tests as labels: two bits each, 0 where there was none.

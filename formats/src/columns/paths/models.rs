@@ -102,12 +102,29 @@ pub(super) const fn expect(w: u8, n: u8, nw: u8, ne: u8) -> u8 {
     }
 }
 
-/// [`expect`] by outcome context.
-pub(super) static EXPECTED: [u8; OUTCOME_CONTEXTS] = {
-    let mut table = [0; OUTCOME_CONTEXTS];
+/// What the neighbours let expect of an outcome.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Expectation {
+    /// [`expect`] of them.
+    pub label: u8,
+    /// How near to certain it is: 0 where all four agree, 1 where west and north do and no other objects, 2 else.
+    pub doubt: u8,
+}
+
+/// The expectation by outcome context.
+pub(super) static EXPECTED: [Expectation; OUTCOME_CONTEXTS] = {
+    let mut table = [Expectation { label: 0, doubt: 2 }; OUTCOME_CONTEXTS];
     let mut i = 0;
     while i < OUTCOME_CONTEXTS {
-        table[i] = expect((i & 7) as u8, (i >> 3 & 7) as u8, (i >> 6 & 7) as u8, (i >> 9) as u8);
+        let (w, n, nw, ne) = ((i & 7) as u8, ((i >> 3) & 7) as u8, ((i >> 6) & 7) as u8, (i >> 9) as u8);
+        let doubt = if n == 0 || w != n || (nw != n && nw != 0) || (ne != n && ne != 0) {
+            2
+        } else if nw == n && ne == n {
+            0
+        } else {
+            1
+        };
+        table[i] = Expectation { label: expect(w, n, nw, ne), doubt };
         i += 1;
     }
     table
@@ -122,7 +139,7 @@ static OUTCOME_PRIORS: [Bit; OUTCOME_CONTEXTS] = {
         let labels = [i & 7, i >> 3 & 7, i >> 6 & 7, i >> 9];
         let (mut agree, mut against, mut k) = (0, false, 0);
         while k < 4 {
-            if labels[k] == EXPECTED[i] as usize {
+            if labels[k] == EXPECTED[i].label as usize {
                 agree += 1;
             } else if labels[k] != 0 {
                 against = true;
