@@ -2,8 +2,8 @@
 
 mod trace_support;
 
-use rayreel_formats::payload::canonical;
 use rayreel_formats::Limits;
+use rayreel_formats::payload::canonical;
 use rayreel_formats::tile::{Column, Tile};
 use rayreel_formats::trace::{Codec, Scratch, Trace, compare, digest};
 use trace_support::Random;

@@ -86,9 +86,8 @@ fn trees_deeper_than_the_stacks_are_refused() {
 #[test]
 fn triangles_name_what_is_there() {
     let vertices = || vec![Vertex { position: vec3(0.0, 1.0, 2.0), normal: Oct::default() }; 3];
-    let make = |t: Triangle, v: Vec<Vertex>| {
-        Bvh::new(&[[LEAF(1), LEAF(0)]], vec![t], v, vec!["o".into()], soup::materials())
-    };
+    let make =
+        |t: Triangle, v: Vec<Vertex>| Bvh::new(&[[LEAF(1), LEAF(0)]], vec![t], v, vec!["o".into()], soup::materials());
     assert!(make(triangle([0, 1, 2]), vertices()).is_ok());
     assert!(make(triangle([0, 1, 3]), vertices()).is_err_and(|e| e.contains("vertex")));
     assert!(make(Triangle { object: 1, ..triangle([0; 3]) }, vertices()).is_err_and(|e| e.contains("object")));

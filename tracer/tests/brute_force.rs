@@ -175,7 +175,10 @@ fn check_scene(name: &str, scene: &Scene) -> Vec<String> {
     let (hits, excused) = (count(Found::Hit), count(Found::Excused));
     let wrong: Vec<String> = results.into_iter().filter_map(Result::err).map(|e| format!("{name}: {e}")).collect();
     let (triangles, seconds) = (brute.corners.len(), start.elapsed().as_secs_f32());
-    eprintln!("{name}: {triangles} triangles, {rays} rays, {hits} hits, {excused} edge-on, {} wrong, {seconds:.1} s", wrong.len());
+    eprintln!(
+        "{name}: {triangles} triangles, {rays} rays, {hits} hits, {excused} edge-on, {} wrong, {seconds:.1} s",
+        wrong.len()
+    );
     assert!(excused <= rays / 20_000, "{name}: {excused} rays disagree on triangles seen edge-on");
     assert!(hits > rays / 4, "{name}: rays that hit nothing show nothing");
     wrong

@@ -32,7 +32,8 @@ pub fn scene(lights: usize) -> Scene {
     out.object("ball", &lathe::sphere(DVec3::new(-0.7, 0.5, 0.0), 0.5, 16), glass);
     let holes = lathe::sphere(DVec3::new(0.7, 0.5, 0.0), 0.5, 16).planar_uv(Default::default(), 0.5);
     out.object("holed ball", &holes, holed);
-    let camera = Camera { eye: Vec3::new(0.4, 1.1, 4.0), target: Vec3::new(0.0, 0.5, 0.0), up: Vec3::Y, vfov_deg: 40.0 };
+    let camera =
+        Camera { eye: Vec3::new(0.4, 1.1, 4.0), target: Vec3::new(0.0, 0.5, 0.0), up: Vec3::Y, vfov_deg: 40.0 };
     let mut scene = out.finish(vec![camera, Camera { eye: Vec3::new(-2.0, 1.5, 3.0), ..camera }]).expect("a scene");
     let light = |i: usize| {
         let at = Vec3::new((i as f32 * 2.4).sin() * 3.0, 1.0 + i as f32 * 0.4, (i as f32 * 2.4).cos() * 3.0);

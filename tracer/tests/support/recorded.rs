@@ -58,7 +58,8 @@ pub fn rewrite(trace: &Trace, tiles: &[Tile]) -> Recorded {
     for tile in tiles {
         let camera = trace.camera(tile.frame).expect("the frame is there");
         writer.frame(tile.frame, &camera).expect("it is written");
-        let coder = TileCodec { meta: trace.meta(), bvh: trace.bvh(), topology: &topology, camera: &camera, limits: &limits };
+        let coder =
+            TileCodec { meta: trace.meta(), bvh: trace.bvh(), topology: &topology, camera: &camera, limits: &limits };
         let chunk = coder.encode(tile, Codec::Plain(1), &mut Scratch::default()).expect("it encodes");
         writer.tile(&chunk).expect("it is written");
     }
