@@ -44,22 +44,18 @@ fn render(spec: &str, grid: &str, frame: &str, file: &Path) {
     rayreel!["render", spec, "-o", file, "--frame", frame, grid[0], grid[1], grid[2], grid[3]].expect(0);
 }
 
+/// The same file to the byte: our writers give the same bytes for the same picture.
 #[track_caller]
 fn same(a: &Path, b: &Path, what: &str) {
-    let (x, y) = (fs::read(a).unwrap(), fs::read(b).unwrap());
-    if x == y {
+    if fs::read(a).unwrap() == fs::read(b).unwrap() {
         return;
     }
-    // The same picture may be packed in another way; only then is it the picture that matters.
-    let read = |path: &Path| match path.extension().unwrap().to_str() {
-        Some("exr") => rayreel_replay::image::files::read_exr(path).unwrap().pixels,
-        _ => panic!("{what}: {} and {} are other pictures", a.display(), b.display()),
-    };
-    let (x, y) = (read(a), read(b));
-    assert_eq!(x.len(), y.len(), "{what}: size");
+    let (a_name, b_name) = (a.display(), b.display());
+    assert!(a.extension().is_some_and(|e| e == "exr"), "{what}: {a_name} and {b_name} are other pictures");
+    let [x, y] = [a, b].map(|path| rayreel_replay::image::files::read_exr(path).unwrap().pixels);
     let bits = |pixel: &[f32; 3]| pixel.map(f32::to_bits);
-    let wrong = (0..x.len()).find(|&i| bits(&x[i]) != bits(&y[i]));
-    panic!("{what}: {} and {} differ, first in pixel {wrong:?}", a.display(), b.display());
+    let wrong = x.iter().zip(&y).position(|(x, y)| bits(x) != bits(y));
+    panic!("{what}: {a_name} and {b_name} differ, first in pixel {wrong:?}");
 }
 
 #[test]

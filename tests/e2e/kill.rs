@@ -118,8 +118,7 @@ fn a_signal_ends_a_capture_in_order() {
         let file = whole.file(signal);
         let (code, messages) = whole.interrupted(&file, 0.3, signal);
         assert_eq!(code, Some(75), "SIG{signal}: {messages}");
-        let words = ["interrupted", "tiles", "torn", "--resume"];
-        assert!(words.iter().all(|w| *w == "torn" || messages.contains(w)), "{messages}");
+        assert!(["interrupted", "tiles", "--resume"].iter().all(|word| messages.contains(word)), "{messages}");
         // Everything flushed: no byte has to be dropped, so repair finds nothing damaged.
         let fixed = whole.file(&format!("{signal}-fixed"));
         let repaired = rayreel!["repair", &partial(&file), "-o", &fixed].expect(3);

@@ -26,7 +26,7 @@ const LIES: [(&str, &str, Change); 8] = [
     }),
     ("shadow state", "tree", shadow),
     ("weight of a child by a bit", "radiance", weight),
-    ("step of a path", "paths", |tile, s| primary_path(tile, s, |path| flip_first_test(path))),
+    ("step of a path", "paths", |tile, s| primary_path(tile, s, flip_first_test)),
     ("path of a shadow ray", "paths", shadow_path),
     ("t of a secondary ray", "hits", secondary_t),
 ];
@@ -84,7 +84,7 @@ fn primary_path(tile: &mut Tile, sample: usize, change: impl FnOnce(&mut [u8]) -
 fn shadow_path(tile: &mut Tile, sample: usize) -> bool {
     let node = tile.tree.sample(sample).start;
     let ray = tile.tree.ray_index()[node] as usize;
-    tile.tree.nodes[node].shadows.count() > 0 && path_of(tile, ray + 1, |path| flip_first_test(path))
+    tile.tree.nodes[node].shadows.count() > 0 && path_of(tile, ray + 1, flip_first_test)
 }
 
 fn flip_first_test(path: &mut [u8]) -> bool {
