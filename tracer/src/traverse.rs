@@ -84,10 +84,7 @@ impl Slabs {
             let pad = reach * PAD + o.abs() * f32::EPSILON;
             Vec4::new(o + pad, o + pad, o - pad, o - pad)
         };
-        Self {
-            origin: [padded(o.x), padded(o.y), padded(o.z)],
-            inverse: [inverse(d.x), inverse(d.y), inverse(d.z)],
-        }
+        Self { origin: [padded(o.x), padded(o.y), padded(o.z)], inverse: [inverse(d.x), inverse(d.y), inverse(d.z)] }
     }
 
     /// Entry distances of both boxes, and whether each is met before `t_max`.

@@ -8,11 +8,11 @@ use rayon::prelude::*;
 use rayreel_formats::Result;
 use rayreel_formats::bvh::Bvh;
 use rayreel_formats::columns::hits::{Geometry, RayRebuilder};
-use rayreel_formats::rays::{self, Ray, Surface};
 use rayreel_formats::half::Half3;
 use rayreel_formats::math::Vec3;
+use rayreel_formats::rays::{self, Ray, Surface};
 use rayreel_formats::scene::{Light, Optics};
-use rayreel_formats::tile::{Column, Hit, RayNode, ShadowState, Tile, step};
+use rayreel_formats::tile::{Column, Hit, RayKind, RayNode, ShadowState, Tile, step};
 use rayreel_formats::trace::{Scratch as CodecScratch, Trace};
 
 use crate::shade;
@@ -157,7 +157,7 @@ impl<'a> TileCheck<'a> {
         if node.class.parent().is_some() {
             let parent = self.parents[index] as usize;
             let own = self.tile.radiance[parent];
-            let weight = if node.class.0 % 2 == 0 { own.reflect } else { own.refract };
+            let weight = if node.class.kind() == RayKind::Reflection { own.reflect } else { own.refract };
             self.weights[index] = self.weights[parent].times(weight.to_vec3());
         }
         let grows = |weight: &Half3| {

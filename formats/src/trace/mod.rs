@@ -28,8 +28,8 @@ pub struct Trace {
     meta: Meta,
     bvh: Bvh,
     topology: Topology,
-    /// One per captured frame; `None` where the chunk is missing.
-    cameras: Vec<Option<Camera>>,
+    /// Cameras that the file holds, by frame: a file pays for what it holds, not for what its metadata claims.
+    cameras: Vec<(u32, Camera)>,
 }
 
 impl Trace {
@@ -56,14 +56,11 @@ impl Trace {
         let topology = Topology::new(&bvh);
         let mut trace = Self { reader, meta, bvh, topology, cameras: Vec::new() };
         trace.check_chunks()?;
-        for frame in trace.meta.frame_numbers() {
-            let record = trace.reader.find(ChunkId::frame(frame));
-            let camera = match record {
-                Some(record) => Some(metadata::decode_camera(&trace.reader.read(record)?, &limits)?),
-                None => None,
-            };
-            trace.cameras.push(camera);
+        for record in trace.reader.chunks().iter().filter(|record| record.id.kind == ChunkKind::FRAM) {
+            let camera = metadata::decode_camera(&trace.reader.read(record)?, &limits)?;
+            trace.cameras.push((record.id.frame, camera));
         }
+        trace.cameras.sort_by_key(|&(frame, _)| frame);
         Ok(trace)
     }
 
@@ -110,9 +107,10 @@ impl Trace {
     /// # Errors
     /// When the trace does not hold that frame.
     pub fn camera(&self, frame: u32) -> Result<Camera> {
-        let at = frame.checked_sub(self.meta.first_frame).map(|i| i as usize);
-        let camera = at.and_then(|i| self.cameras.get(i).copied().flatten());
-        camera.ok_or_else(|| Error::missing(self.reader.path(), ChunkId::frame(frame)))
+        match self.cameras.binary_search_by_key(&frame, |&(frame, _)| frame) {
+            Ok(at) => Ok(self.cameras[at].1),
+            Err(_) => Err(Error::missing(self.reader.path(), ChunkId::frame(frame))),
+        }
     }
 
     /// Tiles (and frames, as their first tile) that a complete trace would hold and this one does not.

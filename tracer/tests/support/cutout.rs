@@ -6,7 +6,7 @@ use rayreel_scenes::{Camera, Light, Material, Scene, Texture};
 
 /// Every other square of an 8 x 8 board is a hole.
 fn board() -> Texture {
-    let texel = |i: u32| [200, 40, 90, if (i % 8 + i / 8) % 2 == 0 { 255 } else { 0 }];
+    let texel = |i: u32| [200, 40, 90, if (i % 8 + i / 8).is_multiple_of(2) { 255 } else { 0 }];
     Texture { name: "board".into(), width: 8, height: 8, texels: (0..64).map(texel).collect() }
 }
 
@@ -38,7 +38,7 @@ pub fn scene(lights: usize) -> Scene {
     let light = |i: usize| {
         let at = Vec3::new((i as f32 * 2.4).sin() * 3.0, 1.0 + i as f32 * 0.4, (i as f32 * 2.4).cos() * 3.0);
         let colour = Vec3::splat(0.2);
-        if i % 2 == 0 { Light::Point { position: at, colour } } else { Light::Directional { to_light: at, colour } }
+        if i.is_multiple_of(2) { Light::Point { position: at, colour } } else { Light::Directional { to_light: at, colour } }
     };
     scene.lights = (0..lights).map(light).collect();
     scene.validate().expect("a valid scene");

@@ -1,6 +1,6 @@
 //! Captures small traces and writes changed ones.
 
-use std::path::PathBuf;
+use std::path::Path;
 
 use rayreel_formats::Limits;
 use rayreel_formats::columns::paths::Topology;
@@ -23,7 +23,7 @@ fn folder() -> TempDir {
     tempfile::tempdir_in("/dev/shm").or_else(|_| tempfile::tempdir()).expect("a folder can be made")
 }
 
-fn open(folder: TempDir, path: &PathBuf) -> Recorded {
+fn open(folder: TempDir, path: &Path) -> Recorded {
     Recorded { trace: Trace::open(path, Limits::default()).expect("it opens"), _folder: folder }
 }
 
