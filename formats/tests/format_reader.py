@@ -852,18 +852,7 @@ STEP_NONE, LEFT, RIGHT, LEFT_FIRST, RIGHT_FIRST, POP, CULLED, MISS, HIT, PASS = 
 
 
 def expect(w, n, nw, ne):
-    vertical = w == nw and n != 0
-    if w != 0 and not vertical:
-        return w
-    if n != 0:
-        return n
-    if nw != 0 and nw == ne:
-        return nw
-    if w != 0:
-        return w
-    if ne != 0:
-        return ne
-    return nw
+    return n if n != 0 and w == nw else w or n or ne or nw
 
 
 class Run:
@@ -1127,7 +1116,7 @@ def canonical_columns(meta, bvh, camera, index, payload):
     for ident, name in enumerate(COLUMNS):
         check(ident in columns, "a tile lacks column " + name)
         codec, raw_length, data = columns[ident]
-        check(codec < 2, "codec %d" % codec)
+        check(codec < 2, "column %s is coded by codec %d, which is unknown" % (name, codec))
         if codec == 0:
             getattr(tile, "read_" + name)(unzstd(data, raw_length))
         else:
@@ -1175,6 +1164,8 @@ def main(path, digest):
 
 
 if __name__ == "__main__":
+    if len(sys.argv) < 2:
+        sys.exit(__doc__)
     try:
         main(sys.argv[1], "--digest" in sys.argv[2:])
     except Bad as bad:
