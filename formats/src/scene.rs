@@ -91,7 +91,7 @@ pub struct Meta {
     pub width: u32,
     /// Image height in pixels.
     pub height: u32,
-    /// Samples per pixel and axis: 1 or 2.
+    /// Samples per pixel and axis: 1 to 8 in the format; captures take 1 or 2.
     pub samples: u32,
     /// Tile edge in samples.
     pub tile: u32,
