@@ -73,6 +73,9 @@ pub fn run(args: &Args, quiet: bool) -> Result<Exit> {
     if args.output.exists() && !args.force {
         bail!("{} already exists; give another name, or --force to replace it", args.output.display());
     }
+    if args.output.is_dir() {
+        bail!("{} is a folder; name a file in it", args.output.display());
+    }
     let scene = load_scene(&args.scene)?;
     if args.force && !args.resume {
         Writer::discard(&args.output)?;
@@ -87,7 +90,8 @@ pub fn run(args: &Args, quiet: bool) -> Result<Exit> {
     let built = build(&scene)?;
     progress::stop_on_signal();
     let start = Instant::now();
-    let mut bar = Progress::new(&format!("capture {}", scene.name), u64::from(meta.tile_count()) * u64::from(count), quiet);
+    let mut bar =
+        Progress::new(&format!("capture {}", scene.name), u64::from(meta.tile_count()) * u64::from(count), quiet);
     let outcome = capture::capture(&scene, &built, &meta, &output, |now| {
         bar.set(now.tiles, || {
             let rate = now.rays as f64 / start.elapsed().as_secs_f64();

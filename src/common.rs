@@ -31,11 +31,18 @@ pub struct GridArgs {
     pub depth: u32,
 }
 
+/// Most pixels of a picture: 1.6 GB of them as floats, which a render or a replay holds at once.
+const PIXELS_MAX: u64 = 1 << 27;
+
 /// Parses `WxH`.
 pub fn size(text: &str) -> Result<(u32, u32), String> {
     let parse = |s: &str| s.parse::<u32>().ok().filter(|&v| (1..=131_072).contains(&v));
     let pair = text.split_once('x').and_then(|(w, h)| Some((parse(w)?, parse(h)?)));
-    pair.ok_or_else(|| "give width and height in pixels, such as 1024x512".to_string())
+    let (width, height) = pair.ok_or("give width and height in pixels, such as 1024x512")?;
+    if u64::from(width) * u64::from(height) > PIXELS_MAX {
+        return Err(format!("a picture has at most {PIXELS_MAX} pixels"));
+    }
+    Ok((width, height))
 }
 
 /// Parses `1x1` or `2x2`.

@@ -38,7 +38,11 @@ pub fn of(error: &anyhow::Error) -> Exit {
         return of_trace(error);
     }
     let bad_data = |cause: &(dyn std::error::Error + 'static)| {
-        cause.is::<SceneError>() || matches!(cause.downcast_ref(), Some(ReplayError::BadTile { .. }))
+        // A scene that is not there is a wrong name; a scene that cannot be used is bad data.
+        let scene = cause.downcast_ref().is_some_and(|e| {
+            !matches!(e, SceneError::UnknownScene { .. } | SceneError::IsFolder { .. } | SceneError::Io { .. })
+        });
+        scene || matches!(cause.downcast_ref(), Some(ReplayError::BadTile { .. }))
     };
     if error.chain().any(bad_data) { Exit::BadData } else { Exit::Usage }
 }
@@ -46,9 +50,10 @@ pub fn of(error: &anyhow::Error) -> Exit {
 fn of_trace(error: &TraceError) -> Exit {
     match error {
         TraceError::MissingIndex { .. } | TraceError::MissingChunk { .. } => Exit::Incomplete,
-        TraceError::Io { .. } | TraceError::AlreadyExists { .. } | TraceError::Busy { .. } | TraceError::Usage { .. } => {
-            Exit::Usage
-        }
+        TraceError::Io { .. }
+        | TraceError::AlreadyExists { .. }
+        | TraceError::Busy { .. }
+        | TraceError::Usage { .. } => Exit::Usage,
         _ => Exit::BadData,
     }
 }

@@ -56,7 +56,9 @@ fn count(trace: &Trace, missing: &[(u32, u32)]) -> Result<[u64; 4]> {
 fn parts(trace: &Trace) -> Vec<(String, u64)> {
     let mut parts: Vec<(String, u64)> = Column::ALL
         .iter()
-        .filter_map(|c| trace.column_totals().iter().find(|t| t.id == *c as u8).map(|t| (c.name().into(), t.packed_bytes)))
+        .filter_map(|c| {
+            trace.column_totals().iter().find(|t| t.id == *c as u8).map(|t| (c.name().into(), t.packed_bytes))
+        })
         .collect();
     for (kind, name) in [(ChunkKind::META, "meta"), (ChunkKind::BVH, "bvh"), (ChunkKind::FRAM, "cameras")] {
         let bytes = trace.reader().chunks().iter().filter(|c| c.id.kind == kind).map(|c| c.total_len()).sum();
@@ -101,9 +103,24 @@ fn table(trace: &Trace, rays: &[u64; 4], missing: usize) -> String {
     let total = rays.iter().sum::<u64>();
     let mut text = String::new();
     let mut line = |name: &str, value: String| text += &format!("{name:<10} {value}\n");
-    line("trace", format!("{}, format {}, by {}", trace.reader().path().display(), trace.reader().version(), meta.tool));
-    line("scene", format!("{}, {} triangles, {} objects", meta.scene, trace.bvh().triangles.len(), trace.bvh().objects.len()));
-    line("image", format!("{}x{} pixels, {s}x{s} samples, tiles of {} samples", meta.width, meta.height, meta.tile, s = meta.samples));
+    line(
+        "trace",
+        format!("{}, format {}, by {}", trace.reader().path().display(), trace.reader().version(), meta.tool),
+    );
+    line(
+        "scene",
+        format!("{}, {} triangles, {} objects", meta.scene, trace.bvh().triangles.len(), trace.bvh().objects.len()),
+    );
+    line(
+        "image",
+        format!(
+            "{}x{} pixels, {s}x{s} samples, tiles of {} samples",
+            meta.width,
+            meta.height,
+            meta.tile,
+            s = meta.samples
+        ),
+    );
     line("frames", format!("{} from {}", meta.frames, meta.first_frame));
     line("trees", format!("{} bounces, {} lights", meta.max_depth, meta.lights.len()));
     let kinds: Vec<String> = RayKind::ALL.iter().map(|k| format!("{} {}", rays[*k as usize], k.name())).collect();

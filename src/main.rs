@@ -32,8 +32,8 @@ struct Cli {
     #[command(subcommand)]
     command: Command,
     /// Worker threads; 0 takes one per core. No result depends on it.
-    #[arg(long, global = true, default_value_t = 0, value_name = "N")]
-    threads: usize,
+    #[arg(long, global = true, default_value_t = 0, value_name = "N", value_parser = clap::value_parser!(u16).range(0..=1024))]
+    threads: u16,
     /// Print no progress.
     #[arg(long, short, global = true)]
     quiet: bool,
@@ -55,7 +55,7 @@ enum Command {
 
 fn main() -> ExitCode {
     let cli = Cli::parse();
-    if let Err(error) = rayon::ThreadPoolBuilder::new().num_threads(cli.threads).build_global() {
+    if let Err(error) = rayon::ThreadPoolBuilder::new().num_threads(cli.threads.into()).build_global() {
         eprintln!("error: cannot start {} threads: {error}", cli.threads);
         return Exit::Usage.into();
     }

@@ -65,12 +65,12 @@ pub fn run(args: &Args, quiet: bool) -> Result<Exit> {
         if args.scenes.is_empty() { names.iter().map(|n| (*n).to_string()).collect() } else { args.scenes.clone() };
     let mut rows = Vec::new();
     for name in &scenes {
-        for mode in 0..MODES.len() {
-            let Some(trace) = captured(args, name, MODES[mode].1, quiet)? else {
+        for (mode, (_, samples)) in MODES.iter().enumerate() {
+            let Some(trace) = captured(args, name, *samples, quiet)? else {
                 eprintln!("interrupted: run the same command again to go on");
                 return Ok(Exit::Interrupted);
             };
-            rows.push(row(args, name, mode, &trace)?);
+            rows.push(row(args, mode, &trace)?);
         }
     }
     let value = Value::Array(rows.iter().map(json_row).collect());
@@ -86,7 +86,7 @@ fn captured(args: &Args, name: &str, samples: u32, quiet: bool) -> Result<Option
     let grid = GridArgs { size: args.size, samples, depth: rayreel_tracer::Settings::default().max_depth };
     let wanted = meta(&scene, &grid, 32, 0, 1);
     let (w, h) = args.size;
-    let path = args.cache.join(format!("{}-{w}x{h}-{samples}x{samples}.rtrace", scene.name));
+    let path = args.cache.join(format!("{}-{w}x{h}-{samples}x{samples}.rtrace", file_name(&scene.name)));
     if let Some(trace) = cached(&path, &wanted) {
         return Ok(Some(trace));
     }
@@ -106,6 +106,12 @@ fn captured(args: &Args, name: &str, samples: u32, quiet: bool) -> Result<Option
     }
 }
 
+/// A scene's name as part of a file name: a scene file may call it anything.
+fn file_name(scene: &str) -> String {
+    let plain = |c: char| if c.is_alphanumeric() || "-_.".contains(c) { c } else { '_' };
+    scene.chars().map(plain).collect()
+}
+
 /// The trace at `path`, if it is whole and of this very capture.
 fn cached(path: &Path, wanted: &Meta) -> Option<Trace> {
     let trace = Trace::open(path, Limits::default()).ok()?;
@@ -117,9 +123,9 @@ fn is_resumable(path: &Path, wanted: &Meta) -> Result<bool> {
     use rayreel_formats::container::{ChunkId, Writer};
     let Some(resumed) = Writer::resume(path, &Limits::default())? else { return Ok(false) };
     let record = resumed.writer.chunks().iter().find(|c| c.id == ChunkId::META).copied();
-    let same = record.and_then(|r| resumed.read(&r).ok()).and_then(|bytes| {
-        rayreel_formats::payload::metadata::decode_meta(&bytes, &Limits::default()).ok()
-    });
+    let same = record
+        .and_then(|r| resumed.read(&r).ok())
+        .and_then(|bytes| rayreel_formats::payload::metadata::decode_meta(&bytes, &Limits::default()).ok());
     drop(resumed.writer);
     if same.as_ref() == Some(wanted) {
         return Ok(true);
@@ -128,16 +134,17 @@ fn is_resumable(path: &Path, wanted: &Meta) -> Result<bool> {
     Ok(false)
 }
 
-fn row(args: &Args, name: &str, mode: usize, trace: &Trace) -> Result<Row> {
+fn row(args: &Args, mode: usize, trace: &Trace) -> Result<Row> {
+    let name = file_name(&trace.meta().scene);
     let folder = args.out.join(format!("{name}-{}", MODES[mode].0));
     std::fs::create_dir_all(&folder).with_context(|| format!("cannot create folder {}", folder.display()))?;
     let policy = NamedPolicy::load("adaptive", &[])?;
     let stats = replay_each(trace, &policy.policy, trace.meta().frame_numbers(), Options::default(), |frame| {
         write_pictures(&frame, trace.meta().samples, &folder, "")
     })?;
-    let origin = Origin { trace: name.to_string(), trace_digest: None };
+    let origin = Origin { trace: name.clone(), trace_digest: None };
     let adaptive = Report::new(&origin, &policy, trace.meta(), &stats);
-    Ok(Row { scene: name.to_string(), mode, full: adaptive.sum.rays_full, adaptive })
+    Ok(Row { scene: name, mode, full: adaptive.sum.rays_full, adaptive })
 }
 
 fn paper_psnr(row: &Row) -> Option<f64> {
@@ -162,7 +169,8 @@ fn json_row(row: &Row) -> Value {
 
 fn table(args: &Args, rows: &[Row]) -> String {
     let (w, h) = args.size;
-    let mut text = format!("adaptive sampling against full, {w}x{h} pixels; the paper's PSNR is for its own models\n\n");
+    let mut text =
+        format!("adaptive sampling against full, {w}x{h} pixels; the paper's PSNR is for its own models\n\n");
     text += &format!(
         "{:<10} {:<14} {:>13} {:>13} {:>10} {:>8} {:>9} {:>9} {:>7}\n",
         "scene", "mode", "rays, full", "rays, adapt.", "ray ratio", "similar", "PSNR dB", "paper dB", "SSIM"

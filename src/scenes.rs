@@ -48,9 +48,7 @@ fn list(as_json: bool) -> Result<()> {
         rows.push((*name, scene.mesh.triangles.len(), scene.objects.len(), scene.cameras.len()));
     }
     if as_json {
-        let row = |&(name, triangles, objects, frames): &(&str, usize, usize, usize)| {
-            json!({"name": name, "triangles": triangles, "objects": objects, "frames": frames})
-        };
+        let row = |&(name, triangles, objects, frames): &(&str, usize, usize, usize)| json!({"name": name, "triangles": triangles, "objects": objects, "frames": frames});
         return print_json(&rows.iter().map(row).collect());
     }
     let mut text = format!("{:<12} {:>10} {:>8} {:>7}\n", "scene", "triangles", "objects", "frames");
@@ -83,7 +81,10 @@ fn show(scene: &Scene, as_json: bool) -> Result<()> {
     line("triangles", scene.mesh.triangles.len().to_string());
     line("vertices", scene.mesh.positions.len().to_string());
     line("objects", scene.objects.len().to_string());
-    line("materials", scene.materials.iter().map(|m| format!("{} ({:?})", m.name, m.optics)).collect::<Vec<_>>().join(", "));
+    line(
+        "materials",
+        scene.materials.iter().map(|m| format!("{} ({:?})", m.name, m.optics)).collect::<Vec<_>>().join(", "),
+    );
     line("textures", scene.textures.len().to_string());
     line("lights", scene.lights.len().to_string());
     line("frames", scene.cameras.len().to_string());

@@ -29,22 +29,12 @@ pub struct Place {
 impl Place {
     /// Nothing is known.
     pub fn unknown() -> Self {
-        Self {
-            path: PathBuf::new(),
-            offset: None,
-            frame: NONE,
-            tile: NONE,
-        }
+        Self { path: PathBuf::new(), offset: None, frame: NONE, tile: NONE }
     }
 
     /// A byte of a file.
     pub fn new(path: &Path, offset: u64) -> Self {
-        Self {
-            path: path.to_path_buf(),
-            offset: Some(offset),
-            frame: NONE,
-            tile: NONE,
-        }
+        Self { path: path.to_path_buf(), offset: Some(offset), frame: NONE, tile: NONE }
     }
 
     /// The same byte, in the frame and tile of a chunk.
@@ -73,11 +63,7 @@ impl fmt::Display for Place {
                 separator = ", ";
             }
         }
-        if separator.is_empty() {
-            Ok(())
-        } else {
-            f.write_str(": ")
-        }
+        if separator.is_empty() { Ok(()) } else { f.write_str(": ") }
     }
 }
 
@@ -185,9 +171,7 @@ pub enum Error {
         id: ChunkId,
     },
     /// The file ends too early.
-    #[error(
-        "{place}file ends early: {needed} bytes needed here, {available} left; try `rayreel repair`"
-    )]
+    #[error("{place}file ends early: {needed} bytes needed here, {available} left; try `rayreel repair`")]
     Truncated {
         /// Where.
         place: Place,
@@ -239,9 +223,7 @@ pub enum Error {
         detail: String,
     },
     /// The file asks for more than the reader is willing to give.
-    #[error(
-        "{place}{what} is {value}, over the limit of {limit}; if the file can be trusted, raise the limit"
-    )]
+    #[error("{place}{what} is {value}, over the limit of {limit}; if the file can be trusted, raise the limit")]
     LimitExceeded {
         /// Where.
         place: Place,
@@ -263,62 +245,37 @@ pub enum Error {
 impl Error {
     /// [`Error::Io`].
     pub fn io(path: &Path, action: &'static str, source: io::Error) -> Self {
-        Self::Io {
-            path: path.to_path_buf(),
-            action,
-            source,
-        }
+        Self::Io { path: path.to_path_buf(), action, source }
     }
 
     /// [`Error::Corrupt`].
     pub fn corrupt(place: Place, detail: impl Into<String>) -> Self {
-        Self::Corrupt {
-            place,
-            detail: detail.into(),
-        }
+        Self::Corrupt { place, detail: detail.into() }
     }
 
     /// [`Error::Decode`].
     pub fn decode(what: &'static str, detail: impl Into<String>) -> Self {
-        Self::Decode {
-            what,
-            detail: detail.into(),
-        }
+        Self::Decode { what, detail: detail.into() }
     }
 
     /// [`Error::Column`]; frame and tile may be [`NONE`] and filled in later by [`Error::in_tile`].
     pub fn column(frame: u32, tile: u32, column: &'static str, detail: impl Into<String>) -> Self {
-        Self::Column {
-            frame,
-            tile,
-            column,
-            detail: detail.into(),
-        }
+        Self::Column { frame, tile, column, detail: detail.into() }
     }
 
     /// [`Error::LimitExceeded`] at an unknown place; see [`Error::at`].
     pub fn limit(what: &'static str, value: u64, limit: u64) -> Self {
-        Self::LimitExceeded {
-            place: Place::unknown(),
-            what,
-            value,
-            limit,
-        }
+        Self::LimitExceeded { place: Place::unknown(), what, value, limit }
     }
 
     /// [`Error::MissingChunk`].
     pub fn missing(path: &Path, id: ChunkId) -> Self {
-        Self::MissingChunk {
-            path: path.to_path_buf(),
-            id,
-        }
+        Self::MissingChunk { path: path.to_path_buf(), id }
     }
 
     /// [`Error::Usage`].
     pub fn usage(detail: impl Into<String>) -> Self {
-        Self::Usage {
-            detail: detail.into(),
-        }
+        Self::Usage { detail: detail.into() }
     }
 
     /// The same error with the parts of its place that are still unknown taken from `place`.
@@ -347,11 +304,7 @@ impl Error {
 
     /// The same error, said to be of this frame and tile where it does not say so yet.
     pub fn in_tile(self, frame: u32, tile: u32) -> Self {
-        self.at(&Place {
-            frame,
-            tile,
-            ..Place::unknown()
-        })
+        self.at(&Place { frame, tile, ..Place::unknown() })
     }
 }
 
@@ -366,11 +319,7 @@ fn fill(own: &mut u32, other: u32) {
 /// # Errors
 /// That one.
 pub fn check_limit(what: &'static str, value: u64, limit: u64) -> Result<()> {
-    if value > limit {
-        Err(Error::limit(what, value, limit))
-    } else {
-        Ok(())
-    }
+    if value > limit { Err(Error::limit(what, value, limit)) } else { Ok(()) }
 }
 
 #[cfg(test)]
@@ -384,29 +333,15 @@ mod tests {
         });
         let error = Error::column(NONE, NONE, "hits", "too short");
         assert_eq!(error.to_string(), "column hits: too short");
-        assert_eq!(
-            error.in_tile(3, 4).to_string(),
-            "frame 3, tile 4: column hits: too short"
-        );
+        assert_eq!(error.in_tile(3, 4).to_string(), "frame 3, tile 4: column hits: too short");
         let place = Place::new(Path::new("a.rtrace"), 7);
-        assert_eq!(
-            Error::corrupt(place, "odd").to_string(),
-            "a.rtrace, byte 7: corrupt: odd"
-        );
+        assert_eq!(Error::corrupt(place, "odd").to_string(), "a.rtrace, byte 7: corrupt: odd");
     }
 
     #[test]
     fn a_known_place_is_kept() {
-        let error = Error::limit("x", 2, 1)
-            .in_tile(3, 4)
-            .in_tile(5, 6)
-            .at(&Place::new(Path::new("f"), 9));
-        assert!(
-            error
-                .to_string()
-                .starts_with("f, byte 9, frame 3, tile 4: x is 2"),
-            "{error}"
-        );
+        let error = Error::limit("x", 2, 1).in_tile(3, 4).in_tile(5, 6).at(&Place::new(Path::new("f"), 9));
+        assert!(error.to_string().starts_with("f, byte 9, frame 3, tile 4: x is 2"), "{error}");
     }
 
     /// Results are returned by value everywhere.

@@ -33,10 +33,7 @@ fn every_truncation_is_noticed() {
         match len {
             0 => assert!(matches!(error, Error::NotATrace { .. })),
             1..32 => assert!(matches!(error, Error::Truncated { .. }), "{len}: {error}"),
-            _ => assert!(
-                matches!(error, Error::MissingIndex { .. }),
-                "{len}: {error}"
-            ),
+            _ => assert!(matches!(error, Error::MissingIndex { .. }), "{len}: {error}"),
         }
     }
     let mut longer = whole;
@@ -53,29 +50,13 @@ fn errors_say_where() {
     let last = record.end() as usize - 1;
     bytes[last] ^= 1;
     std::fs::write(&path, &bytes).unwrap();
-    let error = Reader::open(&path, Limits::default())
-        .unwrap()
-        .read(&record)
-        .unwrap_err()
-        .to_string();
-    let start = format!(
-        "{}, byte {}, frame 0, tile 1: checksum of the chunk payload",
-        path.display(),
-        record.offset
-    );
+    let error = Reader::open(&path, Limits::default()).unwrap().read(&record).unwrap_err().to_string();
+    let start = format!("{}, byte {}, frame 0, tile 1: checksum of the chunk payload", path.display(), record.offset);
     assert!(error.starts_with(&start), "{error}");
     let directory = reader.tile_directory(&record).unwrap();
     let error = reader.read_column(&record, &directory, 7).unwrap_err();
-    assert!(
-        error
-            .to_string()
-            .contains("checksum of the column 7 does not hold"),
-        "{error}"
-    );
-    assert!(
-        reader.read_column(&record, &directory, 2).is_ok(),
-        "the other column is still good"
-    );
+    assert!(error.to_string().contains("checksum of the column 7 does not hold"), "{error}");
+    assert!(reader.read_column(&record, &directory, 2).is_ok(), "the other column is still good");
 }
 
 #[test]
@@ -84,19 +65,10 @@ fn forged_content_is_refused() {
     let (tile, entry) = (forge().tile, forge().tile_entry);
     expect_corrupt(forge().index_field(entry, b"INDX"), "lists an index");
     expect_corrupt(forge().index_field(entry, b"META"), "do not fit the kind");
-    expect_corrupt(
-        forge().index_field(entry + 8, &1_u32.to_le_bytes()),
-        "second TILE chunk of frame 0, tile 1",
-    );
+    expect_corrupt(forge().index_field(entry + 8, &1_u32.to_le_bytes()), "second TILE chunk of frame 0, tile 1");
     expect_corrupt(forge().directory_field(4, &[9]), "do not ascend");
-    let unknown = forge()
-        .header_field(tile, 16, &[9])
-        .index_field(entry + 12, &[9])
-        .error();
-    assert!(
-        matches!(unknown, Error::UnsupportedEncoding { encoding: 9, .. }),
-        "{unknown}"
-    );
+    let unknown = forge().header_field(tile, 16, &[9]).index_field(entry + 12, &[9]).error();
+    assert!(matches!(unknown, Error::UnsupportedEncoding { encoding: 9, .. }), "{unknown}");
     let totals = 16 + 48 * 9 + 8 + 8;
     expect_corrupt(forge().index_field(totals, &[0xee]), "do not add up");
 }
@@ -122,14 +94,8 @@ fn limits_bind() {
 
 /// Fields worth lying with: small, at the edges of their types, and anything.
 fn any_field() -> impl Strategy<Value = Vec<u8>> {
-    let word = prop_oneof![
-        0..200_u64,
-        (0..64_u32).prop_map(|bit| 1 << bit),
-        Just(u64::MAX),
-        any::<u64>()
-    ];
-    (word, prop_oneof![Just(1_usize), Just(4), Just(8)])
-        .prop_map(|(word, len)| word.to_le_bytes()[..len].to_vec())
+    let word = prop_oneof![0..200_u64, (0..64_u32).prop_map(|bit| 1 << bit), Just(u64::MAX), any::<u64>()];
+    (word, prop_oneof![Just(1_usize), Just(4), Just(8)]).prop_map(|(word, len)| word.to_le_bytes()[..len].to_vec())
 }
 
 proptest! {

@@ -9,8 +9,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use container_support::{Content, NOTE, partial, patch, read_all, sample, sample_bytes, write};
 use rayreel_formats::container::{
-    ChunkId, ChunkRecord, EncodedChunk, Encoding, FormatVersion, Reader, RepairReport, Source,
-    repair, scan, scan_source,
+    ChunkId, ChunkRecord, EncodedChunk, Encoding, FormatVersion, Reader, RepairReport, Source, repair, scan,
+    scan_source,
 };
 use rayreel_formats::{Error, Limits, Result};
 use tempfile::TempDir;
@@ -26,11 +26,7 @@ impl Bench {
     fn new() -> Self {
         let folder = container_support::folder();
         let (input, output) = (folder.path().join("in"), folder.path().join("out"));
-        Self {
-            folder,
-            input,
-            output,
-        }
+        Self { folder, input, output }
     }
 
     fn try_repair(&self, bytes: &[u8]) -> Result<(RepairReport, Content)> {
@@ -50,23 +46,14 @@ impl Bench {
 }
 
 fn records() -> Vec<ChunkRecord> {
-    Reader::from_bytes(sample_bytes(), Limits::default())
-        .unwrap()
-        .chunks()
-        .to_vec()
+    Reader::from_bytes(sample_bytes(), Limits::default()).unwrap().chunks().to_vec()
 }
 
 /// Ids in canonical order: the notes belong to the whole file.
 fn canonical(keep: impl Fn(&ChunkRecord) -> bool) -> Vec<ChunkId> {
-    let (notes, others): (Vec<_>, Vec<_>) = records()
-        .into_iter()
-        .filter(keep)
-        .partition(|record| record.id == NOTE);
+    let (notes, others): (Vec<_>, Vec<_>) = records().into_iter().filter(keep).partition(|record| record.id == NOTE);
     let mut ids: Vec<_> = others.iter().map(|record| record.id).collect();
-    let files = ids
-        .iter()
-        .take_while(|id| [ChunkId::META, ChunkId::BVH].contains(id))
-        .count();
+    let files = ids.iter().take_while(|id| [ChunkId::META, ChunkId::BVH].contains(id)).count();
     ids.splice(files..files, notes.iter().map(|record| record.id));
     ids
 }
@@ -79,10 +66,7 @@ fn ids(content: &Content) -> Vec<ChunkId> {
 fn a_whole_file_is_only_put_in_order() {
     let (report, content) = Bench::new().repair(&sample_bytes());
     assert_eq!(ids(&content), canonical(|_| true));
-    assert_eq!(
-        (report.damaged.len(), report.lost.len(), report.duplicates),
-        (0, 0, 0)
-    );
+    assert_eq!((report.damaged.len(), report.lost.len(), report.duplicates), (0, 0, 0));
     assert!(report.had_index);
     let again = container_support::read_bytes(&sample_bytes()).unwrap();
     assert_eq!(content.totals, again.totals);
@@ -108,19 +92,12 @@ fn chunks_before_a_cut_are_kept() {
         match bench.try_repair(&whole[..cut]) {
             Ok((report, content)) => {
                 assert_eq!(ids(&content), canonical(keep), "cut at {cut}");
-                let lost = report
-                    .damaged
-                    .iter()
-                    .map(|range| range.end - range.start)
-                    .sum::<u64>();
+                let lost = report.damaged.iter().map(|range| range.end - range.start).sum::<u64>();
                 assert!(lost < 500 && report.damaged.len() <= 1);
             }
             Err(error) => {
                 assert!(!records().iter().any(keep), "cut at {cut}: {error}");
-                assert!(
-                    matches!(error, Error::NotATrace { .. } | Error::Corrupt { .. }),
-                    "{error}"
-                );
+                assert!(matches!(error, Error::NotATrace { .. } | Error::Corrupt { .. }), "{error}");
             }
         }
     }
@@ -134,33 +111,14 @@ fn only_the_damaged_chunk_is_lost() {
         bytes[at] ^= 0x55;
         let (report, content) = bench.repair(&bytes);
         let hit = |record: &ChunkRecord| (record.offset..record.end()).contains(&(at as u64));
-        assert_eq!(
-            ids(&content),
-            canonical(|record| !hit(record)),
-            "damaged at {at}"
-        );
+        assert_eq!(ids(&content), canonical(|record| !hit(record)), "damaged at {at}");
         let known = |record: &ChunkRecord| hit(record) && record.id != NOTE;
-        let lost: Vec<_> = records()
-            .into_iter()
-            .filter(known)
-            .map(|record| record.id)
-            .collect();
-        let named: Vec<_> = report
-            .lost
-            .iter()
-            .copied()
-            .filter(|id| *id != NOTE)
-            .collect();
-        assert_eq!(
-            named, lost,
-            "damaged at {at}: the index names what was lost"
-        );
+        let lost: Vec<_> = records().into_iter().filter(known).map(|record| record.id).collect();
+        let named: Vec<_> = report.lost.iter().copied().filter(|id| *id != NOTE).collect();
+        assert_eq!(named, lost, "damaged at {at}: the index names what was lost");
         if let Some(record) = records().iter().find(|record| hit(record)) {
             assert_eq!(report.damaged.len(), 1);
-            assert_eq!(
-                (report.damaged[0].start, report.damaged[0].end),
-                (record.offset, record.end())
-            );
+            assert_eq!((report.damaged[0].start, report.damaged[0].end), (record.offset, record.end()));
         }
     }
 }
@@ -173,12 +131,7 @@ fn chunks_behind_a_gap_are_found() {
     for record in &records {
         let (start, end) = (record.offset as usize, record.end() as usize);
         let without = [&whole[..start + 20], &whole[end - 1..]].concat();
-        let between = [
-            &whole[..start],
-            &b"\xf5RRC noise \xf5RRC"[..],
-            &whole[start..],
-        ]
-        .concat();
+        let between = [&whole[..start], &b"\xf5RRC noise \xf5RRC"[..], &whole[start..]].concat();
         let (_, content) = bench.repair(&without);
         assert_eq!(ids(&content), canonical(|other| other != record));
         let (report, content) = bench.repair(&between);
@@ -219,25 +172,13 @@ fn versions_are_kept_and_newer_majors_refused() {
     let bench = Bench::new();
     let mut bytes = sample_bytes();
     patch(&mut bytes, 10, &3_u16.to_le_bytes(), 0, 28);
-    assert_eq!(
-        bench.repair(&bytes).0.version,
-        FormatVersion { major: 1, minor: 3 }
-    );
-    assert_eq!(
-        Reader::open(&bench.output, Limits::default())
-            .unwrap()
-            .version()
-            .minor,
-        3
-    );
+    assert_eq!(bench.repair(&bytes).0.version, FormatVersion { major: 1, minor: 3 });
+    assert_eq!(Reader::open(&bench.output, Limits::default()).unwrap().version().minor, 3);
     bytes[3] = 0;
     assert_eq!(bench.repair(&bytes).0.version, FormatVersion::CURRENT);
     bytes = sample_bytes();
     patch(&mut bytes, 8, &2_u16.to_le_bytes(), 0, 28);
-    assert!(matches!(
-        bench.try_repair(&bytes),
-        Err(Error::UnsupportedVersion { .. })
-    ));
+    assert!(matches!(bench.try_repair(&bytes), Err(Error::UnsupportedVersion { .. })));
 }
 
 #[test]
@@ -247,26 +188,16 @@ fn files_are_not_lost_by_a_repair() {
     fs::write(&bench.input, &whole).unwrap();
     let limits = Limits::default();
     let same = bench.folder.path().join(".").join("in");
-    assert!(matches!(
-        repair(&bench.input, &same, &limits),
-        Err(Error::Usage { .. })
-    ));
+    assert!(matches!(repair(&bench.input, &same, &limits), Err(Error::Usage { .. })));
     fs::write(&bench.output, b"precious").unwrap();
-    assert!(matches!(
-        repair(&bench.input, &bench.output, &limits),
-        Err(Error::AlreadyExists { .. })
-    ));
+    assert!(matches!(repair(&bench.input, &bench.output, &limits), Err(Error::AlreadyExists { .. })));
     assert_eq!(fs::read(&bench.output).unwrap(), b"precious");
     // The natural use: NAME.partial becomes NAME.
     let name = bench.folder.path().join("name");
     fs::write(partial(&name), &whole[..whole.len() - 40]).unwrap();
     repair(&partial(&name), &name, &limits).unwrap();
     assert_eq!(fs::read(partial(&name)).unwrap().len(), whole.len() - 40);
-    assert_eq!(
-        fs::read_dir(bench.folder.path()).unwrap().count(),
-        4,
-        "no temporary file is left"
-    );
+    assert_eq!(fs::read_dir(bench.folder.path()).unwrap().count(), 4, "no temporary file is left");
 }
 
 #[derive(Debug)]
@@ -302,12 +233,8 @@ fn nested_damage_is_walked_in_linear_time() {
             patch(&mut bytes[start..], 32, &rest.to_le_bytes(), 0, 44);
         }
         let (len, read) = (bytes.len() as u64, Arc::new(AtomicU64::new(0)));
-        let source = Counting {
-            bytes,
-            read: Arc::clone(&read),
-        };
-        let error =
-            scan_source(Box::new(source), "nested".as_ref(), &Limits::default()).unwrap_err();
+        let source = Counting { bytes, read: Arc::clone(&read) };
+        let error = scan_source(Box::new(source), "nested".as_ref(), &Limits::default()).unwrap_err();
         assert!(matches!(error, Error::NotATrace { .. }));
         assert!(read.load(Ordering::Relaxed) < 40 * len);
     }

@@ -20,13 +20,7 @@ fn resume(path: &Path, bytes: &[u8], chunks: &[EncodedChunk]) -> Vec<u8> {
     }
     if there.len() > 3 {
         let directory = resumed.tile_directory(&there[3]).unwrap();
-        assert_eq!(
-            resumed
-                .read_column(&there[3], &directory, 1)
-                .unwrap()
-                .unwrap(),
-            b"tree"
-        );
+        assert_eq!(resumed.read_column(&there[3], &directory, 1).unwrap().unwrap(), b"tree");
         assert_eq!(resumed.read_tile(&there[3]).unwrap().directory, directory);
     }
     let kept = resumed.writer.bytes_written();
@@ -44,10 +38,7 @@ fn resuming_after_a_cut_at_any_byte_gives_the_same_file() {
     let folder = container_support::folder();
     let path = folder.path().join("t");
     for cut in 0..=whole.len() {
-        assert!(
-            resume(&path, &whole[..cut], &chunks) == whole,
-            "cut at {cut}"
-        );
+        assert!(resume(&path, &whole[..cut], &chunks) == whole, "cut at {cut}");
         assert!(!partial(&path).exists());
     }
 }
@@ -68,11 +59,7 @@ fn resuming_after_a_damaged_byte_gives_the_same_file() {
 #[test]
 fn nothing_to_resume() {
     let folder = container_support::folder();
-    assert!(
-        Writer::resume(&folder.path().join("t"), &Limits::default())
-            .unwrap()
-            .is_none()
-    );
+    assert!(Writer::resume(&folder.path().join("t"), &Limits::default()).unwrap().is_none());
 }
 
 #[test]
@@ -84,13 +71,7 @@ fn what_is_not_ours_is_not_touched() {
     for bytes in [b"something else".to_vec(), newer] {
         fs::write(partial(&path), &bytes).unwrap();
         let error = Writer::resume(&path, &Limits::default()).unwrap_err();
-        assert!(
-            matches!(
-                error,
-                Error::NotATrace { .. } | Error::UnsupportedVersion { .. }
-            ),
-            "{error}"
-        );
+        assert!(matches!(error, Error::NotATrace { .. } | Error::UnsupportedVersion { .. }), "{error}");
         assert_eq!(fs::read(partial(&path)).unwrap(), bytes);
     }
 }
@@ -103,8 +84,5 @@ fn a_resumed_writer_knows_its_chunks() {
     let mut resumed = Writer::resume(&path, &Limits::default()).unwrap().unwrap();
     assert!(resumed.writer.contains(ChunkId::tile(1, 0)) && resumed.writer.contains(NOTE));
     assert!(!resumed.writer.contains(ChunkId::tile(1, 1)));
-    assert!(matches!(
-        resumed.writer.write_encoded(&sample()[0]),
-        Err(Error::Usage { .. })
-    ));
+    assert!(matches!(resumed.writer.write_encoded(&sample()[0]), Err(Error::Usage { .. })));
 }

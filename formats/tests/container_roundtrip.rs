@@ -8,13 +8,11 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use container_support::{
-    NOTE, column, partial, patch, read_all, read_bytes, sample, sample_bytes, write,
-};
+use container_support::{NOTE, column, partial, patch, read_all, read_bytes, sample, sample_bytes, write};
 use proptest::prelude::*;
 use rayreel_formats::container::{
-    CHUNK_HEADER_LEN, ChunkId, ColumnEntry, EncodedChunk, Encoding, FormatVersion, Reader, Source,
-    TileDirectory, Writer,
+    CHUNK_HEADER_LEN, ChunkId, ColumnEntry, EncodedChunk, Encoding, FormatVersion, Reader, Source, TileDirectory,
+    Writer,
 };
 use rayreel_formats::{Error, Limits};
 
@@ -28,20 +26,8 @@ fn the_sample_comes_back() {
     assert_eq!(content.payloads.len(), 9);
     assert_eq!(content.payloads[1], (ChunkId::BVH, vec![5; 300]));
     assert_eq!(content.columns[0].1[1], (2, 2, 18, b"hits hits".to_vec()));
-    assert_eq!(
-        content.columns[1]
-            .1
-            .iter()
-            .map(|column| column.0)
-            .collect::<Vec<_>>(),
-        [2, 7],
-        "sorted by id"
-    );
-    let totals: Vec<_> = content
-        .totals
-        .iter()
-        .map(|t| (t.id, t.tiles, t.packed_bytes, t.raw_bytes))
-        .collect();
+    assert_eq!(content.columns[1].1.iter().map(|column| column.0).collect::<Vec<_>>(), [2, 7], "sorted by id");
+    let totals: Vec<_> = content.totals.iter().map(|t| (t.id, t.tiles, t.packed_bytes, t.raw_bytes)).collect();
     assert_eq!(totals, [(1, 1, 4, 8), (2, 2, 10, 20), (7, 2, 4, 8)]);
     assert!(!partial(&path).exists());
 }
@@ -56,10 +42,7 @@ fn chunks_are_found_by_id() {
     assert_eq!(reader.find(NOTE), first_note, "unknown kinds may repeat");
     assert!(reader.find(ChunkId::tile(1, 1)).is_none());
     let error = reader.require(ChunkId::tile(1, 1)).unwrap_err();
-    assert_eq!(
-        error.to_string(),
-        "<memory> holds no TILE chunk of frame 1, tile 1"
-    );
+    assert_eq!(error.to_string(), "<memory> holds no TILE chunk of frame 1, tile 1");
 }
 
 #[test]
@@ -70,65 +53,25 @@ fn the_same_chunks_give_the_same_bytes() {
 #[test]
 fn an_empty_trace_is_a_trace() {
     let (_folder, path) = write(&[]);
-    assert!(
-        Reader::open(&path, Limits::default())
-            .unwrap()
-            .chunks()
-            .is_empty()
-    );
+    assert!(Reader::open(&path, Limits::default()).unwrap().chunks().is_empty());
 }
 
 #[test]
 fn the_writer_keeps_its_rules() {
     let folder = container_support::folder();
-    assert!(matches!(
-        Writer::create(&folder.path().join("no/such/t")),
-        Err(Error::Io { .. })
-    ));
-    assert!(matches!(
-        Writer::create(Path::new("..")),
-        Err(Error::Usage { .. })
-    ));
+    assert!(matches!(Writer::create(&folder.path().join("no/such/t")), Err(Error::Io { .. })));
+    assert!(matches!(Writer::create(Path::new("..")), Err(Error::Usage { .. })));
     let path = folder.path().join("t");
     fs::write(&path, b"old").unwrap();
     let mut writer = Writer::create(&path).unwrap();
     writer.write(ChunkId::META, Encoding::Stored, b"1").unwrap();
-    assert!(matches!(
-        writer.write(ChunkId::META, Encoding::Stored, b"2"),
-        Err(Error::Usage { .. })
-    ));
-    for id in [
-        ChunkId::tile(0, 0),
-        ChunkId {
-            frame: 3,
-            ..ChunkId::META
-        },
-        ChunkId {
-            tile: 0,
-            ..ChunkId::frame(3)
-        },
-    ] {
-        assert!(
-            matches!(
-                writer.write(id, Encoding::Stored, b""),
-                Err(Error::Usage { .. })
-            ),
-            "{id}"
-        );
+    assert!(matches!(writer.write(ChunkId::META, Encoding::Stored, b"2"), Err(Error::Usage { .. })));
+    for id in [ChunkId::tile(0, 0), ChunkId { frame: 3, ..ChunkId::META }, ChunkId { tile: 0, ..ChunkId::frame(3) }] {
+        assert!(matches!(writer.write(id, Encoding::Stored, b""), Err(Error::Usage { .. })), "{id}");
     }
-    assert_eq!(
-        fs::read(&path).unwrap(),
-        b"old",
-        "the old file stays until the new one is complete"
-    );
+    assert_eq!(fs::read(&path).unwrap(), b"old", "the old file stays until the new one is complete");
     writer.finish().unwrap();
-    assert_eq!(
-        read_all(&Reader::open(&path, Limits::default()).unwrap())
-            .unwrap()
-            .payloads
-            .len(),
-        1
-    );
+    assert_eq!(read_all(&Reader::open(&path, Limits::default()).unwrap()).unwrap().payloads.len(), 1);
 }
 
 #[test]
@@ -136,23 +79,14 @@ fn a_partial_file_is_not_overwritten() {
     let folder = container_support::folder();
     let path = folder.path().join("t");
     let writer = Writer::create(&path).unwrap();
-    assert!(matches!(
-        Writer::create(&path),
-        Err(Error::AlreadyExists { .. })
-    ));
+    assert!(matches!(Writer::create(&path), Err(Error::AlreadyExists { .. })));
     if cfg!(unix) {
         assert!(matches!(Writer::discard(&path), Err(Error::Busy { .. })));
-        assert!(matches!(
-            Writer::resume(&path, &Limits::default()),
-            Err(Error::Busy { .. })
-        ));
+        assert!(matches!(Writer::resume(&path, &Limits::default()), Err(Error::Busy { .. })));
     }
     drop(writer);
     assert!(partial(&path).exists());
-    assert!(matches!(
-        Reader::open(&partial(&path), Limits::default()),
-        Err(Error::MissingIndex { .. })
-    ));
+    assert!(matches!(Reader::open(&partial(&path), Limits::default()), Err(Error::MissingIndex { .. })));
     Writer::discard(&path).unwrap();
     Writer::discard(&path).unwrap();
     Writer::create(&path).unwrap();
@@ -161,21 +95,12 @@ fn a_partial_file_is_not_overwritten() {
 #[test]
 fn tiles_refuse_what_they_cannot_hold() {
     let twice = [column(3, b"a"), column(3, b"b")];
-    assert!(matches!(
-        EncodedChunk::tile(ChunkId::tile(0, 0), &twice),
-        Err(Error::Usage { .. })
-    ));
-    assert!(matches!(
-        EncodedChunk::tile(ChunkId::META, &[]),
-        Err(Error::Usage { .. })
-    ));
+    assert!(matches!(EncodedChunk::tile(ChunkId::tile(0, 0), &twice), Err(Error::Usage { .. })));
+    assert!(matches!(EncodedChunk::tile(ChunkId::META, &[]), Err(Error::Usage { .. })));
     let many: Vec<ColumnEntry> = (0..33).map(|id| column(id, b"")).collect();
     let (_folder, path) = write(&[EncodedChunk::tile(ChunkId::tile(0, 0), &many).unwrap()]);
     let reader = Reader::open(&path, Limits::default()).unwrap();
-    assert!(matches!(
-        reader.tile_directory(&reader.chunks()[0]),
-        Err(Error::LimitExceeded { .. })
-    ));
+    assert!(matches!(reader.tile_directory(&reader.chunks()[0]), Err(Error::LimitExceeded { .. })));
 }
 
 #[test]
@@ -188,12 +113,7 @@ fn a_newer_minor_version_is_read_and_a_newer_major_version_is_not() {
     assert_eq!(read_all(&reader).unwrap(), content);
     patch(&mut bytes, 8, &2_u16.to_le_bytes(), 0, 28);
     let error = Reader::from_bytes(bytes, Limits::default()).unwrap_err();
-    assert!(
-        error
-            .to_string()
-            .contains("format version 2.7, this build knows 1.0"),
-        "{error}"
-    );
+    assert!(error.to_string().contains("format version 2.7, this build knows 1.0"), "{error}");
 }
 
 /// A newer minor version may put more into the file header: its length says where the chunks start.
@@ -208,13 +128,7 @@ fn a_longer_file_header_of_a_newer_minor_version_is_skipped() {
         bytes.extend_from_slice(&[0xaa; 8]);
         bytes.extend_from_slice(&old[32..]);
         let trailer = bytes.len() - 32;
-        patch(
-            &mut bytes,
-            trailer,
-            &40_u64.to_le_bytes(),
-            trailer,
-            trailer + 24,
-        );
+        patch(&mut bytes, trailer, &40_u64.to_le_bytes(), trailer, trailer + 24);
         Reader::from_bytes(bytes, Limits::default())
     };
     assert!(build(1).unwrap().chunks().is_empty());
@@ -252,21 +166,14 @@ fn random_access_reads_only_what_was_asked_for() {
     ];
     let (_folder, path) = write(&chunks);
     let read = Arc::new(AtomicU64::new(0));
-    let source = Counting {
-        bytes: fs::read(path).unwrap(),
-        read: Arc::clone(&read),
-    };
+    let source = Counting { bytes: fs::read(path).unwrap(), read: Arc::clone(&read) };
     let taken = || read.swap(0, Ordering::Relaxed);
-    let reader =
-        Reader::from_source(Box::new(source), Path::new("counted"), Limits::default()).unwrap();
+    let reader = Reader::from_source(Box::new(source), Path::new("counted"), Limits::default()).unwrap();
     assert!(taken() < 500, "header, trailer, index");
     let record = reader.find(ChunkId::tile(4, 2)).unwrap();
     let directory = reader.tile_directory(record).unwrap();
     assert_eq!(taken(), CHUNK_HEADER_LEN + u64::from(record.directory_len));
-    assert_eq!(
-        reader.read_column(record, &directory, 1).unwrap().unwrap(),
-        b"wanted"
-    );
+    assert_eq!(reader.read_column(record, &directory, 1).unwrap().unwrap(), b"wanted");
     assert_eq!(taken(), 6);
     assert_eq!(reader.read_column(record, &directory, 9).unwrap(), None);
     assert_eq!(taken(), 0);
@@ -286,22 +193,12 @@ fn records_from_elsewhere_are_refused() {
         let _ = reader.read_column(&wild, &directory, 2);
     }
     let empty = *reader.find(ChunkId::tile(1, 0)).unwrap();
-    assert!(matches!(
-        reader.read_column(&empty, &directory, 2),
-        Err(Error::Usage { .. })
-    ));
-    assert!(matches!(
-        reader.tile_directory(&reader.chunks()[0]),
-        Err(Error::Usage { .. })
-    ));
+    assert!(matches!(reader.read_column(&empty, &directory, 2), Err(Error::Usage { .. })));
+    assert!(matches!(reader.tile_directory(&reader.chunks()[0]), Err(Error::Usage { .. })));
 }
 
 fn any_column() -> impl Strategy<Value = (u8, u64, Vec<u8>)> {
-    (
-        any::<u8>(),
-        0..1000_u64,
-        prop::collection::vec(any::<u8>(), 0..200),
-    )
+    (any::<u8>(), 0..1000_u64, prop::collection::vec(any::<u8>(), 0..200))
 }
 
 proptest! {

@@ -5,15 +5,20 @@
 
 mod trace_support;
 
+use std::fmt::Display;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use rayreel_formats::Limits;
 use rayreel_formats::bvh::{Bvh, Triangle, Vertex};
+use rayreel_formats::columns::coder::{Encoder, Number};
 use rayreel_formats::container::ColumnEntry;
-use rayreel_formats::math::vec3;
+use rayreel_formats::half::Half3;
+use rayreel_formats::intersect::intersect;
+use rayreel_formats::math::{Vec3, vec3};
 use rayreel_formats::oct::Oct;
-use rayreel_formats::scene::Camera;
+use rayreel_formats::rays::{self, Ray};
+use rayreel_formats::scene::{Camera, Material, Optics};
 use rayreel_formats::tile::{Hit, Tile};
 use rayreel_formats::trace::{Codec, Trace, digest};
 use trace_support::forge::{Chunk, put_together, take_apart};
@@ -87,7 +92,7 @@ fn made_up_traces_of_either_codec_and_of_both() {
         let content = Content::random(seed, size, tile, triangles, depth, lights);
         for choice in [0, 1, 2] {
             // Plain, context, one and the other.
-            let plain = |tile: &Tile| choice == 0 || choice == 2 && tile.index % 2 == 0;
+            let plain = |tile: &Tile| choice == 0 || choice == 2 && tile.index.is_multiple_of(2);
             let (_folder, path) = content.write(|tile| if plain(tile) { Codec::Plain(1) } else { Codec::Context });
             if !reads_alike(&path) {
                 return;
@@ -156,4 +161,54 @@ fn columns_and_codecs_to_come() {
     assert!(complaint.contains("codec 2"), "{complaint}");
     let trace = Trace::open(&unknown, Limits::default()).expect("a trace whose tiles are not read");
     assert!(digest(&trace).is_err());
+}
+
+/// The table of check values in the text is what this crate computes.
+#[test]
+fn check_values() {
+    let words = |words: &[f32]| -> String {
+        words.iter().map(|w| format!("{:08X}", w.to_bits())).collect::<Vec<_>>().join(" ")
+    };
+    let halves = |h: Half3| h.0.map(|h| format!("{h:04X}")).join(" ");
+    let vector = |v: Vec3| words(&v.to_array());
+    let code = Oct::encode(vec3(1.0, 2.0, -3.0));
+    let direction = vec3(0.1, 0.2, -1.0).normalized();
+    let ray = Ray { origin: vec3(0.1, 0.2, 3.0), direction, t_max: f32::MAX };
+    let corners = [vec3(0.0, 0.0, 0.0), vec3(2.0, 0.0, 0.0), vec3(0.0, 2.0, 0.0)];
+    let hit = intersect(&ray, corners, f32::INFINITY).expect("the ray meets the triangle");
+    let surface = rays::surface(&ray, hit.t, corners, Oct::encode(vec3(0.1, 0.0, 1.0)));
+    let reflection = rays::reflection(&surface, direction);
+    let refraction = rays::refraction(&surface, direction, 1.5).expect("the ray enters");
+    let glass = Material {
+        name: String::new(),
+        optics: Optics::Dielectric,
+        ior: 1.5,
+        specular: Vec3::ONE,
+        transmission: vec3(1.0, 0.5, 0.25),
+        cutout: false,
+    };
+    let weights = rays::children(&surface, direction, &glass);
+    let (reflect, refract) = (weights.reflect.expect("it reflects"), weights.refract.expect("it refracts"));
+    let (mut coder, mut number) = (Encoder::default(), Number::default());
+    for value in [0, 1, 2, 7, 100, 65_535, 4_000_000_000, 0] {
+        number.code(&mut coder, value);
+    }
+    let stream: String = coder.finish().iter().map(|byte| format!("{byte:02X}")).collect();
+
+    let text = include_str!("../FORMAT.md");
+    let check = |what: &str, value: &dyn Display| {
+        let row = format!("| {what} | {value} |\n");
+        assert!(text.contains(&row), "FORMAT.md lacks {row}");
+    };
+    check("encode((1, 2, -3))", &format!("{}, {}", code.u, code.v));
+    check("decode of this", &vector(code.decode()));
+    check("direction of the ray", &vector(direction));
+    check("t, u, v of the intersection", &words(&[hit.t, hit.u, hit.v]));
+    check("reflection, origin", &vector(reflection.origin));
+    check("reflection, direction", &vector(reflection.direction));
+    check("refraction, origin", &vector(refraction.origin));
+    check("refraction, direction", &vector(refraction.direction));
+    check("weights of the dielectric", &format!("{} and {}", halves(reflect), halves(refract)));
+    check("halves of 0.1, 1000000, 0.00000006", &halves(Half3::from_vec3(vec3(0.1, 1.0e6, 6.0e-8))));
+    check("0, 1, 2, 7, 100, 65535, 4000000000, 0 under one number model", &stream);
 }

@@ -11,8 +11,7 @@ use crate::{
 };
 
 /// The header that a camera path must have.
-pub const PATH_HEADER: &str =
-    "frame,eye_x,eye_y,eye_z,target_x,target_y,target_z,up_x,up_y,up_z,vfov_deg";
+pub const PATH_HEADER: &str = "frame,eye_x,eye_y,eye_z,target_x,target_y,target_z,up_x,up_y,up_z,vfov_deg";
 /// More frames than anyone records; a typing error in a frame number must not fill the memory.
 pub(crate) const MAX_FRAMES: u64 = 1_000_000;
 
@@ -46,17 +45,9 @@ pub fn read_path(path: &Path) -> Result<Vec<Camera>, SceneError> {
         what: "camera path",
         source,
     })?;
-    let bad = |line, what, fix: &str| SceneError::Syntax {
-        path: path.to_owned(),
-        line,
-        what,
-        fix: fix.into(),
-    };
-    let mut lines = text
-        .lines()
-        .enumerate()
-        .map(|(i, l)| (i + 1, l.trim()))
-        .filter(|(_, l)| !l.is_empty() && !l.starts_with('#'));
+    let bad = |line, what, fix: &str| SceneError::Syntax { path: path.to_owned(), line, what, fix: fix.into() };
+    let mut lines =
+        text.lines().enumerate().map(|(i, l)| (i + 1, l.trim())).filter(|(_, l)| !l.is_empty() && !l.starts_with('#'));
     let header: String = lines
         .next()
         .unwrap_or((1, ""))
@@ -89,11 +80,7 @@ pub fn read_path(path: &Path) -> Result<Vec<Camera>, SceneError> {
         cameras.push(camera);
     }
     if cameras.is_empty() {
-        return Err(bad(
-            1,
-            "the camera path has no frame".into(),
-            "add at least one row",
-        ));
+        return Err(bad(1, "the camera path has no frame".into(), "add at least one row"));
     }
     Ok(cameras)
 }
@@ -101,40 +88,19 @@ pub fn read_path(path: &Path) -> Result<Vec<Camera>, SceneError> {
 fn parse_row(row: &str) -> Result<(u64, Camera), (String, &'static str)> {
     let fields: Vec<&str> = row.split(',').map(str::trim).collect();
     if fields.len() != 11 {
-        return Err((
-            format!("the row has {} fields", fields.len()),
-            "a camera needs 11",
-        ));
+        return Err((format!("the row has {} fields", fields.len()), "a camera needs 11"));
     }
-    let frame = fields[0].parse().map_err(|_| {
-        (
-            format!("`{}` is no frame number", fields[0]),
-            "use a whole number",
-        )
-    })?;
+    let frame = fields[0].parse().map_err(|_| (format!("`{}` is no frame number", fields[0]), "use a whole number"))?;
     let mut n = [0.0_f32; 10];
     for (value, field) in n.iter_mut().zip(&fields[1..]) {
         *value = field
             .parse()
             .ok()
             .filter(|v: &f32| v.is_finite())
-            .ok_or_else(|| {
-                (
-                    format!("`{field}` is no finite number"),
-                    "correct the number",
-                )
-            })?;
+            .ok_or_else(|| (format!("`{field}` is no finite number"), "correct the number"))?;
     }
     let at = |i: usize| Vec3::new(n[i], n[i + 1], n[i + 2]);
-    Ok((
-        frame,
-        Camera {
-            eye: at(0),
-            target: at(3),
-            up: at(6),
-            vfov_deg: n[9],
-        },
-    ))
+    Ok((frame, Camera { eye: at(0), target: at(3), up: at(6), vfov_deg: n[9] }))
 }
 
 /// One camera per frame from the first keyframe to the last; `keys` has rising frame numbers and at
@@ -142,12 +108,7 @@ fn parse_row(row: &str) -> Result<(u64, Camera), (String, &'static str)> {
 pub(crate) fn interpolate(keys: &[Keyframe], how: Interpolation) -> Vec<Camera> {
     let mut cameras = Vec::new();
     for (i, pair) in keys.windows(2).enumerate() {
-        let around = [
-            keys[i.saturating_sub(1)],
-            pair[0],
-            pair[1],
-            keys[(i + 2).min(keys.len() - 1)],
-        ];
+        let around = [keys[i.saturating_sub(1)], pair[0], pair[1], keys[(i + 2).min(keys.len() - 1)]];
         for frame in pair[0].frame..pair[1].frame {
             cameras.push(between(&around, frame, how));
         }
@@ -170,10 +131,7 @@ fn between(around: &[Keyframe; 4], frame: u64, how: Interpolation) -> Camera {
         let ma = slope(get(&before.camera), pb, b.frame - before.frame);
         let mb = slope(pa, get(&after.camera), after.frame - a.frame);
         let (t2, t3) = (t * t, t * t * t);
-        pa * (2.0 * t3 - 3.0 * t2 + 1.0)
-            + ma * (t3 - 2.0 * t2 + t)
-            + pb * (3.0 * t2 - 2.0 * t3)
-            + mb * (t3 - t2)
+        pa * (2.0 * t3 - 3.0 * t2 + 1.0) + ma * (t3 - 2.0 * t2 + t) + pb * (3.0 * t2 - 2.0 * t3) + mb * (t3 - t2)
     };
     let up = mix(&|c| c.up.as_dvec3()).as_vec3();
     let vfov = mix(&|c| DVec3::splat(f64::from(c.vfov_deg))).x as f32;
@@ -181,10 +139,7 @@ fn between(around: &[Keyframe; 4], frame: u64, how: Interpolation) -> Camera {
         eye: mix(&|c| c.eye.as_dvec3()).as_vec3(),
         target: mix(&|c| c.target.as_dvec3()).as_vec3(),
         up: if is_direction(up) { up } else { a.camera.up },
-        vfov_deg: vfov.clamp(
-            a.camera.vfov_deg.min(b.camera.vfov_deg),
-            a.camera.vfov_deg.max(b.camera.vfov_deg),
-        ),
+        vfov_deg: vfov.clamp(a.camera.vfov_deg.min(b.camera.vfov_deg), a.camera.vfov_deg.max(b.camera.vfov_deg)),
     }
 }
 
@@ -200,11 +155,7 @@ pub(crate) fn orbit(hero: Camera, frames: u32, lift: f64) -> Vec<Camera> {
             // shadow and table edge.
             let y = arm.y + lift * (1.0 - cos) / 2.0;
             let turned = DVec3::new(arm.x * cos + arm.z * sin, y, arm.z * cos - arm.x * sin);
-            let eye = if frame == 0 {
-                hero.eye
-            } else {
-                (hero.target.as_dvec3() + turned).as_vec3()
-            };
+            let eye = if frame == 0 { hero.eye } else { (hero.target.as_dvec3() + turned).as_vec3() };
             Camera { eye, ..hero }
         })
         .collect()

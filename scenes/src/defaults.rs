@@ -25,11 +25,7 @@ fn sphere((low, high): (Vec3, Vec3)) -> (DVec3, f64) {
 pub(crate) fn main_bounds(positions: &[Vec3]) -> (Vec3, Vec3) {
     let (mut low, mut high) = (Vec3::ZERO, Vec3::ZERO);
     // Few vertices are all worth looking at.
-    let outside = if positions.len() < 200 {
-        0
-    } else {
-        positions.len() / 100
-    };
+    let outside = if positions.len() < 200 { 0 } else { positions.len() / 100 };
     for axis in 0..3 {
         let mut values: Vec<f32> = positions.iter().map(|p| p[axis]).collect();
         values.sort_by(f32::total_cmp);
@@ -53,35 +49,20 @@ pub(crate) fn framing_camera(bounds: (Vec3, Vec3), vfov_deg: f32) -> Camera {
     let mut distance = radius * 1.2;
     for corner in 0..8 {
         let pick = |axis: usize| {
-            if corner >> axis & 1 == 0 {
-                low[axis]
-            } else {
-                high[axis]
-            }
+            if corner >> axis & 1 == 0 { low[axis] } else { high[axis] }
         };
         let arm = DVec3::new(pick(0), pick(1), pick(2)) - centre;
         let aside = arm.dot(up).abs().max(arm.dot(right).abs() / 2.0);
         distance = distance.max(arm.dot(towards) + 1.08 * aside / slope);
     }
-    Camera {
-        eye: (centre + towards * distance).as_vec3(),
-        target: centre.as_vec3(),
-        up: Vec3::Y,
-        vfov_deg,
-    }
+    Camera { eye: (centre + towards * distance).as_vec3(), target: centre.as_vec3(), up: Vec3::Y, vfov_deg }
 }
 
 /// A warm key light from the right and a cool fill light from the left, as strong together as one.
 pub(crate) fn two_lights(bounds: (Vec3, Vec3)) -> Vec<Light> {
     let (centre, radius) = sphere(bounds);
-    let point = |x, y, z, colour| Light::Point {
-        position: (centre + DVec3::new(x, y, z) * radius).as_vec3(),
-        colour,
-    };
-    vec![
-        point(1.8, 2.6, 1.6, Vec3::new(0.82, 0.79, 0.74)),
-        point(-2.2, 1.9, 0.9, Vec3::new(0.31, 0.34, 0.38)),
-    ]
+    let point = |x, y, z, colour| Light::Point { position: (centre + DVec3::new(x, y, z) * radius).as_vec3(), colour };
+    vec![point(1.8, 2.6, 1.6, Vec3::new(0.82, 0.79, 0.74)), point(-2.2, 1.9, 0.9, Vec3::new(0.31, 0.34, 0.38))]
 }
 
 /// Lights for a scene whose file names none. Lamps of the model (objects that emit) become point
@@ -101,11 +82,7 @@ pub(crate) fn lights(scene: &Scene, bounds: (Vec3, Vec3)) -> Vec<Light> {
     let light = |lamp: &Lamp| {
         let upwards = lamp.facing.y > 0.5 * lamp.area;
         let middle = (lamp.low + lamp.high).as_dvec3() / 2.0;
-        let y = if upwards {
-            f64::from(lamp.high.y) + gap
-        } else {
-            f64::from(lamp.low.y) - gap
-        };
+        let y = if upwards { f64::from(lamp.high.y) + gap } else { f64::from(lamp.low.y) - gap };
         Light::Point {
             position: DVec3::new(middle.x, y, middle.z).as_vec3(),
             colour: lamp.emission / lamp.emission.max_element() * intensity,
@@ -127,13 +104,8 @@ struct Lamp {
 
 /// One lamp per object; those that emit nothing have no area.
 fn lamps(scene: &Scene) -> Vec<Lamp> {
-    let dark = || Lamp {
-        area: 0.0,
-        facing: DVec3::ZERO,
-        low: Vec3::INFINITY,
-        high: Vec3::NEG_INFINITY,
-        emission: Vec3::ZERO,
-    };
+    let dark =
+        || Lamp { area: 0.0, facing: DVec3::ZERO, low: Vec3::INFINITY, high: Vec3::NEG_INFINITY, emission: Vec3::ZERO };
     let mut lamps: Vec<Lamp> = scene.objects.iter().map(|_| dark()).collect();
     for triangle in &scene.mesh.triangles {
         let emission = scene.materials[triangle.material as usize].emission;

@@ -26,7 +26,7 @@ pub enum SceneError {
         expected: &'static str,
     },
     /// A file could not be read.
-    #[error("{}: cannot read this {what}: {source}", path.display())]
+    #[error("{}: cannot read this {what}", path.display())]
     Io {
         /// The file.
         path: PathBuf,
@@ -36,7 +36,7 @@ pub enum SceneError {
         source: std::io::Error,
     },
     /// A file that another file names does not exist or cannot be read.
-    #[error("{}:{line}: the {what} `{}` cannot be read: {source}; put it there or remove the line", path.display(), missing.display())]
+    #[error("{}:{line}: the {what} `{}` cannot be read; put it there or remove the line", path.display(), missing.display())]
     MissingFile {
         /// The file that names it.
         path: PathBuf,
@@ -160,10 +160,7 @@ pub enum SceneError {
         fix: &'static str,
     },
     /// More lights than the trace can hold.
-    #[error(
-        "{place}: {count} lights are too many: at most {} fit the trace; remove some",
-        crate::validate::MAX_LIGHTS
-    )]
+    #[error("{place}: {count} lights are too many: at most {} fit the trace; remove some", crate::validate::MAX_LIGHTS)]
     TooManyLights {
         /// Scene or file.
         place: String,
@@ -187,13 +184,9 @@ pub(crate) fn near_names<'a>(name: &str, known: impl Iterator<Item = &'a str>) -
     let mut near: Vec<(usize, &str)> = known
         .filter_map(|candidate| {
             let lower = candidate.to_lowercase();
-            let contains = wanted.len() >= 3
-                && (lower.contains(&wanted) || (lower.len() >= 3 && wanted.contains(&lower)));
-            let distance = if contains {
-                1
-            } else {
-                edit_distance(&wanted, &lower)
-            };
+            let contains =
+                wanted.len() >= 3 && (lower.contains(&wanted) || (lower.len() >= 3 && wanted.contains(&lower)));
+            let distance = if contains { 1 } else { edit_distance(&wanted, &lower) };
             (distance <= budget).then_some((distance, candidate))
         })
         .collect();
@@ -205,22 +198,12 @@ pub(crate) fn near_names<'a>(name: &str, known: impl Iterator<Item = &'a str>) -
 /// `did you mean ...?` when something is near, else the list of what there is.
 pub(crate) fn hint<'a>(name: &str, known: &[&'a str], what: &str) -> String {
     let near = near_names(name, known.iter().copied());
-    let quote = |names: &[&'a str]| {
-        names
-            .iter()
-            .map(|n| format!("`{n}`"))
-            .collect::<Vec<_>>()
-            .join(", ")
-    };
+    let quote = |names: &[&'a str]| names.iter().map(|n| format!("`{n}`")).collect::<Vec<_>>().join(", ");
     match (near.is_empty(), known.len()) {
         (false, _) => format!("did you mean {}?", quote(&near)),
         (true, 0) => format!("there are no {what}"),
         (true, 1..=12) => format!("the {what} are {}", quote(known)),
-        (true, count) => format!(
-            "the {what} are {} and {} more",
-            quote(&known[..12]),
-            count - 12
-        ),
+        (true, count) => format!("the {what} are {} and {} more", quote(&known[..12]), count - 12),
     }
 }
 

@@ -89,23 +89,16 @@ enum OpticsName {
 pub fn load_scene_file(path: impl AsRef<Path>) -> Result<Scene, SceneError> {
     let path = path.as_ref();
     if path.is_dir() {
-        return Err(SceneError::IsFolder {
-            path: path.to_owned(),
-            expected: "scene file (.toml)",
-        });
+        return Err(SceneError::IsFolder { path: path.to_owned(), expected: "scene file (.toml)" });
     }
     let text = std::fs::read_to_string(path).map_err(|source| SceneError::Io {
         path: path.to_owned(),
         what: "scene file",
         source,
     })?;
-    let table: SceneTable =
-        toml::from_str(&text).map_err(|error| toml_error(path, &text, &error))?;
+    let table: SceneTable = toml::from_str(&text).map_err(|error| toml_error(path, &text, &error))?;
     let folder = path.parent().unwrap_or(Path::new(""));
-    let is_obj = table
-        .model
-        .extension()
-        .is_some_and(|e| e.eq_ignore_ascii_case("obj"));
+    let is_obj = table.model.extension().is_some_and(|e| e.eq_ignore_ascii_case("obj"));
     if !is_obj {
         return Err(value(
             path,
@@ -125,8 +118,7 @@ pub fn load_scene_file(path: impl AsRef<Path>) -> Result<Scene, SceneError> {
         scene.sky = sky(path, table)?;
     }
     if let Some(table) = &table.camera {
-        scene.cameras =
-            file_camera::cameras(path, table, defaults::main_bounds(&scene.mesh.positions))?;
+        scene.cameras = file_camera::cameras(path, table, defaults::main_bounds(&scene.mesh.positions))?;
     }
     scene.validate()?;
     Ok(scene)
@@ -159,11 +151,7 @@ fn stem(path: &Path) -> Option<String> {
 
 /// An error about a value, naming the file.
 pub(crate) fn value(path: &Path, what: String, fix: &str) -> SceneError {
-    SceneError::Value {
-        path: path.to_owned(),
-        what,
-        fix: fix.into(),
-    }
+    SceneError::Value { path: path.to_owned(), what, fix: fix.into() }
 }
 
 /// toml gives a byte span; people want line and column.
@@ -172,12 +160,7 @@ fn toml_error(path: &Path, text: &str, error: &toml::de::Error) -> SceneError {
     let before = text.get(..start).unwrap_or("");
     let line = before.matches('\n').count() + 1;
     let column = before.rsplit('\n').next().unwrap_or("").chars().count() + 1;
-    SceneError::Toml {
-        path: path.to_owned(),
-        line,
-        column,
-        message: error.message().trim().replace('\n', "; "),
-    }
+    SceneError::Toml { path: path.to_owned(), line, column, message: error.message().trim().replace('\n', "; ") }
 }
 
 fn colour(path: &Path, key: &str, triple: Triple) -> Result<Vec3, SceneError> {
@@ -185,11 +168,7 @@ fn colour(path: &Path, key: &str, triple: Triple) -> Result<Vec3, SceneError> {
     if is_colour(colour) {
         Ok(colour)
     } else {
-        Err(value(
-            path,
-            format!("{key} is {triple:?}"),
-            "colours are finite and not negative",
-        ))
+        Err(value(path, format!("{key} is {triple:?}"), "colours are finite and not negative"))
     }
 }
 
@@ -197,11 +176,7 @@ fn amount(path: &Path, key: &str, number: f32, low: f32, high: f32) -> Result<f3
     if number >= low && number <= high {
         return Ok(number);
     }
-    Err(value(
-        path,
-        format!("{key} is {number}"),
-        &format!("use a value between {low} and {high}"),
-    ))
+    Err(value(path, format!("{key} is {number}"), &format!("use a value between {low} and {high}")))
 }
 
 fn light_list(path: &Path, tables: &[LightTable]) -> Result<Vec<Light>, SceneError> {
@@ -210,34 +185,20 @@ fn light_list(path: &Path, tables: &[LightTable]) -> Result<Vec<Light>, SceneErr
         return Err(SceneError::TooManyLights { place, count });
     }
     let lights = tables.iter().enumerate();
-    lights
-        .map(|(index, table)| light(path, index, table))
-        .collect()
+    lights.map(|(index, table)| light(path, index, table)).collect()
 }
 
 fn light(path: &Path, index: usize, table: &LightTable) -> Result<Light, SceneError> {
     let key = |what: &str| format!("lights[{index}].{what}");
-    let tint = table
-        .colour
-        .map_or(Ok(Vec3::ONE), |c| colour(path, &key("colour"), c))?;
-    let intensity = amount(
-        path,
-        &key("intensity"),
-        table.intensity.unwrap_or(0.7),
-        0.0,
-        1e6,
-    )?;
+    let tint = table.colour.map_or(Ok(Vec3::ONE), |c| colour(path, &key("colour"), c))?;
+    let intensity = amount(path, &key("intensity"), table.intensity.unwrap_or(0.7), 0.0, 1e6)?;
     let colour = tint * intensity;
     match (table.kind, table.position, table.to_light) {
-        (LightKind::Point, Some(p), None) if Vec3::from(p).is_finite() => Ok(Light::Point {
-            position: p.into(),
-            colour,
-        }),
+        (LightKind::Point, Some(p), None) if Vec3::from(p).is_finite() => {
+            Ok(Light::Point { position: p.into(), colour })
+        }
         (LightKind::Directional, None, Some(d)) if is_direction(d.into()) => {
-            Ok(Light::Directional {
-                to_light: d.into(),
-                colour,
-            })
+            Ok(Light::Directional { to_light: d.into(), colour })
         }
         (LightKind::Point, ..) => Err(value(
             path,
@@ -253,23 +214,13 @@ fn light(path: &Path, index: usize, table: &LightTable) -> Result<Light, SceneEr
 }
 
 fn sky(path: &Path, table: &SkyTable) -> Result<Sky, SceneError> {
-    let get = |key: &str, triple: Option<Triple>| {
-        triple
-            .map(|t| colour(path, &format!("sky.{key}"), t))
-            .transpose()
-    };
+    let get = |key: &str, triple: Option<Triple>| triple.map(|t| colour(path, &format!("sky.{key}"), t)).transpose();
     let base = get("colour", table.colour)?.map_or_else(defaults::soft_sky, defaults::sky_around);
     Ok(Sky {
         zenith: get("zenith", table.zenith)?.unwrap_or(base.zenith),
         horizon: get("horizon", table.horizon)?.unwrap_or(base.horizon),
         ground: get("ground", table.ground)?.unwrap_or(base.ground),
-        ambient: amount(
-            path,
-            "sky.ambient",
-            table.ambient.unwrap_or(base.ambient),
-            0.0,
-            100.0,
-        )?,
+        ambient: amount(path, "sky.ambient", table.ambient.unwrap_or(base.ambient), 0.0, 100.0)?,
     })
 }
 
@@ -283,10 +234,8 @@ fn change_materials(
     for (name, change) in changes {
         let known: Vec<&str> = materials.iter().map(|m| m.name.as_str()).collect();
         let Some(at) = known.iter().position(|k| k == name) else {
-            let line = text
-                .lines()
-                .position(|l| l.contains("materials") && l.contains(name.as_str()))
-                .map_or(1, |l| l + 1);
+            let line =
+                text.lines().position(|l| l.contains("materials") && l.contains(name.as_str())).map_or(1, |l| l + 1);
             return Err(SceneError::UnknownMaterial {
                 path: path.to_owned(),
                 line,
@@ -300,41 +249,19 @@ fn change_materials(
 }
 
 /// `reflect` first makes a mirror; the other keys then count as written.
-fn change_material(
-    path: &Path,
-    material: &mut Material,
-    changes: &MaterialTable,
-) -> Result<(), SceneError> {
+fn change_material(path: &Path, material: &mut Material, changes: &MaterialTable) -> Result<(), SceneError> {
     let key = |what: &str| format!("materials.{}.{what}", material.name);
-    let get = |what: &str, triple: Option<Triple>| {
-        triple.map(|t| colour(path, &key(what), t)).transpose()
-    };
-    let (diffuse, specular) = (
-        get("diffuse", changes.diffuse)?,
-        get("specular", changes.specular)?,
-    );
-    let (emission, transmission) = (
-        get("emission", changes.emission)?,
-        get("transmission", changes.transmission)?,
-    );
-    let ior = changes
-        .ior
-        .map(|n| amount(path, &key("ior"), n, 1.0, 1000.0))
-        .transpose()?;
-    let reflect = changes
-        .reflect
-        .map(|w| amount(path, &key("reflect"), w, 0.0, 1.0))
-        .transpose()?;
+    let get = |what: &str, triple: Option<Triple>| triple.map(|t| colour(path, &key(what), t)).transpose();
+    let (diffuse, specular) = (get("diffuse", changes.diffuse)?, get("specular", changes.specular)?);
+    let (emission, transmission) = (get("emission", changes.emission)?, get("transmission", changes.transmission)?);
+    let ior = changes.ior.map(|n| amount(path, &key("ior"), n, 1.0, 1000.0)).transpose()?;
+    let reflect = changes.reflect.map(|w| amount(path, &key("reflect"), w, 0.0, 1.0)).transpose()?;
     let shininess = changes.shininess;
     if let Some(n) = shininess {
         amount(path, &key("shininess"), n as f32, 1.0, 1e6)?;
     }
     if let Some(weight) = reflect {
-        material.optics = if weight > 0.0 {
-            Optics::Mirror
-        } else {
-            Optics::Opaque
-        };
+        material.optics = if weight > 0.0 { Optics::Mirror } else { Optics::Opaque };
         material.specular = Vec3::splat(weight);
     }
     if let Some(optics) = changes.optics {

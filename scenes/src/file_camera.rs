@@ -40,44 +40,22 @@ struct KeyframeTable {
 
 /// The cameras that the table asks for. `up` and `vfov_deg` beside keyframes are their defaults;
 /// with nothing else a camera is framed on `bounds`.
-pub(crate) fn cameras(
-    file: &Path,
-    table: &CameraTable,
-    bounds: (Vec3, Vec3),
-) -> Result<Vec<Camera>, SceneError> {
+pub(crate) fn cameras(file: &Path, table: &CameraTable, bounds: (Vec3, Vec3)) -> Result<Vec<Camera>, SceneError> {
     let up = table.up.map_or(Vec3::Y, Vec3::from);
     let vfov_deg = table.vfov_deg.unwrap_or(defaults::DEFAULT_VFOV_DEG);
     let place = || format!("{}: [camera]", file.display());
     check_kind(file, table)?;
     if let Some(keyframes) = &table.keyframes {
-        return from_keyframes(
-            file,
-            keyframes,
-            up,
-            vfov_deg,
-            table.interpolation.unwrap_or_default(),
-        );
+        return from_keyframes(file, keyframes, up, vfov_deg, table.interpolation.unwrap_or_default());
     }
     if let Some(path) = &table.path {
         return camera::read_path(&file.parent().unwrap_or(Path::new("")).join(path));
     }
     let camera = match (table.eye, table.target) {
-        (Some(eye), Some(target)) => Camera {
-            eye: eye.into(),
-            target: target.into(),
-            up,
-            vfov_deg,
-        },
-        (None, None) => Camera {
-            up,
-            ..defaults::framing_camera(bounds, vfov_deg)
-        },
+        (Some(eye), Some(target)) => Camera { eye: eye.into(), target: target.into(), up, vfov_deg },
+        (None, None) => Camera { up, ..defaults::framing_camera(bounds, vfov_deg) },
         _ => {
-            return Err(value(
-                file,
-                "[camera] has only one of eye and target".into(),
-                "give both or neither",
-            ));
+            return Err(value(file, "[camera] has only one of eye and target".into(), "give both or neither"));
         }
     };
     check_camera(&camera, place)?;
@@ -87,16 +65,8 @@ pub(crate) fn cameras(
 /// Refuses keys that contradict each other.
 fn check_kind(file: &Path, table: &CameraTable) -> Result<(), SceneError> {
     let single = table.eye.is_some() || table.target.is_some();
-    if usize::from(single)
-        + usize::from(table.path.is_some())
-        + usize::from(table.keyframes.is_some())
-        > 1
-    {
-        return Err(value(
-            file,
-            "[camera] has more than one of eye/target, path and keyframes".into(),
-            "keep one",
-        ));
+    if usize::from(single) + usize::from(table.path.is_some()) + usize::from(table.keyframes.is_some()) > 1 {
+        return Err(value(file, "[camera] has more than one of eye/target, path and keyframes".into(), "keep one"));
     }
     if table.interpolation.is_some() && table.keyframes.is_none() {
         return Err(value(
@@ -130,30 +100,18 @@ fn from_keyframes(
             up: table.up.map_or(up, Vec3::from),
             vfov_deg: table.vfov_deg.unwrap_or(vfov_deg),
         };
-        check_camera(&camera, || {
-            format!("{}: camera.keyframes[{index}]", file.display())
-        })?;
+        check_camera(&camera, || format!("{}: camera.keyframes[{index}]", file.display()))?;
         if keys.last().is_some_and(|last| last.frame >= table.frame) {
             return Err(value(
                 file,
-                format!(
-                    "camera.keyframes[{index}] has frame {} after a frame as late",
-                    table.frame
-                ),
+                format!("camera.keyframes[{index}] has frame {} after a frame as late", table.frame),
                 "put the keyframes in order, each frame once",
             ));
         }
-        keys.push(Keyframe {
-            frame: table.frame,
-            camera,
-        });
+        keys.push(Keyframe { frame: table.frame, camera });
     }
     let (Some(first), Some(last)) = (keys.first(), keys.last()) else {
-        return Err(value(
-            file,
-            "camera.keyframes is empty".into(),
-            "add [[camera.keyframes]] tables",
-        ));
+        return Err(value(file, "camera.keyframes is empty".into(), "add [[camera.keyframes]] tables"));
     };
     if last.frame - first.frame >= MAX_FRAMES {
         return Err(value(
@@ -165,12 +123,7 @@ fn from_keyframes(
     let cameras = camera::interpolate(&keys, how);
     for (index, camera) in cameras.iter().enumerate() {
         let frame = first.frame + index as u64;
-        check_camera(camera, || {
-            format!(
-                "{}: camera at frame {frame}, between keyframes",
-                file.display()
-            )
-        })?;
+        check_camera(camera, || format!("{}: camera at frame {frame}, between keyframes", file.display()))?;
     }
     Ok(cameras)
 }

@@ -32,10 +32,7 @@ impl Scene {
         self.mesh.uvs.iter().for_each(|uv| out.vec2(*uv));
         out.count(self.mesh.triangles.len());
         for t in &self.mesh.triangles {
-            t.vertices
-                .iter()
-                .chain([&t.object, &t.material])
-                .for_each(|v| out.u32(*v));
+            t.vertices.iter().chain([&t.object, &t.material]).for_each(|v| out.u32(*v));
         }
         out.count(self.objects.len());
         out.count(self.materials.len());
@@ -45,10 +42,7 @@ impl Scene {
             out.u32(texture.width);
             out.u32(texture.height);
             out.count(texture.texels.len());
-            texture
-                .texels
-                .chunks(1024)
-                .for_each(|row| out.bytes(row.as_flattened()));
+            texture.texels.chunks(1024).for_each(|row| out.bytes(row.as_flattened()));
         }
         out.count(self.lights.len());
         self.lights.iter().for_each(|l| out.light(l));
@@ -58,9 +52,7 @@ impl Scene {
         out.f32(self.sky.ambient);
         out.count(self.cameras.len());
         for c in &self.cameras {
-            [c.eye, c.target, c.up]
-                .into_iter()
-                .for_each(|v| out.vec3(v));
+            [c.eye, c.target, c.up].into_iter().for_each(|v| out.vec3(v));
             out.f32(c.vfov_deg);
         }
         *out.0.finalize().as_bytes()
@@ -102,9 +94,7 @@ impl Writer {
     }
 
     fn material(&mut self, m: &Material) {
-        [m.diffuse, m.specular, m.emission, m.transmission]
-            .into_iter()
-            .for_each(|c| self.vec3(c));
+        [m.diffuse, m.specular, m.emission, m.transmission].into_iter().for_each(|c| self.vec3(c));
         self.u32(m.shininess);
         self.f32(m.ior);
         self.u32(match m.optics {

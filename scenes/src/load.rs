@@ -20,19 +20,13 @@ pub fn load(spec: &str) -> Result<Scene, SceneError> {
     let path = Path::new(spec);
     let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase());
     match extension.as_deref() {
-        _ if path.is_dir() => Err(SceneError::IsFolder {
-            path: path.to_owned(),
-            expected: "OBJ or scene file",
-        }),
+        _ if path.is_dir() => Err(SceneError::IsFolder { path: path.to_owned(), expected: "OBJ or scene file" }),
         Some("toml") => file::load_scene_file(path),
         Some("obj") => file::from_obj(path),
         _ => {
             let near = hint(spec, builtin::builtin_names(), "built-in scenes");
-            let hint = format!("{near}; a file must end in .toml or .obj");
-            Err(SceneError::UnknownScene {
-                name: spec.to_owned(),
-                hint,
-            })
+            let hint = format!("{near} (a scene file ends in .toml or .obj)");
+            Err(SceneError::UnknownScene { name: spec.to_owned(), hint })
         }
     }
 }

@@ -21,20 +21,14 @@ pub(crate) struct MeshJoin {
 impl MeshJoin {
     /// For a source with this many vertices.
     pub fn new(sources: usize) -> Self {
-        Self {
-            mesh: Mesh::default(),
-            first: vec![NONE; sources],
-            next: Vec::new(),
-        }
+        Self { mesh: Mesh::default(), first: vec![NONE; sources], next: Vec::new() }
     }
 
     /// The index of the copy of `source` that has this normal.
     pub fn vertex(&mut self, source: u32, position: Vec3, normal: Vec3, uv: Vec2) -> u32 {
         let mut at = self.first[source as usize];
         while at != NONE {
-            if self.mesh.normals[at as usize].to_array().map(f32::to_bits)
-                == normal.to_array().map(f32::to_bits)
-            {
+            if self.mesh.normals[at as usize].to_array().map(f32::to_bits) == normal.to_array().map(f32::to_bits) {
                 return at;
             }
             at = self.next[at as usize];

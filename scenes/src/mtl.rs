@@ -85,20 +85,12 @@ pub(crate) fn read(
             if line.rest.is_empty() {
                 return Err(line.bad("`newmtl` without a name".into(), "give the material a name"));
             }
-            current = Some(Statements {
-                name: line.rest.to_owned(),
-                line: line.number,
-                ..Statements::default()
-            });
+            current = Some(Statements { name: line.rest.to_owned(), line: line.number, ..Statements::default() });
         } else if let Some(statements) = &mut current {
             statement(&line, statements, warnings)?;
         } else {
             warnings.add(&format!("early {}", path.display()), || {
-                format!(
-                    "{}:{}: a statement before the first `newmtl` was ignored",
-                    path.display(),
-                    line.number
-                )
+                format!("{}:{}: a statement before the first `newmtl` was ignored", path.display(), line.number)
             });
         }
     }
@@ -109,11 +101,7 @@ pub(crate) fn read(
 }
 
 /// Takes one statement in.
-fn statement(
-    line: &Line<'_>,
-    into: &mut Statements,
-    warnings: &mut Warnings,
-) -> Result<(), SceneError> {
+fn statement(line: &Line<'_>, into: &mut Statements, warnings: &mut Warnings) -> Result<(), SceneError> {
     match line.keyword {
         "Kd" => into.diffuse = line.colour(warnings)?.or(into.diffuse),
         "Ks" => into.specular = line.colour(warnings)?.or(into.specular),
@@ -131,9 +119,7 @@ fn statement(
         "Ka" | "map_Ka" | "sharpness" | "map_aat" => {}
         other => {
             let (file, number) = (line.path.display(), line.number);
-            warnings.add(&format!("mtl {other}"), || {
-                format!("{file}:{number}: `{other}` is not used and was ignored")
-            });
+            warnings.add(&format!("mtl {other}"), || format!("{file}:{number}: `{other}` is not used and was ignored"));
         }
     }
     Ok(())
@@ -151,14 +137,10 @@ fn finish(
     let mut optics = optics(s.illum, &place, warnings);
     let dielectric = optics == Optics::Dielectric;
     let mut transmission = transmission(&s, dielectric, &place, warnings);
-    let mut diffuse =
-        s.diffuse
-            .unwrap_or(Vec3::splat(if s.diffuse_map.is_some() { 1.0 } else { 0.8 }));
+    let mut diffuse = s.diffuse.unwrap_or(Vec3::splat(if s.diffuse_map.is_some() { 1.0 } else { 0.8 }));
     let mut ior = s.ior.unwrap_or(if dielectric { 1.5 } else { 1.0 });
     if ior < 1.0 {
-        warnings.add("ni", || {
-            format!("{place}: an index of refraction of {ior} was raised to 1")
-        });
+        warnings.add("ni", || format!("{place}: an index of refraction of {ior} was raised to 1"));
         ior = 1.0;
     }
     let opacity = opacity(&s, &place, warnings);
@@ -173,9 +155,7 @@ fn finish(
     };
     let material = Material {
         diffuse,
-        specular: s
-            .specular
-            .unwrap_or(Vec3::splat(f32::from(u8::from(dielectric)))),
+        specular: s.specular.unwrap_or(Vec3::splat(f32::from(u8::from(dielectric)))),
         shininess: s.shininess.unwrap_or(10.0).round().clamp(1.0, 1e6) as u32,
         emission: s.emission.unwrap_or(Vec3::ZERO),
         optics,
@@ -196,9 +176,8 @@ fn optics(illum: Option<i64>, place: &str, warnings: &mut Warnings) -> Optics {
         Some(5) => Optics::FresnelMirror,
         Some(4 | 6 | 7 | 9) => Optics::Dielectric,
         Some(10) => {
-            warnings.add("illum 10", || {
-                format!("{place}: illum 10 (shadow matte) is drawn as an ordinary opaque surface")
-            });
+            warnings
+                .add("illum 10", || format!("{place}: illum 10 (shadow matte) is drawn as an ordinary opaque surface"));
             Optics::Opaque
         }
         _ => Optics::Opaque,
@@ -209,9 +188,7 @@ fn optics(illum: Option<i64>, place: &str, warnings: &mut Warnings) -> Optics {
 fn add(material: Material, materials: &mut Vec<Material>, place: &str, warnings: &mut Warnings) {
     match materials.iter_mut().find(|m| m.name == material.name) {
         Some(earlier) => {
-            warnings.add("newmtl twice", || {
-                format!("{place} is defined twice; the later definition counts")
-            });
+            warnings.add("newmtl twice", || format!("{place} is defined twice; the later definition counts"));
             *earlier = material;
         }
         None => materials.push(material),
@@ -230,9 +207,7 @@ fn transmission(s: &Statements, dielectric: bool, place: &str, warnings: &mut Wa
         return Vec3::ONE - filter;
     }
     if filter.max_element() > 1.0 {
-        warnings.add("tf above 1", || {
-            format!("{place}: `Tf` above 1 would create light and was lowered to 1")
-        });
+        warnings.add("tf above 1", || format!("{place}: `Tf` above 1 would create light and was lowered to 1"));
     }
     filter.min(Vec3::ONE)
 }
@@ -243,16 +218,12 @@ fn opacity(s: &Statements, place: &str, warnings: &mut Warnings) -> f32 {
     if let (Some(d), Some(t)) = (s.dissolve, from_transparency)
         && (d - t).abs() > 1e-3
     {
-        warnings.add("d and Tr", || {
-            format!("{place}: `d` and `Tr` contradict each other; `d` counts")
-        });
+        warnings.add("d and Tr", || format!("{place}: `d` and `Tr` contradict each other; `d` counts"));
     }
     let opacity = s.dissolve.or(from_transparency).unwrap_or(1.0);
     let opaque_kind = matches!(s.illum.unwrap_or(2), 0..=2 | 10);
     if opacity <= 0.0 && opaque_kind {
-        warnings.add("d 0", || {
-            format!("{place}: `d 0` would make the surface invisible; it is read as opaque")
-        });
+        warnings.add("d 0", || format!("{place}: `d 0` would make the surface invisible; it is read as opaque"));
         return 1.0;
     }
     opacity

@@ -28,22 +28,12 @@ impl<'a> Line<'a> {
             return None;
         }
         let (keyword, rest) = text.split_once(char::is_whitespace).unwrap_or((text, ""));
-        Some(Self {
-            path,
-            number,
-            keyword,
-            rest: rest.trim(),
-        })
+        Some(Self { path, number, keyword, rest: rest.trim() })
     }
 
     /// An error at this line.
     pub fn bad(&self, what: String, fix: impl Into<String>) -> SceneError {
-        SceneError::Syntax {
-            path: self.path.to_owned(),
-            line: self.number,
-            what,
-            fix: fix.into(),
-        }
+        SceneError::Syntax { path: self.path.to_owned(), line: self.number, what, fix: fix.into() }
     }
 
     /// The words before a comment.
@@ -54,35 +44,20 @@ impl<'a> Line<'a> {
     fn float(&self, word: &str) -> Result<f32, SceneError> {
         match word.parse::<f32>() {
             Ok(value) if value.is_finite() => Ok(value),
-            _ => Err(self.bad(
-                format!(
-                    "`{}` has `{word}` where a finite number is needed",
-                    self.keyword
-                ),
-                "correct the number",
-            )),
+            _ => Err(self
+                .bad(format!("`{}` has `{word}` where a finite number is needed", self.keyword), "correct the number")),
         }
     }
 
     /// One number within bounds.
     pub fn number_in(&self, low: f32, high: f32) -> Result<f32, SceneError> {
         let Some(word) = self.words().next() else {
-            return Err(self.bad(
-                format!("`{}` without a number", self.keyword),
-                "add the number or remove the line",
-            ));
+            return Err(self.bad(format!("`{}` without a number", self.keyword), "add the number or remove the line"));
         };
         let value = self.float(word)?;
         if value < low || value > high {
-            let bounds = if high < f32::MAX {
-                format!("between {low} and {high}")
-            } else {
-                format!("at least {low}")
-            };
-            return Err(self.bad(
-                format!("`{}` is {value}", self.keyword),
-                format!("it must be {bounds}"),
-            ));
+            let bounds = if high < f32::MAX { format!("between {low} and {high}") } else { format!("at least {low}") };
+            return Err(self.bad(format!("`{}` is {value}", self.keyword), format!("it must be {bounds}")));
         }
         Ok(value)
     }
@@ -92,14 +67,8 @@ impl<'a> Line<'a> {
         match self.rest.strip_prefix("-halo") {
             Some(rest) => {
                 let (file, number) = (self.path.display(), self.number);
-                warnings.add("halo", || {
-                    format!("{file}:{number}: `-halo` is not supported; a constant `d` is used")
-                });
-                Line {
-                    rest: rest.trim(),
-                    ..*self
-                }
-                .number_in(0.0, 1.0)
+                warnings.add("halo", || format!("{file}:{number}: `-halo` is not supported; a constant `d` is used"));
+                Line { rest: rest.trim(), ..*self }.number_in(0.0, 1.0)
             }
             None => self.number_in(0.0, 1.0),
         }
@@ -110,10 +79,9 @@ impl<'a> Line<'a> {
         let word = self.words().next().unwrap_or("");
         match word.parse::<i64>() {
             Ok(model @ 0..=10) => Ok(model),
-            _ => Err(self.bad(
-                format!("`illum {word}` is no illumination model"),
-                "it must be an integer from 0 to 10",
-            )),
+            _ => {
+                Err(self.bad(format!("`illum {word}` is no illumination model"), "it must be an integer from 0 to 10"))
+            }
         }
     }
 
@@ -124,7 +92,9 @@ impl<'a> Line<'a> {
         let (numbers, xyz) = match words.first() {
             Some(&"spectral") => {
                 let (file, number, keyword) = (self.path.display(), self.number, self.keyword);
-                warnings.add("spectral", || format!("{file}:{number}: `{keyword} spectral` is not supported; the default colour is used"));
+                warnings.add("spectral", || {
+                    format!("{file}:{number}: `{keyword} spectral` is not supported; the default colour is used")
+                });
                 return Ok(None);
             }
             Some(&"xyz") => (&words[1..], true),
@@ -134,18 +104,12 @@ impl<'a> Line<'a> {
             [grey] => Vec3::splat(self.float(grey)?),
             [r, g, b, ..] => Vec3::new(self.float(r)?, self.float(g)?, self.float(b)?),
             _ => {
-                return Err(self.bad(
-                    format!("`{}` has {} numbers", self.keyword, numbers.len()),
-                    "write one or three",
-                ));
+                return Err(self.bad(format!("`{}` has {} numbers", self.keyword, numbers.len()), "write one or three"));
             }
         };
         let colour = if xyz { xyz_to_rgb(colour) } else { colour };
         if colour.min_element() < 0.0 {
-            return Err(self.bad(
-                format!("`{}` is negative", self.keyword),
-                "colours start at 0",
-            ));
+            return Err(self.bad(format!("`{}` is negative", self.keyword), "colours start at 0"));
         }
         Ok(Some(colour))
     }
@@ -166,15 +130,17 @@ pub(crate) fn map_path(line: &Line<'_>, warnings: &mut Warnings) -> Result<PathB
         let (arguments, after) = take_arguments(option, behind);
         if !harmless(option, &arguments) {
             let (file, number) = (line.path.display(), line.number);
-            warnings.add(&format!("map {option}"), || format!("{file}:{number}: texture option `{option} {}` is not supported and was ignored", arguments.join(" ")));
+            warnings.add(&format!("map {option}"), || {
+                format!(
+                    "{file}:{number}: texture option `{option} {}` is not supported and was ignored",
+                    arguments.join(" ")
+                )
+            });
         }
         rest = after;
     }
     if rest.is_empty() {
-        return Err(line.bad(
-            format!("`{}` names no file", line.keyword),
-            "add the file name or remove the line",
-        ));
+        return Err(line.bad(format!("`{}` names no file", line.keyword), "add the file name or remove the line"));
     }
     let file = rest.replace('\\', "/");
     Ok(line.path.parent().unwrap_or(Path::new("")).join(file))
@@ -184,8 +150,7 @@ pub(crate) fn map_path(line: &Line<'_>, warnings: &mut Warnings) -> Result<PathB
 fn next_option(rest: &str) -> Option<(&str, &str)> {
     let (word, behind) = rest.split_once(char::is_whitespace)?;
     let known = [
-        "-blendu", "-blendv", "-boost", "-bm", "-cc", "-clamp", "-imfchan", "-mm", "-o", "-s",
-        "-t", "-texres", "-type",
+        "-blendu", "-blendv", "-boost", "-bm", "-cc", "-clamp", "-imfchan", "-mm", "-o", "-s", "-t", "-texres", "-type",
     ];
     known.contains(&word).then_some((word, behind.trim_start()))
 }
@@ -214,11 +179,7 @@ fn take_arguments<'a>(option: &str, mut rest: &'a str) -> (Vec<&'a str>, &'a str
 
 /// Whether an option with these arguments changes nothing.
 fn harmless(option: &str, arguments: &[&str]) -> bool {
-    let all = |value: f32| {
-        arguments
-            .iter()
-            .all(|a| a.parse::<f32>().is_ok_and(|n| (n - value).abs() < 1e-6))
-    };
+    let all = |value: f32| arguments.iter().all(|a| a.parse::<f32>().is_ok_and(|n| (n - value).abs() < 1e-6));
     match option {
         "-s" => all(1.0),
         "-o" | "-t" => all(0.0),

@@ -65,29 +65,13 @@ pub fn load_obj(path: impl AsRef<Path>) -> Result<ObjModel, SceneError> {
 
 /// Reads a text file. Old exporters write names in Latin-1: bytes that are no UTF-8 are replaced,
 /// with a warning.
-fn read_text(
-    path: &Path,
-    what: &'static str,
-    warnings: &mut Warnings,
-) -> Result<String, SceneError> {
+fn read_text(path: &Path, what: &'static str, warnings: &mut Warnings) -> Result<String, SceneError> {
     if path.is_dir() {
-        return Err(SceneError::IsFolder {
-            path: path.to_owned(),
-            expected: what,
-        });
+        return Err(SceneError::IsFolder { path: path.to_owned(), expected: what });
     }
-    let bytes = std::fs::read(path).map_err(|source| SceneError::Io {
-        path: path.to_owned(),
-        what,
-        source,
-    })?;
+    let bytes = std::fs::read(path).map_err(|source| SceneError::Io { path: path.to_owned(), what, source })?;
     Ok(String::from_utf8(bytes).unwrap_or_else(|error| {
-        warnings.add("utf-8", || {
-            format!(
-                "{}: is not UTF-8; the odd bytes were replaced",
-                path.display()
-            )
-        });
+        warnings.add("utf-8", || format!("{}: is not UTF-8; the odd bytes were replaced", path.display()));
         String::from_utf8_lossy(error.as_bytes()).into_owned()
     }))
 }
@@ -104,11 +88,7 @@ fn load_libraries(
     for (line, statement) in &checked.libraries {
         // A name may hold blanks, and a statement may hold several names: the whole is tried first.
         let whole = folder.join(statement.replace('\\', "/"));
-        let names: Vec<&str> = if whole.is_file() {
-            vec![statement]
-        } else {
-            statement.split_whitespace().collect()
-        };
+        let names: Vec<&str> = if whole.is_file() { vec![statement] } else { statement.split_whitespace().collect() };
         if names.is_empty() {
             let what = "`mtllib` names no file".to_owned();
             return Err(SceneError::Syntax {
@@ -144,23 +124,25 @@ fn load_libraries(
 }
 
 /// For each used material name its index; adds default materials for names that no library knows.
-fn material_slots(
-    path: &Path,
-    checked: &Checked,
-    materials: &mut Vec<Material>,
-    warnings: &mut Warnings,
-) -> Vec<u32> {
+fn material_slots(path: &Path, checked: &Checked, materials: &mut Vec<Material>, warnings: &mut Warnings) -> Vec<u32> {
     let mut slots = Vec::with_capacity(checked.uses.len());
     for (name, line) in &checked.uses {
         let known = materials.iter().position(|m| m.name == *name);
         slots.push(known.unwrap_or_else(|| {
             if name.is_empty() {
-                warnings.add("no usemtl", || format!("{}:{line}: faces without a material get a default grey", path.display()));
+                warnings.add("no usemtl", || {
+                    format!("{}:{line}: faces without a material get a default grey", path.display())
+                });
                 materials.push(mtl::default_material("default"));
             } else {
                 let names: Vec<&str> = materials.iter().map(|m| m.name.as_str()).collect();
                 let hint = hint(name, &names, "materials");
-                warnings.add("usemtl", || format!("{}:{line}: material `{name}` is in no library and becomes a default grey; {hint}", path.display()));
+                warnings.add("usemtl", || {
+                    format!(
+                        "{}:{line}: material `{name}` is in no library and becomes a default grey; {hint}",
+                        path.display()
+                    )
+                });
                 materials.push(mtl::default_material(name));
             }
             materials.len() - 1
@@ -170,27 +152,14 @@ fn material_slots(
 }
 
 /// Runs tobj over the checked text and drops degenerate triangles.
-fn triangles(
-    path: &Path,
-    checked: &Checked,
-    slots: &[u32],
-    warnings: &mut Warnings,
-) -> Result<Raw, SceneError> {
-    let failed = |reason: String| SceneError::Obj {
-        path: path.to_owned(),
-        reason,
-    };
+fn triangles(path: &Path, checked: &Checked, slots: &[u32], warnings: &mut Warnings) -> Result<Raw, SceneError> {
+    let failed = |reason: String| SceneError::Obj { path: path.to_owned(), reason };
     // The libraries have been read; tobj only needs to know the names.
     let names: String = (0..slots.len()).map(|m| format!("newmtl m{m}\n")).collect();
     let library = |_: &Path| tobj::load_mtl_buf(&mut names.as_bytes());
-    let options = tobj::LoadOptions {
-        single_index: true,
-        triangulate: true,
-        ignore_points: true,
-        ignore_lines: true,
-    };
-    let (models, _) = tobj::load_obj_buf(&mut checked.text.as_bytes(), &options, library)
-        .map_err(|e| failed(e.to_string()))?;
+    let options = tobj::LoadOptions { single_index: true, triangulate: true, ignore_points: true, ignore_lines: true };
+    let (models, _) =
+        tobj::load_obj_buf(&mut checked.text.as_bytes(), &options, library).map_err(|e| failed(e.to_string()))?;
     let mut raw = Raw::default();
     for model in &models {
         let object = model
@@ -198,24 +167,15 @@ fn triangles(
             .strip_prefix('g')
             .and_then(|n| n.parse().ok())
             .ok_or_else(|| failed(format!("odd group `{}`", model.name)))?;
-        let material = model
-            .mesh
-            .material_id
-            .and_then(|m| slots.get(m))
-            .ok_or_else(|| failed("a material got lost".into()))?;
+        let material =
+            model.mesh.material_id.and_then(|m| slots.get(m)).ok_or_else(|| failed("a material got lost".into()))?;
         append(&model.mesh, object, *material, &mut raw);
     }
     let before = raw.triangles.len();
-    let Raw {
-        positions,
-        triangles,
-        ..
-    } = &mut raw;
+    let Raw { positions, triangles, .. } = &mut raw;
     triangles.retain(|t| !normals::is_degenerate(positions, t.vertices));
     for _ in triangles.len()..before {
-        warnings.add("degenerate", || {
-            format!("{}: triangles without area were dropped", path.display())
-        });
+        warnings.add("degenerate", || format!("{}: triangles without area were dropped", path.display()));
     }
     if triangles.is_empty() {
         return Err(SceneError::EmptyMesh {
@@ -228,34 +188,11 @@ fn triangles(
 
 fn append(mesh: &tobj::Mesh, object: u32, material: u32, raw: &mut Raw) {
     let base = raw.positions.len() as u32;
-    raw.positions.extend(
-        mesh.positions
-            .as_chunks()
-            .0
-            .iter()
-            .map(|p: &[f32; 3]| Vec3::from(*p)),
-    );
-    raw.normals.extend(
-        mesh.normals
-            .as_chunks()
-            .0
-            .iter()
-            .map(|n: &[f32; 3]| Vec3::from(*n)),
-    );
-    raw.uvs.extend(
-        mesh.texcoords
-            .as_chunks()
-            .0
-            .iter()
-            .map(|t: &[f32; 2]| Vec2::from(*t)),
-    );
-    let triangle = |v: &[u32; 3]| Triangle {
-        vertices: v.map(|v| base + v),
-        object,
-        material,
-    };
-    raw.triangles
-        .extend(mesh.indices.as_chunks().0.iter().map(triangle));
+    raw.positions.extend(mesh.positions.as_chunks().0.iter().map(|p: &[f32; 3]| Vec3::from(*p)));
+    raw.normals.extend(mesh.normals.as_chunks().0.iter().map(|n: &[f32; 3]| Vec3::from(*n)));
+    raw.uvs.extend(mesh.texcoords.as_chunks().0.iter().map(|t: &[f32; 2]| Vec2::from(*t)));
+    let triangle = |v: &[u32; 3]| Triangle { vertices: v.map(|v| base + v), object, material };
+    raw.triangles.extend(mesh.indices.as_chunks().0.iter().map(triangle));
 }
 
 /// Gives each corner its normal: the file's, the face's where the file's is broken, a smooth one
@@ -273,11 +210,8 @@ fn join(raw: Raw) -> Mesh {
     for (at, triangle) in raw.triangles.iter().enumerate() {
         let mut corner = 0;
         let vertices = triangle.vertices.map(|v| {
-            let face = || {
-                normals::area_vector(&raw.positions, triangle.vertices)
-                    .normalize_or(glam::DVec3::Y)
-                    .as_vec3()
-            };
+            let face =
+                || normals::area_vector(&raw.positions, triangle.vertices).normalize_or(glam::DVec3::Y).as_vec3();
             let given = raw.normals[v as usize];
             let normal = if absent(v) {
                 smooth[at][corner]
@@ -289,10 +223,7 @@ fn join(raw: Raw) -> Mesh {
             corner += 1;
             out.vertex(v, raw.positions[v as usize], normal, raw.uvs[v as usize])
         });
-        out.mesh.triangles.push(Triangle {
-            vertices,
-            ..*triangle
-        });
+        out.mesh.triangles.push(Triangle { vertices, ..*triangle });
     }
     out.mesh
 }

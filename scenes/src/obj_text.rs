@@ -40,10 +40,7 @@ struct Name {
 
 impl Name {
     fn new(text: &str) -> Self {
-        Self {
-            text: text.to_owned(),
-            number: None,
-        }
+        Self { text: text.to_owned(), number: None }
     }
 
     /// The name's number; a name not met before gets the next one and is handed to `add`.
@@ -77,11 +74,7 @@ struct Scan<'a> {
 }
 
 /// Checks `text`, which came from `path`.
-pub(crate) fn check(
-    path: &Path,
-    text: &str,
-    warnings: &mut Warnings,
-) -> Result<Checked, SceneError> {
+pub(crate) fn check(path: &Path, text: &str, warnings: &mut Warnings) -> Result<Checked, SceneError> {
     let mut scan = Scan {
         path,
         warnings,
@@ -96,17 +89,12 @@ pub(crate) fn check(
         use_index: BTreeMap::new(),
         selected: None,
     };
-    scan.out
-        .text
-        .push_str("mtllib m\nvt 0 0\nvn 0 0 0\nvn nan nan nan\n");
+    scan.out.text.push_str("mtllib m\nvt 0 0\nvn 0 0 0\nvn nan nan nan\n");
     // Faces may use vertices that come later, so vertices go first.
     let totals = scan.vertices(text)?;
     scan.faces(text, totals)?;
     if scan.faces.is_empty() {
-        return Err(SceneError::EmptyMesh {
-            path: path.to_owned(),
-            why: "it has no face with three corners".into(),
-        });
+        return Err(SceneError::EmptyMesh { path: path.to_owned(), why: "it has no face with three corners".into() });
     }
     scan.out.text.push_str(&scan.faces);
     Ok(scan.out)
@@ -131,18 +119,12 @@ fn statements(text: &str) -> impl Iterator<Item = (usize, String)> {
 
 impl Scan<'_> {
     fn bad(&self, line: usize, what: String, fix: &str) -> SceneError {
-        SceneError::Syntax {
-            path: self.path.to_owned(),
-            line,
-            what,
-            fix: fix.into(),
-        }
+        SceneError::Syntax { path: self.path.to_owned(), line, what, fix: fix.into() }
     }
 
     fn warn(&mut self, line: usize, key: &str, message: &str) {
         let path = self.path.display();
-        self.warnings
-            .add(key, || format!("{path}:{line}: {message}"));
+        self.warnings.add(key, || format!("{path}:{line}: {message}"));
     }
 
     /// First pass: every `v`, `vt` and `vn`. Returns how many of each there are.
@@ -157,11 +139,7 @@ impl Scan<'_> {
             let mut count = 0;
             for word in words.take_while(|w| !w.starts_with('#')).take(7) {
                 numbers[count] = word.parse().map_err(|_| {
-                    self.bad(
-                        line,
-                        format!("`{keyword}` has `{word}` where a number is needed"),
-                        "correct the number",
-                    )
+                    self.bad(line, format!("`{keyword}` has `{word}` where a number is needed"), "correct the number")
                 })?;
                 count += 1;
             }
@@ -182,18 +160,9 @@ impl Scan<'_> {
         Ok(totals)
     }
 
-    fn position(
-        &mut self,
-        line: usize,
-        statement: &str,
-        numbers: &[f32],
-    ) -> Result<(), SceneError> {
+    fn position(&mut self, line: usize, statement: &str, numbers: &[f32]) -> Result<(), SceneError> {
         let [x, y, z, more @ ..] = numbers else {
-            return Err(self.bad(
-                line,
-                format!("`v` has {} numbers", numbers.len()),
-                "a vertex needs three",
-            ));
+            return Err(self.bad(line, format!("`v` has {} numbers", numbers.len()), "a vertex needs three"));
         };
         if !(x.is_finite() && y.is_finite() && z.is_finite()) {
             let text = statement.chars().take(80).collect();
@@ -205,37 +174,24 @@ impl Scan<'_> {
             });
         }
         if more.len() >= 3 {
-            self.warn(
-                line,
-                "vertex colour",
-                "vertex colours are not supported and were ignored",
-            );
+            self.warn(line, "vertex colour", "vertex colours are not supported and were ignored");
         }
         // Writing to a String cannot fail; `{}` is the shortest text that gives the same float again.
         let _ = writeln!(self.out.text, "v {x} {y} {z}");
-        self.positions
-            .push(DVec3::new(f64::from(*x), f64::from(*y), f64::from(*z)));
+        self.positions.push(DVec3::new(f64::from(*x), f64::from(*y), f64::from(*z)));
         Ok(())
     }
 
     fn uv(&mut self, line: usize, numbers: &[f32]) -> Result<(), SceneError> {
         let (mut u, mut v) = match numbers {
             [] => {
-                return Err(self.bad(
-                    line,
-                    "`vt` has no number".into(),
-                    "a texture coordinate needs one to three",
-                ));
+                return Err(self.bad(line, "`vt` has no number".into(), "a texture coordinate needs one to three"));
             }
             [u] => (*u, 0.0),
             [u, v, ..] => (*u, *v),
         };
         if !(u.is_finite() && v.is_finite()) {
-            self.warn(
-                line,
-                "vt",
-                "a texture coordinate is not finite and was set to 0 0",
-            );
+            self.warn(line, "vt", "a texture coordinate is not finite and was set to 0 0");
             (u, v) = (0.0, 0.0);
         }
         let _ = writeln!(self.out.text, "vt {u} {v}");
@@ -245,22 +201,14 @@ impl Scan<'_> {
 
     fn normal(&mut self, line: usize, numbers: &[f32]) -> Result<(), SceneError> {
         let [x, y, z, ..] = numbers else {
-            return Err(self.bad(
-                line,
-                format!("`vn` has {} numbers", numbers.len()),
-                "a normal needs three",
-            ));
+            return Err(self.bad(line, format!("`vn` has {} numbers", numbers.len()), "a normal needs three"));
         };
         let length = DVec3::new(f64::from(*x), f64::from(*y), f64::from(*z)).length();
         let usable = length.is_finite() && length > 1e-12;
         if usable {
             let _ = writeln!(self.out.text, "vn {x} {y} {z}");
         } else {
-            self.warn(
-                line,
-                "vn",
-                "a normal is zero or not finite; its corners get the face's normal",
-            );
+            self.warn(line, "vn", "a normal is zero or not finite; its corners get the face's normal");
             self.out.text.push_str("vn 0 0 0\n");
         }
         self.normals.push(usable);
@@ -272,42 +220,27 @@ impl Scan<'_> {
         // Negative indices count back from what has been defined so far.
         let mut seen = [0_usize; 3];
         for (line, statement) in statements(text) {
-            let (keyword, rest) = statement
-                .split_once(char::is_whitespace)
-                .unwrap_or((&statement, ""));
+            let (keyword, rest) = statement.split_once(char::is_whitespace).unwrap_or((&statement, ""));
             let rest = rest.trim();
             match keyword {
                 "v" => seen[0] += 1,
                 "vt" => seen[1] += 1,
                 "vn" => seen[2] += 1,
                 "f" | "fo" => self.face(line, rest, seen, totals)?,
-                "o" | "g" => {
-                    self.object = Name::new(if rest.is_empty() { "unnamed" } else { rest })
-                }
+                "o" | "g" => self.object = Name::new(if rest.is_empty() { "unnamed" } else { rest }),
                 "usemtl" if rest.is_empty() => {
-                    return Err(self.bad(
-                        line,
-                        "`usemtl` without a name".into(),
-                        "name a material",
-                    ));
+                    return Err(self.bad(line, "`usemtl` without a name".into(), "name a material"));
                 }
                 "usemtl" => self.material = Name::new(rest),
                 "mtllib" => self.out.libraries.push((line, rest.to_owned())),
-                "l" | "p" => self.warn(
-                    line,
-                    "lines",
-                    "points and lines have no surface and were ignored",
-                ),
+                "l" | "p" => self.warn(line, "lines", "points and lines have no surface and were ignored"),
                 // Smoothing groups: normals come from `vn` or from the crease angle. The rest only
                 // steers display.
-                "" | "s" | "vp" | "lod" | "shadow_obj" | "trace_obj" | "c_interp" | "d_interp"
-                | "bevel" => {}
+                "" | "s" | "vp" | "lod" | "shadow_obj" | "trace_obj" | "c_interp" | "d_interp" | "bevel" => {}
                 comment if comment.starts_with('#') => {}
                 other => {
-                    let what = format!(
-                        "`{}` is not supported and was ignored",
-                        other.chars().take(40).collect::<String>()
-                    );
+                    let what =
+                        format!("`{}` is not supported and was ignored", other.chars().take(40).collect::<String>());
                     self.warn(line, &format!("obj {other}"), &what);
                 }
             }
@@ -315,30 +248,24 @@ impl Scan<'_> {
         Ok(())
     }
 
-    fn face(
-        &mut self,
-        line: usize,
-        rest: &str,
-        seen: [usize; 3],
-        totals: [usize; 3],
-    ) -> Result<(), SceneError> {
+    fn face(&mut self, line: usize, rest: &str, seen: [usize; 3], totals: [usize; 3]) -> Result<(), SceneError> {
         let mut corners = Vec::with_capacity(4);
         for word in rest.split_whitespace().take_while(|w| !w.starts_with('#')) {
             corners.push(self.corner(line, word, seen, totals)?);
         }
         if corners.len() < 3 {
-            self.warn(
-                line,
-                "short face",
-                "a face with fewer than three corners was ignored",
-            );
+            self.warn(line, "short face", "a face with fewer than three corners was ignored");
             return Ok(());
         }
         self.select(line);
         let points: Vec<DVec3> = corners.iter().map(|c| self.positions[c[0] - 1]).collect();
         let (triangles, exact) = polygon::triangulate(&points);
         if !exact {
-            self.warn(line, "polygon", "a concave polygon that is too large or crosses itself was cut as a fan and may look wrong");
+            self.warn(
+                line,
+                "polygon",
+                "a concave polygon that is too large or crosses itself was cut as a fan and may look wrong",
+            );
         }
         for triangle in triangles {
             self.faces.push('f');
@@ -374,20 +301,10 @@ impl Scan<'_> {
                     ));
                 }
             };
-            let absolute = if index < 0 {
-                (seen[kind] as i64 + 1).saturating_add(index)
-            } else {
-                index
-            };
+            let absolute = if index < 0 { (seen[kind] as i64 + 1).saturating_add(index) } else { index };
             if absolute < 1 || absolute > totals[kind] as i64 {
                 let (path, kind, count) = (self.path.to_owned(), KINDS[kind], totals[kind]);
-                return Err(SceneError::IndexOutOfRange {
-                    path,
-                    line,
-                    kind,
-                    index,
-                    count,
-                });
+                return Err(SceneError::IndexOutOfRange { path, line, kind, index, count });
             }
             found[kind] = absolute as usize;
         }
@@ -396,28 +313,16 @@ impl Scan<'_> {
             n if self.normals[n - 1] => n + NORMAL_STAND_INS,
             _ => 2,
         };
-        Ok([
-            found[0],
-            if found[1] == 0 {
-                1
-            } else {
-                found[1] + UV_STAND_INS
-            },
-            normal,
-        ])
+        Ok([found[0], if found[1] == 0 { 1 } else { found[1] + UV_STAND_INS }, normal])
     }
 
     /// Writes `g` and `usemtl` when they changed. Names get their number at their first face, so
     /// empty groups are no objects.
     fn select(&mut self, line: usize) {
         let objects = &mut self.out.objects;
-        let object = self
-            .object
-            .resolve(&mut self.object_index, |name| objects.push(name.to_owned()));
+        let object = self.object.resolve(&mut self.object_index, |name| objects.push(name.to_owned()));
         let uses = &mut self.out.uses;
-        let material = self.material.resolve(&mut self.use_index, |name| {
-            uses.push((name.to_owned(), line))
-        });
+        let material = self.material.resolve(&mut self.use_index, |name| uses.push((name.to_owned(), line)));
         if self.selected != Some((object, material)) {
             self.selected = Some((object, material));
             let _ = writeln!(self.faces, "g g{object}\nusemtl m{material}");

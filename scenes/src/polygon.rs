@@ -10,18 +10,8 @@ const MAX_EAR_CORNERS: usize = 512;
 pub(crate) fn triangulate(points: &[DVec3]) -> (Vec<[usize; 3]>, bool) {
     let count = points.len();
     let normal = area_normal(points);
-    let fan = || {
-        (1..count.saturating_sub(1))
-            .map(|i| [0, i, i + 1])
-            .collect()
-    };
-    let convex = (0..count).all(|i| {
-        turn(
-            points,
-            normal,
-            [(i + count - 1) % count, i, (i + 1) % count],
-        ) >= -1e-9
-    });
+    let fan = || (1..count.saturating_sub(1)).map(|i| [0, i, i + 1]).collect();
+    let convex = (0..count).all(|i| turn(points, normal, [(i + count - 1) % count, i, (i + 1) % count]) >= -1e-9);
     if count <= 3 || convex || count > MAX_EAR_CORNERS {
         return (fan(), count <= 3 || convex);
     }
@@ -57,11 +47,7 @@ fn area_normal(points: &[DVec3]) -> DVec3 {
 fn turn(points: &[DVec3], normal: DVec3, [a, b, c]: [usize; 3]) -> f64 {
     let (first, second) = (points[b] - points[a], points[c] - points[b]);
     let scale = first.length() * second.length();
-    if scale > 0.0 {
-        first.cross(second).dot(normal) / scale
-    } else {
-        0.0
-    }
+    if scale > 0.0 { first.cross(second).dot(normal) / scale } else { 0.0 }
 }
 
 fn is_ear(points: &[DVec3], normal: DVec3, left: &[usize], i: usize) -> bool {
@@ -86,20 +72,14 @@ mod tests {
 
     #[test]
     fn a_concave_arrow_keeps_its_area() {
-        let arrow =
-            [[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [1.0, 0.5]].map(|[x, y]| DVec3::new(x, y, 0.0));
+        let arrow = [[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [1.0, 0.5]].map(|[x, y]| DVec3::new(x, y, 0.0));
         for shift in 0..4 {
             let points: Vec<DVec3> = (0..4).map(|i| arrow[(i + shift) % 4]).collect();
             let (triangles, exact) = triangulate(&points);
             assert!(exact);
             let areas: Vec<f64> = triangles
                 .iter()
-                .map(|t| {
-                    (points[t[1]] - points[t[0]])
-                        .cross(points[t[2]] - points[t[0]])
-                        .z
-                        / 2.0
-                })
+                .map(|t| (points[t[1]] - points[t[0]]).cross(points[t[2]] - points[t[0]]).z / 2.0)
                 .collect();
             assert!(areas.iter().all(|a| *a > 0.0), "{areas:?}");
             assert!((areas.iter().sum::<f64>() - 1.5).abs() < 1e-12, "{areas:?}");
@@ -117,8 +97,7 @@ mod tests {
         let star: Vec<DVec3> = (0..2000)
             .map(|i| {
                 let angle = std::f64::consts::TAU * f64::from(i) / 2000.0;
-                DVec3::new(libm::cos(angle), libm::sin(angle), 0.0)
-                    * if i % 2 == 0 { 1.0 } else { 0.5 }
+                DVec3::new(libm::cos(angle), libm::sin(angle), 0.0) * if i % 2 == 0 { 1.0 } else { 0.5 }
             })
             .collect();
         let (triangles, exact) = triangulate(&star);

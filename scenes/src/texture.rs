@@ -19,13 +19,7 @@ pub(crate) struct TextureSet {
 impl TextureSet {
     /// Loads a texture that `path:line` names. A `mask` is used as `map_d`: without an alpha
     /// channel its luminance becomes alpha.
-    pub fn load(
-        &mut self,
-        path: &Path,
-        line: usize,
-        file: &Path,
-        mask: bool,
-    ) -> Result<usize, SceneError> {
+    pub fn load(&mut self, path: &Path, line: usize, file: &Path, mask: bool) -> Result<usize, SceneError> {
         let key = (file.to_owned(), mask);
         if let Some(known) = self.keys.iter().position(|k| *k == key) {
             return Ok(known);
@@ -34,18 +28,9 @@ impl TextureSet {
         if mask {
             luminance_to_alpha(&mut image);
         }
-        let name = file
-            .file_name()
-            .unwrap_or(file.as_os_str())
-            .to_string_lossy()
-            .into_owned();
+        let name = file.file_name().unwrap_or(file.as_os_str()).to_string_lossy().into_owned();
         let texels = image.pixels().map(|p| p.0).collect();
-        self.textures.push(Texture {
-            name,
-            width: image.width(),
-            height: image.height(),
-            texels,
-        });
+        self.textures.push(Texture { name, width: image.width(), height: image.height(), texels });
         self.keys.push(key);
         Ok(self.textures.len() - 1)
     }
@@ -65,23 +50,15 @@ fn decode(path: &Path, line: usize, file: &Path) -> Result<RgbaImage, SceneError
         source,
     };
     let failed = |error: ImageError| match error {
-        ImageError::IoError(source) if source.kind() != std::io::ErrorKind::UnexpectedEof => {
-            missing(source)
+        ImageError::IoError(source) if source.kind() != std::io::ErrorKind::UnexpectedEof => missing(source),
+        other => {
+            SceneError::Texture { path: path.to_owned(), line, texture: file.to_owned(), reason: other.to_string() }
         }
-        other => SceneError::Texture {
-            path: path.to_owned(),
-            line,
-            texture: file.to_owned(),
-            reason: other.to_string(),
-        },
     };
     if file.is_dir() {
         return Err(missing(std::io::ErrorKind::IsADirectory.into()));
     }
-    let mut reader = ImageReader::open(file)
-        .map_err(missing)?
-        .with_guessed_format()
-        .map_err(missing)?;
+    let mut reader = ImageReader::open(file).map_err(missing)?.with_guessed_format().map_err(missing)?;
     let mut limits = Limits::default();
     limits.max_image_width = Some(MAX_TEXTURE_SIDE);
     limits.max_image_height = Some(MAX_TEXTURE_SIDE);

@@ -42,12 +42,7 @@ impl Scene {
         for (index, light) in self.lights.iter().enumerate() {
             self.validate_light(index, light)?;
         }
-        let sky = [
-            self.sky.zenith,
-            self.sky.horizon,
-            self.sky.ground,
-            Vec3::splat(self.sky.ambient),
-        ];
+        let sky = [self.sky.zenith, self.sky.horizon, self.sky.ground, Vec3::splat(self.sky.ambient)];
         if sky.iter().any(|colour| !is_colour(*colour)) {
             return self.broken("a sky colour is negative or not finite".into());
         }
@@ -76,56 +71,35 @@ impl Scene {
         if let Some(at) = mesh.positions.iter().position(|p: &Vec3| !p.is_finite()) {
             return self.broken(format!("vertex {at} is not finite"));
         }
-        if let Some(at) = mesh
-            .normals
-            .iter()
-            .position(|n| !n.is_finite() || (n.length_squared() - 1.0).abs() > 1e-3)
-        {
+        if let Some(at) = mesh.normals.iter().position(|n| !n.is_finite() || (n.length_squared() - 1.0).abs() > 1e-3) {
             return self.broken(format!("the normal of vertex {at} has not length one"));
         }
         if let Some(at) = mesh.uvs.iter().position(|uv: &Vec2| !uv.is_finite()) {
-            return self.broken(format!(
-                "the texture coordinate of vertex {at} is not finite"
-            ));
+            return self.broken(format!("the texture coordinate of vertex {at} is not finite"));
         }
         for (at, triangle) in mesh.triangles.iter().enumerate() {
             let fits = triangle.vertices.iter().all(|v| (*v as usize) < count)
                 && (triangle.object as usize) < self.objects.len()
                 && (triangle.material as usize) < self.materials.len();
             if !fits {
-                return self.broken(format!(
-                    "triangle {at} has an index out of range: {triangle:?}"
-                ));
+                return self.broken(format!("triangle {at} has an index out of range: {triangle:?}"));
             }
         }
         Ok(())
     }
 
     fn validate_material(&self, index: usize, material: &Material) -> Result<(), SceneError> {
-        let colours = [
-            material.diffuse,
-            material.specular,
-            material.emission,
-            material.transmission,
-        ];
+        let colours = [material.diffuse, material.specular, material.emission, material.transmission];
         if colours.iter().any(|c| !is_colour(*c)) {
-            return self.broken(format!(
-                "material {index} `{}` has a negative or non-finite colour",
-                material.name
-            ));
+            return self.broken(format!("material {index} `{}` has a negative or non-finite colour", material.name));
         }
         if material.shininess < 1 || !(material.ior >= 1.0 && material.ior.is_finite()) {
-            return self.broken(format!(
-                "material {index} `{}` has shininess or index of refraction below 1",
-                material.name
-            ));
+            return self
+                .broken(format!("material {index} `{}` has shininess or index of refraction below 1", material.name));
         }
         let maps = [material.diffuse_map, material.alpha_map];
         if maps.iter().flatten().any(|map| *map >= self.textures.len()) {
-            return self.broken(format!(
-                "material {index} `{}` has a texture index out of range",
-                material.name
-            ));
+            return self.broken(format!("material {index} `{}` has a texture index out of range", material.name));
         }
         Ok(())
     }
@@ -145,10 +119,7 @@ impl Scene {
     }
 
     fn broken(&self, what: String) -> Result<(), SceneError> {
-        Err(SceneError::Invalid {
-            scene: self.name.clone(),
-            what,
-        })
+        Err(SceneError::Invalid { scene: self.name.clone(), what })
     }
 }
 
@@ -164,47 +135,23 @@ pub(crate) fn is_direction(v: Vec3) -> bool {
 
 /// Checks that a camera can look; `place` says where it stands when it cannot.
 pub(crate) fn check_camera(camera: &Camera, place: impl Fn() -> String) -> Result<(), SceneError> {
-    let fail = |what: String, fix| {
-        Err(SceneError::Camera {
-            place: place(),
-            what,
-            fix,
-        })
-    };
+    let fail = |what: String, fix| Err(SceneError::Camera { place: place(), what, fix });
     if !(camera.eye.is_finite() && camera.target.is_finite() && camera.up.is_finite()) {
-        return fail(
-            "the camera has a coordinate that is not finite".into(),
-            "use finite numbers",
-        );
+        return fail("the camera has a coordinate that is not finite".into(), "use finite numbers");
     }
     let view = camera.target - camera.eye;
     if !is_direction(view) {
-        return fail(
-            "the camera's eye and target are the same point".into(),
-            "move one of them",
-        );
+        return fail("the camera's eye and target are the same point".into(), "move one of them");
     }
     if !is_direction(camera.up) {
-        return fail(
-            "the camera's up vector has no direction".into(),
-            "use for example [0.0, 1.0, 0.0]",
-        );
+        return fail("the camera's up vector has no direction".into(), "use for example [0.0, 1.0, 0.0]");
     }
-    let (view, up) = (
-        view.as_dvec3().normalize(),
-        camera.up.as_dvec3().normalize(),
-    );
+    let (view, up) = (view.as_dvec3().normalize(), camera.up.as_dvec3().normalize());
     if view.cross(up).length_squared() < 1e-10 {
-        return fail(
-            "the camera's up vector is parallel to its view axis".into(),
-            "choose another up",
-        );
+        return fail("the camera's up vector is parallel to its view axis".into(), "choose another up");
     }
     if !(camera.vfov_deg > 0.0 && camera.vfov_deg < 180.0) {
-        let what = format!(
-            "the camera's vertical field of view is {} degrees",
-            camera.vfov_deg
-        );
+        let what = format!("the camera's vertical field of view is {} degrees", camera.vfov_deg);
         return fail(what, "use a value between 0 and 180");
     }
     Ok(())

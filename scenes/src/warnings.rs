@@ -18,10 +18,7 @@ impl Warnings {
             self.list[at].count += 1;
         } else {
             self.index.insert(key.to_owned(), self.list.len());
-            self.list.push(Warning {
-                message: message(),
-                count: 1,
-            });
+            self.list.push(Warning { message: message(), count: 1 });
         }
     }
 

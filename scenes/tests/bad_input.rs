@@ -19,10 +19,7 @@ fn folder(files: &[(&str, &str)]) -> TempDir {
 fn load_in(folder: &TempDir, name: &str) -> Result<Scene, String> {
     let path = folder.path().join(name);
     // The folder's own name is of no interest.
-    load(path.to_str().expect("UTF-8")).map_err(|e| {
-        e.to_string()
-            .replace(&format!("{}/", folder.path().display()), "")
-    })
+    load(path.to_str().expect("UTF-8")).map_err(|e| e.to_string().replace(&format!("{}/", folder.path().display()), ""))
 }
 
 fn obj_error(obj: &str) -> String {
@@ -41,34 +38,19 @@ fn mtl(mtl: &str) -> Scene {
 
 fn toml_files(toml: &str) -> TempDir {
     let obj = format!("mtllib a.mtl\nusemtl board\n{TRIANGLE}");
-    folder(&[
-        ("a.obj", &obj),
-        ("a.mtl", "newmtl board\nKd 0.5 0.5 0.5\n"),
-        ("s.toml", toml),
-    ])
+    folder(&[("a.obj", &obj), ("a.mtl", "newmtl board\nKd 0.5 0.5 0.5\n"), ("s.toml", toml)])
 }
 
 fn toml_error(toml: &str) -> String {
-    load_in(&toml_files(&format!("model = \"a.obj\"\n{toml}")), "s.toml")
-        .expect_err("must not load")
+    load_in(&toml_files(&format!("model = \"a.obj\"\n{toml}")), "s.toml").expect_err("must not load")
 }
 
 fn toml(toml: &str) -> Scene {
-    load_in(&toml_files(&format!("model = \"a.obj\"\n{toml}")), "s.toml")
-        .unwrap_or_else(|e| panic!("{e}"))
+    load_in(&toml_files(&format!("model = \"a.obj\"\n{toml}")), "s.toml").unwrap_or_else(|e| panic!("{e}"))
 }
 
 fn warnings(scene: &Scene) -> Vec<(u64, String)> {
-    scene
-        .warnings
-        .iter()
-        .map(|w| {
-            (
-                w.count,
-                w.message.rsplit('/').next().unwrap_or("").to_owned(),
-            )
-        })
-        .collect()
+    scene.warnings.iter().map(|w| (w.count, w.message.rsplit('/').next().unwrap_or("").to_owned())).collect()
 }
 
 #[test]
@@ -78,88 +60,45 @@ fn obj_errors_name_the_line() {
             "v 0 0 0\nv nan 0 0\nv 0 1 0\nf 1 2 3\n",
             "a.obj:2: vertex 2 is not finite (`v nan 0 0`); correct the coordinate or export the model again",
         ),
-        (
-            "v 0 0 0\nv 1e40 0 0\nv 0 1 0\nf 1 2 3\n",
-            "a.obj:2: vertex 2 is not finite",
-        ),
-        (
-            "v 0 0 0\nv 1 x 0\n",
-            "a.obj:2: `v` has `x` where a number is needed; correct the number",
-        ),
-        (
-            "v 0 0\n",
-            "a.obj:1: `v` has 2 numbers; a vertex needs three",
-        ),
+        ("v 0 0 0\nv 1e40 0 0\nv 0 1 0\nf 1 2 3\n", "a.obj:2: vertex 2 is not finite"),
+        ("v 0 0 0\nv 1 x 0\n", "a.obj:2: `v` has `x` where a number is needed; correct the number"),
+        ("v 0 0\n", "a.obj:1: `v` has 2 numbers; a vertex needs three"),
         (
             "v 0 0 0\nv 1 0 0\nv 0 1 0\n\nf 1 2 4\n",
             "a.obj:5: vertex index 4 is out of range: the file has 3; correct the face",
         ),
-        (
-            "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 0\n",
-            "a.obj:4: vertex index 0 is out of range",
-        ),
-        (
-            "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 -4\n",
-            "a.obj:4: vertex index -4 is out of range",
-        ),
+        ("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 0\n", "a.obj:4: vertex index 0 is out of range"),
+        ("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 -4\n", "a.obj:4: vertex index -4 is out of range"),
         (
             "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1/1 2 3\n",
             "a.obj:4: texture coordinate index 1 is out of range: the file has 0",
         ),
-        (
-            "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1//1 2 3\n",
-            "a.obj:4: normal index 1 is out of range",
-        ),
-        (
-            "v 0 0 0\nf 1 a 1\n",
-            "a.obj:2: `a` is no face corner; write v, v/vt, v//vn or v/vt/vn",
-        ),
+        ("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1//1 2 3\n", "a.obj:4: normal index 1 is out of range"),
+        ("v 0 0 0\nf 1 a 1\n", "a.obj:2: `a` is no face corner; write v, v/vt, v//vn or v/vt/vn"),
         ("v 0 0 0\nf /1 1 1\n", "a.obj:2: `/1` is no face corner"),
-        (
-            "",
-            "a.obj: the mesh is empty: it has no face with three corners; a scene needs at least one triangle",
-        ),
-        (
-            "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\nf 1 1 1\n",
-            "a.obj: the mesh is empty: all 2 triangles have no area",
-        ),
-        (
-            "mtllib gone.mtl\nv 0 0 0\nf 1 1 1\n",
-            "a.obj:1: the material library `gone.mtl` cannot be read:",
-        ),
-        (
-            "usemtl\n",
-            "a.obj:1: `usemtl` without a name; name a material",
-        ),
+        ("", "a.obj: the mesh is empty: it has no face with three corners; a scene needs at least one triangle"),
+        ("v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\nf 1 1 1\n", "a.obj: the mesh is empty: all 2 triangles have no area"),
+        ("mtllib gone.mtl\nv 0 0 0\nf 1 1 1\n", "a.obj:1: the material library `gone.mtl` cannot be read:"),
+        ("usemtl\n", "a.obj:1: `usemtl` without a name; name a material"),
     ];
     for (obj, wanted) in cases {
         let error = obj_error(obj);
-        assert!(
-            error.starts_with(wanted),
-            "{obj:?}\n gives {error}\n  not {wanted}"
-        );
+        assert!(error.starts_with(wanted), "{obj:?}\n gives {error}\n  not {wanted}");
     }
 }
 
 #[test]
 fn odd_obj_input_is_counted() {
-    let obj =
-        format!("{TRIANGLE}f 1 1 2\nf 1 2 2\nl 1 2\nusemtl nowhere\nf 3 2 1\nfoo bar\nf 1 2\n");
+    let obj = format!("{TRIANGLE}f 1 1 2\nf 1 2 2\nl 1 2\nusemtl nowhere\nf 3 2 1\nfoo bar\nf 1 2\n");
     let scene = load_in(&folder(&[("a.obj", &obj)]), "a.obj").expect("loads");
     assert_eq!(scene.mesh.triangles.len(), 2);
     let found = warnings(&scene);
     let has = |count: u64, text: &str| {
-        assert!(
-            found.iter().any(|(c, m)| *c == count && m.contains(text)),
-            "{count} x {text} in {found:#?}"
-        )
+        assert!(found.iter().any(|(c, m)| *c == count && m.contains(text)), "{count} x {text} in {found:#?}")
     };
     has(2, "triangles without area were dropped");
     has(1, "points and lines");
-    has(
-        1,
-        "material `nowhere` is in no library and becomes a default grey",
-    );
+    has(1, "material `nowhere` is in no library and becomes a default grey");
     has(1, "`foo` is not supported");
     has(1, "fewer than three corners");
     has(1, "faces without a material");
@@ -170,16 +109,8 @@ fn odd_obj_input_is_counted() {
 fn broken_normals_fall_back_to_the_face() {
     let obj = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 0\nvn nan 0 1\nvn 0 0 5\nf 1//1 2//2 3//3\n";
     let scene = load_in(&folder(&[("a.obj", obj)]), "a.obj").expect("loads");
-    assert!(
-        scene.mesh.normals.iter().all(|n| (n.z - 1.0).abs() < 1e-6),
-        "{:?}",
-        scene.mesh.normals
-    );
-    assert!(
-        warnings(&scene)
-            .iter()
-            .any(|(c, m)| *c == 2 && m.contains("normal is zero or not finite"))
-    );
+    assert!(scene.mesh.normals.iter().all(|n| (n.z - 1.0).abs() < 1e-6), "{:?}", scene.mesh.normals);
+    assert!(warnings(&scene).iter().any(|(c, m)| *c == 2 && m.contains("normal is zero or not finite")));
 }
 
 #[test]
@@ -192,10 +123,7 @@ fn corners_with_and_without_texture_coordinates_mix() {
 
 #[test]
 fn a_comment_that_ends_in_a_backslash_ends_there() {
-    let obj = format!(
-        "# C:\\models\\\n{}",
-        TRIANGLE.replace("f 1 2 3", "f 1 \\\n 2 3")
-    );
+    let obj = format!("# C:\\models\\\n{}", TRIANGLE.replace("f 1 2 3", "f 1 \\\n 2 3"));
     let scene = load_in(&folder(&[("a.obj", &obj)]), "a.obj").expect("loads");
     assert_eq!(scene.mesh.positions.len(), 3);
 }
@@ -203,18 +131,9 @@ fn a_comment_that_ends_in_a_backslash_ends_there() {
 #[test]
 fn objects_are_merged_by_name_and_materials_by_library() {
     let obj = "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\no one\nusemtl x\nf 1 2 3\nusemtl y\nf 3 2 1\no empty\no two words\nf 1 2 3\no one\nf 1 2 3\n";
-    let scene = load_in(
-        &folder(&[("a.obj", obj), ("a.mtl", "newmtl y\nnewmtl x\n")]),
-        "a.obj",
-    )
-    .expect("loads");
+    let scene = load_in(&folder(&[("a.obj", obj), ("a.mtl", "newmtl y\nnewmtl x\n")]), "a.obj").expect("loads");
     assert_eq!(scene.objects, ["one", "two words"]);
-    let ids: Vec<(u32, u32)> = scene
-        .mesh
-        .triangles
-        .iter()
-        .map(|t| (t.object, t.material))
-        .collect();
+    let ids: Vec<(u32, u32)> = scene.mesh.triangles.iter().map(|t| (t.object, t.material)).collect();
     assert_eq!(ids, [(0, 1), (0, 0), (1, 0), (0, 0)]);
 }
 
@@ -234,69 +153,32 @@ fn flat_boxes_stay_flat_and_shallow_bends_are_smooth() {
     };
     let bend = at(1.0, 0.0);
     assert_eq!(bend.len(), 1, "one smooth normal: {bend:?}");
-    assert!(
-        (f64::from(bend[0].x)
-            .atan2(f64::from(bend[0].y))
-            .to_degrees()
-            - 10.0)
-            .abs()
-            < 0.01
-    );
+    assert!((f64::from(bend[0].x).atan2(f64::from(bend[0].y)).to_degrees() - 10.0).abs() < 0.01);
     assert_eq!(at(0.0, 0.0).len(), 2, "the right angle keeps its edge");
 }
 
 #[test]
 fn mtl_errors_name_the_line() {
     let cases = [
-        (
-            "newmtl m\nKd 0.5 oops 0\n",
-            "a.mtl:2: `Kd` has `oops` where a finite number is needed; correct the number",
-        ),
-        (
-            "newmtl m\nKd nan\n",
-            "a.mtl:2: `Kd` has `nan` where a finite number is needed",
-        ),
-        (
-            "newmtl m\nKd 1 2\n",
-            "a.mtl:2: `Kd` has 2 numbers; write one or three",
-        ),
-        (
-            "newmtl m\nKs -1 0 0\n",
-            "a.mtl:2: `Ks` is negative; colours start at 0",
-        ),
-        (
-            "newmtl m\nNs\n",
-            "a.mtl:2: `Ns` without a number; add the number or remove the line",
-        ),
-        (
-            "newmtl m\nd 2\n",
-            "a.mtl:2: `d` is 2; it must be between 0 and 1",
-        ),
-        (
-            "newmtl m\nillum 99\n",
-            "a.mtl:2: `illum 99` is no illumination model; it must be an integer from 0 to 10",
-        ),
+        ("newmtl m\nKd 0.5 oops 0\n", "a.mtl:2: `Kd` has `oops` where a finite number is needed; correct the number"),
+        ("newmtl m\nKd nan\n", "a.mtl:2: `Kd` has `nan` where a finite number is needed"),
+        ("newmtl m\nKd 1 2\n", "a.mtl:2: `Kd` has 2 numbers; write one or three"),
+        ("newmtl m\nKs -1 0 0\n", "a.mtl:2: `Ks` is negative; colours start at 0"),
+        ("newmtl m\nNs\n", "a.mtl:2: `Ns` without a number; add the number or remove the line"),
+        ("newmtl m\nd 2\n", "a.mtl:2: `d` is 2; it must be between 0 and 1"),
+        ("newmtl m\nillum 99\n", "a.mtl:2: `illum 99` is no illumination model; it must be an integer from 0 to 10"),
         ("newmtl\n", "a.mtl:1: `newmtl` without a name"),
-        (
-            "newmtl m\nmap_Kd gone.png\n",
-            "a.mtl:2: the texture `gone.png` cannot be read:",
-        ),
+        ("newmtl m\nmap_Kd gone.png\n", "a.mtl:2: the texture `gone.png` cannot be read:"),
         (
             "newmtl m\nmap_Kd -s 2 2 1 gone dir\\my tex.png\n",
             "a.mtl:2: the texture `gone dir/my tex.png` cannot be read:",
         ),
         ("newmtl m\nmap_Kd\n", "a.mtl:2: `map_Kd` names no file"),
-        (
-            "newmtl m\nmap_Kd a.obj\n",
-            "a.mtl:2: the texture `a.obj` cannot be decoded:",
-        ),
+        ("newmtl m\nmap_Kd a.obj\n", "a.mtl:2: the texture `a.obj` cannot be decoded:"),
     ];
     for (text, wanted) in cases {
         let error = mtl_error(text);
-        assert!(
-            error.starts_with(wanted),
-            "{text:?}\n gives {error}\n  not {wanted}"
-        );
+        assert!(error.starts_with(wanted), "{text:?}\n gives {error}\n  not {wanted}");
     }
 }
 
@@ -325,10 +207,7 @@ fn mtl_statements_are_understood() {
     assert_eq!(of("illum 2\nd 0").optics, Optics::Opaque);
     assert_eq!(of("Ns 96.4").shininess, 96);
     close(of("Ke 17 12 4 # lamp").emission.y, 12.0);
-    assert_eq!(
-        warnings(&mtl("newmtl m\nKd spectral file.rfl\nbump x.png\nPr 0.3\n")).len(),
-        3
-    );
+    assert_eq!(warnings(&mtl("newmtl m\nKd spectral file.rfl\nbump x.png\nPr 0.3\n")).len(), 3);
 }
 
 #[test]
@@ -341,10 +220,7 @@ fn a_mask_without_alpha_gets_its_luminance() {
         .save(files.path().join("t.png"))
         .expect("saves");
     let scene = load_in(&files, "a.obj").expect("loads");
-    assert_eq!(
-        (scene.materials[0].diffuse_map, scene.materials[0].alpha_map),
-        (Some(0), Some(1))
-    );
+    assert_eq!((scene.materials[0].diffuse_map, scene.materials[0].alpha_map), (Some(0), Some(1)));
     assert_eq!(scene.textures[0].texels, [[0, 0, 0, 255], [255; 4]]);
     assert_eq!(scene.textures[1].texels, [[0; 4], [255; 4]]);
 }
@@ -354,18 +230,9 @@ fn toml_errors_say_where_and_what() {
     let eye = "[camera]\neye = [0.0, 0.0, 5.0]\n";
     let many = "[[lights]]\nkind = \"point\"\nposition = [1.0, 2.0, 3.0]\n".repeat(17);
     let cases: Vec<(String, &str)> = vec![
-        (
-            "modle = 3".into(),
-            "s.toml:2:1: unknown field `modle`, expected one of",
-        ),
-        (
-            "[camera]\neye = \"here\"".into(),
-            "s.toml:3:7: invalid type: string \"here\"",
-        ),
-        (
-            "[camera]\nzoom = 1.0".into(),
-            "s.toml:3:1: unknown field `zoom`",
-        ),
+        ("modle = 3".into(), "s.toml:2:1: unknown field `modle`, expected one of"),
+        ("[camera]\neye = \"here\"".into(), "s.toml:3:7: invalid type: string \"here\""),
+        ("[camera]\nzoom = 1.0".into(), "s.toml:3:1: unknown field `zoom`"),
         ("name = ".into(), "s.toml:2:"),
         (
             format!("{eye}target = [0.0, 0.0, 5.0]"),
@@ -379,38 +246,17 @@ fn toml_errors_say_where_and_what() {
             format!("{eye}target = [0.0, 0.0, 0.0]\nvfov_deg = 180.0"),
             "s.toml: [camera]: the camera's vertical field of view is 180 degrees; use a value between 0 and 180",
         ),
-        (
-            format!("{eye}target = [0.0, nan, 0.0]"),
-            "s.toml: [camera]: the camera has a coordinate that is not finite",
-        ),
-        (
-            eye.into(),
-            "s.toml: [camera] has only one of eye and target; give both or neither",
-        ),
+        (format!("{eye}target = [0.0, nan, 0.0]"), "s.toml: [camera]: the camera has a coordinate that is not finite"),
+        (eye.into(), "s.toml: [camera] has only one of eye and target; give both or neither"),
         (
             format!("{eye}path = \"x.csv\""),
             "s.toml: [camera] has more than one of eye/target, path and keyframes; keep one",
         ),
-        (
-            "[camera]\npath = \"gone.csv\"".into(),
-            "gone.csv: cannot read this camera path:",
-        ),
-        (
-            "[camera]\nkeyframes = []".into(),
-            "s.toml: camera.keyframes is empty",
-        ),
-        (
-            many,
-            "s.toml: 17 lights are too many: at most 16 fit the trace; remove some",
-        ),
-        (
-            "[[lights]]\nkind = \"spot\"".into(),
-            "s.toml:3:8: unknown variant `spot`",
-        ),
-        (
-            "[[lights]]\nkind = \"point\"".into(),
-            "s.toml: lights[0] is a point light without a usable place",
-        ),
+        ("[camera]\npath = \"gone.csv\"".into(), "gone.csv: cannot read this camera path:"),
+        ("[camera]\nkeyframes = []".into(), "s.toml: camera.keyframes is empty"),
+        (many, "s.toml: 17 lights are too many: at most 16 fit the trace; remove some"),
+        ("[[lights]]\nkind = \"spot\"".into(), "s.toml:3:8: unknown variant `spot`"),
+        ("[[lights]]\nkind = \"point\"".into(), "s.toml: lights[0] is a point light without a usable place"),
         (
             "[[lights]]\nkind = \"directional\"\nto_light = [0.0, 0.0, 0.0]".into(),
             "s.toml: lights[0] is a directional light without a usable direction",
@@ -419,25 +265,16 @@ fn toml_errors_say_where_and_what() {
             "[sky]\ncolour = [-1.0, 0.0, 0.0]".into(),
             "s.toml: sky.colour is [-1.0, 0.0, 0.0]; colours are finite and not negative",
         ),
-        (
-            "[materials.bord]\nreflect = 0.5".into(),
-            "s.toml:2: the model has no material `bord`; did you mean `board`?",
-        ),
+        ("[materials.bord]\nreflect = 0.5".into(), "s.toml:2: the model has no material `bord`; did you mean `board`?"),
         (
             "[materials.board]\nreflect = 1.5".into(),
             "s.toml: materials.board.reflect is 1.5; use a value between 0 and 1",
         ),
-        (
-            "[materials.board]\nior = 0.5".into(),
-            "s.toml: materials.board.ior is 0.5; use a value between 1 and 1000",
-        ),
+        ("[materials.board]\nior = 0.5".into(), "s.toml: materials.board.ior is 0.5; use a value between 1 and 1000"),
     ];
     for (text, wanted) in cases {
         let error = toml_error(&text);
-        assert!(
-            error.starts_with(wanted),
-            "{text:?}\n gives {error}\n  not {wanted}"
-        );
+        assert!(error.starts_with(wanted), "{text:?}\n gives {error}\n  not {wanted}");
     }
 }
 
@@ -447,27 +284,15 @@ fn a_scene_file_is_taken_at_its_word() {
         "name = \"mine\"\n[camera]\neye = [5.0, 3.2, 7.0]\ntarget = [0.0, 0.4, 0.0]\nup = [0.0, 1.0, 0.0]\nvfov_deg = 36.0\n[[lights]]\nkind = \"point\"\n\
          position = [6.0, 10.0, 6.0]\nintensity = 0.5\ncolour = [1.0, 0.5, 0.0]\n[sky]\ncolour = [0.5, 0.6, 0.75]\nambient = 0.1\n[materials.board]\nreflect = 0.25\ndiffuse = [0.1, 0.2, 0.3]",
     );
-    assert_eq!(
-        (scene.name.as_str(), scene.cameras.len(), scene.lights.len()),
-        ("mine", 1, 1)
-    );
+    assert_eq!((scene.name.as_str(), scene.cameras.len(), scene.lights.len()), ("mine", 1, 1));
     assert_eq!(
         scene.lights[0],
-        rayreel_scenes::Light::Point {
-            position: [6.0, 10.0, 6.0].into(),
-            colour: [0.5, 0.25, 0.0].into()
-        }
+        rayreel_scenes::Light::Point { position: [6.0, 10.0, 6.0].into(), colour: [0.5, 0.25, 0.0].into() }
     );
-    assert_eq!(
-        (scene.materials[0].optics, scene.materials[0].specular.x),
-        (Optics::Mirror, 0.25)
-    );
+    assert_eq!((scene.materials[0].optics, scene.materials[0].specular.x), (Optics::Mirror, 0.25));
     assert!(scene.sky.ambient < 0.2 && scene.sky.horizon.x > scene.sky.ground.x);
     let plain = toml("");
-    assert_eq!(
-        (plain.name.as_str(), plain.cameras.len(), plain.lights.len()),
-        ("s", 1, 2)
-    );
+    assert_eq!((plain.name.as_str(), plain.cameras.len(), plain.lights.len()), ("s", 1, 2));
 }
 
 #[test]
@@ -475,30 +300,18 @@ fn lamps_of_the_model_become_lights() {
     let obj = format!("mtllib a.mtl\nusemtl m\n{TRIANGLE}");
     let files = folder(&[("a.obj", &obj), ("a.mtl", "newmtl m\nKe 17 8.5 0\n")]);
     let scene = load_in(&files, "a.obj").expect("loads");
-    let [rayreel_scenes::Light::Point { position, colour }] = scene.lights[..] else {
-        panic!("{:?}", scene.lights)
-    };
-    assert!(
-        position.y < 0.0 && (colour.y * 2.0 - colour.x).abs() < 1e-6,
-        "{position} {colour}"
-    );
+    let [rayreel_scenes::Light::Point { position, colour }] = scene.lights[..] else { panic!("{:?}", scene.lights) };
+    assert!(position.y < 0.0 && (colour.y * 2.0 - colour.x).abs() < 1e-6, "{position} {colour}");
 }
 
 #[test]
 fn the_default_camera_looks_past_a_wide_floor() {
-    let mut obj =
-        String::from("v -1000 0 -1000\nv 1000 0 -1000\nv 1000 0 1000\nv -1000 0 1000\nf 4 3 2 1\n");
+    let mut obj = String::from("v -1000 0 -1000\nv 1000 0 -1000\nv 1000 0 1000\nv -1000 0 1000\nf 4 3 2 1\n");
     for i in 0..500 {
         let (x, y) = (f64::from(i % 25) / 25.0, f64::from(i / 25) / 20.0);
-        obj += &format!(
-            "v {x} {y} 0\nv {} {y} 0\nv {x} {} 0\nf -3 -2 -1\n",
-            x + 0.03,
-            y + 0.03
-        );
+        obj += &format!("v {x} {y} 0\nv {} {y} 0\nv {x} {} 0\nf -3 -2 -1\n", x + 0.03, y + 0.03);
     }
-    let camera = load_in(&folder(&[("a.obj", &obj)]), "a.obj")
-        .expect("loads")
-        .cameras[0];
+    let camera = load_in(&folder(&[("a.obj", &obj)]), "a.obj").expect("loads").cameras[0];
     assert!((camera.eye - camera.target).length() < 10.0, "{camera:?}");
 }
 
@@ -512,29 +325,17 @@ fn keyframes_and_paths_give_one_camera_per_frame() {
             && scene.cameras[4].eye.x == 4.0
             && scene.cameras[1].vfov_deg == 40.0
     );
-    assert!(
-        toml_error(&keys.replace("frame = 14", "frame = 10"))
-            .contains("has frame 10 after a frame as late")
-    );
+    assert!(toml_error(&keys.replace("frame = 14", "frame = 10")).contains("has frame 10 after a frame as late"));
     let header = rayreel_scenes::camera::PATH_HEADER;
     for (rows, wanted) in [
         ("1,0,0,5,0,0,0,0,1,0,60\n2,0,0,6,0,0,0,0,1,0,60\n", None),
-        (
-            "1,0,0,5,0,0,0,0,1,0\n",
-            Some("p.csv:2: the row has 10 fields; a camera needs 11"),
-        ),
+        ("1,0,0,5,0,0,0,0,1,0\n", Some("p.csv:2: the row has 10 fields; a camera needs 11")),
         (
             "1,0,0,5,0,0,0,0,1,0,60\n3,0,0,5,0,0,0,0,1,0,60\n",
             Some("p.csv:3: frame 3 follows frame 1; frame numbers rise by one"),
         ),
-        (
-            "1,0,0,x,0,0,0,0,1,0,60\n",
-            Some("p.csv:2: `x` is no finite number"),
-        ),
-        (
-            "1,0,0,0,0,0,0,0,1,0,60\n",
-            Some("p.csv:2: the camera's eye and target are the same point"),
-        ),
+        ("1,0,0,x,0,0,0,0,1,0,60\n", Some("p.csv:2: `x` is no finite number")),
+        ("1,0,0,0,0,0,0,0,1,0,60\n", Some("p.csv:2: the camera's eye and target are the same point")),
         ("", Some("p.csv:1: the camera path has no frame")),
     ] {
         let files = toml_files("model = \"a.obj\"\n[camera]\npath = \"p.csv\"\n");
@@ -557,12 +358,7 @@ fn names_that_are_none_get_a_hint() {
             .to_string()
             .starts_with("no scene is called `teapto`; did you mean `teapot`?")
     );
-    assert!(
-        load("qqqqqqqq")
-            .expect_err("no scene")
-            .to_string()
-            .contains("the built-in scenes are `")
-    );
+    assert!(load("qqqqqqqq").expect_err("no scene").to_string().contains("the built-in scenes are `"));
     let folder = folder(&[]);
     fs::create_dir(folder.path().join("x.obj")).expect("creates");
     for name in ["", "x.obj"] {

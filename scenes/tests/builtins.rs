@@ -10,18 +10,9 @@ const COUNTS: [(&str, usize); 2] = [("teapot", 15_000), ("chess", 42_000)];
 
 /// Content hashes, the same on every machine.
 const HASHES: [(&str, &str); 3] = [
-    (
-        "cornell",
-        "4787d3825e3f7c394bd0ecddcc06882997850f728ecad76333ed163107ccce24",
-    ),
-    (
-        "teapot",
-        "329f9b35963ddacb571bfd48e7de74a204ff59cc153a309bd71f4290a066d150",
-    ),
-    (
-        "chess",
-        "bbc8e62b5f130eb5d12f9d1adcfa59df991d510ecdd50d8449e8abb3b454eb5f",
-    ),
+    ("cornell", "4787d3825e3f7c394bd0ecddcc06882997850f728ecad76333ed163107ccce24"),
+    ("teapot", "329f9b35963ddacb571bfd48e7de74a204ff59cc153a309bd71f4290a066d150"),
+    ("chess", "bbc8e62b5f130eb5d12f9d1adcfa59df991d510ecdd50d8449e8abb3b454eb5f"),
 ];
 
 fn scene(name: &str) -> Scene {
@@ -32,10 +23,7 @@ fn scene(name: &str) -> Scene {
 fn triangle_counts_are_within_two_percent() {
     for (name, wanted) in COUNTS {
         let count = scene(name).mesh.triangles.len();
-        assert!(
-            count.abs_diff(wanted) * 50 <= wanted,
-            "{name} has {count} triangles, not {wanted}"
-        );
+        assert!(count.abs_diff(wanted) * 50 <= wanted, "{name} has {count} triangles, not {wanted}");
     }
     let cornell = scene("cornell").mesh.triangles.len();
     assert!((300..=700).contains(&cornell), "cornell has {cornell}");
@@ -50,9 +38,7 @@ fn solids(scene: &Scene, which: impl Fn(Optics) -> bool) -> Vec<(String, Vec<[Ve
             .mesh
             .triangles
             .iter()
-            .filter(|t| {
-                t.object as usize == object && which(scene.materials[t.material as usize].optics)
-            })
+            .filter(|t| t.object as usize == object && which(scene.materials[t.material as usize].optics))
             .map(|t| t.vertices.map(|v| scene.mesh.positions[v as usize]))
             .collect();
         let mut parent: Vec<usize> = (0..triangles.len()).collect();
@@ -73,10 +59,7 @@ fn solids(scene: &Scene, which: impl Fn(Optics) -> bool) -> Vec<(String, Vec<[Ve
         }
         let mut parts: BTreeMap<usize, Vec<[Vec3; 3]>> = BTreeMap::new();
         for (i, triangle) in triangles.iter().enumerate() {
-            parts
-                .entry(root(&mut parent, i))
-                .or_default()
-                .push(*triangle);
+            parts.entry(root(&mut parent, i)).or_default().push(*triangle);
         }
         groups.extend(parts.into_values().map(|p| (name.clone(), p)));
     }
@@ -96,18 +79,11 @@ fn open_edges(triangles: &[[Vec3; 3]]) -> usize {
             *edges.entry((key(t[k]), key(t[(k + 1) % 3]))).or_default() += 1;
         }
     }
-    edges
-        .iter()
-        .filter(|((a, b), count)| **count != 1 || edges.get(&(*b, *a)) != Some(&1))
-        .count()
+    edges.iter().filter(|((a, b), count)| **count != 1 || edges.get(&(*b, *a)) != Some(&1)).count()
 }
 
 fn volume(triangles: &[[Vec3; 3]]) -> f64 {
-    triangles
-        .iter()
-        .map(|t| t.map(|p| p.as_dvec3()))
-        .map(|[a, b, c]| a.dot(b.cross(c)) / 6.0)
-        .sum()
+    triangles.iter().map(|t| t.map(|p| p.as_dvec3())).map(|[a, b, c]| a.dot(b.cross(c)) / 6.0).sum()
 }
 
 #[test]
@@ -133,14 +109,8 @@ fn chess_has_32_closed_pieces() {
     let scene = scene("chess");
     let pieces = solids(&scene, |_| true);
     let named = |side: &str| scene.objects.iter().filter(|n| n.starts_with(side)).count();
-    assert_eq!(
-        (named("glass "), named("ebony "), named("square ")),
-        (16, 16, 64)
-    );
-    for (object, triangles) in pieces
-        .iter()
-        .filter(|(n, _)| n.starts_with("ebony ") || n.starts_with("glass "))
-    {
+    assert_eq!((named("glass "), named("ebony "), named("square ")), (16, 16, 64));
+    for (object, triangles) in pieces.iter().filter(|(n, _)| n.starts_with("ebony ") || n.starts_with("glass ")) {
         assert_eq!(open_edges(triangles), 0, "`{object}`");
         assert!(volume(triangles) > 0.0, "`{object}` is inside out");
     }
@@ -149,25 +119,16 @@ fn chess_has_32_closed_pieces() {
 #[test]
 fn the_teapot_faces_outwards() {
     let scene = scene("teapot");
-    let pot: Vec<_> = solids(&scene, |o| o == Optics::FresnelMirror)
-        .into_iter()
-        .filter(|(n, _)| n == "teapot")
-        .collect();
-    assert!(
-        pot.len() >= 4,
-        "lid, body, handle and spout are solids of their own"
-    );
+    let pot: Vec<_> =
+        solids(&scene, |o| o == Optics::FresnelMirror).into_iter().filter(|(n, _)| n == "teapot").collect();
+    assert!(pot.len() >= 4, "lid, body, handle and spout are solids of their own");
     for (_, triangles) in pot {
         // None of them is closed, so the volume is taken about their own middle.
         let corners = triangles.iter().flatten();
         let middle = corners.clone().sum::<Vec3>() / corners.count() as f32;
         let moved: Vec<_> = triangles.iter().map(|t| t.map(|p| p - middle)).collect();
         // The ring between lid and rim is flat: its volume is nothing.
-        assert!(
-            volume(&moved) > -1e-3,
-            "a part with {} triangles is inside out",
-            moved.len()
-        );
+        assert!(volume(&moved) > -1e-3, "a part with {} triangles is inside out", moved.len());
     }
 }
 
@@ -175,17 +136,8 @@ fn the_teapot_faces_outwards() {
 fn each_scene_shows_shadows_reflections_and_refractions() {
     for name in builtin_names() {
         let scene = scene(name);
-        let used = |o: Optics| {
-            scene
-                .mesh
-                .triangles
-                .iter()
-                .any(|t| scene.materials[t.material as usize].optics == o)
-        };
-        assert!(
-            used(Optics::Dielectric) && (used(Optics::Mirror) || used(Optics::FresnelMirror)),
-            "{name}"
-        );
+        let used = |o: Optics| scene.mesh.triangles.iter().any(|t| scene.materials[t.material as usize].optics == o);
+        assert!(used(Optics::Dielectric) && (used(Optics::Mirror) || used(Optics::FresnelMirror)), "{name}");
         assert!(!scene.lights.is_empty(), "{name}");
         scene.validate().unwrap_or_else(|e| panic!("{e}"));
         if *name != "cornell" {
@@ -222,11 +174,7 @@ fn hashes_are_stable_and_see_one_vertex() {
         let mut renamed = scene(name);
         renamed.name = "other".into();
         renamed.materials[0].name = "other".into();
-        assert_eq!(
-            first.content_hash(),
-            renamed.content_hash(),
-            "names are no content"
-        );
+        assert_eq!(first.content_hash(), renamed.content_hash(), "names are no content");
     }
 }
 
@@ -234,11 +182,7 @@ fn hashes_are_stable_and_see_one_vertex() {
 #[test]
 fn built_in_scenes_are_the_same_everywhere() {
     for (name, wanted) in HASHES {
-        let hash: String = scene(name)
-            .content_hash()
-            .iter()
-            .map(|b| format!("{b:02x}"))
-            .collect();
+        let hash: String = scene(name).content_hash().iter().map(|b| format!("{b:02x}")).collect();
         assert_eq!(hash, wanted, "{name} has changed");
     }
 }
@@ -248,12 +192,9 @@ fn built_in_scenes_are_the_same_everywhere() {
 fn orbits_are_closed_and_smooth() {
     for name in ["teapot", "chess"] {
         let cameras = scene(name).cameras;
-        let steps: Vec<f32> = (0..cameras.len())
-            .map(|i| (cameras[i].eye - cameras[(i + 1) % cameras.len()].eye).length())
-            .collect();
-        let (low, high) = steps
-            .iter()
-            .fold((f32::MAX, 0.0_f32), |(l, h), s| (l.min(*s), h.max(*s)));
+        let steps: Vec<f32> =
+            (0..cameras.len()).map(|i| (cameras[i].eye - cameras[(i + 1) % cameras.len()].eye).length()).collect();
+        let (low, high) = steps.iter().fold((f32::MAX, 0.0_f32), |(l, h), s| (l.min(*s), h.max(*s)));
         assert!(high < 1.2 * low, "{name}: steps from {low} to {high}");
     }
 }

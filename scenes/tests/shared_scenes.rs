@@ -34,8 +34,8 @@ fn every_model_loads_with_its_triangles() {
     let Some(folder) = folder() else { return };
     for (name, triangles) in MODELS {
         let start = std::time::Instant::now();
-        let scene = load(folder.join(name).to_str().expect("the path is UTF-8"))
-            .unwrap_or_else(|e| panic!("{name}: {e}"));
+        let scene =
+            load(folder.join(name).to_str().expect("the path is UTF-8")).unwrap_or_else(|e| panic!("{name}: {e}"));
         eprintln!(
             "{name}: {} triangles, {} vertices, {} objects, {:?}",
             scene.mesh.triangles.len(),
@@ -43,10 +43,7 @@ fn every_model_loads_with_its_triangles() {
             scene.objects.len(),
             start.elapsed()
         );
-        scene
-            .warnings
-            .iter()
-            .for_each(|w| eprintln!("  {} x {}", w.count, w.message));
+        scene.warnings.iter().for_each(|w| eprintln!("  {} x {}", w.count, w.message));
         assert_eq!(scene.mesh.triangles.len(), triangles, "{name}");
     }
 }
@@ -55,12 +52,8 @@ fn every_model_loads_with_its_triangles() {
 fn the_car_says_what_was_dropped() {
     let Some(folder) = folder() else { return };
     let car = load_obj(folder.join("car_focus/car_focus.obj")).expect("the car loads");
-    let dropped: Vec<u64> = car
-        .warnings
-        .iter()
-        .filter(|w| w.message.contains("without area"))
-        .map(|w| w.count)
-        .collect();
+    let dropped: Vec<u64> =
+        car.warnings.iter().filter(|w| w.message.contains("without area")).map(|w| w.count).collect();
     assert_eq!(dropped, [2]);
 }
 
@@ -68,16 +61,9 @@ fn the_car_says_what_was_dropped() {
 fn the_cornell_glass_is_read_as_a_filter() {
     let Some(folder) = folder() else { return };
     let cornell = load_obj(folder.join("cornell/CornellBox-Sphere.obj")).expect("the box loads");
-    let glass = cornell
-        .materials
-        .iter()
-        .find(|m| m.name == "rightSphere")
-        .expect("it has a glass sphere");
+    let glass = cornell.materials.iter().find(|m| m.name == "rightSphere").expect("it has a glass sphere");
     assert_eq!(glass.optics, Optics::Dielectric);
-    assert!(
-        (glass.transmission.x - 0.9).abs() < 1e-6 && (glass.ior - 2.5).abs() < 1e-6,
-        "{glass:?}"
-    );
+    assert!((glass.transmission.x - 0.9).abs() < 1e-6 && (glass.ior - 2.5).abs() < 1e-6, "{glass:?}");
 }
 
 #[test]

@@ -65,7 +65,6 @@ fn wrong_usage_is_2() {
 
 /// As a trace that is not there: the name is wrong, not what stands in the file.
 #[test]
-#[ignore = "exits with 65 today: src/exit.rs takes every scene error for bad data"]
 fn a_missing_scene_is_2() {
     let folder = tempfile::tempdir().unwrap();
     for (line, word) in [

@@ -135,7 +135,8 @@ pub fn capture(
     };
     let mut writer = start(output, meta, &built.bvh)?;
     let at_start = writer.bytes_written();
-    let mut now = Progress { tiles_total: u64::from(meta.tile_count()) * u64::from(meta.frames), ..Progress::default() };
+    let mut now =
+        Progress { tiles_total: u64::from(meta.tile_count()) * u64::from(meta.frames), ..Progress::default() };
     let mut kept = Vec::new();
     for frame in meta.frame_numbers() {
         let (columns, rows) = meta.grid();
@@ -175,7 +176,7 @@ fn check_frames(scene: &Scene, meta: &Meta) -> Result<()> {
 fn start(output: &Output, meta: &Meta, bvh: &Bvh) -> Result<TraceWriter> {
     if output.resume {
         let Started { writer, .. } =
-            TraceWriter::resume(&output.path, meta, bvh, output.level, &Limits::default())?;
+            TraceWriter::resume(&output.path, meta, bvh, output.level, output.codec, &Limits::default())?;
         return Ok(writer);
     }
     TraceWriter::create(&output.path, meta, bvh, output.level)

@@ -23,15 +23,12 @@ struct Level {
 impl Texture {
     /// Decodes sRGB and averages down to one texel.
     pub fn new(source: &scenes::Texture) -> Self {
-        let table: Vec<u16> = (0..=255u8).map(|c| (srgb_to_linear(f64::from(c) / 255.0) * 65535.0 + 0.5) as u16).collect();
-        let decode = |t: &[u8; 4]| {
-            [table[t[0] as usize], table[t[1] as usize], table[t[2] as usize], u16::from(t[3]) * 257]
-        };
-        let base = Level {
-            width: source.width,
-            height: source.height,
-            texels: source.texels.iter().map(decode).collect(),
-        };
+        let table: Vec<u16> =
+            (0..=255u8).map(|c| (srgb_to_linear(f64::from(c) / 255.0) * 65535.0 + 0.5) as u16).collect();
+        let decode =
+            |t: &[u8; 4]| [table[t[0] as usize], table[t[1] as usize], table[t[2] as usize], u16::from(t[3]) * 257];
+        let base =
+            Level { width: source.width, height: source.height, texels: source.texels.iter().map(decode).collect() };
         let mut levels = vec![base];
         while let Some(next) = levels.last().and_then(Level::halved) {
             levels.push(next);

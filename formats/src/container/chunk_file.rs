@@ -4,9 +4,7 @@ use std::fs::File;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use super::chunk_header::{
-    CHUNK_HEADER_LEN, ChunkHeader, ChunkRecord, ENCODING_STORED, ENCODING_ZSTD, HeaderFault,
-};
+use super::chunk_header::{CHUNK_HEADER_LEN, ChunkHeader, ChunkRecord, ENCODING_STORED, ENCODING_ZSTD, HeaderFault};
 use super::encoding::decompress;
 use super::id::ChunkKind;
 use super::source::{FileSource, Source};
@@ -53,15 +51,8 @@ impl ChunkFile {
     }
 
     pub(crate) fn new(source: Box<dyn Source>, path: &Path, limits: Limits) -> Result<Self> {
-        let len = source
-            .size()
-            .map_err(|error| Error::io(path, "read the length of", error))?;
-        Ok(Self {
-            source,
-            path: path.to_path_buf(),
-            len,
-            limits,
-        })
+        let len = source.size().map_err(|error| Error::io(path, "read the length of", error))?;
+        Ok(Self { source, path: path.to_path_buf(), len, limits })
     }
 
     pub(crate) fn path(&self) -> &Path {
@@ -84,10 +75,7 @@ impl ChunkFile {
     pub(crate) fn fill(&self, offset: u64, buffer: &mut [u8]) -> Result<usize> {
         let mut filled = 0;
         while filled < buffer.len() {
-            match self
-                .source
-                .read_at(offset.saturating_add(filled as u64), &mut buffer[filled..])
-            {
+            match self.source.read_at(offset.saturating_add(filled as u64), &mut buffer[filled..]) {
                 Ok(0) => break,
                 // A source that claims more than was asked for is held to what was asked for.
                 Ok(count) => filled = filled.saturating_add(count).min(buffer.len()),
@@ -100,11 +88,7 @@ impl ChunkFile {
 
     /// Exactly `len` bytes from `offset`. Memory grows in steps with the bytes that arrive.
     pub(crate) fn bytes(&self, offset: u64, len: u64) -> Result<Vec<u8>> {
-        let truncated = |available| Error::Truncated {
-            place: self.place(offset),
-            needed: len,
-            available,
-        };
+        let truncated = |available| Error::Truncated { place: self.place(offset), needed: len, available };
         let available = self.len.saturating_sub(offset);
         if len > available {
             return Err(truncated(available));
@@ -114,8 +98,7 @@ impl ChunkFile {
         while bytes.len() < len {
             let start = bytes.len();
             let step = (len - start).min(start.max(STEP));
-            let out_of_memory =
-                |_| Error::io(&self.path, "hold", io::ErrorKind::OutOfMemory.into());
+            let out_of_memory = |_| Error::io(&self.path, "hold", io::ErrorKind::OutOfMemory.into());
             bytes.try_reserve_exact(step).map_err(out_of_memory)?;
             bytes.resize(start + step, 0);
             let filled = self.fill(offset + start as u64, &mut bytes[start..])?;
@@ -132,22 +115,13 @@ impl ChunkFile {
         let place = self.place(record.offset).of(record.id);
         if record.end() > self.len {
             let available = self.len.saturating_sub(record.offset);
-            return Err(Error::Truncated {
-                place,
-                needed: record.total_len(),
-                available,
-            });
+            return Err(Error::Truncated { place, needed: record.total_len(), available });
         }
-        let mut bytes = self
-            .bytes(record.offset, CHUNK_HEADER_LEN.saturating_add(len))
-            .map_err(|e| e.at(&place))?;
+        let mut bytes = self.bytes(record.offset, CHUNK_HEADER_LEN.saturating_add(len)).map_err(|e| e.at(&place))?;
         match ChunkHeader::parse(&bytes) {
             Ok(header) if header == record.header() => {}
             Ok(_) => {
-                return Err(Error::corrupt(
-                    place,
-                    "the header of this chunk is not what the index says",
-                ));
+                return Err(Error::corrupt(place, "the header of this chunk is not what the index says"));
             }
             Err(HeaderFault::NoMarker) => {
                 return Err(Error::corrupt(place, "no chunk starts here"));
@@ -163,18 +137,10 @@ impl ChunkFile {
     /// The payload of a chunk as it lies in the file, checked.
     pub(crate) fn packed(&self, record: &ChunkRecord) -> Result<Vec<u8>> {
         let place = self.place(record.offset).of(record.id);
-        check_limit(
-            "packed length of a chunk in bytes",
-            record.packed_len,
-            self.limits.max_chunk_packed_bytes,
-        )
-        .map_err(|error| error.at(&place))?;
+        check_limit("packed length of a chunk in bytes", record.packed_len, self.limits.max_chunk_packed_bytes)
+            .map_err(|error| error.at(&place))?;
         let packed = self.header_and(record, record.packed_len)?;
-        let part = if record.id.kind == ChunkKind::INDX {
-            Checked::Index
-        } else {
-            Checked::Payload
-        };
+        let part = if record.id.kind == ChunkKind::INDX { Checked::Index } else { Checked::Payload };
         check_crc(&packed, record.payload_crc, part, place)?;
         Ok(packed)
     }
@@ -182,39 +148,24 @@ impl ChunkFile {
     /// The payload of a chunk, checked and unpacked, of at most `raw_len_max` bytes.
     pub(crate) fn read(&self, record: &ChunkRecord, raw_len_max: u64) -> Result<Vec<u8>> {
         let place = self.place(record.offset).of(record.id);
-        check_limit(
-            "raw length of a chunk in bytes",
-            record.raw_len,
-            raw_len_max,
-        )
-        .map_err(|e| e.at(&place))?;
+        check_limit("raw length of a chunk in bytes", record.raw_len, raw_len_max).map_err(|e| e.at(&place))?;
         let stored = match record.encoding {
             ENCODING_STORED => true,
             ENCODING_ZSTD => false,
             encoding => return Err(Error::UnsupportedEncoding { place, encoding }),
         };
         if stored && record.raw_len != record.packed_len {
-            return Err(Error::corrupt(
-                place,
-                "a stored chunk has two different lengths",
-            ));
+            return Err(Error::corrupt(place, "a stored chunk has two different lengths"));
         }
         let packed = self.packed(record)?;
-        if stored {
-            Ok(packed)
-        } else {
-            decompress(&packed, record.raw_len).map_err(|e| Error::corrupt(place, e))
-        }
+        if stored { Ok(packed) } else { decompress(&packed, record.raw_len).map_err(|e| Error::corrupt(place, e)) }
     }
 
     /// The directory of a tile; reads nothing else of it but its header.
     pub(crate) fn tile_directory(&self, record: &ChunkRecord) -> Result<TileDirectory> {
         self.require_tile(record)?;
         let place = self.payload_place(record);
-        let directory = self.header_and(
-            record,
-            u64::from(record.directory_len).min(record.packed_len),
-        )?;
+        let directory = self.header_and(record, u64::from(record.directory_len).min(record.packed_len))?;
         let parsed = TileDirectory::parse(&directory, record.packed_len, &place, &self.limits)?;
         self.check_directory_len(record, &parsed)?;
         Ok(parsed)
@@ -224,12 +175,7 @@ impl ChunkFile {
     pub(crate) fn read_tile(&self, record: &ChunkRecord) -> Result<TilePayload> {
         self.require_tile(record)?;
         let bytes = self.read(record, self.limits.max_chunk_raw_bytes)?;
-        let directory = TileDirectory::parse(
-            &bytes,
-            record.packed_len,
-            &self.payload_place(record),
-            &self.limits,
-        )?;
+        let directory = TileDirectory::parse(&bytes, record.packed_len, &self.payload_place(record), &self.limits)?;
         self.check_directory_len(record, &directory)?;
         Ok(TilePayload { directory, bytes })
     }
@@ -244,37 +190,20 @@ impl ChunkFile {
         let Some(column) = directory.column(id) else {
             return Ok(None);
         };
-        let start = record
-            .offset
-            .saturating_add(CHUNK_HEADER_LEN)
-            .saturating_add(column.offset);
+        let start = record.offset.saturating_add(CHUNK_HEADER_LEN).saturating_add(column.offset);
         let place = self.place(start).of(record.id);
-        check_limit(
-            "packed length of a column in bytes",
-            column.packed_len,
-            self.limits.max_chunk_packed_bytes,
-        )
-        .map_err(|error| error.at(&place))?;
-        if column
-            .offset
-            .checked_add(column.packed_len)
-            .is_none_or(|end| end > record.packed_len)
-        {
-            return Err(Error::usage(format!(
-                "this directory is not that of the {}",
-                record.id
-            )));
-        }
-        let packed = self
-            .bytes(start, column.packed_len)
+        check_limit("packed length of a column in bytes", column.packed_len, self.limits.max_chunk_packed_bytes)
             .map_err(|error| error.at(&place))?;
+        if column.offset.checked_add(column.packed_len).is_none_or(|end| end > record.packed_len) {
+            return Err(Error::usage(format!("this directory is not that of the {}", record.id)));
+        }
+        let packed = self.bytes(start, column.packed_len).map_err(|error| error.at(&place))?;
         check_crc(&packed, column.crc, Checked::Column(id), place)?;
         Ok(Some(packed))
     }
 
     fn payload_place(&self, record: &ChunkRecord) -> Place {
-        self.place(record.offset.saturating_add(CHUNK_HEADER_LEN))
-            .of(record.id)
+        self.place(record.offset.saturating_add(CHUNK_HEADER_LEN)).of(record.id)
     }
 
     fn require_tile(&self, record: &ChunkRecord) -> Result<()> {
@@ -283,10 +212,7 @@ impl ChunkFile {
         }
         if record.encoding != ENCODING_STORED {
             let place = self.place(record.offset).of(record.id);
-            return Err(Error::UnsupportedEncoding {
-                place,
-                encoding: record.encoding,
-            });
+            return Err(Error::UnsupportedEncoding { place, encoding: record.encoding });
         }
         Ok(())
     }
@@ -302,22 +228,9 @@ impl ChunkFile {
 
 fn check_crc(bytes: &[u8], stored: u32, part: Checked, place: Place) -> Result<()> {
     let computed = crc32fast::hash(bytes);
-    if stored == computed {
-        Ok(())
-    } else {
-        Err(mismatch(place, part, Mismatch { stored, computed }))
-    }
+    if stored == computed { Ok(()) } else { Err(mismatch(place, part, Mismatch { stored, computed })) }
 }
 
-pub(crate) fn mismatch(
-    place: Place,
-    part: Checked,
-    Mismatch { stored, computed }: Mismatch,
-) -> Error {
-    Error::ChecksumMismatch {
-        place,
-        part,
-        stored,
-        computed,
-    }
+pub(crate) fn mismatch(place: Place, part: Checked, Mismatch { stored, computed }: Mismatch) -> Error {
+    Error::ChecksumMismatch { place, part, stored, computed }
 }

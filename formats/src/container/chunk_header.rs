@@ -46,21 +46,8 @@ impl ChunkRecord {
 
     /// The header that goes with this record.
     pub(crate) fn header(&self) -> ChunkHeader {
-        let Self {
-            id,
-            encoding,
-            raw_len,
-            packed_len,
-            payload_crc,
-            ..
-        } = *self;
-        ChunkHeader {
-            id,
-            encoding,
-            raw_len,
-            packed_len,
-            payload_crc,
-        }
+        let Self { id, encoding, raw_len, packed_len, payload_crc, .. } = *self;
+        ChunkHeader { id, encoding, raw_len, packed_len, payload_crc }
     }
 }
 
@@ -100,53 +87,25 @@ impl ChunkHeader {
 
     /// Reads the header from the first 48 of `bytes`.
     pub(crate) fn parse(bytes: &[u8]) -> Result<Self, HeaderFault> {
-        let bytes = bytes
-            .get(..CHUNK_HEADER_LEN as usize)
-            .ok_or(HeaderFault::NoMarker)?;
+        let bytes = bytes.get(..CHUNK_HEADER_LEN as usize).ok_or(HeaderFault::NoMarker)?;
         if !bytes.starts_with(&SYNC) {
             return Err(HeaderFault::NoMarker);
         }
-        let body = split_crc(bytes)
-            .ok_or(HeaderFault::NoMarker)?
-            .map_err(HeaderFault::Checksum)?;
+        let body = split_crc(bytes).ok_or(HeaderFault::NoMarker)?.map_err(HeaderFault::Checksum)?;
         Self::fields(Fields(&body[SYNC.len()..])).ok_or(HeaderFault::NoMarker)
     }
 
     fn fields(mut fields: Fields<'_>) -> Option<Self> {
-        let id = ChunkId {
-            kind: ChunkKind(fields.bytes()?),
-            frame: fields.u32()?,
-            tile: fields.u32()?,
-        };
+        let id = ChunkId { kind: ChunkKind(fields.bytes()?), frame: fields.u32()?, tile: fields.u32()? };
         let encoding = fields.u32()?;
         let _reserved = fields.u32()?;
         let (raw_len, packed_len) = (fields.u64()?, fields.u64()?);
-        Some(Self {
-            id,
-            encoding,
-            raw_len,
-            packed_len,
-            payload_crc: fields.u32()?,
-        })
+        Some(Self { id, encoding, raw_len, packed_len, payload_crc: fields.u32()? })
     }
 
     /// The record of the chunk if its header lies at `offset`.
     pub(crate) fn record(&self, offset: u64, directory_len: u32) -> ChunkRecord {
-        let Self {
-            id,
-            encoding,
-            raw_len,
-            packed_len,
-            payload_crc,
-        } = *self;
-        ChunkRecord {
-            id,
-            encoding,
-            offset,
-            packed_len,
-            raw_len,
-            payload_crc,
-            directory_len,
-        }
+        let Self { id, encoding, raw_len, packed_len, payload_crc } = *self;
+        ChunkRecord { id, encoding, offset, packed_len, raw_len, payload_crc, directory_len }
     }
 }

@@ -23,10 +23,7 @@ impl EncodedChunk {
     /// [`Error::Usage`] for those two, for an id that does not fit its kind, and for a zstd level outside 1 to 22.
     pub fn new(id: ChunkId, encoding: Encoding, payload: &[u8]) -> Result<Self> {
         if id.kind == ChunkKind::TILE || id.kind == ChunkKind::INDX {
-            return Err(Error::usage(format!(
-                "a {} is not written from a plain payload",
-                id
-            )));
+            return Err(Error::usage(format!("a {} is not written from a plain payload", id)));
         }
         let packed = match encoding {
             Encoding::Stored => payload.to_vec(),
@@ -51,24 +48,14 @@ impl EncodedChunk {
             max_chunk_raw_bytes: u64::MAX,
             ..Limits::default()
         };
-        let directory = TileDirectory::parse(
-            &payload,
-            payload.len() as u64,
-            &Place::unknown().of(id),
-            &all,
-        )?;
+        let directory = TileDirectory::parse(&payload, payload.len() as u64, &Place::unknown().of(id), &all)?;
         let mut chunk = Self::packed(id, Encoding::Stored, payload.len() as u64, payload)?;
         chunk.directory = Some(directory);
         Ok(chunk)
     }
 
     /// A chunk whose payload is packed already. The index is made this way.
-    pub(crate) fn packed(
-        id: ChunkId,
-        encoding: Encoding,
-        raw_len: u64,
-        payload: Vec<u8>,
-    ) -> Result<Self> {
+    pub(crate) fn packed(id: ChunkId, encoding: Encoding, raw_len: u64, payload: Vec<u8>) -> Result<Self> {
         if !id.is_well_formed() {
             return Err(Error::usage(format!(
                 "frame {} and tile {} do not fit the kind {}",
@@ -82,11 +69,7 @@ impl EncodedChunk {
             packed_len: payload.len() as u64,
             payload_crc: crc32fast::hash(&payload),
         };
-        Ok(Self {
-            header,
-            payload,
-            directory: None,
-        })
+        Ok(Self { header, payload, directory: None })
     }
 
     /// What the chunk is.

@@ -40,9 +40,7 @@ const STEP: usize = 1 << 20;
 /// [`Error::Usage`] for a level outside 1 to 22; [`Error::Decode`] if zstd itself fails.
 pub(crate) fn compress(raw: &[u8], level: i32) -> Result<Vec<u8>> {
     if !(1..=22).contains(&level) {
-        return Err(Error::usage(format!(
-            "zstd level {level} is outside 1 to 22"
-        )));
+        return Err(Error::usage(format!("zstd level {level} is outside 1 to 22")));
     }
     let pack = || -> io::Result<Vec<u8>> {
         let mut compressor = zstd::bulk::Compressor::new(level)?;
@@ -60,27 +58,18 @@ pub(crate) fn compress(raw: &[u8], level: i32) -> Result<Vec<u8>> {
 /// # Errors
 /// A sentence on what is wrong with the frame.
 pub(crate) fn decompress(packed: &[u8], raw_len: u64) -> Result<Vec<u8>, String> {
-    let window_log = raw_len
-        .max(1)
-        .next_power_of_two()
-        .trailing_zeros()
-        .clamp(WINDOW_LOG_MIN, WINDOW_LOG_MAX);
+    let window_log = raw_len.max(1).next_power_of_two().trailing_zeros().clamp(WINDOW_LOG_MIN, WINDOW_LOG_MAX);
     let mut raw = Vec::with_capacity(usize::try_from(raw_len).unwrap_or(STEP).min(STEP));
     let mut unpack = || -> io::Result<bool> {
         let mut decoder = zstd::stream::read::Decoder::with_buffer(packed)?.single_frame();
         decoder.window_log_max(window_log)?;
         // One byte more than agreed shows a frame that is too long, and lets the decoder reach the end of the frame.
-        decoder
-            .by_ref()
-            .take(raw_len.saturating_add(1))
-            .read_to_end(&mut raw)?;
+        decoder.by_ref().take(raw_len.saturating_add(1)).read_to_end(&mut raw)?;
         Ok(decoder.finish().is_empty())
     };
     let all_used = unpack().map_err(|error| format!("zstd frame: {error}"))?;
     if raw.len() as u64 != raw_len {
-        return Err(format!(
-            "zstd frame does not give the {raw_len} bytes that the header promises"
-        ));
+        return Err(format!("zstd frame does not give the {raw_len} bytes that the header promises"));
     }
     if !all_used {
         return Err("bytes follow the zstd frame".to_owned());
@@ -117,10 +106,7 @@ mod tests {
             assert!(decompress(&longer, len as u64).is_err());
             longer.pop();
             longer.extend_from_slice(&packed);
-            assert!(
-                decompress(&longer, len as u64).is_err(),
-                "two frames are not one"
-            );
+            assert!(decompress(&longer, len as u64).is_err(), "two frames are not one");
             longer.truncate(packed.len() - 1);
             assert!(decompress(&longer, len as u64).is_err());
         }

@@ -40,57 +40,34 @@ impl FileHeader {
     pub(crate) fn parse(bytes: &[u8], path: &Path) -> Result<Self> {
         let known = bytes.len().min(MAGIC.len());
         if bytes[..known] != MAGIC[..known] || bytes.is_empty() {
-            return Err(Error::NotATrace {
-                path: path.to_path_buf(),
-            });
+            return Err(Error::NotATrace { path: path.to_path_buf() });
         }
         let Some(bytes) = bytes.get(..FILE_HEADER_LEN) else {
             let (needed, available) = (FILE_HEADER_LEN as u64, bytes.len() as u64);
-            return Err(Error::Truncated {
-                place: Place::new(path, 0),
-                needed,
-                available,
-            });
+            return Err(Error::Truncated { place: Place::new(path, 0), needed, available });
         };
         let body = match split_crc(bytes) {
             Some(Ok(body)) => body,
             Some(Err(bad)) => {
                 let (stored, computed, part) = (bad.stored, bad.computed, Checked::FileHeader);
-                return Err(Error::ChecksumMismatch {
-                    place: Place::new(path, 0),
-                    part,
-                    stored,
-                    computed,
-                });
+                return Err(Error::ChecksumMismatch { place: Place::new(path, 0), part, stored, computed });
             }
             None => {
-                return Err(Error::NotATrace {
-                    path: path.to_path_buf(),
-                });
+                return Err(Error::NotATrace { path: path.to_path_buf() });
             }
         };
-        Self::parse_body(&body[MAGIC.len()..], path).unwrap_or_else(|| {
-            Err(Error::NotATrace {
-                path: path.to_path_buf(),
-            })
-        })
+        Self::parse_body(&body[MAGIC.len()..], path)
+            .unwrap_or_else(|| Err(Error::NotATrace { path: path.to_path_buf() }))
     }
 
     /// The fields after the magic; `None` if there are too few bytes.
     fn parse_body(body: &[u8], path: &Path) -> Option<Result<Self>> {
         let mut fields = Fields(body);
-        let version = FormatVersion {
-            major: fields.u16()?,
-            minor: fields.u16()?,
-        };
+        let version = FormatVersion { major: fields.u16()?, minor: fields.u16()? };
         let len = fields.u32()?;
         let known = FormatVersion::CURRENT;
         if version.major != known.major {
-            return Some(Err(Error::UnsupportedVersion {
-                path: path.to_path_buf(),
-                found: version,
-                known,
-            }));
+            return Some(Err(Error::UnsupportedVersion { path: path.to_path_buf(), found: version, known }));
         }
         let len_max = match version.minor > known.minor {
             true => FILE_HEADER_LEN_MAX,
@@ -100,9 +77,6 @@ impl FileHeader {
             let detail = format!("the file header claims to be {len} bytes long");
             return Some(Err(Error::corrupt(Place::new(path, 12), detail)));
         }
-        Some(Ok(Self {
-            version,
-            len: u64::from(len),
-        }))
+        Some(Ok(Self { version, len: u64::from(len) }))
     }
 }

@@ -77,40 +77,20 @@ pub struct ChunkId {
 
 impl ChunkId {
     /// The metadata.
-    pub const META: Self = Self {
-        kind: ChunkKind::META,
-        frame: NONE,
-        tile: NONE,
-    };
+    pub const META: Self = Self { kind: ChunkKind::META, frame: NONE, tile: NONE };
     /// The acceleration structure.
-    pub const BVH: Self = Self {
-        kind: ChunkKind::BVH,
-        frame: NONE,
-        tile: NONE,
-    };
+    pub const BVH: Self = Self { kind: ChunkKind::BVH, frame: NONE, tile: NONE };
     /// The index.
-    pub(crate) const INDX: Self = Self {
-        kind: ChunkKind::INDX,
-        frame: NONE,
-        tile: NONE,
-    };
+    pub(crate) const INDX: Self = Self { kind: ChunkKind::INDX, frame: NONE, tile: NONE };
 
     /// A frame.
     pub const fn frame(frame: u32) -> Self {
-        Self {
-            kind: ChunkKind::FRAM,
-            frame,
-            tile: NONE,
-        }
+        Self { kind: ChunkKind::FRAM, frame, tile: NONE }
     }
 
     /// A tile of a frame.
     pub const fn tile(frame: u32, tile: u32) -> Self {
-        Self {
-            kind: ChunkKind::TILE,
-            frame,
-            tile,
-        }
+        Self { kind: ChunkKind::TILE, frame, tile }
     }
 
     /// Whether frame and tile are given exactly where the kind wants them. Always true for unknown kinds.
@@ -146,10 +126,7 @@ mod tests {
     fn ids_print_only_what_they_have() {
         assert_eq!(ChunkId::BVH.to_string(), "BVH chunk");
         assert_eq!(ChunkId::frame(2).to_string(), "FRAM chunk of frame 2");
-        assert_eq!(
-            ChunkId::tile(2, 0).to_string(),
-            "TILE chunk of frame 2, tile 0"
-        );
+        assert_eq!(ChunkId::tile(2, 0).to_string(), "TILE chunk of frame 2, tile 0");
         assert_eq!(ChunkKind(*b"a\n\xffz").to_string(), "a\\n\\xffz");
     }
 }

@@ -37,30 +37,17 @@ pub(crate) struct Index {
 impl Index {
     /// Longest index of a file with this many chunks, in bytes before compression.
     pub(crate) fn raw_len_max(chunks: u64) -> u64 {
-        chunks
-            .saturating_mul(INDEX_ENTRY_LEN)
-            .saturating_add(INDEX_FIXED_LEN + 256 * INDEX_TOTALS_LEN)
+        chunks.saturating_mul(INDEX_ENTRY_LEN).saturating_add(INDEX_FIXED_LEN + 256 * INDEX_TOTALS_LEN)
     }
 
     /// Takes in one more chunk, at the end of the file.
     pub(crate) fn push(&mut self, record: ChunkRecord, directory: Option<&TileDirectory>) {
         self.chunks.push(record);
         for column in directory.map_or(&[][..], TileDirectory::columns) {
-            let at = match self
-                .totals
-                .binary_search_by_key(&column.id, |totals| totals.id)
-            {
+            let at = match self.totals.binary_search_by_key(&column.id, |totals| totals.id) {
                 Ok(at) => at,
                 Err(at) => {
-                    self.totals.insert(
-                        at,
-                        ColumnTotals {
-                            id: column.id,
-                            tiles: 0,
-                            packed_bytes: 0,
-                            raw_bytes: 0,
-                        },
-                    );
+                    self.totals.insert(at, ColumnTotals { id: column.id, tiles: 0, packed_bytes: 0, raw_bytes: 0 });
                     at
                 }
             };
@@ -111,10 +98,7 @@ impl Index {
         if len != Some(bytes.len() as u64) {
             return Err("the index is not as long as its counts say");
         }
-        let mut index = Self {
-            chunks: Vec::with_capacity(chunks as usize),
-            totals: Vec::new(),
-        };
+        let mut index = Self { chunks: Vec::with_capacity(chunks as usize), totals: Vec::new() };
         for _ in 0..chunks {
             index.chunks.push(parse_entry(&mut fields).ok_or(SHORT)?);
         }
@@ -133,50 +117,29 @@ impl Index {
     ///
     /// # Errors
     /// The first chunk at fault, or the end of the chunks, and a sentence on what is wrong.
-    pub(crate) fn check_layout(
-        &self,
-        start: u64,
-        end: u64,
-    ) -> Result<(), (u64, ChunkId, &'static str)> {
+    pub(crate) fn check_layout(&self, start: u64, end: u64) -> Result<(), (u64, ChunkId, &'static str)> {
         let mut at = start;
         let mut columns_len = 0_u64;
         for chunk in &self.chunks {
             let fault = |what| (at, chunk.id, what);
             if chunk.offset != at {
-                return Err(fault(
-                    "the index leaves a gap or overlaps before this chunk",
-                ));
+                return Err(fault("the index leaves a gap or overlaps before this chunk"));
             }
             check_entry(chunk).map_err(fault)?;
             if chunk.id.kind == ChunkKind::TILE {
-                columns_len =
-                    columns_len.saturating_add(chunk.packed_len - u64::from(chunk.directory_len));
+                columns_len = columns_len.saturating_add(chunk.packed_len - u64::from(chunk.directory_len));
             }
-            at = at
-                .checked_add(CHUNK_HEADER_LEN)
-                .and_then(|at| at.checked_add(chunk.packed_len))
-                .unwrap_or(u64::MAX);
+            at = at.checked_add(CHUNK_HEADER_LEN).and_then(|at| at.checked_add(chunk.packed_len)).unwrap_or(u64::MAX);
             if at > end {
-                return Err((
-                    chunk.offset,
-                    chunk.id,
-                    "the index has this chunk end behind the last one",
-                ));
+                return Err((chunk.offset, chunk.id, "the index has this chunk end behind the last one"));
             }
         }
         if at != end {
             return Err((at, ChunkId::INDX, "the index does not list what lies here"));
         }
-        let totals = self
-            .totals
-            .iter()
-            .fold(0_u64, |sum, totals| sum.saturating_add(totals.packed_bytes));
+        let totals = self.totals.iter().fold(0_u64, |sum, totals| sum.saturating_add(totals.packed_bytes));
         if totals != columns_len {
-            return Err((
-                end,
-                ChunkId::INDX,
-                "the column totals of the index do not add up to its tiles",
-            ));
+            return Err((end, ChunkId::INDX, "the column totals of the index do not add up to its tiles"));
         }
         Ok(())
     }
@@ -194,40 +157,19 @@ fn check_entry(chunk: &ChunkRecord) -> Result<(), &'static str> {
         ChunkKind::TILE => (8..=chunk.packed_len).contains(&u64::from(chunk.directory_len)),
         _ => chunk.directory_len == 0,
     };
-    if directory_fits {
-        Ok(())
-    } else {
-        Err("the length of the column directory does not fit this chunk")
-    }
+    if directory_fits { Ok(()) } else { Err("the length of the column directory does not fit this chunk") }
 }
 
 fn parse_entry(fields: &mut Fields<'_>) -> Option<ChunkRecord> {
-    let id = ChunkId {
-        kind: ChunkKind(fields.bytes()?),
-        frame: fields.u32()?,
-        tile: fields.u32()?,
-    };
+    let id = ChunkId { kind: ChunkKind(fields.bytes()?), frame: fields.u32()?, tile: fields.u32()? };
     let encoding = fields.u32()?;
     let (offset, packed_len, raw_len) = (fields.u64()?, fields.u64()?, fields.u64()?);
     let (payload_crc, directory_len) = (fields.u32()?, fields.u32()?);
-    Some(ChunkRecord {
-        id,
-        encoding,
-        offset,
-        packed_len,
-        raw_len,
-        payload_crc,
-        directory_len,
-    })
+    Some(ChunkRecord { id, encoding, offset, packed_len, raw_len, payload_crc, directory_len })
 }
 
 fn parse_totals(fields: &mut Fields<'_>) -> Option<ColumnTotals> {
     let id = fields.u8()?;
     let _reserved = fields.bytes::<7>()?;
-    Some(ColumnTotals {
-        id,
-        tiles: fields.u64()?,
-        packed_bytes: fields.u64()?,
-        raw_bytes: fields.u64()?,
-    })
+    Some(ColumnTotals { id, tiles: fields.u64()?, packed_bytes: fields.u64()?, raw_bytes: fields.u64()? })
 }

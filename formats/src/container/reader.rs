@@ -63,21 +63,13 @@ impl Reader {
         let raw = file.read(&record, Index::raw_len_max(trailer.chunks))?;
         let index = Index::parse(&raw).map_err(|detail| Error::corrupt(place.clone(), detail))?;
         if index.chunks.len() as u64 != trailer.chunks {
-            return Err(Error::corrupt(
-                place,
-                "index and trailer count different numbers of chunks",
-            ));
+            return Err(Error::corrupt(place, "index and trailer count different numbers of chunks"));
         }
         index
             .check_layout(header.len, trailer.index_offset)
             .map_err(|(offset, id, detail)| Error::corrupt(file.place(offset).of(id), detail))?;
         let by_id = sorted_by_id(&file, &index.chunks)?;
-        Ok(Self {
-            file,
-            version: header.version,
-            index,
-            by_id,
-        })
+        Ok(Self { file, version: header.version, index, by_id })
     }
 
     /// Version of the format the file was written in; its minor version may be newer than this build.
@@ -86,10 +78,7 @@ impl Reader {
     }
 
     /// Length of the file in bytes.
-    #[expect(
-        clippy::len_without_is_empty,
-        reason = "a trace is never empty: it has a header and a trailer"
-    )]
+    #[expect(clippy::len_without_is_empty, reason = "a trace is never empty: it has a header and a trailer")]
     pub fn len(&self) -> u64 {
         self.file.len()
     }
@@ -116,9 +105,7 @@ impl Reader {
 
     /// The chunk with this id, in O(log n). The first in the file, if its kind is unknown and there are several.
     pub fn find(&self, id: ChunkId) -> Option<&ChunkRecord> {
-        let at = self
-            .by_id
-            .partition_point(|&at| self.index.chunks[at as usize].id < id);
+        let at = self.by_id.partition_point(|&at| self.index.chunks[at as usize].id < id);
         let record = self.index.chunks.get(*self.by_id.get(at)? as usize)?;
         (record.id == id).then_some(record)
     }
@@ -152,12 +139,7 @@ impl Reader {
     ///
     /// # Errors
     /// As [`Reader::read`]; [`Error::Usage`] if the directory is not that of the tile.
-    pub fn read_column(
-        &self,
-        record: &ChunkRecord,
-        directory: &TileDirectory,
-        id: u8,
-    ) -> Result<Option<Vec<u8>>> {
+    pub fn read_column(&self, record: &ChunkRecord, directory: &TileDirectory, id: u8) -> Result<Option<Vec<u8>>> {
         self.file.read_column(record, directory, id)
     }
 
@@ -179,13 +161,8 @@ pub(crate) fn read_file_header(file: &ChunkFile) -> Result<FileHeader> {
 
 /// The trailer and its offset. A file without one was not finished, or lost its end.
 fn read_trailer(file: &ChunkFile) -> Result<(Trailer, u64)> {
-    let missing = || Error::MissingIndex {
-        path: file.path().to_path_buf(),
-    };
-    let offset = file
-        .len()
-        .checked_sub(TRAILER_LEN as u64)
-        .ok_or_else(missing)?;
+    let missing = || Error::MissingIndex { path: file.path().to_path_buf() };
+    let offset = file.len().checked_sub(TRAILER_LEN as u64).ok_or_else(missing)?;
     let mut bytes = [0; TRAILER_LEN];
     if file.fill(offset, &mut bytes)? < TRAILER_LEN {
         return Err(missing());
@@ -193,60 +170,35 @@ fn read_trailer(file: &ChunkFile) -> Result<(Trailer, u64)> {
     match Trailer::parse(&bytes) {
         Ok(trailer) => Ok((trailer, offset)),
         Err(TrailerFault::NoMagic) => Err(missing()),
-        Err(TrailerFault::Checksum(bad)) => {
-            Err(mismatch(file.place(offset), Checked::Trailer, bad))
-        }
+        Err(TrailerFault::Checksum(bad)) => Err(mismatch(file.place(offset), Checked::Trailer, bad)),
     }
 }
 
 /// The record of the index, after checks that bound the memory it can take: every chunk it lists has a header in the file.
-fn index_record(
-    file: &ChunkFile,
-    header: &FileHeader,
-    trailer: &Trailer,
-    trailer_offset: u64,
-) -> Result<ChunkRecord> {
+fn index_record(file: &ChunkFile, header: &FileHeader, trailer: &Trailer, trailer_offset: u64) -> Result<ChunkRecord> {
     let corrupt = |detail: &str| Error::corrupt(file.place(trailer_offset), detail);
-    if trailer.index_offset < header.len
-        || trailer.index_offset.checked_add(trailer.index_len) != Some(trailer_offset)
+    if trailer.index_offset < header.len || trailer.index_offset.checked_add(trailer.index_len) != Some(trailer_offset)
     {
-        return Err(corrupt(
-            "the trailer does not point at an index that ends where the trailer starts",
-        ));
+        return Err(corrupt("the trailer does not point at an index that ends where the trailer starts"));
     }
     if trailer.chunks > (trailer.index_offset - header.len) / CHUNK_HEADER_LEN {
-        return Err(corrupt(
-            "the trailer counts more chunks than the file has room for",
-        ));
+        return Err(corrupt("the trailer counts more chunks than the file has room for"));
     }
-    check_limit(
-        "number of chunks",
-        trailer.chunks,
-        file.limits().max_index_entries,
-    )
-    .map_err(|error| error.at(&file.place(trailer_offset)))?;
+    check_limit("number of chunks", trailer.chunks, file.limits().max_index_entries)
+        .map_err(|error| error.at(&file.place(trailer_offset)))?;
     let place = file.place(trailer.index_offset);
     let mut bytes = [0; CHUNK_HEADER_LEN as usize];
     let filled = file.fill(trailer.index_offset, &mut bytes)?;
     let index = match ChunkHeader::parse(&bytes[..filled]) {
         Ok(index) => index,
         Err(HeaderFault::NoMarker) => {
-            return Err(Error::corrupt(
-                place,
-                "the trailer does not point at a chunk",
-            ));
+            return Err(Error::corrupt(place, "the trailer does not point at a chunk"));
         }
         Err(HeaderFault::Checksum(bad)) => return Err(mismatch(place, Checked::ChunkHeader, bad)),
     };
     let record = index.record(trailer.index_offset, 0);
-    if index.id != ChunkId::INDX
-        || index.encoding != ENCODING_ZSTD
-        || record.total_len() != trailer.index_len
-    {
-        return Err(Error::corrupt(
-            place,
-            "the chunk that the trailer points at is not the index it describes",
-        ));
+    if index.id != ChunkId::INDX || index.encoding != ENCODING_ZSTD || record.total_len() != trailer.index_len {
+        return Err(Error::corrupt(place, "the chunk that the trailer points at is not the index it describes"));
     }
     Ok(record)
 }
@@ -260,14 +212,8 @@ fn sorted_by_id(file: &ChunkFile, chunks: &[ChunkRecord]) -> Result<Vec<u32>> {
     for pair in by_id.windows(2) {
         let (first, second) = (&chunks[pair[0] as usize], &chunks[pair[1] as usize]);
         if first.id == second.id && ChunkKind::is_known(first.id.kind) {
-            let detail = format!(
-                "second {}, the first is at byte {}",
-                second.id, first.offset
-            );
-            return Err(Error::corrupt(
-                file.place(second.offset).of(second.id),
-                detail,
-            ));
+            let detail = format!("second {}, the first is at byte {}", second.id, first.offset);
+            return Err(Error::corrupt(file.place(second.offset).of(second.id), detail));
         }
     }
     Ok(by_id)

@@ -50,21 +50,14 @@ pub fn repair(input: &Path, output: &Path, limits: &Limits) -> Result<RepairRepo
     let scan = scan_file(&file)?;
     let (kept, duplicates) = canonical(&scan.chunks);
     if kept.is_empty() {
-        return Err(Error::corrupt(
-            file.place(0),
-            "no chunk of this file is whole",
-        ));
+        return Err(Error::corrupt(file.place(0), "no chunk of this file is whole"));
     }
     let expected = indexed(&file, &scan);
     let lost = lost(&kept, &scan, expected.as_deref());
     let version = scan.version.unwrap_or(FormatVersion::CURRENT);
     let temporary = with_suffix(output, ".repairing")?;
     let finished = create(&temporary, output, version)
-        .and_then(|mut writer| {
-            kept.iter()
-                .try_for_each(|record| writer.copy(&file, record))
-                .map(|()| writer)
-        })
+        .and_then(|mut writer| kept.iter().try_for_each(|record| writer.copy(&file, record)).map(|()| writer))
         .and_then(Writer::finish)
         .inspect_err(|error| {
             if !matches!(error, Error::Busy { .. }) {
@@ -87,14 +80,9 @@ fn refuse_existing(input: &Path, output: &Path) -> Result<()> {
         return Ok(());
     };
     if fs::canonicalize(input).is_ok_and(|input| input == existing) {
-        return Err(Error::usage(
-            "a file cannot be repaired in place; name another output",
-        ));
+        return Err(Error::usage("a file cannot be repaired in place; name another output"));
     }
-    Err(Error::AlreadyExists {
-        path: output.to_path_buf(),
-        hint: "name another output, or delete this file",
-    })
+    Err(Error::AlreadyExists { path: output.to_path_buf(), hint: "name another output, or delete this file" })
 }
 
 /// The first chunk of every id in canonical order, and the number of chunks left out.
@@ -110,11 +98,7 @@ fn canonical(chunks: &[ChunkRecord]) -> (Vec<ChunkRecord>, u64) {
 /// Sorts chunks of the whole file first, then by frame; within those by kind, unknown kinds last and in file order.
 fn canonical_key(record: &ChunkRecord) -> (u64, u8, u32, u64) {
     let id = record.id;
-    let group = if id.frame == NONE {
-        0
-    } else {
-        u64::from(id.frame) + 1
-    };
+    let group = if id.frame == NONE { 0 } else { u64::from(id.frame) + 1 };
     let (rank, tile) = match id.kind {
         ChunkKind::META => (0, 0),
         ChunkKind::BVH => (1, 0),
@@ -129,14 +113,7 @@ fn canonical_key(record: &ChunkRecord) -> (u64, u8, u32, u64) {
 fn indexed(file: &ChunkFile, scan: &Scan) -> Option<Vec<ChunkId>> {
     let room = file.len() / CHUNK_HEADER_LEN;
     let raw = file.read(&scan.index?, Index::raw_len_max(room)).ok()?;
-    Some(
-        Index::parse(&raw)
-            .ok()?
-            .chunks
-            .iter()
-            .map(|record| record.id)
-            .collect(),
-    )
+    Some(Index::parse(&raw).ok()?.chunks.iter().map(|record| record.id).collect())
 }
 
 fn lost(kept: &[ChunkRecord], scan: &Scan, expected: Option<&[ChunkId]>) -> Vec<ChunkId> {
@@ -153,13 +130,7 @@ fn lost(kept: &[ChunkRecord], scan: &Scan, expected: Option<&[ChunkId]>) -> Vec<
 fn create(temporary: &Path, output: &Path, version: FormatVersion) -> Result<Writer> {
     let io = |error| Error::io(temporary, "create", error);
     let mut options = OpenOptions::new();
-    let file = options
-        .read(true)
-        .write(true)
-        .create(true)
-        .truncate(false)
-        .open(temporary)
-        .map_err(io)?;
+    let file = options.read(true).write(true).create(true).truncate(false).open(temporary).map_err(io)?;
     lock(&file, temporary)?;
     file.set_len(0).map_err(io)?;
     Writer::start(file, temporary.to_path_buf(), output.to_path_buf(), version)
@@ -172,12 +143,7 @@ impl Writer {
             ChunkKind::TILE => Some(from.tile_directory(record)?),
             _ => None,
         };
-        let changed = || {
-            Error::corrupt(
-                from.place(record.offset).of(record.id),
-                "the file changed while it was read",
-            )
-        };
+        let changed = || Error::corrupt(from.place(record.offset).of(record.id), "the file changed while it was read");
         let at = self.offset;
         let header = from.bytes(record.offset, CHUNK_HEADER_LEN)?;
         if ChunkHeader::parse(&header) != Ok(record.header()) {
@@ -195,13 +161,7 @@ impl Writer {
         if hasher.finalize() != record.payload_crc {
             return Err(changed());
         }
-        self.push(
-            ChunkRecord {
-                offset: at,
-                ..*record
-            },
-            directory.as_ref(),
-        );
+        self.push(ChunkRecord { offset: at, ..*record }, directory.as_ref());
         Ok(())
     }
 }

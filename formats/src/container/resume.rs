@@ -36,8 +36,7 @@ impl Resumed {
     /// # Errors
     /// As there.
     pub fn read(&self, record: &ChunkRecord) -> Result<Vec<u8>> {
-        self.file
-            .read(record, self.file.limits().max_chunk_raw_bytes)
+        self.file.read(record, self.file.limits().max_chunk_raw_bytes)
     }
 
     /// A tile that was there already, as [`Reader::read_tile`](super::Reader::read_tile).
@@ -60,12 +59,7 @@ impl Resumed {
     ///
     /// # Errors
     /// As there.
-    pub fn read_column(
-        &self,
-        record: &ChunkRecord,
-        directory: &TileDirectory,
-        id: u8,
-    ) -> Result<Option<Vec<u8>>> {
+    pub fn read_column(&self, record: &ChunkRecord, directory: &TileDirectory, id: u8) -> Result<Option<Vec<u8>>> {
         self.file.read_column(record, directory, id)
     }
 }
@@ -88,15 +82,10 @@ impl Writer {
         lock(&file, &partial)?;
         let found = ChunkFile::open(&partial, limits.clone())?;
         if header_is_torn(&found)? {
-            file.set_len(0)
-                .map_err(|error| Error::io(&partial, "truncate", error))?;
+            file.set_len(0).map_err(|error| Error::io(&partial, "truncate", error))?;
             let dropped_bytes = found.len();
             let writer = Self::start(file, partial, path.to_path_buf(), FormatVersion::CURRENT)?;
-            return Ok(Some(Resumed {
-                writer,
-                dropped_bytes,
-                file: found,
-            }));
+            return Ok(Some(Resumed { writer, dropped_bytes, file: found }));
         }
         Self::continued(file, found, partial, path).map(Some)
     }
@@ -106,34 +95,15 @@ impl Writer {
         let header = read_file_header(&found)?;
         let known = FormatVersion::CURRENT;
         if header.version > known {
-            return Err(Error::UnsupportedVersion {
-                path: partial,
-                found: header.version,
-                known,
-            });
+            return Err(Error::UnsupportedVersion { path: partial, found: header.version, known });
         }
         let (index, ids, offset) = whole_chunks(&found, header.len)?;
         let dropped_bytes = found.len() - offset;
         let mut out = BufWriter::with_capacity(BUFFER_LEN, file);
-        out.get_ref()
-            .set_len(offset)
-            .map_err(|error| Error::io(&partial, "truncate", error))?;
-        out.seek(SeekFrom::Start(offset))
-            .map_err(|error| Error::io(&partial, "seek in", error))?;
-        let writer = Self {
-            out,
-            partial,
-            path: path.to_path_buf(),
-            offset,
-            index,
-            ids,
-            broken: false,
-        };
-        Ok(Resumed {
-            writer,
-            dropped_bytes,
-            file: found,
-        })
+        out.get_ref().set_len(offset).map_err(|error| Error::io(&partial, "truncate", error))?;
+        out.seek(SeekFrom::Start(offset)).map_err(|error| Error::io(&partial, "seek in", error))?;
+        let writer = Self { out, partial, path: path.to_path_buf(), offset, index, ids, broken: false };
+        Ok(Resumed { writer, dropped_bytes, file: found })
     }
 }
 
@@ -150,15 +120,10 @@ fn header_is_torn(file: &ChunkFile) -> Result<bool> {
 
 /// The chunks from `offset` up to the first that is not whole, and where that is. The index counts as not whole: it would have
 /// to move.
-fn whole_chunks(
-    file: &ChunkFile,
-    mut offset: u64,
-) -> Result<(Index, HashSet<super::ChunkId>, u64)> {
+fn whole_chunks(file: &ChunkFile, mut offset: u64) -> Result<(Index, HashSet<super::ChunkId>, u64)> {
     let (mut index, mut ids, mut buffer) = (Index::default(), HashSet::new(), Vec::new());
     while let Verdict::Whole(record, directory) = judge(file, offset, &mut buffer)? {
-        if record.id.kind == ChunkKind::INDX
-            || (!ids.insert(record.id) && record.id.kind.is_known())
-        {
+        if record.id.kind == ChunkKind::INDX || (!ids.insert(record.id) && record.id.kind.is_known()) {
             break;
         }
         let count = index.chunks.len() as u64 + 1;

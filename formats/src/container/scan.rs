@@ -44,18 +44,12 @@ pub struct Scan {
 impl Scan {
     /// Whether every byte of the file is where it should be. (The index is not compared with the chunks; opening the file does.)
     pub fn is_whole(&self) -> bool {
-        self.damaged.is_empty()
-            && self.version.is_some()
-            && self.index.is_some()
-            && self.has_trailer
+        self.damaged.is_empty() && self.version.is_some() && self.index.is_some() && self.has_trailer
     }
 
     /// Bytes that belong to no whole chunk.
     pub fn damaged_bytes(&self) -> u64 {
-        self.damaged
-            .iter()
-            .map(|range| range.end - range.start)
-            .sum()
+        self.damaged.iter().map(|range| range.end - range.start).sum()
     }
 }
 
@@ -94,18 +88,10 @@ pub(crate) fn scan_file(file: &ChunkFile) -> Result<Scan> {
     // Payloads that prove damaged are searched for headers, so bytes can be read again and again. Past this many, damaged
     // payloads are skipped whole.
     let budget = file.len().saturating_mul(4);
-    let mut walk = Walk {
-        file,
-        scan,
-        budget,
-        damage: None,
-        buffer: Vec::new(),
-    };
+    let mut walk = Walk { file, scan, budget, damage: None, buffer: Vec::new() };
     walk.run(start)?;
     if walk.scan.version.is_none() && walk.scan.chunks.is_empty() {
-        return Err(Error::NotATrace {
-            path: file.path().to_path_buf(),
-        });
+        return Err(Error::NotATrace { path: file.path().to_path_buf() });
     }
     Ok(walk.scan)
 }
@@ -160,12 +146,8 @@ impl Walk<'_> {
             return Ok(());
         }
         let count = self.scan.chunks.len() as u64 + 1;
-        check_limit(
-            "number of chunks",
-            count,
-            self.file.limits().max_index_entries,
-        )
-        .map_err(|error| error.at(&self.file.place(record.offset)))?;
+        check_limit("number of chunks", count, self.file.limits().max_index_entries)
+            .map_err(|error| error.at(&self.file.place(record.offset)))?;
         self.scan.chunks.push(record);
         Ok(())
     }
@@ -176,27 +158,17 @@ impl Walk<'_> {
             return Ok(found);
         }
         let trailer = self.file.len().saturating_sub(TRAILER_LEN as u64);
-        if trailer >= from && self.trailer_at(trailer)? {
-            Ok(trailer)
-        } else {
-            Ok(self.file.len())
-        }
+        if trailer >= from && self.trailer_at(trailer)? { Ok(trailer) } else { Ok(self.file.len()) }
     }
 
     fn trailer_at(&self, offset: u64) -> Result<bool> {
         let mut bytes = [0; TRAILER_LEN];
         let at_end = self.file.len().checked_sub(TRAILER_LEN as u64) == Some(offset);
-        Ok(at_end
-            && self.file.fill(offset, &mut bytes)? == TRAILER_LEN
-            && Trailer::parse(&bytes).is_ok())
+        Ok(at_end && self.file.fill(offset, &mut bytes)? == TRAILER_LEN && Trailer::parse(&bytes).is_ok())
     }
 
     fn open_damage(&mut self, start: u64) -> &mut DamagedRange {
-        self.damage.get_or_insert_with(|| DamagedRange {
-            start,
-            end: start,
-            chunks: Vec::new(),
-        })
+        self.damage.get_or_insert_with(|| DamagedRange { start, end: start, chunks: Vec::new() })
     }
 
     fn close_damage(&mut self, end: u64) {

@@ -36,9 +36,7 @@ impl FileSource {
 
     #[cfg(not(unix))]
     pub(crate) fn new(file: File) -> Self {
-        Self {
-            file: std::sync::Mutex::new(file),
-        }
+        Self { file: std::sync::Mutex::new(file) }
     }
 }
 
@@ -57,9 +55,7 @@ impl Source for FileSource {
 impl FileSource {
     fn locked(&self) -> std::sync::MutexGuard<'_, File> {
         // The position is set before every read: a panic elsewhere cannot have left it wrong.
-        self.file
-            .lock()
-            .unwrap_or_else(std::sync::PoisonError::into_inner)
+        self.file.lock().unwrap_or_else(std::sync::PoisonError::into_inner)
     }
 }
 
@@ -92,9 +88,7 @@ impl Source for MemorySource {
     }
 
     fn read_at(&self, offset: u64, buffer: &mut [u8]) -> io::Result<usize> {
-        let start = usize::try_from(offset)
-            .unwrap_or(usize::MAX)
-            .min(self.0.len());
+        let start = usize::try_from(offset).unwrap_or(usize::MAX).min(self.0.len());
         let count = buffer.len().min(self.0.len() - start);
         buffer[..count].copy_from_slice(&self.0[start..start + count]);
         Ok(count)

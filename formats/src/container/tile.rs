@@ -10,8 +10,7 @@ const DIRECTORY_FIXED_LEN: usize = 8;
 const DIRECTORY_COLUMN_LEN: usize = 24;
 
 /// Bytes of the longest directory that the format can hold.
-pub(crate) const DIRECTORY_LEN_MAX: u64 =
-    (DIRECTORY_FIXED_LEN + u8::MAX as usize * DIRECTORY_COLUMN_LEN) as u64;
+pub(crate) const DIRECTORY_LEN_MAX: u64 = (DIRECTORY_FIXED_LEN + u8::MAX as usize * DIRECTORY_COLUMN_LEN) as u64;
 
 /// One column to write.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -57,10 +56,7 @@ impl TileDirectory {
 
     /// The column with this id.
     pub fn column(&self, id: u8) -> Option<&ColumnInfo> {
-        let at = self
-            .columns
-            .binary_search_by_key(&id, |column| column.id)
-            .ok()?;
+        let at = self.columns.binary_search_by_key(&id, |column| column.id).ok()?;
         self.columns.get(at)
     }
 
@@ -79,38 +75,21 @@ impl TileDirectory {
     /// # Errors
     /// [`Error::Truncated`], [`Error::ChecksumMismatch`], [`Error::Corrupt`], [`Error::LimitExceeded`], at `place`.
     pub fn parse(bytes: &[u8], payload_len: u64, place: &Place, limits: &Limits) -> Result<Self> {
-        let truncated = |needed: u64| Error::Truncated {
-            place: place.clone(),
-            needed,
-            available: bytes.len() as u64,
-        };
-        let &count = bytes
-            .first()
-            .ok_or_else(|| truncated(DIRECTORY_FIXED_LEN as u64))?;
-        check_limit(
-            "number of columns",
-            u64::from(count),
-            u64::from(limits.max_columns_per_tile),
-        )
-        .map_err(|error| error.at(place))?;
+        let truncated = |needed: u64| Error::Truncated { place: place.clone(), needed, available: bytes.len() as u64 };
+        let &count = bytes.first().ok_or_else(|| truncated(DIRECTORY_FIXED_LEN as u64))?;
+        check_limit("number of columns", u64::from(count), u64::from(limits.max_columns_per_tile))
+            .map_err(|error| error.at(place))?;
         let len = Self::encoded_len(count);
         let body = match bytes.get(..len as usize).and_then(split_crc) {
             None => return Err(truncated(u64::from(len))),
             Some(Err(bad)) => {
                 let (part, stored, computed) = (Checked::Directory, bad.stored, bad.computed);
-                return Err(Error::ChecksumMismatch {
-                    place: place.clone(),
-                    part,
-                    stored,
-                    computed,
-                });
+                return Err(Error::ChecksumMismatch { place: place.clone(), part, stored, computed });
             }
             Some(Ok(body)) => body,
         };
         let columns = parse_columns(body, u64::from(len), place, limits)?;
-        let end = columns
-            .last()
-            .map_or(u64::from(len), |last| last.offset + last.packed_len);
+        let end = columns.last().map_or(u64::from(len), |last| last.offset + last.packed_len);
         if end != payload_len {
             let detail = format!("the columns end at byte {end} of a payload of {payload_len}");
             return Err(Error::corrupt(place.clone(), detail));
@@ -120,38 +99,20 @@ impl TileDirectory {
 }
 
 /// The column entries of a directory whose checksum holds; their bytes start `offset` bytes into the payload.
-fn parse_columns(
-    body: &[u8],
-    mut offset: u64,
-    place: &Place,
-    limits: &Limits,
-) -> Result<Vec<ColumnInfo>> {
+fn parse_columns(body: &[u8], mut offset: u64, place: &Place, limits: &Limits) -> Result<Vec<ColumnInfo>> {
     let corrupt = |detail: &str| Error::corrupt(place.clone(), detail);
     let mut columns: Vec<ColumnInfo> = Vec::new();
     let mut fields = Fields(body);
     let _count = fields.bytes::<4>();
     while !fields.0.is_empty() {
-        let column = parse_column(&mut fields, offset)
-            .ok_or_else(|| corrupt("a column entry is cut short"))?;
+        let column = parse_column(&mut fields, offset).ok_or_else(|| corrupt("a column entry is cut short"))?;
         if columns.last().is_some_and(|last| last.id >= column.id) {
             return Err(corrupt("column ids do not ascend"));
         }
-        check_limit(
-            "packed length of a column in bytes",
-            column.packed_len,
-            limits.max_chunk_packed_bytes,
-        )
-        .and_then(|()| {
-            check_limit(
-                "raw length of a column in bytes",
-                column.raw_len,
-                limits.max_chunk_raw_bytes,
-            )
-        })
-        .map_err(|error| error.at(place))?;
-        offset = offset
-            .checked_add(column.packed_len)
-            .ok_or_else(|| corrupt("column lengths overflow"))?;
+        check_limit("packed length of a column in bytes", column.packed_len, limits.max_chunk_packed_bytes)
+            .and_then(|()| check_limit("raw length of a column in bytes", column.raw_len, limits.max_chunk_raw_bytes))
+            .map_err(|error| error.at(place))?;
+        offset = offset.checked_add(column.packed_len).ok_or_else(|| corrupt("column lengths overflow"))?;
         columns.push(column);
     }
     Ok(columns)
@@ -159,14 +120,7 @@ fn parse_columns(
 
 fn parse_column(fields: &mut Fields<'_>, offset: u64) -> Option<ColumnInfo> {
     let (id, codec, _reserved, crc) = (fields.u8()?, fields.u8()?, fields.u16()?, fields.u32()?);
-    Some(ColumnInfo {
-        id,
-        codec,
-        crc,
-        packed_len: fields.u64()?,
-        raw_len: fields.u64()?,
-        offset,
-    })
+    Some(ColumnInfo { id, codec, crc, packed_len: fields.u64()?, raw_len: fields.u64()?, offset })
 }
 
 /// The payload of a tile with these columns, and the length of its directory. The order given does not matter.
@@ -177,13 +131,9 @@ pub(crate) fn encode_tile(columns: &[ColumnEntry]) -> Result<(Vec<u8>, u32)> {
     let mut sorted: Vec<&ColumnEntry> = columns.iter().collect();
     sorted.sort_by_key(|column| column.id);
     if let Some(pair) = sorted.windows(2).find(|pair| pair[0].id == pair[1].id) {
-        return Err(Error::usage(format!(
-            "two columns of a tile have the id {}",
-            pair[0].id
-        )));
+        return Err(Error::usage(format!("two columns of a tile have the id {}", pair[0].id)));
     }
-    let count =
-        u8::try_from(sorted.len()).map_err(|_| Error::usage("a tile holds at most 255 columns"))?;
+    let count = u8::try_from(sorted.len()).map_err(|_| Error::usage("a tile holds at most 255 columns"))?;
     let directory_len = TileDirectory::encoded_len(count);
     let packed: usize = sorted.iter().map(|column| column.packed.len()).sum();
     let mut payload = Vec::with_capacity(directory_len as usize + packed);

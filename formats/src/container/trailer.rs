@@ -40,18 +40,10 @@ impl Trailer {
     }
 
     pub(crate) fn parse(bytes: &[u8; TRAILER_LEN]) -> Result<Self, TrailerFault> {
-        let rest = bytes
-            .strip_suffix(&END_MAGIC)
-            .ok_or(TrailerFault::NoMagic)?;
-        let body = split_crc(rest)
-            .ok_or(TrailerFault::NoMagic)?
-            .map_err(TrailerFault::Checksum)?;
+        let rest = bytes.strip_suffix(&END_MAGIC).ok_or(TrailerFault::NoMagic)?;
+        let body = split_crc(rest).ok_or(TrailerFault::NoMagic)?.map_err(TrailerFault::Checksum)?;
         let mut fields = Fields(body);
         let mut field = || fields.u64().ok_or(TrailerFault::NoMagic);
-        Ok(Self {
-            index_offset: field()?,
-            index_len: field()?,
-            chunks: field()?,
-        })
+        Ok(Self { index_offset: field()?, index_len: field()?, chunks: field()? })
     }
 }

@@ -37,43 +37,23 @@ pub(crate) fn judge(file: &ChunkFile, offset: u64, buffer: &mut Vec<u8>) -> Resu
     let Ok(header) = ChunkHeader::parse(&bytes[..filled]) else {
         return Ok(Verdict::Nothing);
     };
-    let end = offset
-        .saturating_add(CHUNK_HEADER_LEN)
-        .saturating_add(header.packed_len);
-    let torn = |cost| {
-        Ok(Verdict::Torn {
-            id: header.id,
-            end,
-            cost,
-        })
-    };
+    let end = offset.saturating_add(CHUNK_HEADER_LEN).saturating_add(header.packed_len);
+    let torn = |cost| Ok(Verdict::Torn { id: header.id, end, cost });
     if end > file.len() || !is_consistent(&header) {
         return torn(0);
     }
     let place = file.place(offset).of(header.id);
-    check_limit(
-        "packed length of a chunk in bytes",
-        header.packed_len,
-        file.limits().max_chunk_packed_bytes,
-    )
-    .map_err(|error| error.at(&place))?;
-    if payload_crc(file, offset + CHUNK_HEADER_LEN, header.packed_len, buffer)?
-        != Some(header.payload_crc)
-    {
+    check_limit("packed length of a chunk in bytes", header.packed_len, file.limits().max_chunk_packed_bytes)
+        .map_err(|error| error.at(&place))?;
+    if payload_crc(file, offset + CHUNK_HEADER_LEN, header.packed_len, buffer)? != Some(header.payload_crc) {
         return torn(header.packed_len);
     }
     if header.id.kind != ChunkKind::TILE {
         return Ok(Verdict::Whole(header.record(offset, 0), None));
     }
-    let start = file.bytes(
-        offset + CHUNK_HEADER_LEN,
-        header.packed_len.min(DIRECTORY_LEN_MAX),
-    )?;
+    let start = file.bytes(offset + CHUNK_HEADER_LEN, header.packed_len.min(DIRECTORY_LEN_MAX))?;
     match TileDirectory::parse(&start, header.packed_len, &place, file.limits()) {
-        Ok(directory) => Ok(Verdict::Whole(
-            header.record(offset, directory.file_len()),
-            Some(directory),
-        )),
+        Ok(directory) => Ok(Verdict::Whole(header.record(offset, directory.file_len()), Some(directory))),
         Err(error @ Error::LimitExceeded { .. }) => Err(error),
         Err(_) => torn(header.packed_len),
     }
@@ -87,12 +67,7 @@ fn is_consistent(header: &ChunkHeader) -> bool {
 }
 
 /// The CRC-32 of `len` bytes from `offset`; `None` if the file ends before.
-fn payload_crc(
-    file: &ChunkFile,
-    offset: u64,
-    len: u64,
-    buffer: &mut Vec<u8>,
-) -> Result<Option<u32>> {
+fn payload_crc(file: &ChunkFile, offset: u64, len: u64, buffer: &mut Vec<u8>) -> Result<Option<u32>> {
     buffer.resize(STEP, 0);
     let mut hasher = crc32fast::Hasher::new();
     let mut done = 0;
@@ -108,11 +83,7 @@ fn payload_crc(
 }
 
 /// Offset of the first whole chunk header at or after `from`.
-pub(crate) fn find_header(
-    file: &ChunkFile,
-    mut from: u64,
-    buffer: &mut Vec<u8>,
-) -> Result<Option<u64>> {
+pub(crate) fn find_header(file: &ChunkFile, mut from: u64, buffer: &mut Vec<u8>) -> Result<Option<u64>> {
     const HEADER: usize = CHUNK_HEADER_LEN as usize;
     buffer.resize(STEP, 0);
     // Starts small: a file of nothing but damaged chunks asks for many short searches.

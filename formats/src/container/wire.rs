@@ -40,11 +40,7 @@ pub(crate) fn split_crc(bytes: &[u8]) -> Option<Result<&[u8], Mismatch>> {
     let (body, stored) = bytes.split_last_chunk::<4>()?;
     let stored = u32::from_le_bytes(*stored);
     let computed = crc32fast::hash(body);
-    Some(if stored == computed {
-        Ok(body)
-    } else {
-        Err(Mismatch { stored, computed })
-    })
+    Some(if stored == computed { Ok(body) } else { Err(Mismatch { stored, computed }) })
 }
 
 /// Appends the CRC-32 of everything in `bytes` to it.

@@ -59,11 +59,7 @@ impl Writer {
     /// [`Error::Io`], among others if the folder does not exist.
     pub fn create(path: &Path) -> Result<Self> {
         let partial = partial_path(path)?;
-        let file = OpenOptions::new()
-            .read(true)
-            .write(true)
-            .create_new(true)
-            .open(&partial);
+        let file = OpenOptions::new().read(true).write(true).create_new(true).open(&partial);
         let file = file.map_err(|error| match error.kind() {
             io::ErrorKind::AlreadyExists => Error::AlreadyExists {
                 path: partial.clone(),
@@ -89,23 +85,11 @@ impl Writer {
     }
 
     /// Writes the file header to an empty file.
-    pub(super) fn start(
-        file: File,
-        partial: PathBuf,
-        path: PathBuf,
-        version: FormatVersion,
-    ) -> Result<Self> {
+    pub(super) fn start(file: File, partial: PathBuf, path: PathBuf, version: FormatVersion) -> Result<Self> {
         lock(&file, &partial)?;
         let out = BufWriter::with_capacity(BUFFER_LEN, file);
-        let mut writer = Self {
-            out,
-            partial,
-            path,
-            offset: 0,
-            index: Index::default(),
-            ids: HashSet::new(),
-            broken: false,
-        };
+        let mut writer =
+            Self { out, partial, path, offset: 0, index: Index::default(), ids: HashSet::new(), broken: false };
         writer.append(&[&FileHeader::encode(version)])?;
         Ok(writer)
     }
@@ -114,12 +98,7 @@ impl Writer {
     ///
     /// # Errors
     /// As [`EncodedChunk::new`] and [`Writer::write_encoded`].
-    pub fn write(
-        &mut self,
-        id: ChunkId,
-        encoding: Encoding,
-        payload: &[u8],
-    ) -> Result<ChunkRecord> {
+    pub fn write(&mut self, id: ChunkId, encoding: Encoding, payload: &[u8]) -> Result<ChunkRecord> {
         self.write_encoded(&EncodedChunk::new(id, encoding, payload)?)
     }
 
@@ -148,15 +127,11 @@ impl Writer {
     /// Writes bytes at the end of the file.
     pub(super) fn append(&mut self, parts: &[&[u8]]) -> Result<()> {
         if self.broken {
-            return Err(Error::usage(
-                "an earlier write to this file failed; resume it",
-            ));
+            return Err(Error::usage("an earlier write to this file failed; resume it"));
         }
         self.broken = true;
         for part in parts {
-            self.out
-                .write_all(part)
-                .map_err(|error| Error::io(&self.partial, "write", error))?;
+            self.out.write_all(part).map_err(|error| Error::io(&self.partial, "write", error))?;
             self.offset += part.len() as u64;
         }
         self.broken = false;
@@ -197,40 +172,20 @@ impl Writer {
         let chunks = self.index.chunks.len() as u64;
         let raw = self.index.encode();
         let packed = compress(&raw, INDEX_ZSTD_LEVEL)?;
-        let index = EncodedChunk::packed(
-            ChunkId::INDX,
-            Encoding::Zstd(INDEX_ZSTD_LEVEL),
-            raw.len() as u64,
-            packed,
-        )?;
-        let trailer = Trailer {
-            index_offset: self.offset,
-            index_len: index.file_len(),
-            chunks,
-        };
+        let index = EncodedChunk::packed(ChunkId::INDX, Encoding::Zstd(INDEX_ZSTD_LEVEL), raw.len() as u64, packed)?;
+        let trailer = Trailer { index_offset: self.offset, index_len: index.file_len(), chunks };
         self.append(&[&index.header.encode(), &index.payload, &trailer.encode()])?;
         self.flush()?;
-        self.out
-            .get_ref()
-            .sync_all()
-            .map_err(|error| Error::io(&self.partial, "write", error))?;
-        fs::rename(&self.partial, &self.path)
-            .map_err(|error| Error::io(&self.path, "rename to", error))?;
+        self.out.get_ref().sync_all().map_err(|error| Error::io(&self.partial, "write", error))?;
+        fs::rename(&self.partial, &self.path).map_err(|error| Error::io(&self.path, "rename to", error))?;
         sync_folder(&self.path);
-        Ok(Finished {
-            path: self.path,
-            len: self.offset,
-            chunks,
-        })
+        Ok(Finished { path: self.path, len: self.offset, chunks })
     }
 }
 
 /// Forces the new name to the disk. Best effort: not every system can, and the file is complete either way.
 fn sync_folder(path: &Path) {
-    let folder = path
-        .parent()
-        .filter(|folder| !folder.as_os_str().is_empty())
-        .unwrap_or(Path::new("."));
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     if let Ok(folder) = File::open(folder) {
         folder.sync_all().ok();
     }
@@ -246,9 +201,7 @@ pub fn partial_path(path: &Path) -> Result<PathBuf> {
 
 /// The same path with something after its file name.
 pub(super) fn with_suffix(path: &Path, suffix: &str) -> Result<PathBuf> {
-    let name = path
-        .file_name()
-        .ok_or_else(|| Error::usage(format!("{} does not name a file", path.display())))?;
+    let name = path.file_name().ok_or_else(|| Error::usage(format!("{} does not name a file", path.display())))?;
     let mut name = name.to_os_string();
     name.push(suffix);
     Ok(path.with_file_name(name))
@@ -259,9 +212,7 @@ pub(super) fn lock(file: &File, path: &Path) -> Result<()> {
     // Elsewhere a lock would also keep out readers, which need none.
     #[cfg(unix)]
     if let Err(fs::TryLockError::WouldBlock) = file.try_lock() {
-        return Err(Error::Busy {
-            path: path.to_path_buf(),
-        });
+        return Err(Error::Busy { path: path.to_path_buf() });
     }
     let _ = (file, path);
     Ok(())

@@ -70,10 +70,12 @@ pub fn decode(bytes: &[u8], limits: &Limits) -> Result<Bvh> {
     let shape: Vec<[Shape; 2]> = shape.collect();
     let mut planes = |count: usize| input.planes(count).ok_or_else(cut);
     let (surfaces, corners) = (planes(triangles)?, planes(3 * triangles)?);
-    let sums = |v: Vec<u32>| v.into_iter().scan(0u32, |sum, d| {
-        *sum = sum.wrapping_add(d);
-        Some(*sum)
-    });
+    let sums = |v: Vec<u32>| {
+        v.into_iter().scan(0u32, |sum, d| {
+            *sum = sum.wrapping_add(d);
+            Some(*sum)
+        })
+    };
     let (xs, ys, zs) = (sums(planes(vertices)?), sums(planes(vertices)?), sums(planes(vertices)?));
     let (us, vs) = (sums(planes(vertices)?), sums(planes(vertices)?));
     let number = |bits: u32| f32::from_bits(bits);
@@ -81,7 +83,8 @@ pub fn decode(bytes: &[u8], limits: &Limits) -> Result<Bvh> {
         position: Vec3::new(number(x), number(y), number(z)),
         normal: Oct { u: u as u16, v: v as u16 },
     });
-    let triangles = triangles_of(&corners, &surfaces, &tables.surfaces).ok_or_else(|| corrupt("a triangle has no surface"))?;
+    let triangles =
+        triangles_of(&corners, &surfaces, &tables.surfaces).ok_or_else(|| corrupt("a triangle has no surface"))?;
     Bvh::new(&shape, triangles, vertices.collect(), tables.objects, tables.materials).map_err(|e| corrupt(&e))
 }
 

@@ -2,7 +2,7 @@
 //!
 //! This is the only place that knows bincode; FORMAT.md spells out the bytes.
 
-use bincode::config::{Configuration, Fixint, LittleEndian, Limit};
+use bincode::config::{Configuration, Fixint, Limit, LittleEndian};
 use bincode::{Decode, Encode};
 
 use crate::error::{Error, Result};
@@ -35,8 +35,7 @@ pub fn decode<T: Decode<()>>(what: &'static str, bytes: &[u8], limits: &Limits) 
     if size > limits.max_metadata_bytes {
         return Err(Error::limit("metadata bytes", size, limits.max_metadata_bytes));
     }
-    let (value, used) =
-        bincode::decode_from_slice(bytes, config()).map_err(|e| Error::decode(what, e.to_string()))?;
+    let (value, used) = bincode::decode_from_slice(bytes, config()).map_err(|e| Error::decode(what, e.to_string()))?;
     if used != bytes.len() {
         return Err(Error::decode(what, format!("{} bytes left over", bytes.len() - used)));
     }

@@ -25,6 +25,14 @@ impl Codec {
     pub const PLAIN: u8 = 0;
     /// Code of [`Codec::Context`] in a column directory.
     pub const CONTEXT: u8 = 1;
+
+    /// The code in a column directory.
+    pub fn code(self) -> u8 {
+        match self {
+            Self::Plain(_) => Self::PLAIN,
+            Self::Context => Self::CONTEXT,
+        }
+    }
 }
 
 /// Memory that coding a tile needs, reused from tile to tile.
@@ -97,9 +105,7 @@ impl TileCodec<'_> {
             Column::Tree => tree::encode(tree, rect, self.lights()),
             Column::Hits => hits::encode(tree, &tile.hits, rect, self.geometry()),
             Column::Radiance => radiance::encode(tree, &tile.hits, &tile.radiance, rect, self.geometry()),
-            Column::Paths => {
-                paths::encode(&tile.paths, tree, rect, self.lights(), self.topology, &mut scratch.paths)
-            }
+            Column::Paths => paths::encode(&tile.paths, tree, rect, self.lights(), self.topology, &mut scratch.paths),
         }
     }
 

@@ -19,7 +19,7 @@ use crate::tile::{Column, Paths, Tile};
 pub use codec::{Codec, Scratch, TileCodec};
 pub use compare::{Difference, compare};
 pub use digest::{Digest, digest};
-pub use writer::{TraceWriter, Started};
+pub use writer::{Started, TraceWriter};
 
 /// An open trace.
 #[derive(Debug)]
@@ -70,9 +70,7 @@ impl Trace {
             let ChunkId { kind, frame, tile } = record.id;
             let foreign = match kind {
                 ChunkKind::FRAM => !self.meta.frame_numbers().contains(&frame),
-                ChunkKind::TILE => {
-                    !self.meta.frame_numbers().contains(&frame) || tile >= self.meta.tile_count()
-                }
+                ChunkKind::TILE => !self.meta.frame_numbers().contains(&frame) || tile >= self.meta.tile_count(),
                 _ => false,
             };
             if foreign {

@@ -3,11 +3,12 @@
 use std::path::Path;
 
 use crate::bvh::Bvh;
-use crate::container::{ChunkId, EncodedChunk, Encoding, Finished, Writer};
+use crate::container::{ChunkId, ChunkKind, EncodedChunk, Encoding, Finished, Writer};
 use crate::error::{Error, Result};
 use crate::limits::Limits;
 use crate::payload::{bvh, metadata};
 use crate::scene::{Camera, Meta};
+use crate::trace::Codec;
 
 /// A trace being written.
 #[derive(Debug)]
@@ -42,8 +43,8 @@ impl TraceWriter {
     /// Goes on with `NAME.partial`; starts anew where there is none, or none with metadata and BVH.
     ///
     /// # Errors
-    /// When the partial file is of another capture, or cannot be read or written.
-    pub fn resume(path: &Path, meta: &Meta, tree: &Bvh, level: i32, limits: &Limits) -> Result<Started> {
+    /// When the partial file is of another capture or its tiles are coded otherwise, or it cannot be read or written.
+    pub fn resume(path: &Path, meta: &Meta, tree: &Bvh, level: i32, codec: Codec, limits: &Limits) -> Result<Started> {
         let fresh = |dropped_bytes| {
             let writer = Self::create(path, meta, tree, level)?;
             Ok(Started { writer, resumed_bytes: 0, dropped_bytes })
@@ -58,7 +59,13 @@ impl TraceWriter {
             Writer::discard(path)?;
             return fresh(dropped);
         };
-        let same = resumed.read(&old_meta)? == metadata::encode("metadata", meta)?
+        let first_tile = resumed.writer.chunks().iter().find(|record| record.id.kind == ChunkKind::TILE).copied();
+        let same_codec = match first_tile {
+            Some(record) => resumed.tile_directory(&record)?.columns().iter().all(|c| c.codec == codec.code()),
+            None => true,
+        };
+        let same = same_codec
+            && resumed.read(&old_meta)? == metadata::encode("metadata", meta)?
             && resumed.read(&old_bvh)? == bvh::encode(tree)?;
         if !same {
             return Err(Error::usage(format!(

@@ -24,17 +24,8 @@ impl Forge {
         let trailer = bytes.len() - 32;
         let index = u64::from_le_bytes(bytes[trailer..trailer + 8].try_into().unwrap()) as usize;
         let reader = Reader::from_bytes(bytes.clone(), Limits::default()).unwrap();
-        let at = reader
-            .chunks()
-            .iter()
-            .position(|record| record.id == ChunkId::tile(0, 0))
-            .unwrap();
-        Self {
-            bytes,
-            index,
-            tile: reader.chunks()[at].offset as usize,
-            tile_entry: 16 + 48 * at,
-        }
+        let at = reader.chunks().iter().position(|record| record.id == ChunkId::tile(0, 0)).unwrap();
+        Self { bytes, index, tile: reader.chunks()[at].offset as usize, tile_entry: 16 + 48 * at }
     }
 
     pub fn trailer_field(mut self, at: usize, value: &[u8]) -> Self {
@@ -45,13 +36,7 @@ impl Forge {
 
     /// A field of the header of the chunk at `chunk`.
     pub fn header_field(mut self, chunk: usize, at: usize, value: &[u8]) -> Self {
-        patch(
-            &mut self.bytes,
-            chunk + at,
-            value,
-            chunk,
-            chunk + HEADER - 4,
-        );
+        patch(&mut self.bytes, chunk + at, value, chunk, chunk + HEADER - 4);
         self
     }
 
@@ -80,8 +65,7 @@ impl Forge {
         let end = crc_at + 4 + b"treehits hits".len();
         let crc = crc32fast::hash(&self.bytes[payload..end]).to_le_bytes();
         let (tile, entry) = (self.tile, self.tile_entry);
-        self.header_field(tile, 40, &crc)
-            .index_field(entry + 40, &crc)
+        self.header_field(tile, 40, &crc).index_field(entry + 40, &crc)
     }
 
     /// Scans the file, then reads everything in it.
@@ -114,16 +98,10 @@ impl Source for Bytes {
 
 pub fn expect_corrupt(forge: Forge, part: &str) {
     let error = forge.error();
-    assert!(
-        matches!(error, Error::Corrupt { .. }) && error.to_string().contains(part),
-        "{error}"
-    );
+    assert!(matches!(error, Error::Corrupt { .. }) && error.to_string().contains(part), "{error}");
 }
 
 pub fn expect_limit(forge: Forge, part: &str) {
     let error = forge.error();
-    assert!(
-        matches!(error, Error::LimitExceeded { .. }) && error.to_string().contains(part),
-        "{error}"
-    );
+    assert!(matches!(error, Error::LimitExceeded { .. }) && error.to_string().contains(part), "{error}");
 }

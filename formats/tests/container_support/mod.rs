@@ -8,47 +8,27 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use rayreel_formats::container::{
-    ChunkId, ChunkKind, ChunkRecord, ColumnEntry, ColumnTotals, EncodedChunk, Encoding, NONE,
-    Reader, Writer,
+    ChunkId, ChunkKind, ChunkRecord, ColumnEntry, ColumnTotals, EncodedChunk, Encoding, NONE, Reader, Writer,
 };
 use rayreel_formats::{Limits, Result};
 use tempfile::TempDir;
 
 /// A kind that this version does not define.
-pub const NOTE: ChunkId = ChunkId {
-    kind: ChunkKind(*b"NOTE"),
-    frame: NONE,
-    tile: NONE,
-};
+pub const NOTE: ChunkId = ChunkId { kind: ChunkKind(*b"NOTE"), frame: NONE, tile: NONE };
 
 pub fn column(id: u8, packed: &[u8]) -> ColumnEntry {
-    ColumnEntry {
-        id,
-        codec: id % 3,
-        raw_len: packed.len() as u64 * 2,
-        packed: packed.to_vec(),
-    }
+    ColumnEntry { id, codec: id % 3, raw_len: packed.len() as u64 * 2, packed: packed.to_vec() }
 }
 
 /// The chunks of the sample, in file order.
 pub fn sample() -> Vec<EncodedChunk> {
     let plain = |id, encoding, payload: &[u8]| EncodedChunk::new(id, encoding, payload).unwrap();
-    let tile = |frame, tile, columns: &[ColumnEntry]| {
-        EncodedChunk::tile(ChunkId::tile(frame, tile), columns).unwrap()
-    };
+    let tile = |frame, tile, columns: &[ColumnEntry]| EncodedChunk::tile(ChunkId::tile(frame, tile), columns).unwrap();
     vec![
-        plain(
-            ChunkId::META,
-            Encoding::Zstd(3),
-            b"meta meta meta meta meta meta",
-        ),
+        plain(ChunkId::META, Encoding::Zstd(3), b"meta meta meta meta meta meta"),
         plain(ChunkId::BVH, Encoding::Zstd(19), &[5; 300]),
         plain(ChunkId::frame(0), Encoding::Stored, b"camera 0"),
-        tile(
-            0,
-            0,
-            &[column(1, b"tree"), column(2, b"hits hits"), column(7, b"")],
-        ),
+        tile(0, 0, &[column(1, b"tree"), column(2, b"hits hits"), column(7, b"")]),
         tile(0, 1, &[column(7, b"late"), column(2, b"x")]),
         plain(NOTE, Encoding::Stored, b"note"),
         plain(NOTE, Encoding::Zstd(1), b"another note"),
@@ -59,9 +39,7 @@ pub fn sample() -> Vec<EncodedChunk> {
 
 /// A new folder, in memory where there is such a place: these tests finish thousands of files, each forced to the disk.
 pub fn folder() -> TempDir {
-    tempfile::tempdir_in("/dev/shm")
-        .or_else(|_| tempfile::tempdir())
-        .unwrap()
+    tempfile::tempdir_in("/dev/shm").or_else(|_| tempfile::tempdir()).unwrap()
 }
 
 /// Writes chunks to `trace.rtrace` in a new folder.
@@ -97,17 +75,11 @@ pub struct Content {
 
 /// Reads a whole file in every way there is.
 pub fn read_all(reader: &Reader) -> Result<Content> {
-    let mut content = Content {
-        payloads: Vec::new(),
-        columns: Vec::new(),
-        totals: reader.column_totals().to_vec(),
-    };
+    let mut content = Content { payloads: Vec::new(), columns: Vec::new(), totals: reader.column_totals().to_vec() };
     for record in reader.chunks() {
         content.payloads.push((record.id, reader.read(record)?));
         if record.id.kind == ChunkKind::TILE {
-            content
-                .columns
-                .push((record.id, read_columns(reader, record)?));
+            content.columns.push((record.id, read_columns(reader, record)?));
         }
     }
     Ok(content)

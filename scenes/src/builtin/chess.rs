@@ -30,28 +30,14 @@ pub fn scene() -> Result<Scene, SceneError> {
     table(&mut out);
     board(&mut out);
     let glass = out.material(builder::glass("glass", [0.965, 0.985, 0.975], 1.5));
-    let ebony = out.material(builder::polished(
-        "ebony",
-        [0.075, 0.026, 0.018],
-        0.075,
-        220,
-    ));
+    let ebony = out.material(builder::polished("ebony", [0.075, 0.026, 0.018], 0.075, 220));
     side(&mut out, "glass", glass, 1.0);
     side(&mut out, "ebony", ebony, -1.0);
     out.point_light([5.0, 11.0, -3.5], [0.94, 0.87, 0.76]);
     out.point_light([-8.0, 8.0, 6.0], [0.36, 0.40, 0.46]);
-    out.sky(
-        [0.05, 0.12, 0.32],
-        [0.38, 0.50, 0.68],
-        [0.13, 0.11, 0.10],
-        0.50,
-    );
-    let hero = Camera {
-        eye: Vec3::new(4.7, 4.3, 10.4),
-        target: Vec3::new(-0.1, 0.2, 0.35),
-        up: Vec3::Y,
-        vfov_deg: 29.5,
-    };
+    out.sky([0.05, 0.12, 0.32], [0.38, 0.50, 0.68], [0.13, 0.11, 0.10], 0.50);
+    let hero =
+        Camera { eye: Vec3::new(4.7, 4.3, 10.4), target: Vec3::new(-0.1, 0.2, 0.35), up: Vec3::Y, vfov_deg: 29.5 };
     out.finish(camera::orbit(hero, FRAMES, 0.8))
 }
 
@@ -77,11 +63,7 @@ fn side(out: &mut SceneBuilder, name: &str, material: u32, front: f64) {
             let place = |part: &Part| part.clone().turned(turn).at(x, 0.0, rank * front);
             let mut parts = parts.iter();
             if let Some(first) = parts.next() {
-                out.object(
-                    &format!("{name} {} {letter}", kind.name()),
-                    &place(first),
-                    material,
-                );
+                out.object(&format!("{name} {} {letter}", kind.name()), &place(first), material);
             }
             parts.for_each(|part| out.extend(&place(part), material));
         }
@@ -91,32 +73,17 @@ fn side(out: &mut SceneBuilder, name: &str, material: u32, front: f64) {
 /// Sixty-four squares, each its own object, in a frame.
 fn board(out: &mut SceneBuilder) {
     let maple = out.texture(paint::paint("maple", 256, |u, v| {
-        paint::wood(
-            u,
-            v,
-            1.0,
-            DVec3::new(0.50, 0.32, 0.16),
-            DVec3::new(0.80, 0.62, 0.38),
-        )
+        paint::wood(u, v, 1.0, DVec3::new(0.50, 0.32, 0.16), DVec3::new(0.80, 0.62, 0.38))
     }));
     let walnut = out.texture(paint::paint("walnut", 256, |u, v| {
-        paint::wood(
-            u,
-            v,
-            1.0,
-            DVec3::new(0.045, 0.02, 0.012),
-            DVec3::new(0.16, 0.075, 0.038),
-        )
+        paint::wood(u, v, 1.0, DVec3::new(0.045, 0.02, 0.012), DVec3::new(0.16, 0.075, 0.038))
     }));
     let square = |out: &mut SceneBuilder, name: &str, map: usize| {
         let mut material = builder::mirror(name, [1.0; 3], [0.17, 0.17, 0.18], 300);
         material.diffuse_map = Some(map);
         out.material(material)
     };
-    let squares = [
-        square(out, "dark square", walnut),
-        square(out, "light square", maple),
-    ];
+    let squares = [square(out, "dark square", walnut), square(out, "light square", maple)];
     for rank in 0..8 {
         for file in 0..8 {
             let (x, z) = (f64::from(file) - 4.0, 4.0 - f64::from(rank));
@@ -126,9 +93,7 @@ fn board(out: &mut SceneBuilder) {
                 f64::from(file) * 0.37 + f64::from(rank) * 0.61,
                 f64::from(rank) * 0.23 + f64::from(file) * 0.41,
             );
-            part.uvs
-                .iter_mut()
-                .for_each(|uv| *uv = *uv * DVec2::new(0.9, 0.45) + shift);
+            part.uvs.iter_mut().for_each(|uv| *uv = *uv * DVec2::new(0.9, 0.45) + shift);
             let name = format!("square {}{}", char::from(b'a' + file as u8), rank + 1);
             out.object(&name, &part, squares[usize::from((file + rank) % 2 != 0)]);
         }
@@ -160,34 +125,15 @@ fn frame_part() -> Part {
 /// A round wooden table.
 fn table(out: &mut SceneBuilder) {
     let planks = out.texture(paint::paint("oak", 1024, |u, v| {
-        paint::wood(
-            u * 2.0,
-            v,
-            13.0,
-            DVec3::new(0.075, 0.034, 0.016),
-            DVec3::new(0.25, 0.125, 0.058),
-        )
+        paint::wood(u * 2.0, v, 13.0, DVec3::new(0.075, 0.034, 0.016), DVec3::new(0.25, 0.125, 0.058))
     }));
     let mut top = builder::polished("table", [1.0; 3], 0.035, 60);
     top.diffuse_map = Some(planks);
     let top = out.material(top);
-    let edge = out.material(builder::polished(
-        "table edge",
-        [0.16, 0.08, 0.04],
-        0.04,
-        60,
-    ));
+    let edge = out.material(builder::polished("table edge", [0.16, 0.08, 0.04], 0.04, 60));
     let at = |part: Part| part.at(0.0, -0.34, 0.0);
-    let disc =
-        lathe(&[DVec2::new(10.6, 0.0), DVec2::new(0.0, 0.0)], 72).planar_uv(DVec2::ZERO, 21.6);
+    let disc = lathe(&[DVec2::new(10.6, 0.0), DVec2::new(0.0, 0.0)], 72).planar_uv(DVec2::ZERO, 21.6);
     out.object("table", &at(disc), top);
-    let rim = [
-        c(0.0, -0.7),
-        c(9.8, -0.7),
-        s(10.7, -0.5),
-        s(10.85, -0.2),
-        s(10.75, 0.0),
-        c(10.6, 0.0),
-    ];
+    let rim = [c(0.0, -0.7), c(9.8, -0.7), s(10.7, -0.5), s(10.85, -0.2), s(10.75, 0.0), c(10.6, 0.0)];
     out.extend(&at(lathe(&sample(&rim, 0.4), 72)), edge);
 }

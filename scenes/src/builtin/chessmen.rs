@@ -78,19 +78,8 @@ fn turned(knots: &[Knot], step: f64, segments: usize) -> Part {
 
 fn pawn() -> Part {
     let mut knots = foot(0.31, 0.50);
-    knots.extend([
-        c(0.125, 0.54),
-        s(0.205, 0.565),
-        s(0.20, 0.59),
-        c(0.115, 0.615),
-    ]);
-    knots.extend([
-        s(0.155, 0.655),
-        s(0.178, 0.735),
-        s(0.150, 0.825),
-        s(0.08, 0.885),
-        c(0.0, 0.90),
-    ]);
+    knots.extend([c(0.125, 0.54), s(0.205, 0.565), s(0.20, 0.59), c(0.115, 0.615)]);
+    knots.extend([s(0.155, 0.655), s(0.178, 0.735), s(0.150, 0.825), s(0.08, 0.885), c(0.0, 0.90)]);
     turned(&knots, 0.085, 17)
 }
 
@@ -98,21 +87,11 @@ fn pawn() -> Part {
 fn rook() -> Part {
     const MERLONS: usize = 6;
     let mut knots = foot(0.345, 0.62);
-    knots.extend([
-        c(0.15, 0.66),
-        s(0.245, 0.70),
-        c(0.255, 0.74),
-        c(0.255, 0.80),
-    ]);
+    knots.extend([c(0.15, 0.66), s(0.245, 0.70), c(0.255, 0.74), c(0.255, 0.80)]);
     let mut profile = sample(&knots, 0.10);
     let wall = profile.len();
     // Wall up, across, down inside, floor.
-    profile.extend([
-        DVec2::new(0.27, 0.96),
-        DVec2::new(0.185, 0.96),
-        DVec2::new(0.18, 0.82),
-        DVec2::new(0.0, 0.80),
-    ]);
+    profile.extend([DVec2::new(0.27, 0.96), DVec2::new(0.185, 0.96), DVec2::new(0.18, 0.82), DVec2::new(0.0, 0.80)]);
     // Columns: each merlon has four, each gap two more; where they meet two columns share an angle,
     // which makes upright cheeks.
     let per = 6;
@@ -121,11 +100,7 @@ fn rook() -> Part {
         let at = [0.0, 0.21, 0.42, 0.62, 0.62, 1.0][k];
         let gap = k >= 4;
         // The last column of a gap stands where the next merlon begins.
-        let index = if k == 5 {
-            (merlon + 1) % MERLONS
-        } else {
-            merlon
-        };
+        let index = if k == 5 { (merlon + 1) % MERLONS } else { merlon };
         let turn = (index as f64 + if k == 5 { 0.0 } else { at }) / MERLONS as f64;
         let (sin, cos) = sin_cos(std::f64::consts::TAU * turn);
         let mut p = profile[row];
@@ -149,32 +124,17 @@ const MITRE: [Knot; 8] = [
 ];
 /// Heights of the mitre's rows at the axis. At the two doubled heights are the lips and, further
 /// in, the bottom of the cut.
-const MITRE_ROWS: [f64; 13] = [
-    0.90, 0.935, 0.97, 1.005, 1.04, 1.075, 1.075, 1.115, 1.115, 1.155, 1.20, 1.245, 1.28,
-];
+const MITRE_ROWS: [f64; 13] = [0.90, 0.935, 0.97, 1.005, 1.04, 1.075, 1.075, 1.115, 1.115, 1.155, 1.20, 1.245, 1.28];
 
 /// A lathe whose rows tilt with the cut, so that its lips are clean.
 fn bishop() -> Part {
     let mut knots = foot(0.335, 0.72);
-    knots.extend([
-        c(0.135, 0.76),
-        s(0.225, 0.79),
-        s(0.215, 0.82),
-        c(0.13, 0.845),
-        c(0.125, 0.87),
-    ]);
+    knots.extend([c(0.135, 0.76), s(0.225, 0.79), s(0.215, 0.82), c(0.13, 0.845), c(0.125, 0.87)]);
     let mut profile = sample(&knots, 0.10);
     let first = profile.len();
     profile.extend(MITRE_ROWS.map(|y| DVec2::new(0.0, y)));
     profile.extend(
-        [
-            (0.046, 1.302),
-            (0.064, 1.33),
-            (0.062, 1.36),
-            (0.04, 1.383),
-            (0.0, 1.39),
-        ]
-        .map(|(r, y)| DVec2::new(r, y)),
+        [(0.046, 1.302), (0.064, 1.33), (0.062, 1.36), (0.04, 1.383), (0.0, 1.39)].map(|(r, y)| DVec2::new(r, y)),
     );
     let outline = sample(&MITRE, 0.01);
     lathe_with(profile.len(), 24, |row, angle, _| {
@@ -192,38 +152,19 @@ fn bishop() -> Part {
 
 /// The radius of an outline at a height, by straight pieces.
 fn radius_at(outline: &[DVec2], y: f64) -> f64 {
-    let above = outline
-        .iter()
-        .position(|p| p.y >= y)
-        .unwrap_or(outline.len() - 1)
-        .max(1);
+    let above = outline.iter().position(|p| p.y >= y).unwrap_or(outline.len() - 1).max(1);
     let (a, b) = (outline[above - 1], outline[above]);
     a.x + (b.x - a.x) * ((y - a.y) / (b.y - a.y)).clamp(0.0, 1.0)
 }
 
 fn queen() -> Vec<Part> {
     let mut knots = foot(0.37, 0.98);
-    knots.extend([
-        c(0.155, 1.01),
-        s(0.245, 1.04),
-        s(0.24, 1.07),
-        c(0.155, 1.10),
-        s(0.16, 1.13),
-        s(0.19, 1.24),
-    ]);
+    knots.extend([c(0.155, 1.01), s(0.245, 1.04), s(0.24, 1.07), c(0.155, 1.10), s(0.16, 1.13), s(0.19, 1.24)]);
     let mut profile = sample(&knots, 0.10);
     let first = profile.len();
     profile.extend(
-        [
-            (0.215, 1.32),
-            (0.245, 1.41),
-            (0.21, 1.395),
-            (0.165, 1.34),
-            (0.15, 1.345),
-            (0.11, 1.395),
-            (0.0, 1.415),
-        ]
-        .map(|(r, y)| DVec2::new(r, y)),
+        [(0.215, 1.32), (0.245, 1.41), (0.21, 1.395), (0.165, 1.34), (0.15, 1.345), (0.11, 1.395), (0.0, 1.415)]
+            .map(|(r, y)| DVec2::new(r, y)),
     );
     let points = 9.0;
     let crown = lathe_with(profile.len(), 36, |row, angle, _| {
@@ -236,22 +177,12 @@ fn queen() -> Vec<Part> {
         }
         p
     });
-    vec![
-        crown.crease(50.0),
-        sphere(DVec3::new(0.0, 1.462, 0.0), 0.06, 14),
-    ]
+    vec![crown.crease(50.0), sphere(DVec3::new(0.0, 1.462, 0.0), 0.06, 14)]
 }
 
 fn king() -> Vec<Part> {
     let mut knots = foot(0.385, 1.08);
-    knots.extend([
-        c(0.165, 1.12),
-        s(0.26, 1.155),
-        s(0.255, 1.185),
-        c(0.165, 1.215),
-        s(0.165, 1.25),
-        s(0.195, 1.36),
-    ]);
+    knots.extend([c(0.165, 1.12), s(0.26, 1.155), s(0.255, 1.185), c(0.165, 1.215), s(0.165, 1.25), s(0.195, 1.36)]);
     knots.extend([
         c(0.235, 1.50),
         s(0.215, 1.53),
@@ -265,14 +196,10 @@ fn king() -> Vec<Part> {
     let (a, b, w) = (0.022, 0.115, 0.05);
     let arm = [(b, -w), (b, w), (a, a)];
     let outline: Vec<DVec2> = (0..4)
-        .flat_map(|turn| {
-            arm.map(|(x, y)| (0..turn).fold(DVec2::new(x, y), |p, _| DVec2::new(-p.y, p.x)))
-        })
+        .flat_map(|turn| arm.map(|(x, y)| (0..turn).fold(DVec2::new(x, y), |p, _| DVec2::new(-p.y, p.x))))
         .map(|p| p + DVec2::ZERO)
         .collect();
     // The cross faces the players, who sit along the direction that knights look in.
-    let cross = block::prism(&outline, 0.028)
-        .turned(90.0)
-        .at(0.0, 1.735, 0.0);
+    let cross = block::prism(&outline, 0.028).turned(90.0).at(0.0, 1.735, 0.0);
     vec![turned(&knots, 0.10, 28), cross]
 }

@@ -30,12 +30,7 @@ pub fn parts() -> Vec<Part> {
 }
 
 const fn section(back: (f64, f64), front: (f64, f64), half_width: f64, crest: f64) -> Section {
-    Section {
-        back: DVec2::new(back.0, back.1),
-        front: DVec2::new(front.0, front.1),
-        half_width,
-        crest,
-    }
+    Section { back: DVec2::new(back.0, back.1), front: DVec2::new(front.0, front.1), half_width, crest }
 }
 
 /// Cross-sections from the chest up the neck, over the poll and down to the lips. Back runs along
@@ -84,13 +79,7 @@ fn skin() -> Part {
 
 /// A pointed ear, hollowed in front, leaning back and out.
 fn ear(side: f64) -> Part {
-    let knots = [
-        c(0.0, 0.0),
-        s(0.034, 0.012),
-        s(0.042, 0.05),
-        s(0.028, 0.11),
-        c(0.0, 0.165),
-    ];
+    let knots = [c(0.0, 0.0), s(0.034, 0.012), s(0.042, 0.05), s(0.028, 0.11), c(0.0, 0.165)];
     lathe(&sample(&knots, 0.06), 10).map(|p| {
         let lean = DVec3::new(p.x * 0.8 - p.y * 0.10, p.y, p.z + side * p.y * 0.22);
         lean + DVec3::new(0.0, 1.055, 0.052 * side)

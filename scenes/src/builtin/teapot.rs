@@ -29,28 +29,16 @@ pub fn scene() -> Result<Scene, SceneError> {
     sugar(&mut out);
     out.point_light([7.5, 10.0, 4.0], [0.92, 0.86, 0.76]);
     out.point_light([-8.0, 6.0, 7.5], [0.22, 0.26, 0.32]);
-    out.sky(
-        [0.14, 0.21, 0.38],
-        [0.84, 0.72, 0.58],
-        [0.24, 0.18, 0.14],
-        0.42,
-    );
-    let hero = Camera {
-        eye: Vec3::new(1.4, 5.0, 11.2),
-        target: Vec3::new(0.75, 0.94, 0.0),
-        up: Vec3::Y,
-        vfov_deg: 27.0,
-    };
+    out.sky([0.14, 0.21, 0.38], [0.84, 0.72, 0.58], [0.24, 0.18, 0.14], 0.42);
+    let hero =
+        Camera { eye: Vec3::new(1.4, 5.0, 11.2), target: Vec3::new(0.75, 0.94, 0.0), up: Vec3::Y, vfov_deg: 27.0 };
     out.finish(camera::orbit(hero, FRAMES, 0.6))
 }
 
 fn pot(out: &mut SceneBuilder) {
     let glaze = out.material(builder::polished("glaze", [0.035, 0.235, 0.27], 0.07, 260));
     let join = |patches: &[patch::Patch]| {
-        patches
-            .iter()
-            .map(|p| patch::tessellate(p, PATCH_CELLS, PATCH_CELLS))
-            .fold(Part::default(), Part::with)
+        patches.iter().map(|p| patch::tessellate(p, PATCH_CELLS, PATCH_CELLS)).fold(Part::default(), Part::with)
     };
     let place = |part: Part| part.turned(24.0).at(-0.85, 0.0, -0.55);
     let [body, handle, spout] = newell::patches();
@@ -67,11 +55,7 @@ fn glass_of_tea(out: &mut SceneBuilder) {
     let tea = out.material(builder::glass("tea", [0.93, 0.62, 0.24], 1.33));
     out.object("tumbler", &tumbler().at(3.15, 0.0, 1.55), glass);
     out.object("tea", &liquid().at(3.15, 0.0, 1.55), tea);
-    out.object(
-        "marble",
-        &sphere(DVec3::new(1.28, 0.36, 2.9), 0.36, 24).crease(60.0),
-        glass,
-    );
+    out.object("marble", &sphere(DVec3::new(1.28, 0.36, 2.9), 0.36, 24).crease(60.0), glass);
 }
 
 /// A tumbler: outside up, over the rim, inside down; a closed solid.
@@ -94,29 +78,16 @@ fn tumbler() -> Part {
 
 /// Tea, a hair's breadth inside the glass.
 fn liquid() -> Part {
-    let knots = [
-        c(0.0, 0.215),
-        s(0.55, 0.215),
-        s(0.62, 0.27),
-        s(0.70, 0.8),
-        c(0.765, 1.35),
-        c(0.0, 1.35),
-    ];
+    let knots = [c(0.0, 0.215), s(0.55, 0.215), s(0.62, 0.27), s(0.70, 0.8), c(0.765, 1.35), c(0.0, 1.35)];
     lathe(&sample(&knots, 0.5), 36)
 }
 
 fn sugar(out: &mut SceneBuilder) {
     let sugar = out.material(builder::matte("sugar", [0.82, 0.80, 0.75]));
-    for (name, x, y, z, turn) in [
-        ("sugar 1", 2.35, 0.0, 3.2, 14.0),
-        ("sugar 2", 2.95, 0.0, 3.42, -22.0),
-        ("sugar 3", 2.62, 0.42, 3.3, 38.0),
-    ] {
-        let cube = block::bevelled(
-            DVec3::new(-0.21, 0.0, -0.21),
-            DVec3::new(0.21, 0.42, 0.21),
-            0.03,
-        );
+    for (name, x, y, z, turn) in
+        [("sugar 1", 2.35, 0.0, 3.2, 14.0), ("sugar 2", 2.95, 0.0, 3.42, -22.0), ("sugar 3", 2.62, 0.42, 3.3, 38.0)]
+    {
+        let cube = block::bevelled(DVec3::new(-0.21, 0.0, -0.21), DVec3::new(0.21, 0.42, 0.21), 0.03);
         out.object(name, &cube.turned(turn).at(x, y, z), sugar);
     }
 }
@@ -129,14 +100,7 @@ fn table(out: &mut SceneBuilder) {
     let edge = out.material(builder::polished("edge", [0.20, 0.09, 0.04], 0.05, 80));
     let disc = lathe(&[DVec2::new(8.2, 0.0), DVec2::new(0.0, 0.0)], 64).planar_uv(DVec2::ZERO, 4.0);
     out.object("table", &disc, top);
-    let rim = [
-        c(0.0, -0.6),
-        c(7.6, -0.6),
-        s(8.3, -0.42),
-        s(8.42, -0.15),
-        s(8.34, 0.02),
-        c(8.2, 0.0),
-    ];
+    let rim = [c(0.0, -0.6), c(7.6, -0.6), s(8.3, -0.42), s(8.42, -0.15), s(8.34, 0.02), c(8.2, 0.0)];
     out.extend(&lathe(&sample(&rim, 0.3), 64), edge);
 }
 
@@ -146,22 +110,13 @@ fn tiles() -> Texture {
         let (x, y) = (u * 2.0, v * 2.0);
         let (fx, fy) = (x - libm::floor(x), y - libm::floor(y));
         let dark = (libm::floor(x) + libm::floor(y)) % 2.0 != 0.0;
-        let vein = paint::cloud(
-            u * 9.0 + 3.0 * paint::cloud(u * 4.0, v * 4.0, 3, 1),
-            v * 9.0,
-            4,
-            2,
-        );
+        let vein = paint::cloud(u * 9.0 + 3.0 * paint::cloud(u * 4.0, v * 4.0, 3, 1), v * 9.0, 4, 2);
         let stone = if dark {
             DVec3::new(0.10, 0.062, 0.045) * (0.6 + 0.8 * vein)
         } else {
             DVec3::new(0.66, 0.58, 0.47) * (0.78 + 0.4 * vein)
         };
         let joint = fx.min(1.0 - fx).min(fy).min(1.0 - fy);
-        if joint < 0.012 {
-            DVec3::new(0.30, 0.27, 0.23)
-        } else {
-            stone
-        }
+        if joint < 0.012 { DVec3::new(0.30, 0.27, 0.23) } else { stone }
     })
 }

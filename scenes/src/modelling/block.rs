@@ -19,11 +19,7 @@ pub fn rectangle(corner: DVec3, along: DVec3, up: DVec3) -> Part {
 #[must_use]
 pub fn block(low: DVec3, high: DVec3) -> Part {
     let d = high - low;
-    let (x, y, z) = (
-        DVec3::new(d.x, 0.0, 0.0),
-        DVec3::new(0.0, d.y, 0.0),
-        DVec3::new(0.0, 0.0, d.z),
-    );
+    let (x, y, z) = (DVec3::new(d.x, 0.0, 0.0), DVec3::new(0.0, d.y, 0.0), DVec3::new(0.0, 0.0, d.z));
     // Corners are picked, not summed, so that faces share their corners bit by bit.
     let face = |corner, along, up| rectangle(corner, along, up).map(|p| snap(p, low, high));
     face(low + z, x, y)
@@ -37,11 +33,7 @@ pub fn block(low: DVec3, high: DVec3) -> Part {
 /// Moves each coordinate to the nearer of two values.
 fn snap(p: DVec3, low: DVec3, high: DVec3) -> DVec3 {
     let nearer = |v: f64, a: f64, b: f64| if (v - a).abs() < (v - b).abs() { a } else { b };
-    DVec3::new(
-        nearer(p.x, low.x, high.x),
-        nearer(p.y, low.y, high.y),
-        nearer(p.z, low.z, high.z),
-    )
+    DVec3::new(nearer(p.x, low.x, high.x), nearer(p.y, low.y, high.y), nearer(p.z, low.z, high.z))
 }
 
 /// A closed box with its four upright and its four upper edges cut by `bevel`.

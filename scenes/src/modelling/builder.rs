@@ -56,18 +56,9 @@ impl SceneBuilder {
     /// Adds a part to the last object. Normals are not smoothed from part to part.
     pub fn extend(&mut self, part: &Part, material: u32) {
         let positions: Vec<Vec3> = part.positions.iter().map(|p| p.as_vec3()).collect();
-        let triangles: Vec<[u32; 3]> = part
-            .triangles
-            .iter()
-            .copied()
-            .filter(|t| !normals::is_degenerate(&positions, *t))
-            .collect();
-        let normals = normals::corner_normals(
-            &positions,
-            &triangles,
-            &vec![0; triangles.len()],
-            part.crease_cos,
-        );
+        let triangles: Vec<[u32; 3]> =
+            part.triangles.iter().copied().filter(|t| !normals::is_degenerate(&positions, *t)).collect();
+        let normals = normals::corner_normals(&positions, &triangles, &vec![0; triangles.len()], part.crease_cos);
         let mut join = MeshJoin::new(positions.len());
         let mesh = &mut self.scene.mesh;
         let base = mesh.positions.len() as u32;
@@ -76,18 +67,9 @@ impl SceneBuilder {
             let mut corner = normals.iter();
             let vertices = triangle.map(|v| {
                 let normal = corner.next().copied().unwrap_or(Vec3::Y);
-                base + join.vertex(
-                    v,
-                    positions[v as usize],
-                    normal,
-                    part.uvs[v as usize].as_vec2(),
-                )
+                base + join.vertex(v, positions[v as usize], normal, part.uvs[v as usize].as_vec2())
             });
-            mesh.triangles.push(Triangle {
-                vertices,
-                object,
-                material,
-            });
+            mesh.triangles.push(Triangle { vertices, object, material });
         }
         mesh.positions.append(&mut join.mesh.positions);
         mesh.normals.append(&mut join.mesh.normals);
@@ -96,20 +78,12 @@ impl SceneBuilder {
 
     /// Adds a point light.
     pub fn point_light(&mut self, position: [f32; 3], colour: [f32; 3]) {
-        self.scene.lights.push(Light::Point {
-            position: position.into(),
-            colour: colour.into(),
-        });
+        self.scene.lights.push(Light::Point { position: position.into(), colour: colour.into() });
     }
 
     /// Sets the sky from zenith, horizon and ground colours.
     pub fn sky(&mut self, zenith: [f32; 3], horizon: [f32; 3], ground: [f32; 3], ambient: f32) {
-        self.scene.sky = crate::Sky {
-            zenith: zenith.into(),
-            horizon: horizon.into(),
-            ground: ground.into(),
-            ambient,
-        };
+        self.scene.sky = crate::Sky { zenith: zenith.into(), horizon: horizon.into(), ground: ground.into(), ambient };
     }
 
     /// Finishes the scene with its cameras.
@@ -126,33 +100,19 @@ impl SceneBuilder {
 /// A dull material.
 #[must_use]
 pub fn matte(name: &str, diffuse: [f32; 3]) -> Material {
-    Material {
-        diffuse: diffuse.into(),
-        ..crate::mtl::default_material(name)
-    }
+    Material { diffuse: diffuse.into(), ..crate::mtl::default_material(name) }
 }
 
 /// A polished material that mirrors by Fresnel with `f0` head-on.
 #[must_use]
 pub fn polished(name: &str, diffuse: [f32; 3], f0: f32, shininess: u32) -> Material {
-    Material {
-        optics: Optics::FresnelMirror,
-        specular: Vec3::splat(f0),
-        shininess,
-        ior: 1.5,
-        ..matte(name, diffuse)
-    }
+    Material { optics: Optics::FresnelMirror, specular: Vec3::splat(f0), shininess, ior: 1.5, ..matte(name, diffuse) }
 }
 
 /// A mirror with a constant weight.
 #[must_use]
 pub fn mirror(name: &str, diffuse: [f32; 3], weight: [f32; 3], shininess: u32) -> Material {
-    Material {
-        optics: Optics::Mirror,
-        specular: weight.into(),
-        shininess,
-        ..matte(name, diffuse)
-    }
+    Material { optics: Optics::Mirror, specular: weight.into(), shininess, ..matte(name, diffuse) }
 }
 
 /// Glass with a tint per surface.

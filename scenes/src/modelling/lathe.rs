@@ -12,11 +12,7 @@ pub fn lathe(profile: &[DVec2], segments: usize) -> Part {
 }
 
 /// Like [`lathe`], but the point of each row may depend on the angle: `shape(row, angle, column)`.
-pub fn lathe_with(
-    rows: usize,
-    segments: usize,
-    shape: impl Fn(usize, f64, usize) -> DVec2,
-) -> Part {
+pub fn lathe_with(rows: usize, segments: usize, shape: impl Fn(usize, f64, usize) -> DVec2) -> Part {
     Part::grid(rows, segments, true, |row, column| {
         let angle = std::f64::consts::TAU * column as f64 / segments as f64;
         let (sin, cos) = sin_cos(angle);
@@ -34,11 +30,7 @@ pub fn sphere(centre: DVec3, radius: f64, segments: usize) -> Part {
         .map(|i| {
             let (sin, cos) = sin_cos(std::f64::consts::PI * i as f64 / rings as f64);
             // The poles lie exactly on the axis, so that the solid closes.
-            if i == 0 || i == rings {
-                DVec2::new(0.0, -cos * radius)
-            } else {
-                DVec2::new(sin * radius, -cos * radius)
-            }
+            if i == 0 || i == rings { DVec2::new(0.0, -cos * radius) } else { DVec2::new(sin * radius, -cos * radius) }
         })
         .collect();
     lathe(&profile, segments).at(centre.x, centre.y, centre.z)

@@ -58,11 +58,7 @@ pub fn refine(sections: &[Section], pieces: usize) -> Vec<Section> {
 
 /// A closed skin over the sections from the bottom up: flat caps at both ends, `shape` moves each
 /// point of the skin (section, angle, point).
-pub fn loft(
-    sections: &[Section],
-    segments: usize,
-    shape: impl Fn(usize, f64, DVec3) -> DVec3,
-) -> Part {
+pub fn loft(sections: &[Section], segments: usize, shape: impl Fn(usize, f64, DVec3) -> DVec3) -> Part {
     let count = sections.len();
     let cap = |s: &Section| ((s.back + s.front) / 2.0).extend(0.0);
     Part::grid(count + 2, segments, true, |row, column| {
@@ -71,11 +67,7 @@ pub fn loft(
         match row {
             0 => cap(&sections[0]),
             r if r > count => cap(&sections[count - 1]),
-            r => shape(
-                r - 1,
-                angle,
-                sections[r - 1].point(if column == 0 { 0.0 } else { angle }),
-            ),
+            r => shape(r - 1, angle, sections[r - 1].point(if column == 0 { 0.0 } else { angle })),
         }
     })
 }

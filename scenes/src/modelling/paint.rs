@@ -15,22 +15,13 @@ pub fn paint(name: &str, side: u32, colour: impl Fn(f64, f64) -> DVec3) -> Textu
             texels.push([r, g, b, 255]);
         }
     }
-    Texture {
-        name: name.to_owned(),
-        width: side,
-        height: side,
-        texels,
-    }
+    Texture { name: name.to_owned(), width: side, height: side, texels }
 }
 
 /// Linear to 8-bit sRGB.
 fn encode(linear: f64) -> u8 {
     let c = linear.clamp(0.0, 1.0);
-    let encoded = if c <= 0.003_130_8 {
-        c * 12.92
-    } else {
-        1.055 * libm::pow(c, 1.0 / 2.4) - 0.055
-    };
+    let encoded = if c <= 0.003_130_8 { c * 12.92 } else { 1.055 * libm::pow(c, 1.0 / 2.4) - 0.055 };
     libm::round(encoded * 255.0) as u8
 }
 
@@ -62,8 +53,7 @@ pub fn cloud(x: f64, y: f64, octaves: u32, seed: u32) -> f64 {
 
 /// An integer hash as a number between 0 and 1.
 fn hash(x: u32, y: u32, seed: u32) -> f64 {
-    let mut h =
-        x.wrapping_mul(0x9E37_79B1) ^ y.wrapping_mul(0x85EB_CA77) ^ seed.wrapping_mul(0xC2B2_AE3D);
+    let mut h = x.wrapping_mul(0x9E37_79B1) ^ y.wrapping_mul(0x85EB_CA77) ^ seed.wrapping_mul(0xC2B2_AE3D);
     h = (h ^ (h >> 15)).wrapping_mul(0x2C1B_3C6D);
     h = (h ^ (h >> 12)).wrapping_mul(0x297A_2D39);
     f64::from(h ^ (h >> 15)) / f64::from(u32::MAX)

@@ -19,12 +19,7 @@ pub struct Part {
 
 impl Default for Part {
     fn default() -> Self {
-        Self {
-            positions: Vec::new(),
-            uvs: Vec::new(),
-            triangles: Vec::new(),
-            crease_cos: CREASE_COS,
-        }
+        Self { positions: Vec::new(), uvs: Vec::new(), triangles: Vec::new(), crease_cos: CREASE_COS }
     }
 }
 
@@ -34,20 +29,12 @@ impl Part {
     ///
     /// The front is where rows run up and columns run to the right. Rows that fall together in a
     /// point are fine: triangles without area are dropped when the part is built in.
-    pub fn grid(
-        rows: usize,
-        columns: usize,
-        wrap: bool,
-        surface: impl Fn(usize, usize) -> DVec3,
-    ) -> Self {
+    pub fn grid(rows: usize, columns: usize, wrap: bool, surface: impl Fn(usize, usize) -> DVec3) -> Self {
         let mut part = Self::default();
         for row in 0..rows {
             for column in 0..columns {
                 part.positions.push(surface(row, column));
-                part.uvs.push(DVec2::new(
-                    column as f64 / columns as f64,
-                    row as f64 / rows as f64,
-                ));
+                part.uvs.push(DVec2::new(column as f64 / columns as f64, row as f64 / rows as f64));
             }
         }
         let at = |row: usize, column: usize| (row * columns + column % columns) as u32;
@@ -113,8 +100,7 @@ impl Part {
         let base = self.positions.len() as u32;
         self.positions.extend(other.positions);
         self.uvs.extend(other.uvs);
-        self.triangles
-            .extend(other.triangles.iter().map(|t| t.map(|v| base + v)));
+        self.triangles.extend(other.triangles.iter().map(|t| t.map(|v| base + v)));
         self
     }
 

@@ -25,11 +25,7 @@ pub fn point(patch: &Patch, u: f64, v: f64) -> DVec3 {
 #[must_use]
 pub fn tessellate(patch: &Patch, columns: usize, rows: usize) -> Part {
     Part::grid(rows + 1, columns + 1, false, |row, column| {
-        point(
-            patch,
-            column as f64 / columns as f64,
-            row as f64 / rows as f64,
-        )
+        point(patch, column as f64 / columns as f64, row as f64 / rows as f64)
     })
 }
 

@@ -38,7 +38,11 @@ pub fn scene(lights: usize) -> Scene {
     let light = |i: usize| {
         let at = Vec3::new((i as f32 * 2.4).sin() * 3.0, 1.0 + i as f32 * 0.4, (i as f32 * 2.4).cos() * 3.0);
         let colour = Vec3::splat(0.2);
-        if i.is_multiple_of(2) { Light::Point { position: at, colour } } else { Light::Directional { to_light: at, colour } }
+        if i.is_multiple_of(2) {
+            Light::Point { position: at, colour }
+        } else {
+            Light::Directional { to_light: at, colour }
+        }
     };
     scene.lights = (0..lights).map(light).collect();
     scene.validate().expect("a valid scene");

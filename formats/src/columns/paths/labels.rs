@@ -57,7 +57,7 @@ impl Ring {
         let number = self.next;
         self.next += 1;
         // Cell 0 is not for paths.
-        if self.next as usize % RING == 0 {
+        if (self.next as usize).is_multiple_of(RING) {
             self.next += 1;
         }
         number

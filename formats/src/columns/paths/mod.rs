@@ -19,7 +19,10 @@ use crate::limits::Limits;
 use crate::scene::Rect;
 use crate::tile::{Paths, Tree, step};
 use labels::{Around, Cell, Labels, Ring};
-use models::{EXPECTED, Expectation, Models, OUTCOMES, expect, outcome_context, outcome_model, pop_context, pop_model, surprise_level, test_model};
+use models::{
+    EXPECTED, Expectation, Models, OUTCOMES, expect, outcome_context, outcome_model, pop_context, pop_model,
+    surprise_level, test_model,
+};
 use runs::{Run, RunDecoder, RunEncoder};
 
 /// Sequences of near-certain steps: outcomes where four or fewer neighbours agree, leaves likewise, pops.
