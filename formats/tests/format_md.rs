@@ -1,5 +1,5 @@
-//! FORMAT.md is enough to read a trace: `format_reader.py` was written from it, and must find in every trace what this crate
-//! finds.
+//! What FORMAT.md says is what this crate does: `format_reader.py` follows the text chapter by chapter, shares no code with
+//! the crate, and must find in every trace what the crate finds.
 //!
 //! Skipped where there is no python3, or none that can decompress zstd.
 

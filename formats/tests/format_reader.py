@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A reader of Rayreel traces, written from FORMAT.md alone: the executable check of that text.
+"""A reader of Rayreel traces by the text of FORMAT.md, chapter by chapter: the executable check of that text.
 
     format_reader.py FILE            list what the file holds: per tile and column its codec, length and CRC-32
     format_reader.py FILE --digest   print what `rayreel digest FILE` prints
