@@ -78,7 +78,7 @@ fn obj_errors_name_the_line() {
         ("v 0 0 0\nf /1 1 1\n", "a.obj:2: `/1` is no face corner"),
         ("", "a.obj: the mesh is empty: it has no face with three corners; a scene needs at least one triangle"),
         ("v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\nf 1 1 1\n", "a.obj: the mesh is empty: all 2 triangles have no area"),
-        ("mtllib gone.mtl\nv 0 0 0\nf 1 1 1\n", "a.obj:1: the material library `gone.mtl` cannot be read:"),
+        ("mtllib gone.mtl\nv 0 0 0\nf 1 1 1\n", "a.obj:1: the material library `gone.mtl` cannot be read; put it there"),
         ("usemtl\n", "a.obj:1: `usemtl` without a name; name a material"),
     ];
     for (obj, wanted) in cases {
@@ -168,10 +168,10 @@ fn mtl_errors_name_the_line() {
         ("newmtl m\nd 2\n", "a.mtl:2: `d` is 2; it must be between 0 and 1"),
         ("newmtl m\nillum 99\n", "a.mtl:2: `illum 99` is no illumination model; it must be an integer from 0 to 10"),
         ("newmtl\n", "a.mtl:1: `newmtl` without a name"),
-        ("newmtl m\nmap_Kd gone.png\n", "a.mtl:2: the texture `gone.png` cannot be read:"),
+        ("newmtl m\nmap_Kd gone.png\n", "a.mtl:2: the texture `gone.png` cannot be read; put it there"),
         (
             "newmtl m\nmap_Kd -s 2 2 1 gone dir\\my tex.png\n",
-            "a.mtl:2: the texture `gone dir/my tex.png` cannot be read:",
+            "a.mtl:2: the texture `gone dir/my tex.png` cannot be read; put it there",
         ),
         ("newmtl m\nmap_Kd\n", "a.mtl:2: `map_Kd` names no file"),
         ("newmtl m\nmap_Kd a.obj\n", "a.mtl:2: the texture `a.obj` cannot be decoded:"),
@@ -252,7 +252,7 @@ fn toml_errors_say_where_and_what() {
             format!("{eye}path = \"x.csv\""),
             "s.toml: [camera] has more than one of eye/target, path and keyframes; keep one",
         ),
-        ("[camera]\npath = \"gone.csv\"".into(), "gone.csv: cannot read this camera path:"),
+        ("[camera]\npath = \"gone.csv\"".into(), "gone.csv: cannot read this camera path"),
         ("[camera]\nkeyframes = []".into(), "s.toml: camera.keyframes is empty"),
         (many, "s.toml: 17 lights are too many: at most 16 fit the trace; remove some"),
         ("[[lights]]\nkind = \"spot\"".into(), "s.toml:3:8: unknown variant `spot`"),
@@ -369,6 +369,6 @@ fn names_that_are_none_get_a_hint() {
         load_obj(Path::new("nowhere.obj"))
             .expect_err("no file")
             .to_string()
-            .starts_with("nowhere.obj: cannot read this OBJ file:")
+            .starts_with("nowhere.obj: cannot read this OBJ file")
     );
 }
