@@ -78,7 +78,10 @@ fn obj_errors_name_the_line() {
         ("v 0 0 0\nf /1 1 1\n", "a.obj:2: `/1` is no face corner"),
         ("", "a.obj: the mesh is empty: it has no face with three corners; a scene needs at least one triangle"),
         ("v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\nf 1 1 1\n", "a.obj: the mesh is empty: all 2 triangles have no area"),
-        ("mtllib gone.mtl\nv 0 0 0\nf 1 1 1\n", "a.obj:1: the material library `gone.mtl` cannot be read; put it there"),
+        (
+            "mtllib gone.mtl\nv 0 0 0\nf 1 1 1\n",
+            "a.obj:1: the material library `gone.mtl` cannot be read; put it there",
+        ),
         ("usemtl\n", "a.obj:1: `usemtl` without a name; name a material"),
     ];
     for (obj, wanted) in cases {

@@ -13,8 +13,26 @@ pub struct ClassRays {
     pub rays: Vec<(u32, u32)>,
 }
 
+/// What the columns of a tile are coded along.
+#[derive(Debug)]
+pub struct Order<'a> {
+    /// The ray trees.
+    pub tree: &'a Tree,
+    /// The tile's samples.
+    pub rect: Rect,
+    /// The classes of the trees, ascending.
+    pub classes: Vec<ClassRays>,
+}
+
+impl<'a> Order<'a> {
+    /// The coding order of a tile.
+    pub fn new(tree: &'a Tree, rect: Rect) -> Self {
+        Self { tree, rect, classes: classes(tree) }
+    }
+}
+
 /// All classes of a tree, ascending: a parent's class stands before its children's.
-pub fn classes(tree: &Tree) -> Vec<ClassRays> {
+fn classes(tree: &Tree) -> Vec<ClassRays> {
     let mut found: Vec<ClassRays> = Vec::new();
     // Place of each class in `found`, plus one.
     let mut place: Vec<u16> = Vec::new();

@@ -3,7 +3,7 @@
 //! Given the triangle, `t` and the normal follow from the ray and the triangle by the functions that the tracer used, so they
 //! cost one well-predicted bit each; any other value is stored whole. A ray in turn follows from its parent's hit.
 
-use super::classes::{ClassRays, Neighbours, Raster, classes};
+use super::classes::{ClassRays, Neighbours, Order, Raster};
 use super::coder::{Bit, Coder, Decoder, Encoder, Number, unzigzag, zigzag};
 use crate::bvh::Bvh;
 use crate::intersect::intersect;
@@ -79,9 +79,9 @@ impl Models {
 }
 
 /// Codes the hits of a tile; `hits` holds one entry a node.
-pub fn encode(tree: &Tree, hits: &[Hit], rect: Rect, geometry: Geometry<'_>) -> Vec<u8> {
+pub fn encode(order: &Order<'_>, hits: &[Hit], geometry: Geometry<'_>) -> Vec<u8> {
     let mut coder = Encoder::default();
-    code(&mut coder, tree, hits, rect, geometry).expect("the tracer's own hits are on triangles that exist");
+    code(&mut coder, order, hits, geometry).expect("the tracer's own hits are on triangles that exist");
     coder.finish()
 }
 
@@ -89,25 +89,20 @@ pub fn encode(tree: &Tree, hits: &[Hit], rect: Rect, geometry: Geometry<'_>) -> 
 ///
 /// # Errors
 /// Says which triangle is not there.
-pub fn decode(bytes: &[u8], tree: &Tree, rect: Rect, geometry: Geometry<'_>) -> Result<Vec<Hit>, String> {
-    code(&mut Decoder::new(bytes), tree, &[], rect, geometry)
+pub fn decode(bytes: &[u8], order: &Order<'_>, geometry: Geometry<'_>) -> Result<Vec<Hit>, String> {
+    code(&mut Decoder::new(bytes), order, &[], geometry)
 }
 
-fn code<C: Coder>(
-    coder: &mut C,
-    tree: &Tree,
-    hits: &[Hit],
-    rect: Rect,
-    geometry: Geometry<'_>,
-) -> Result<Vec<Hit>, String> {
+fn code<C: Coder>(coder: &mut C, order: &Order<'_>, hits: &[Hit], geometry: Geometry<'_>) -> Result<Vec<Hit>, String> {
+    let Order { tree, rect, classes } = order;
     let mut models = Models::new();
-    let mut raster = Raster::new(rect);
-    let mut rays = RayRebuilder::new(tree, rect, geometry);
+    let mut raster = Raster::new(*rect);
+    let mut rays = RayRebuilder::new(tree, *rect, geometry);
     let mut out = vec![Hit::MISS; tree.nodes.len()];
     let mut last = 0;
-    for ClassRays { class, rays: list } in classes(tree) {
+    for ClassRays { class, rays: list } in classes {
         raster.clear();
-        for (sample, node) in list {
+        for &(sample, node) in list {
             let index = node as usize;
             if !tree.nodes[index].hit {
                 continue;
@@ -118,7 +113,7 @@ fn code<C: Coder>(
             if triangle as usize >= geometry.bvh.triangles.len() {
                 return Err(format!("a hit on triangle {triangle} of {}", geometry.bvh.triangles.len()));
             }
-            let ray = rays.ray(sample, class, node);
+            let ray = rays.ray(sample, *class, node);
             let corners = geometry.bvh.corners(triangle as usize);
             let met = intersect(&ray, corners, f32::INFINITY);
             let (t, u, v) = met.map_or((0.0, 0.0, 0.0), |hit| (hit.t, hit.u, hit.v));
@@ -126,7 +121,10 @@ fn code<C: Coder>(
             let normal = geometry.bvh.shading_normal(triangle as usize, u, v);
             let normal = models.normal(coder, normal, given.normal);
             out[index] = Hit { triangle, t, normal };
-            rays.hit(node, &out[index]);
+            // Only a child asks for the surface.
+            if tree.nodes[index].reflect || tree.nodes[index].refract {
+                rays.hit(node, &out[index]);
+            }
             raster.set(sample, triangle);
             last = triangle;
         }

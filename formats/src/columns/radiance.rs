@@ -4,12 +4,11 @@
 //! hit the same object under the same lights; half-float patterns are close to logarithms, so shading that scales all channels
 //! moves them alike, and red and blue are predicted to move as green did.
 
-use super::classes::{ClassRays, Neighbours, Raster, classes};
+use super::classes::{ClassRays, Neighbours, Order, Raster};
 use super::coder::{Bit, Coder, Decoder, Encoder, Number};
 use super::hits::{Geometry, RayRebuilder};
 use crate::half::Half3;
-use crate::rays;
-use crate::scene::Rect;
+use crate::rays::children;
 use crate::tile::{Hit, Radiance, Tree};
 
 /// Contexts by the size of the neighbours' residuals.
@@ -51,9 +50,9 @@ impl Models {
 }
 
 /// Codes the radiance of a tile; both slices hold one entry a node.
-pub fn encode(tree: &Tree, hits: &[Hit], radiance: &[Radiance], rect: Rect, geometry: Geometry<'_>) -> Vec<u8> {
+pub fn encode(order: &Order<'_>, hits: &[Hit], radiance: &[Radiance], geometry: Geometry<'_>) -> Vec<u8> {
     let mut coder = Encoder::default();
-    code(&mut coder, tree, hits, radiance, rect, geometry);
+    code(&mut coder, order, hits, radiance, geometry);
     coder.finish()
 }
 
@@ -61,35 +60,29 @@ pub fn encode(tree: &Tree, hits: &[Hit], radiance: &[Radiance], rect: Rect, geom
 ///
 /// # Errors
 /// Says so when a value is not a non-negative finite number.
-pub fn decode(
-    bytes: &[u8],
-    tree: &Tree,
-    hits: &[Hit],
-    rect: Rect,
-    geometry: Geometry<'_>,
-) -> Result<Vec<Radiance>, String> {
-    let radiance = code(&mut Decoder::new(bytes), tree, hits, &[], rect, geometry);
+pub fn decode(bytes: &[u8], order: &Order<'_>, hits: &[Hit], geometry: Geometry<'_>) -> Result<Vec<Radiance>, String> {
+    let radiance = code(&mut Decoder::new(bytes), order, hits, &[], geometry);
     let valid = |r: &Radiance| r.local.is_valid() && r.reflect.is_valid() && r.refract.is_valid();
     if radiance.iter().all(valid) { Ok(radiance) } else { Err("a colour is negative or not finite".into()) }
 }
 
 fn code<C: Coder>(
     coder: &mut C,
-    tree: &Tree,
+    order: &Order<'_>,
     hits: &[Hit],
     radiance: &[Radiance],
-    rect: Rect,
     geometry: Geometry<'_>,
 ) -> Vec<Radiance> {
+    let Order { tree, rect, classes } = order;
     let mut models = Models::new();
-    let mut raster = Raster::new(rect);
-    let mut rebuilt = RayRebuilder::new(tree, rect, geometry);
+    let mut raster = Raster::new(*rect);
+    let mut rebuilt = RayRebuilder::new(tree, *rect, geometry);
     let mut out = vec![Radiance::default(); tree.nodes.len()];
     // Per node the magnitude of its green residual: the activity that its neighbours will see.
     let mut sizes = vec![0u32; tree.nodes.len()];
-    for ClassRays { class, rays } in classes(tree) {
+    for ClassRays { class, rays } in classes {
         raster.clear();
-        for (sample, node) in rays {
+        for &(sample, node) in rays {
             let index = node as usize;
             let given = if C::ENCODES { radiance[index] } else { Radiance::default() };
             let near = raster.neighbours(sample);
@@ -97,16 +90,14 @@ fn code<C: Coder>(
             (out[index].local, sizes[index]) = colour(coder, &mut models, &prediction, given.local);
             raster.set(sample, node);
             let shape = &tree.nodes[index];
-            if !shape.hit {
-                continue;
-            }
-            let ray = rebuilt.ray(sample, class, node);
-            let surface = rebuilt.hit(node, &hits[index]);
+            // Rays are rebuilt along the trees as far as there are weights.
             if !(shape.reflect || shape.refract) {
                 continue;
             }
+            let ray = rebuilt.ray(sample, *class, node);
+            let surface = rebuilt.hit(node, &hits[index]);
             let material = geometry.bvh.material(hits[index].triangle as usize);
-            let weights = surface.map(|s| rays::children(&s, ray.direction, material)).unwrap_or_default();
+            let weights = surface.map(|s| children(&s, ray.direction, material)).unwrap_or_default();
             if shape.reflect {
                 let predicted = weights.reflect.unwrap_or_default();
                 out[index].reflect = models.weight(coder, 0, predicted, given.reflect);

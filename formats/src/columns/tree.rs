@@ -1,6 +1,6 @@
 //! The tree column: which rays there are and what shadow rays found.
 
-use super::classes::{ClassRays, Raster, classes};
+use super::classes::{ClassRays, Order, Raster};
 use super::coder::{Bit, Coder, Decoder, Encoder, Symbol};
 use crate::limits::Limits;
 use crate::scene::Rect;
@@ -59,11 +59,12 @@ fn nodes_near(raster: &Raster, sample: u32, nodes: impl Fn(u32) -> RayNode) -> [
 }
 
 /// Codes a tree of `lights` lights.
-pub fn encode(tree: &Tree, rect: Rect, lights: usize) -> Vec<u8> {
-    let (mut coder, mut models, mut raster) = (Encoder::default(), Models::new(lights), Raster::new(rect));
-    for ClassRays { rays, .. } in classes(tree) {
+pub fn encode(order: &Order<'_>, lights: usize) -> Vec<u8> {
+    let Order { tree, rect, classes } = order;
+    let (mut coder, mut models, mut raster) = (Encoder::default(), Models::new(lights), Raster::new(*rect));
+    for ClassRays { rays, .. } in classes {
         raster.clear();
-        for (sample, node) in rays {
+        for &(sample, node) in rays {
             let near = nodes_near(&raster, sample, |n| tree.nodes[n as usize]);
             models.code(&mut coder, &near, tree.nodes[node as usize]);
             raster.set(sample, node);

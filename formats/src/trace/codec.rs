@@ -1,6 +1,7 @@
 //! Tiles to columns and back, by either codec.
 
 use crate::bvh::Bvh;
+use crate::columns::classes::Order;
 use crate::columns::hits::Geometry;
 use crate::columns::paths::{PathScratch, Topology};
 use crate::columns::{hits, paths, radiance, tree};
@@ -73,19 +74,29 @@ impl TileCodec<'_> {
     /// # Errors
     /// When zstd or the container refuses.
     pub fn encode(&self, tile: &Tile, codec: Codec, scratch: &mut Scratch) -> Result<EncodedChunk> {
-        let columns: Vec<ColumnEntry> =
-            Column::ALL.into_iter().map(|column| self.column(tile, column, codec, scratch)).collect::<Result<_>>()?;
+        let order = Order::new(&tile.tree, tile.rect);
+        let mut code = |column| self.column(tile, &order, column, codec, scratch);
+        let columns: Vec<ColumnEntry> = Column::ALL.into_iter().map(&mut code).collect::<Result<_>>()?;
         EncodedChunk::tile(ChunkId::tile(tile.frame, tile.index), &columns)
     }
 
     /// Codes one column.
-    fn column(&self, tile: &Tile, column: Column, codec: Codec, scratch: &mut Scratch) -> Result<ColumnEntry> {
+    fn column(
+        &self,
+        tile: &Tile,
+        order: &Order<'_>,
+        column: Column,
+        codec: Codec,
+        scratch: &mut Scratch,
+    ) -> Result<ColumnEntry> {
         let (code, raw_len, packed) = match codec {
             Codec::Plain(level) => {
                 let raw = canonical_bytes(tile, column);
                 (Codec::PLAIN, raw.len() as u64, compress(&raw, level)?)
             }
-            Codec::Context => (Codec::CONTEXT, canonical_length(tile, column), self.context(tile, column, scratch)),
+            Codec::Context => {
+                (Codec::CONTEXT, canonical_length(tile, column), self.context(tile, order, column, scratch))
+            }
         };
         Ok(ColumnEntry { id: column as u8, codec: code, raw_len, packed })
     }
@@ -95,17 +106,16 @@ impl TileCodec<'_> {
     /// # Errors
     /// When zstd refuses.
     pub fn column_bytes(&self, tile: &Tile, column: Column, codec: Codec, scratch: &mut Scratch) -> Result<usize> {
-        self.column(tile, column, codec, scratch).map(|entry| entry.packed.len())
+        self.column(tile, &Order::new(&tile.tree, tile.rect), column, codec, scratch).map(|entry| entry.packed.len())
     }
 
     /// Codes one column with the column codec.
-    fn context(&self, tile: &Tile, column: Column, scratch: &mut Scratch) -> Vec<u8> {
-        let (tree, rect) = (&tile.tree, tile.rect);
+    fn context(&self, tile: &Tile, order: &Order<'_>, column: Column, scratch: &mut Scratch) -> Vec<u8> {
         match column {
-            Column::Tree => tree::encode(tree, rect, self.lights()),
-            Column::Hits => hits::encode(tree, &tile.hits, rect, self.geometry()),
-            Column::Radiance => radiance::encode(tree, &tile.hits, &tile.radiance, rect, self.geometry()),
-            Column::Paths => paths::encode(&tile.paths, tree, rect, self.lights(), self.topology, &mut scratch.paths),
+            Column::Tree => tree::encode(order, self.lights()),
+            Column::Hits => hits::encode(order, &tile.hits, self.geometry()),
+            Column::Radiance => radiance::encode(order, &tile.hits, &tile.radiance, self.geometry()),
+            Column::Paths => paths::encode(&tile.paths, order, self.lights(), self.topology, &mut scratch.paths),
         }
     }
 
@@ -134,7 +144,7 @@ impl TileCodec<'_> {
     pub fn decode_hits(&self, tile: &Tile, packed: &Packed) -> Result<Vec<Hit>> {
         let decoded = decode(
             packed,
-            |bytes| hits::decode(bytes, &tile.tree, tile.rect, self.geometry()),
+            |bytes| hits::decode(bytes, &Order::new(&tile.tree, tile.rect), self.geometry()),
             |bytes| canonical::parse_hits(bytes, &tile.tree, self.bvh.triangles.len()),
             |_| hits_length(&tile.tree),
         );
@@ -148,7 +158,7 @@ impl TileCodec<'_> {
     pub fn decode_radiance(&self, tile: &Tile, packed: &Packed) -> Result<Vec<Radiance>> {
         let decoded = decode(
             packed,
-            |bytes| radiance::decode(bytes, &tile.tree, &tile.hits, tile.rect, self.geometry()),
+            |bytes| radiance::decode(bytes, &Order::new(&tile.tree, tile.rect), &tile.hits, self.geometry()),
             |bytes| canonical::parse_radiance(bytes, &tile.tree),
             |_| radiance_length(&tile.tree),
         );
@@ -164,7 +174,7 @@ impl TileCodec<'_> {
         let scratch = &mut scratch.paths;
         let decoded = decode(
             packed,
-            |bytes| paths::decode(bytes, tree, rect, lights, self.topology, self.limits, scratch),
+            |bytes| paths::decode(bytes, &Order::new(tree, rect), lights, self.topology, self.limits, scratch),
             |bytes| canonical::parse_paths(bytes, tree.ray_count() as usize),
             paths_length,
         );

@@ -12,12 +12,12 @@ mod labels;
 mod models;
 mod runs;
 
-use super::classes::{ClassRays, classes};
+use super::classes::{ClassRays, Order};
 use super::coder::{Bit, Coder, Decoder, Encoder};
 use crate::bvh::{Bvh, Child, MAX_TREE_DEPTH};
 use crate::limits::Limits;
 use crate::scene::Rect;
-use crate::tile::{Paths, Tree, step};
+use crate::tile::{Paths, step};
 use labels::{Around, Cell, Labels, Ring};
 use models::{
     EXPECTED, Expectation, Models, OUTCOMES, expect, outcome_context, outcome_model, pop_context, pop_model,
@@ -422,12 +422,13 @@ mod test {
 }
 
 /// The streams of a tile: whether they are shadow rays, and per ray its sample and ray number.
-fn streams(tree: &Tree, lights: usize) -> Vec<(bool, Vec<(u32, u32)>)> {
+fn streams(order: &Order<'_>, lights: usize) -> Vec<(bool, Vec<(u32, u32)>)> {
+    let tree = order.tree;
     let index = tree.ray_index();
     let mut streams = Vec::new();
-    for ClassRays { rays, .. } in classes(tree) {
+    for ClassRays { rays, .. } in &order.classes {
         let mut shadows = vec![Vec::new(); lights];
-        for &(sample, node) in &rays {
+        for &(sample, node) in rays {
             let cast = tree.nodes[node as usize].shadows.cast();
             for (rank, light) in cast.enumerate() {
                 shadows[light].push((sample, index[node as usize] + 1 + rank as u32));
@@ -461,8 +462,7 @@ fn start<'a, C, R>(
 /// Codes the paths of a tile: the runs' streams, each behind its length (u32), then the main stream.
 pub fn encode(
     paths: &Paths,
-    tree: &Tree,
-    rect: Rect,
+    order: &Order<'_>,
     lights: usize,
     topology: &Topology,
     scratch: &mut PathScratch,
@@ -470,12 +470,12 @@ pub fn encode(
     let runs: [RunEncoder; RUNS] = Default::default();
     let mut coder = start(Encoder::default(), runs, topology, scratch, u64::MAX);
     let mut none = Vec::new();
-    for (any, rays) in streams(tree, lights) {
-        coder.scratch.rows.clear(rect.width as usize);
+    for (any, rays) in streams(order, lights) {
+        coder.scratch.rows.clear(order.rect.width as usize);
         for (sample, ray) in rays {
             let given = paths.ray(ray as usize);
             let equals = |other: u32| paths.ray(other as usize) == given;
-            let coded = coder.ray(place(rect, sample, any), ray, given, equals, &mut none);
+            let coded = coder.ray(place(order.rect, sample, any), ray, given, equals, &mut none);
             debug_assert!(coded.is_ok(), "the tracer records only paths of its own tree");
         }
     }
@@ -495,8 +495,7 @@ pub fn encode(
 /// Says so when a step is impossible or there are more than `limits` allow.
 pub fn decode(
     mut bytes: &[u8],
-    tree: &Tree,
-    rect: Rect,
+    order: &Order<'_>,
     lights: usize,
     topology: &Topology,
     limits: &Limits,
@@ -512,13 +511,13 @@ pub fn decode(
     }
     let runs: [RunDecoder<'_>; RUNS] = runs.try_into().map_err(|_| "the paths lack a run")?;
     let mut coder = start(Decoder::new(bytes), runs, topology, scratch, limits.max_path_steps_per_tile);
-    let mut out = Paths { steps: Vec::new(), spans: vec![(0, 0); tree.ray_count() as usize] };
+    let mut out = Paths { steps: Vec::new(), spans: vec![(0, 0); order.tree.ray_count() as usize] };
     let Paths { steps, spans } = &mut out;
-    for (any, rays) in streams(tree, lights) {
-        coder.scratch.rows.clear(rect.width as usize);
+    for (any, rays) in streams(order, lights) {
+        coder.scratch.rows.clear(order.rect.width as usize);
         for (sample, ray) in rays {
             let start = steps.len();
-            let shared = coder.ray(place(rect, sample, any), ray, &[], |_| false, steps)?;
+            let shared = coder.ray(place(order.rect, sample, any), ray, &[], |_| false, steps)?;
             spans[ray as usize] = match shared {
                 Some(other) => spans[other as usize],
                 None => (start as u32, (steps.len() - start) as u32),

@@ -86,13 +86,8 @@ pub(super) fn pop_context(around: &Around) -> usize {
 /// The value to expect from those around, 0 where there is none. An edge between north-west and north is taken to run on
 /// between west and here, as in LOCO-I.
 pub(super) const fn expect(w: u8, n: u8, nw: u8, ne: u8) -> u8 {
-    let vertical = w == nw && n != 0;
-    if w != 0 && !vertical {
-        w
-    } else if n != 0 {
+    if n != 0 && (w == nw || w == 0) {
         n
-    } else if nw != 0 && nw == ne {
-        nw
     } else if w != 0 {
         w
     } else if ne != 0 {
