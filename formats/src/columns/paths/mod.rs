@@ -3,7 +3,7 @@
 //! Rays are coded stream by stream (all rays of one class, then its shadow rays light by light) and in a stream row by row. What
 //! a ray does at a node is predicted from what the rays to the left, above, above left and above right did *at that node*:
 //! the projection of a box on the image has few edges, so each node is a small picture, coded as JBIG codes one. Where all
-//! four agree, only surprises cost anything ([`runs`]); elsewhere a step is an adaptive bit in the context of the four.
+//! four agree, only surprises cost anything (`runs.rs`); elsewhere a step is an adaptive bit in the context of the four.
 //!
 //! A path is self-delimiting: the decoder walks the tree, so lengths cost nothing, and steps that cannot be otherwise (pops
 //! before any hit) are not coded at all.
