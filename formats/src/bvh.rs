@@ -2,7 +2,7 @@
 //!
 //! The boxes are not stored: they follow exactly from the triangles, because minimum and maximum do not round.
 
-use crate::math::{Vec3, vec3};
+use crate::math::Vec3;
 use crate::oct::Oct;
 use crate::scene::Material;
 
@@ -230,12 +230,6 @@ impl Bvh {
     /// The box around everything.
     pub fn bounds(&self) -> Aabb {
         self.nodes.first().map_or(Aabb::EMPTY, |root| root.bounds[0].union(root.bounds[1]))
-    }
-
-    /// Diagonal padding-free centre, for callers that need a point inside the scene.
-    pub fn centre(&self) -> Vec3 {
-        let b = self.bounds();
-        vec3((b.min.x + b.max.x) * 0.5, (b.min.y + b.max.y) * 0.5, (b.min.z + b.max.z) * 0.5)
     }
 }
 
