@@ -12,6 +12,7 @@
 pub mod error;
 pub mod frame;
 pub mod image;
+pub mod machine;
 pub mod policy;
 pub mod report;
 pub mod source;

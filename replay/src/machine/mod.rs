@@ -1,0 +1,14 @@
+//! The machine model: recorded rays in, cycles and joules out.
+//!
+//! ```text
+//! policy -> work (tiles, waves, rays) -> system: cores { SRP <-> T&I unit } -> L2 -> LPDDR4 -> counters -> energy -> stats
+//! ```
+//!
+//! Time is an integer number of cycles of the T&I clock; what runs in another clock keeps its own integer count and meets the
+//! T&I clock through ratios of whole megahertz. No float decides an event. `MODEL.md` beside the crate states every rule.
+
+pub mod config;
+pub mod counters;
+pub mod link;
+pub mod memory;
+pub mod work;
