@@ -1,4 +1,21 @@
-//! Everything behind the first-level caches.
+//! Caches and DRAM: a first-level cache for each unit that reads, and everything behind them as one [`Memory`].
+//!
+//! ```text
+//! L1Cache (one a unit) -> MemorySystem { banks of the L2 -> clock crossing -> DRAM channels }
+//! ```
+
+pub mod crossing;
+pub mod dram;
+pub mod ideal;
+pub mod l1;
+pub mod l2;
+pub mod system;
+pub mod tags;
+
+pub use crossing::Crossing;
+pub use ideal::IdealMemory;
+pub use l1::{Access, CacheCounters, L1Cache};
+pub use system::{MemorySystem, Traffic};
 
 use crate::machine::work::layout::Region;
 
