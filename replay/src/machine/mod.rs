@@ -11,4 +11,7 @@ pub mod config;
 pub mod counters;
 pub mod link;
 pub mod memory;
+#[cfg(test)]
+pub(crate) mod test_config;
+pub mod ti;
 pub mod work;

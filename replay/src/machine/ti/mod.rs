@@ -1,0 +1,251 @@
+//! The traversal and intersection unit of a core: ray buffer, dispatcher, traversal units, crossbar, intersection units.
+//!
+//! ```text
+//!          ray buffer -> dispatcher -> TRV 0..n  <=> crossbar <=> IST 0..m -> hits
+//!                                       | L1                       | L1
+//!                                       +------------ L2 ----------+
+//! ```
+//!
+//! The dispatcher gives one ray a cycle to the traversal unit with most free places, the first of equals.
+
+pub mod front;
+pub mod ist;
+pub mod pipe;
+pub mod ray;
+pub mod trv;
+
+#[cfg(test)]
+mod tests;
+
+use std::collections::VecDeque;
+
+use self::ist::{Ist, IstStats, LeafResult, Tasks};
+use self::trv::{Trv, TrvStats};
+use super::config::MachineConfig;
+use super::counters::counters;
+use super::link::{RayRef, RayUnit};
+use super::memory::{Cycle, Memory, Port};
+use super::work::TileWork;
+use super::work::layout::Layout;
+use super::work::topology::Topology;
+
+/// Where a unit finds the tiles of its core.
+pub trait Tiles {
+    /// The work of the tile in slot `slot`.
+    fn work(&self, slot: u8) -> &TileWork;
+}
+
+impl Tiles for Vec<TileWork> {
+    fn work(&self, slot: u8) -> &TileWork {
+        &self[slot as usize]
+    }
+}
+
+/// What the units look things up in.
+#[derive(Debug)]
+pub struct Context<'a, T> {
+    /// The tree.
+    pub tree: &'a Topology,
+    /// Addresses.
+    pub layout: &'a Layout,
+    /// The tiles of the core.
+    pub tiles: &'a T,
+}
+
+counters! {
+    /// What the ray buffer and the dispatcher did.
+    pub struct DispatchCounters {
+        rays: "rays", "rays dispatched to traversal units";
+        full: "cycles", "cycles in which the ray buffer held a ray and no traversal unit had a free place";
+        active: "cycles", "cycles in which at least one ray was in the T&I unit";
+    }
+}
+
+/// What a T&I unit reports.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct TiStats {
+    /// Dispatcher.
+    pub dispatch: DispatchCounters,
+    /// Traversal units.
+    pub trv: Vec<TrvStats>,
+    /// Intersection units.
+    pub ist: Vec<IstStats>,
+}
+
+/// See the module.
+#[derive(Debug)]
+pub struct TiUnit {
+    entries: usize,
+    fifo: VecDeque<(Cycle, RayRef)>,
+    trv: Vec<Trv>,
+    ist: Vec<Ist>,
+    tasks: Tasks,
+    first_port: u16,
+    results: VecDeque<(Cycle, RayRef)>,
+    inside: usize,
+    /// When each traversal and intersection unit is to be ticked next.
+    wake: Vec<Cycle>,
+    /// Cycles before this one are in the counters.
+    accounted: Cycle,
+    counters: DispatchCounters,
+    done: Vec<RayRef>,
+    leaf_results: Vec<LeafResult>,
+}
+
+/// Never.
+const NEVER: Cycle = Cycle::MAX;
+
+impl TiUnit {
+    /// The unit of a core. Its L1s take the ports from `first_port` on: those of the traversal units, then those of the
+    /// intersection units; [`TiUnit::ports`] of them.
+    pub fn new(config: &MachineConfig, first_port: Port) -> Self {
+        let ti = &config.ti;
+        let port = |i: u32| Port(first_port.0 + i as u16);
+        Self {
+            entries: ti.ray_fifo_entries as usize,
+            fifo: VecDeque::with_capacity(ti.ray_fifo_entries as usize),
+            trv: (0..ti.trv).map(|i| Trv::new(config, i as u8, port(i))).collect(),
+            ist: (0..ti.ist).map(|i| Ist::new(config, i as u8, port(ti.trv + i))).collect(),
+            tasks: Tasks::new(config),
+            first_port: first_port.0,
+            results: VecDeque::new(),
+            inside: 0,
+            wake: vec![NEVER; (ti.trv + ti.ist) as usize],
+            accounted: 0,
+            counters: DispatchCounters::default(),
+            done: Vec::new(),
+            leaf_results: Vec::new(),
+        }
+    }
+
+    /// L1s, and so ports, of a unit.
+    pub fn ports(config: &MachineConfig) -> u16 {
+        (config.ti.trv + config.ti.ist) as u16
+    }
+
+    /// A line arrived at `port` in cycle `now`.
+    pub fn fill(&mut self, now: Cycle, port: Port, line: u64) {
+        let unit = usize::from(port.0 - self.first_port);
+        match unit.checked_sub(self.trv.len()) {
+            None => self.trv[unit].fill(line),
+            Some(ist) => self.ist[ist].fill(line),
+        }
+        self.wake[unit] = now;
+    }
+
+    /// A line left an inclusive L2.
+    pub fn invalidate(&mut self, line: u64) {
+        self.trv.iter_mut().for_each(|unit| unit.invalidate(line));
+        self.ist.iter_mut().for_each(|unit| unit.invalidate(line));
+    }
+
+    /// Runs cycle `now`, after the lines of this cycle were filled.
+    pub fn tick<M: Memory, T: Tiles>(&mut self, now: Cycle, context: &Context<'_, T>, memory: &mut M) {
+        self.account(now);
+        self.dispatch(now, context);
+        let units = self.trv.len();
+        for i in 0..units {
+            if self.wake[i] <= now {
+                self.trv[i].tick(now, context, &mut self.tasks, memory, &mut self.done);
+                self.wake[i] = self.trv[i].next_event(now).unwrap_or(NEVER);
+            }
+        }
+        for ray in self.done.drain(..) {
+            self.results.push_back((now, ray));
+            self.inside -= 1;
+        }
+        for i in 0..self.ist.len() {
+            let due = self.wake[units + i].min(self.tasks.next_arrival(i).unwrap_or(NEVER));
+            if due <= now {
+                self.ist[i].tick(now, context, &mut self.tasks, memory, &mut self.leaf_results);
+                self.wake[units + i] = self.ist[i].next_event(now, &self.tasks).unwrap_or(NEVER);
+            }
+        }
+        for result in self.leaf_results.drain(..) {
+            self.trv[result.trv as usize].leaf_done(result.at, result.slot);
+            let wake = &mut self.wake[result.trv as usize];
+            *wake = (*wake).min(result.at);
+        }
+    }
+
+    /// The next cycle at which something happens without a push or a fill from outside; judged after `tick(now)`.
+    pub fn next_event(&self, now: Cycle) -> Option<Cycle> {
+        let mut next = self.wake.iter().copied().min().unwrap_or(NEVER);
+        for ist in 0..self.ist.len() {
+            next = next.min(self.tasks.next_arrival(ist).unwrap_or(NEVER));
+        }
+        if let Some(&(at, _)) = self.fifo.front()
+            && self.trv.iter().any(|unit| unit.free() > 0)
+        {
+            next = next.min(at.max(now + 1));
+        }
+        (next != NEVER).then_some(next)
+    }
+
+    /// Closes the accounts of a run of `cycles` cycles.
+    pub fn finish(&mut self, cycles: Cycle) -> TiStats {
+        self.account(cycles);
+        TiStats {
+            dispatch: self.counters,
+            trv: self.trv.iter_mut().map(|unit| unit.finish(cycles)).collect(),
+            ist: self.ist.iter_mut().map(|unit| unit.finish(cycles)).collect(),
+        }
+    }
+
+    /// What is inside, for the message about a machine that stands still.
+    pub fn describe(&self) -> String {
+        let rays: Vec<_> = self.trv.iter().map(Trv::rays).collect();
+        format!("ray buffer {} of {}, rays in traversal units {rays:?}", self.fifo.len(), self.entries)
+    }
+
+    fn dispatch<T: Tiles>(&mut self, now: Cycle, context: &Context<'_, T>) {
+        let Some(&(at, ray)) = self.fifo.front() else { return };
+        if at > now {
+            return;
+        }
+        let mut best = 0;
+        for i in 1..self.trv.len() {
+            if self.trv[i].free() > self.trv[best].free() {
+                best = i;
+            }
+        }
+        if self.trv[best].free() == 0 {
+            return;
+        }
+        self.fifo.pop_front();
+        self.trv[best].enter(now, ray, context.tiles);
+        self.wake[best] = now;
+        self.counters.rays += 1;
+    }
+
+    /// Accounts the cycles before `now`, in which nothing has changed.
+    fn account(&mut self, now: Cycle) {
+        let gap = now - self.accounted;
+        self.accounted = now;
+        self.counters.active += if self.inside > 0 { gap } else { 0 };
+        if !self.fifo.is_empty() && self.trv.iter().all(|unit| unit.free() == 0) {
+            self.counters.full += gap;
+        }
+    }
+}
+
+impl RayUnit for TiUnit {
+    fn has_room(&self) -> bool {
+        self.fifo.len() < self.entries
+    }
+
+    fn push(&mut self, now: Cycle, ray: RayRef) {
+        assert!(self.has_room(), "the ray buffer is full");
+        self.account(now);
+        self.fifo.push_back((now + 1, ray));
+        self.inside += 1;
+    }
+
+    fn results(&mut self) -> &mut VecDeque<(Cycle, RayRef)> {
+        &mut self.results
+    }
+
+    fn rays_inside(&self) -> usize {
+        self.inside
+    }
+}
