@@ -35,6 +35,27 @@ pub enum ReplayError {
         /// What is wrong.
         detail: String,
     },
+    /// A recorded path does not lead through the tree.
+    #[error(
+        "frame {frame}, tile {tile}, sample ({x}, {y}), ray {ray}, step {step}: {detail}; check the trace with \
+         `rayreel verify`"
+    )]
+    BadPath {
+        /// The frame.
+        frame: u32,
+        /// The tile.
+        tile: u32,
+        /// The sample: column of the frame's grid.
+        x: u32,
+        /// The sample: row of the frame's grid.
+        y: u32,
+        /// The ray, as the tile numbers its recorded rays.
+        ray: u32,
+        /// The step of the ray, from 0.
+        step: u32,
+        /// What is wrong there.
+        detail: &'static str,
+    },
     /// The trace does not hold this frame.
     #[error("frame {frame} is not in the trace, which holds frames {first} to {last}; choose one of these")]
     NoSuchFrame {
@@ -119,6 +140,72 @@ pub enum ReplayError {
         value: String,
         /// What is allowed.
         allowed: String,
+    },
+    /// No machine preset of this name, and not a file.
+    #[error("no machine preset {name:?}; {near}, or give the path of a .toml file")]
+    UnknownMachine {
+        /// The name asked for.
+        name: String,
+        /// Names that exist.
+        near: String,
+    },
+    /// A machine file cannot be read.
+    #[error("cannot read the machine file {}", path.display())]
+    MachineFile {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: io::Error,
+    },
+    /// A machine is not TOML.
+    #[error("{origin} is not a valid machine: {detail}")]
+    MachineSyntax {
+        /// The file or the preset.
+        origin: String,
+        /// What the parser says, with line and column.
+        detail: String,
+    },
+    /// Machines extend one another in a circle, or in too long a row.
+    #[error("machine files extend one another in a circle or more than {limit} deep: {chain}; remove one `extends`")]
+    MachineCircle {
+        /// The files, each extending the next.
+        chain: String,
+        /// Most files in a row.
+        limit: usize,
+    },
+    /// A machine override is not of the form `key=value`.
+    #[error("cannot read the override {text:?}; write key=value, for example ti.trv_l1.size=32KiB")]
+    BadMachineOverride {
+        /// The override.
+        text: String,
+    },
+    /// A machine has no such key.
+    #[error("{origin}: no key {key:?} in a machine; {near}")]
+    UnknownMachineKey {
+        /// The file, the preset or the override.
+        origin: String,
+        /// The key.
+        key: String,
+        /// Keys that exist.
+        near: String,
+    },
+    /// A machine file leaves out a key.
+    #[error(
+        "{origin}: {key} is missing; set it, or write extends = \"sgrt-ti2\" to take what is left out from a preset"
+    )]
+    MissingMachineKey {
+        /// The file.
+        origin: String,
+        /// The key.
+        key: &'static str,
+    },
+    /// Values of a machine cannot stand together.
+    #[error("{origin}: {detail}")]
+    MachineConflict {
+        /// The file or the preset.
+        origin: String,
+        /// Which values, and what they break.
+        detail: String,
     },
     /// An output file cannot be written.
     #[error("cannot {action} {}", path.display())]

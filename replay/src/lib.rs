@@ -20,4 +20,4 @@ pub mod source;
 pub use error::{ReplayError, Result};
 pub use frame::{FrameReplay, Options, Replay, Replayer, replay, replay_each};
 pub use policy::{NamedPolicy, Policy};
-pub use source::TileSource;
+pub use source::{PathSource, TileSource};

@@ -4,6 +4,8 @@ use rayreel_formats::scene::{Camera, Meta};
 use rayreel_formats::tile::{Column, Tile};
 use rayreel_formats::trace::Trace;
 
+use crate::machine::work::topology::Topology;
+
 /// A recorded frame sequence. Every call may come from any thread.
 pub trait TileSource: Sync {
     /// What was captured.
@@ -25,6 +27,21 @@ pub trait TileSource: Sync {
     fn tile(&self, frame: u32, index: u32) -> rayreel_formats::Result<Tile>;
 }
 
+/// A source that also holds traversal paths: what the machine needs beside the policy.
+pub trait PathSource: TileSource {
+    /// The tree that the paths lead through.
+    fn topology(&self) -> Topology;
+
+    /// The material of a triangle (in leaf order).
+    fn material_of(&self, triangle: u32) -> u32;
+
+    /// As [`TileSource::tile`], with the traversal paths.
+    ///
+    /// # Errors
+    /// As there.
+    fn tile_with_paths(&self, frame: u32, index: u32) -> rayreel_formats::Result<Tile>;
+}
+
 /// What a policy reads of a trace: everything but the traversal paths.
 const COLUMNS: &[Column] = &[Column::Tree, Column::Hits, Column::Radiance];
 
@@ -43,5 +60,19 @@ impl TileSource for Trace {
 
     fn tile(&self, frame: u32, index: u32) -> rayreel_formats::Result<Tile> {
         Self::tile(self, frame, index, COLUMNS)
+    }
+}
+
+impl PathSource for Trace {
+    fn topology(&self) -> Topology {
+        Topology::new(self.bvh())
+    }
+
+    fn material_of(&self, triangle: u32) -> u32 {
+        self.bvh().triangles[triangle as usize].material
+    }
+
+    fn tile_with_paths(&self, frame: u32, index: u32) -> rayreel_formats::Result<Tile> {
+        Self::tile(self, frame, index, &Column::ALL)
     }
 }

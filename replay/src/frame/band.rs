@@ -5,43 +5,74 @@
 
 use rayon::prelude::*;
 use rayreel_formats::scene::Camera;
+use rayreel_formats::tile::Tile;
 
 use super::counts::{Counts, RayCounts, TileStats};
-use crate::error::Result;
+use crate::error::{ReplayError, Result};
+use crate::machine::work::build::{Builder, Built, Part};
 use crate::policy::Apron;
 use crate::policy::adaptive::Rules;
 use crate::policy::view::{Point, SampleState, TileView};
-use crate::source::TileSource;
+use crate::source::{PathSource, TileSource};
 
 /// The tiles of one row, left to right.
 pub(super) struct Band {
     pub tiles: Vec<TileView>,
+    /// What was recorded of each tile, if a machine wants its paths; else empty.
+    recorded: Vec<Tile>,
+}
+
+/// A source of tiles, with or without paths.
+pub(super) struct Reader<'a, S: ?Sized, R> {
+    pub source: &'a S,
+    pub rules: &'a Rules,
+    pub camera: &'a Camera,
+    pub frame: u32,
+    /// Reads a tile of the frame.
+    pub read: R,
+    /// The tiles are kept for a machine.
+    pub keep: bool,
+}
+
+/// The other bands that a band needs to become work.
+pub(super) struct Nearby<'a> {
+    pub below: Option<&'a Band>,
+    /// There is a band above.
+    pub above: bool,
 }
 
 impl Band {
     /// Reads tile row `row` and decides all its samples on R-rows.
-    pub fn open<S: TileSource + ?Sized>(
-        source: &S,
-        rules: &Rules,
-        camera: &Camera,
-        frame: u32,
-        row: u32,
-    ) -> Result<Self> {
+    pub fn open<S, R>(reader: &Reader<'_, S, R>, row: u32) -> Result<Self>
+    where
+        S: TileSource + ?Sized,
+        R: Fn(u32) -> rayreel_formats::Result<Tile> + Sync,
+    {
+        let &Reader { source, rules, camera, frame, keep, .. } = reader;
         let columns = source.meta().tile_grid().0;
-        let read = |index| -> Result<(TileView, Vec<Point>)> {
-            let mut view = TileView::read(source, camera, frame, index)?;
+        let read = |index| -> Result<(TileView, Vec<Point>, Option<Tile>)> {
+            let tile = (reader.read)(index).map_err(|e| ReplayError::Trace {
+                what: format!("tile {index}"),
+                frame,
+                source: Box::new(e),
+            })?;
+            let mut view = TileView::new(source, camera, (frame, index), &tile)?;
             rules.trace_references(&mut view);
             let first = rules.first_column(&view);
-            Ok((view, first))
+            Ok((view, first, keep.then_some(tile)))
         };
         // Collected one by one before errors are looked at, so that the first tile's error is reported on any machine.
         let results: Vec<_> = (row * columns..(row + 1) * columns).into_par_iter().map(read).collect();
-        let (mut tiles, borders): (Vec<_>, Vec<_>) =
-            results.into_iter().collect::<Result<Vec<_>>>()?.into_iter().unzip();
+        let (mut tiles, mut borders, mut recorded) = (Vec::new(), Vec::new(), Vec::new());
+        for (view, first, tile) in results.into_iter().collect::<Result<Vec<_>>>()? {
+            tiles.push(view);
+            borders.push(first);
+            recorded.extend(tile);
+        }
         tiles.par_iter_mut().enumerate().for_each(|(i, view)| {
             rules.step_x(view, borders.get(i + 1).map(Vec::as_slice));
         });
-        Ok(Self { tiles })
+        Ok(Self { tiles, recorded })
     }
 
     /// Decides the other samples; `below` is the next band, already open.
@@ -72,21 +103,84 @@ impl Band {
         TileStats { tile: view.index(), counts }
     }
 
-    /// The rays of the samples outside tile `i` that its steps read as traced: on the closing column its R-rows, on the
-    /// closing row the R-samples and what the X step traced there, and the corner of both.
+    /// The rays of the samples outside tile `i` that its steps read as traced.
     fn apron(&self, rules: &Rules, below: Option<&Self>, i: usize) -> Vec<RayCounts> {
+        let outside = self.outside(rules, below, i);
+        let rays = |(band, j, samples): (&Self, usize, Vec<(u32, u32)>)| -> Vec<RayCounts> {
+            samples.into_iter().filter_map(|(x, y)| band.tiles[j].traced_rays(x, y)).collect()
+        };
+        outside.into_iter().flat_map(rays).collect()
+    }
+
+    /// The samples outside tile `i` that its steps read, with the band and tile that they are in: the R-rows of the closing
+    /// column, the closing row, and the corner of both.
+    fn outside<'a>(&'a self, rules: &Rules, below: Option<&'a Self>, i: usize) -> Vec<Outside<'a>> {
         let rect = self.tiles[i].rect();
         let (right, bottom) = (rect.x + rect.width, rect.y + rect.height);
-        let mut rays = Vec::new();
-        if let Some(next) = self.tiles.get(i + 1) {
-            rays.extend(rules.lattice.rows(rect.y, bottom).filter_map(|y| next.traced_rays(right, y)));
+        let mut list = Vec::new();
+        if i + 1 < self.tiles.len() {
+            list.push((self, i + 1, rules.lattice.rows(rect.y, bottom).map(|y| (right, y)).collect()));
         }
         if let Some(band) = below {
-            rays.extend((rect.x..right).filter_map(|x| band.tiles[i].traced_rays(x, bottom)));
-            rays.extend(band.tiles.get(i + 1).and_then(|corner| corner.traced_rays(right, bottom)));
+            list.push((band, i, (rect.x..right).map(|x| (x, bottom)).collect()));
+            if i + 1 < band.tiles.len() {
+                list.push((band, i + 1, vec![(right, bottom)]));
+            }
         }
-        rays
+        list
     }
+
+    /// The tiles as work for a machine. The band must be closed, and its recorded steps are gone afterwards.
+    ///
+    /// # Errors
+    /// A path that does not lead through the tree: that of the first tile.
+    pub fn work<S>(&mut self, builder: &Builder<'_, S>, rules: &Rules, nearby: &Nearby<'_>) -> Result<Vec<Built>>
+    where
+        S: PathSource + ?Sized,
+    {
+        // Aprons first: they copy from neighbours whose steps are moved away below.
+        let aprons = (0..self.tiles.len()).into_par_iter().map(|i| self.apron_part(builder, rules, nearby.below, i));
+        let aprons: Vec<_> = aprons.collect();
+        let tiles = self.recorded.par_iter_mut().zip(&self.tiles).zip(aprons).enumerate();
+        let built = tiles.map(|(i, ((tile, view), apron))| {
+            let border = border_samples(rules, view, (i > 0, nearby.above));
+            builder.own(view, tile)?.join(apron?, tile, border)
+        });
+        built.collect::<Vec<_>>().into_iter().collect()
+    }
+
+    /// What tile `i` does for its apron: nothing if that is shared. The closing row repeats its X step.
+    fn apron_part<S>(&self, builder: &Builder<'_, S>, rules: &Rules, below: Option<&Self>, i: usize) -> Result<Part>
+    where
+        S: PathSource + ?Sized,
+    {
+        let mut part = Part::default();
+        if rules.apron == Apron::Retrace {
+            for (band, j, samples) in self.outside(rules, below, i) {
+                builder.apron(&mut part, &band.tiles[j], &band.recorded[j], &samples)?;
+            }
+            if let Some(band) = below {
+                part.count(band.tiles[i].first_row_waves());
+            }
+        }
+        Ok(part)
+    }
+}
+
+/// Samples of one tile: its band, its place in that, and the samples.
+type Outside<'a> = (&'a Band, usize, Vec<(u32, u32)>);
+
+/// How many samples of a tile are read by the tiles to its `left` and `above`: the R-samples of its first column and its
+/// whole first row. None if each tile traces them again, or if blocks of one sample leave nothing to test.
+fn border_samples(rules: &Rules, view: &TileView, (left, above): (bool, bool)) -> u32 {
+    if rules.apron == Apron::Retrace || rules.lattice.block == 1 {
+        return 0;
+    }
+    let rect = view.rect();
+    let column = if left { rules.lattice.rows(rect.y, rect.y + rect.height).count() as u32 } else { 0 };
+    let row = if above { rect.width } else { 0 };
+    // The corner is in both.
+    column + row - u32::from(left && above)
 }
 
 /// The first row of a tile: the closing row of the tile above.

@@ -8,14 +8,20 @@ pub mod counts;
 pub mod states;
 
 use rayreel_formats::scene::Camera;
+use rayreel_formats::tile::Tile;
 
 use crate::error::{ReplayError, Result};
 use crate::image::resolve::Resolver;
 use crate::image::{Image, psnr, srgb, ssim};
+use crate::machine::work::TileWork;
+use crate::machine::work::build::{Builder, Built};
+use crate::machine::work::check::PathCounts;
+use crate::machine::work::stream::{Output, ahead};
+use crate::machine::work::topology::Topology;
 use crate::policy::Policy;
 use crate::policy::adaptive::Rules;
-use crate::source::TileSource;
-use band::Band;
+use crate::source::{PathSource, TileSource};
+use band::{Band, Nearby, Reader};
 use counts::{FrameStats, Quality, TileStats};
 use states::StateMap;
 
@@ -91,37 +97,88 @@ impl<'a, S: TileSource + ?Sized> Replayer<'a, S> {
     /// # Errors
     /// A frame that the trace does not hold, or that cannot be read.
     pub fn frame(&mut self, frame: u32) -> Result<FrameReplay> {
+        let (source, rules, camera) = (self.source, &self.rules, self.camera(frame)?);
+        let mut canvas = Canvas::new(source, self.options);
+        let read = |index| source.tile(frame, index);
+        let reader = Reader { source, rules, camera: &camera, frame, read, keep: false };
+        bands(&reader, |mut band, below| {
+            let stats = band.close(rules, below);
+            canvas.add(&band, stats);
+            Ok(())
+        })?;
+        canvas.finish(frame, rules.lattice.block)
+    }
+
+    fn camera(&self, frame: u32) -> Result<Camera> {
         let meta = self.source.meta();
         if !meta.frame_numbers().contains(&frame) {
             let (first, last) = (meta.first_frame, meta.first_frame + meta.frames.saturating_sub(1));
             return Err(ReplayError::NoSuchFrame { frame, first, last });
         }
-        let camera = self.source.camera(frame).map_err(|e| ReplayError::Trace {
+        self.source.camera(frame).map_err(|e| ReplayError::Trace {
             what: "the camera".into(),
             frame,
             source: Box::new(e),
-        })?;
-        let mut canvas = Canvas::new(self.source, self.options);
-        self.bands(frame, &camera, &mut canvas)?;
-        canvas.finish(frame, self.rules.lattice.block)
+        })
     }
+}
 
-    fn bands(&self, frame: u32, camera: &Camera, canvas: &mut Canvas) -> Result<()> {
-        let mut above: Option<Band> = None;
-        for row in 0..self.source.meta().tile_grid().1 {
-            let band = Band::open(self.source, &self.rules, camera, frame, row)?;
-            if let Some(mut above) = above.take() {
-                let stats = above.close(&self.rules, Some(&band));
-                canvas.add(&above, stats);
-            }
-            above = Some(band);
-        }
-        if let Some(mut last) = above {
-            let stats = last.close(&self.rules, None);
-            canvas.add(&last, stats);
-        }
-        Ok(())
+impl<S: PathSource + ?Sized> Replayer<'_, S> {
+    /// Replays frame `frame` and gives its tiles to `consume` as work for a machine, in tile order. `tree` is the source's
+    /// topology. Later tiles are read and decided in the background meanwhile, two rows of tiles ahead at most. Gives also
+    /// what the paths of all tiles ask for, to be compared with what a machine did.
+    ///
+    /// # Errors
+    /// As [`Replayer::frame`]; a path that does not lead through the tree; and what `consume` returns, after which it is not
+    /// called again.
+    pub fn frame_with(
+        &mut self,
+        frame: u32,
+        tree: &Topology,
+        mut consume: impl FnMut(TileWork) -> Result<()>,
+    ) -> Result<(FrameReplay, PathCounts)> {
+        let (source, rules, camera) = (self.source, &self.rules, self.camera(frame)?);
+        let mut canvas = Canvas::new(source, self.options);
+        let read = |index| source.tile_with_paths(frame, index);
+        let reader = Reader { source, rules, camera: &camera, frame, read, keep: true };
+        let builder = Builder { source, tree };
+        let produce = |output: &Output<'_, (Band, Vec<TileStats>, Vec<Built>)>| {
+            let mut above = false;
+            bands(&reader, |mut band, below| {
+                let stats = band.close(rules, below);
+                let built = band.work(&builder, rules, &Nearby { below, above })?;
+                above = true;
+                output.put((band, stats, built))
+            })
+        };
+        let mut paths = PathCounts::default();
+        ahead(produce, |(band, stats, built)| {
+            canvas.add(&band, stats);
+            drop(band);
+            built.into_iter().try_for_each(|tile| {
+                paths += tile.paths;
+                consume(tile.work)
+            })
+        })?;
+        Ok((canvas.finish(frame, rules.lattice.block)?, paths))
     }
+}
+
+/// Opens the bands of a frame top to bottom and gives each to `close` as soon as the one below it is open.
+fn bands<S, R>(reader: &Reader<'_, S, R>, mut close: impl FnMut(Band, Option<&Band>) -> Result<()>) -> Result<()>
+where
+    S: TileSource + ?Sized,
+    R: Fn(u32) -> rayreel_formats::Result<Tile> + Sync,
+{
+    let mut above: Option<Band> = None;
+    for row in 0..reader.source.meta().tile_grid().1 {
+        let band = Band::open(reader, row)?;
+        if let Some(above) = above.take() {
+            close(above, Some(&band))?;
+        }
+        above = Some(band);
+    }
+    above.map_or(Ok(()), |last| close(last, None))
 }
 
 /// Replays `frames` and keeps them all.

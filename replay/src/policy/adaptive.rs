@@ -117,6 +117,7 @@ impl Line<'_> {
         if b - a < 2 {
             return;
         }
+        self.view.tested(self.at(a + 1), self.wave);
         if self.rules.tests.similar(&from, &to) {
             for i in a + 1..b {
                 let (x, y) = self.at(i);

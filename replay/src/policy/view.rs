@@ -51,6 +51,15 @@ pub enum SampleState {
     Interpolated,
 }
 
+/// What was done in one wave beside tracing.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct WaveCounts {
+    /// Similarity tests.
+    pub tests: u32,
+    /// Samples that were interpolated.
+    pub interpolated: u32,
+}
+
 /// One recorded sample.
 #[derive(Clone, Copy, Debug)]
 struct Recorded {
@@ -67,24 +76,28 @@ pub struct TileView {
     points: Vec<Point>,
     /// State and wave of the samples that are known.
     known: Vec<Option<(SampleState, u8)>>,
+    /// Per wave what was done beside tracing.
+    waves: Vec<WaveCounts>,
+    /// The part of `waves` on the first row: the tile above does it again if it does not share (`Apron::Retrace`).
+    first_row: Vec<WaveCounts>,
 }
 
 impl TileView {
-    /// Reads a tile: a view in which nothing is traced yet.
+    /// A view of a recorded tile in which nothing is traced yet.
     ///
     /// # Errors
-    /// When the source fails, or the tile's columns do not fit its rectangle.
-    pub fn read<S: TileSource + ?Sized>(source: &S, camera: &Camera, frame: u32, index: u32) -> Result<Self> {
-        let tile = source.tile(frame, index).map_err(|e| ReplayError::Trace {
-            what: format!("tile {index}"),
-            frame,
-            source: Box::new(e),
-        })?;
+    /// When the tile's columns do not fit its rectangle.
+    pub fn new<S: TileSource + ?Sized>(
+        source: &S,
+        camera: &Camera,
+        (frame, index): (u32, u32),
+        tile: &Tile,
+    ) -> Result<Self> {
         let rect = source.meta().tile_rect(index);
-        check(&tile, rect).map_err(|detail| ReplayError::BadTile { frame, tile: index, detail })?;
-        let recorded: Vec<_> = (0..rect.len()).map(|i| record(source, camera, &tile, rect, i)).collect();
+        check(tile, rect).map_err(|detail| ReplayError::BadTile { frame, tile: index, detail })?;
+        let recorded: Vec<_> = (0..rect.len()).map(|i| record(source, camera, tile, rect, i)).collect();
         let (points, known) = (vec![Point::BLACK; rect.len()], vec![None; rect.len()]);
-        Ok(Self { index, rect, recorded, points, known })
+        Ok(Self { index, rect, recorded, points, known, waves: Vec::new(), first_row: Vec::new() })
     }
 
     /// Tile number in the frame.
@@ -113,6 +126,22 @@ impl TileView {
     /// As [`TileView::trace`].
     pub fn interpolate(&mut self, x: u32, y: u32, point: Point, wave: u8) {
         self.put(x, y, point, SampleState::Interpolated, wave);
+        self.count(y, wave, |counts| counts.interpolated += 1);
+    }
+
+    /// Notes a similarity test in wave `wave` that decides about sample (`x`, `y`) and others.
+    pub fn tested(&mut self, (_, y): (u32, u32), wave: u8) {
+        self.count(y, wave, |counts| counts.tests += 1);
+    }
+
+    /// Per wave what was done beside tracing; waves that are not there did nothing.
+    pub fn waves(&self) -> &[WaveCounts] {
+        &self.waves
+    }
+
+    /// The part of [`TileView::waves`] on the tile's first row.
+    pub fn first_row_waves(&self) -> &[WaveCounts] {
+        &self.first_row
     }
 
     /// The value of a sample that was traced or interpolated.
@@ -151,6 +180,20 @@ impl TileView {
     pub(crate) fn recorded_row(&self, y: u32) -> impl Iterator<Item = Vec3> {
         let start = self.offset(self.rect.x, y);
         self.recorded[start..start + self.rect.width as usize].iter().map(|r| r.point.colour)
+    }
+
+    fn count(&mut self, y: u32, wave: u8, add: impl Fn(&mut WaveCounts)) {
+        let wave = usize::from(wave);
+        let add_to = |waves: &mut Vec<WaveCounts>| {
+            if waves.len() <= wave {
+                waves.resize(wave + 1, WaveCounts::default());
+            }
+            add(&mut waves[wave]);
+        };
+        add_to(&mut self.waves);
+        if y == self.rect.y {
+            add_to(&mut self.first_row);
+        }
     }
 
     fn put(&mut self, x: u32, y: u32, point: Point, state: SampleState, wave: u8) {

@@ -5,7 +5,11 @@
 //! pass are interpolated, those that fail are traced), then those of the Y step, and so on. Rays that hang on a hit (shadow
 //! and secondary rays) are spawned by the machine when that hit comes back.
 
+pub mod build;
+pub mod check;
 pub mod layout;
+pub(crate) mod stream;
+pub mod synthetic;
 pub mod topology;
 
 use rayreel_formats::scene::Rect;
