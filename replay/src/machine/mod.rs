@@ -11,6 +11,7 @@ pub mod config;
 pub mod counters;
 pub mod link;
 pub mod memory;
+pub mod srp;
 #[cfg(test)]
 pub(crate) mod test_config;
 pub mod ti;

@@ -1,0 +1,1 @@
+//! Tests of the SRP between a mock T&I unit and a mock memory.
