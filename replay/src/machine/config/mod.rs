@@ -3,10 +3,17 @@
 //! Values come from presets (`presets/*.toml`), files and overrides; `load` merges and checks them and keeps for each its class
 //! and source. The simulator sees only these structs, already checked.
 
+mod check;
+pub mod load;
+mod merge;
+pub mod schema;
+pub mod source;
 pub mod units;
 
 use serde::{Deserialize, Serialize};
 
+pub use load::{NamedMachine, PRESETS};
+pub use source::{Class, Sourced};
 pub use units::{Bytes, Picojoules};
 
 /// How the three kinds of traversal work share hardware.
