@@ -13,7 +13,7 @@ pub mod queue;
 pub mod timing;
 
 #[cfg(test)]
-mod tests;
+pub(super) mod tests;
 
 use std::collections::VecDeque;
 
