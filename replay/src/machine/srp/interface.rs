@@ -193,9 +193,15 @@ impl Interface {
         true
     }
 
-    /// Whether something waits for the unit or for memory, so that it must be tried again when they have done something.
+    /// Whether a ray waits for room in the unit.
+    #[inline]
+    pub fn blocked(&self) -> bool {
+        self.blocked
+    }
+
+    /// Whether memory refused a request of a stream.
     pub fn waits(&self) -> bool {
-        self.blocked || matches!(&self.way, Way::Memory { rays, hits } if rays.refused() || hits.refused())
+        matches!(&self.way, Way::Memory { rays, hits } if rays.refused() || hits.refused())
     }
 
     /// When something happens here by itself, `output` being whether the SRP has rays to send.

@@ -187,7 +187,8 @@ impl Srp {
     /// Does what is due at T&I cycle `now`.
     #[inline]
     pub fn tick<U: RayUnit, M: Memory>(&mut self, now: Cycle, unit: &mut U, memory: &mut M) {
-        let due = self.waits || self.next.is_some_and(|at| at <= now);
+        let freed = self.waits || (self.interface.blocked() && unit.has_room());
+        let due = freed || self.next.is_some_and(|at| at <= now);
         if due || unit.results().front().is_some_and(|(at, _)| *at <= now) {
             self.run(now, unit, memory);
         }

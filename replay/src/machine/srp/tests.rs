@@ -1,1 +1,7 @@
 //! Tests of the SRP between a mock T&I unit and a mock memory.
+
+mod buffers;
+mod cycles;
+mod flow;
+mod mocks;
+mod skipping;
