@@ -165,13 +165,19 @@ impl L2Cache {
         let banks = self.banks.len();
         for turn in 0..banks {
             let bank = (now as usize).wrapping_add(turn) & (banks - 1);
-            if let Some(&head) = self.banks[bank].queue.front() {
-                if self.look_up(now, head, dram, &mut fetched) {
-                    self.advance(now, bank);
-                } else if self.banks[bank].blocked.is_none() {
-                    self.banks[bank].blocked = Some(now);
-                    self.ready_banks -= 1;
-                }
+            let Some(&head) = self.banks[bank].queue.front() else { continue };
+            // A blocked head has missed, and only its own bank could have its line fetched: it is a miss still.
+            let blocked = self.banks[bank].blocked.is_some();
+            let done = if blocked {
+                self.miss(now, head, dram, &mut fetched)
+            } else {
+                self.look_up(now, head, dram, &mut fetched)
+            };
+            if done {
+                self.advance(now, bank);
+            } else if !blocked {
+                self.banks[bank].blocked = Some(now);
+                self.ready_banks -= 1;
             }
         }
     }
@@ -201,21 +207,30 @@ impl L2Cache {
             self.wait(mshr, port);
             self.counters.merges += 1;
         } else {
-            if self.mshrs_free == 0 || !dram.has_read_room(line) {
-                return false;
-            }
-            let mshr = self.mshr_lines.iter().position(|&other| other == NONE).expect("an MSHR is free");
-            let taken = dram.request(now, now + self.latency, line, false, mshr as u32);
-            debug_assert!(taken, "the memory had room");
-            self.mshrs_free -= 1;
-            self.mshr_lines[mshr] = line;
-            self.mshr_waiters[mshr] = (END, END);
-            self.wait(mshr, port);
-            self.counters.misses += 1;
-            fetched(region);
+            return self.miss(now, head, dram, fetched);
         }
         self.counters.lookups += 1;
         self.lookups_by_region[region as usize] += 1;
+        true
+    }
+
+    /// Fetches a line; `false` if there is no MSHR or the memory's queue is full.
+    fn miss(&mut self, now: Cycle, head: Queued, dram: &mut Dram, fetched: &mut impl FnMut(Region)) -> bool {
+        let Queued { port, region, line } = head;
+        if self.mshrs_free == 0 || !dram.has_read_room(line) {
+            return false;
+        }
+        let mshr = self.mshr_lines.iter().position(|&other| other == NONE).expect("an MSHR is free");
+        let taken = dram.request(now, now + self.latency, line, false, mshr as u32);
+        debug_assert!(taken, "the memory had room");
+        self.mshrs_free -= 1;
+        self.mshr_lines[mshr] = line;
+        self.mshr_waiters[mshr] = (END, END);
+        self.wait(mshr, port);
+        self.counters.lookups += 1;
+        self.lookups_by_region[region as usize] += 1;
+        self.counters.misses += 1;
+        fetched(region);
         true
     }
 

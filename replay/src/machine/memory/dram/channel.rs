@@ -215,61 +215,58 @@ impl Channel {
 
     fn decide(&self) -> Option<Decision> {
         if self.refresh_due <= self.now {
-            let command = if self.device.any_open() { Command::PrechargeAll } else { Command::Refresh };
-            let at = self.device.earliest_from(self.now, command, 0);
+            let command = if self.device.open_banks() != 0 { Command::PrechargeAll } else { Command::Refresh };
+            let at = self.device.earliest(self.now, command, 0);
             return Some(Decision { at, command, bank: 0, row: 0, index: 0 });
         }
         let queue = self.active();
         let oldest = queue.entries().first()?;
-        let starved = if oldest.arrival + AGE_CAP <= self.now { usize::from(oldest.bank) } else { usize::MAX };
-        let column = if self.serves_writes() { Command::Write } else { Command::Read };
-        let (mut at, mut columns, mut rows) = (Cycle::MAX, 0u64, 0u64);
-        for bank in 0..self.banks() {
-            if queue.waiting(bank) == 0 {
-                continue;
-            }
-            let (command, time) = self.bank_command(queue, bank, column, bank == starved);
-            if time < at {
-                (at, columns, rows) = (time, 0, 0);
-            }
-            if time == at {
-                *(if command == column { &mut columns } else { &mut rows }) |= 1 << bank;
-            }
+        let (waiting, open) = (queue.waiting_banks(), self.device.open_banks());
+        let mut hits = queue.hit_banks();
+        if oldest.arrival + AGE_CAP <= self.now && self.device.row(oldest.bank.into()) != Some(oldest.row) {
+            hits &= !(1 << oldest.bank);
         }
-        Some(self.oldest_of(queue, column, at, columns, rows))
+        let column = if self.serves_writes() { Command::Write } else { Command::Read };
+        let classes =
+            [(column, hits), (Command::Activate, waiting & !open), (Command::Precharge, waiting & open & !hits)];
+        let starts = classes.map(|(command, banks)| self.class_start(command, banks));
+        let at = starts[0].min(starts[1]).min(starts[2]);
+        if starts[0] == at {
+            let banks = self.legal_banks(column, hits, at);
+            let hit = |e: &Entry| banks >> e.bank & 1 == 1 && self.device.row(e.bank.into()) == Some(e.row);
+            return Some(self.oldest(queue, column, at, hit));
+        }
+        let legal = |class: usize| {
+            let (command, banks) = classes[class];
+            if starts[class] == at { self.legal_banks(command, banks, at) } else { 0 }
+        };
+        let (activate, precharge) = (legal(1), legal(2));
+        let mut decision = self.oldest(queue, Command::Activate, at, |e| (activate | precharge) >> e.bank & 1 == 1);
+        if precharge >> decision.bank & 1 == 1 {
+            decision.command = Command::Precharge;
+        }
+        Some(decision)
     }
 
-    fn banks(&self) -> usize {
-        self.device.banks()
-    }
-
-    /// The command that a bank needs next, and when it is legal.
+    /// The first cycle at which `command` is legal for one of `banks`.
     #[inline]
-    fn bank_command(&self, queue: &Queue, bank: usize, column: Command, starved: bool) -> (Command, Cycle) {
-        let command = match self.device.row(bank) {
-            None => Command::Activate,
-            Some(row) if starved && row != queue.entries()[0].row => Command::Precharge,
-            Some(_) if queue.hits(bank) > 0 => column,
-            Some(_) => Command::Precharge,
-        };
-        (command, self.device.earliest_from(self.now, command, bank))
+    fn class_start(&self, command: Command, banks: u64) -> Cycle {
+        let ready = bits(banks).map(|bank| self.device.bank_ready(command, bank)).min();
+        ready.map_or(Cycle::MAX, |ready| self.device.start(command, ready.max(self.now)))
     }
 
-    /// The oldest request with a column command in one of `columns`, else with a row command in one of `rows`.
-    fn oldest_of(&self, queue: &Queue, column: Command, at: Cycle, columns: u64, rows: u64) -> Decision {
-        let legal = |entry: &Entry| match columns {
-            0 => rows >> entry.bank & 1 == 1,
-            _ => columns >> entry.bank & 1 == 1 && self.device.row(entry.bank.into()) == Some(entry.row),
-        };
-        let index = queue.entries().iter().position(legal).expect("a bank with a legal command has a request");
+    /// Those of `banks` for which `command` is legal at `at`, when it is legal for one.
+    #[inline]
+    fn legal_banks(&self, command: Command, banks: u64, at: Cycle) -> u64 {
+        bits(banks).filter(|&bank| self.device.bank_ready(command, bank) <= at).fold(0, |set, bank| set | 1 << bank)
+    }
+
+    /// The oldest request that is `wanted`; there must be one.
+    #[inline]
+    fn oldest(&self, queue: &Queue, command: Command, at: Cycle, wanted: impl Fn(&Entry) -> bool) -> Decision {
+        let index = queue.entries().iter().position(wanted).expect("a bank with a legal command has a request");
         let entry = &queue.entries()[index];
-        let bank = usize::from(entry.bank);
-        let command = match self.device.row(bank) {
-            _ if columns != 0 => column,
-            None => Command::Activate,
-            Some(_) => Command::Precharge,
-        };
-        Decision { at, command, bank, row: entry.row, index }
+        Decision { at, command, bank: entry.bank.into(), row: entry.row, index }
     }
 
     fn issue(&mut self, decision: Decision, done: &mut impl FnMut(Cycle, Entry)) {
@@ -292,7 +289,7 @@ impl Channel {
             }
             Command::PrechargeAll => {
                 self.counters.precharges_all += 1;
-                (0..self.banks()).for_each(|bank| self.row_changed(bank, None));
+                (0..self.device.banks()).for_each(|bank| self.row_changed(bank, None));
             }
             Command::Refresh => {
                 self.counters.refreshes += 1;
@@ -341,4 +338,14 @@ impl Channel {
     pub fn counters(&self) -> &ChannelCounters {
         &self.counters
     }
+}
+
+/// Positions of the bits that are set.
+#[inline]
+fn bits(mut set: u64) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        let bit = (set != 0).then_some(set.trailing_zeros() as usize);
+        set &= set.wrapping_sub(1);
+        bit
+    })
 }

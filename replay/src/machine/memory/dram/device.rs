@@ -39,6 +39,8 @@ struct Bank {
 pub struct Device {
     timing: Timing,
     banks: Vec<Bank>,
+    /// Banks with an open row, bit by bit.
+    open: u64,
     /// End of the last command on the command bus.
     bus_free: Cycle,
     /// First slot of the last line's bursts, and how many there are.
@@ -59,6 +61,7 @@ impl Device {
         Self {
             timing,
             banks: vec![bank; banks as usize],
+            open: 0,
             bus_free: 0,
             slots: 0,
             slot_count: 0,
@@ -88,29 +91,43 @@ impl Device {
         (row != CLOSED).then_some(row)
     }
 
-    /// Whether any bank has an open row.
-    pub fn any_open(&self) -> bool {
-        self.banks.iter().any(|bank| bank.row != CLOSED)
+    /// Banks with an open row, bit by bit.
+    #[inline]
+    pub fn open_banks(&self) -> u64 {
+        self.open
     }
 
-    /// The first cycle at which `command` is legal if nothing else is sent before; the row's state is the caller's to check
-    /// (ACT needs a closed bank, RD and WR the right row, REF all banks closed).
+    /// The first cycle from `from` on at which `command` is legal if nothing else is sent before; the row's state is the caller's
+    /// to check (ACT needs a closed bank, RD and WR the right row, REF all banks closed).
     #[inline]
-    pub fn earliest(&self, command: Command, bank: usize) -> Cycle {
+    pub fn earliest(&self, from: Cycle, command: Command, bank: usize) -> Cycle {
+        self.start(command, from.max(self.bank_ready(command, bank)))
+    }
+
+    /// The first cycle from `ready` on at which the rules of the whole channel allow `command`: buses, tRRD, tFAW, turnaround.
+    #[inline]
+    pub fn start(&self, command: Command, ready: Cycle) -> Cycle {
         match command {
-            Command::Activate => {
-                let rule = self.banks[bank].activate.max(self.activate).max(self.windows[self.oldest_window]);
-                self.fit(rule, LONG_COMMAND)
-            }
+            Command::Activate => self.fit(ready.max(self.activate).max(self.windows[self.oldest_window]), LONG_COMMAND),
             // Slots of an earlier line are over before the next column command is legal.
-            Command::Read => self.banks[bank].column.max(self.read).max(self.bus_free),
-            Command::Write => self.banks[bank].column.max(self.write).max(self.bus_free),
-            Command::Precharge => self.fit(self.banks[bank].precharge, SHORT_COMMAND),
+            Command::Read => ready.max(self.read).max(self.bus_free),
+            Command::Write => ready.max(self.write).max(self.bus_free),
+            Command::Precharge | Command::PrechargeAll | Command::Refresh => self.fit(ready, SHORT_COMMAND),
+        }
+    }
+
+    /// The first cycle at which the bank itself (for PREab and REF: all banks) allows `command`.
+    #[inline]
+    pub fn bank_ready(&self, command: Command, bank: usize) -> Cycle {
+        match command {
+            Command::Activate => self.banks[bank].activate,
+            Command::Read | Command::Write => self.banks[bank].column,
+            Command::Precharge => self.banks[bank].precharge,
             Command::PrechargeAll => {
                 let open = self.banks.iter().filter(|bank| bank.row != CLOSED);
-                self.fit(open.map(|bank| bank.precharge).max().unwrap_or(0), SHORT_COMMAND)
+                open.map(|bank| bank.precharge).max().unwrap_or(0)
             }
-            Command::Refresh => self.fit(self.banks.iter().map(|bank| bank.activate).max().unwrap_or(0), SHORT_COMMAND),
+            Command::Refresh => self.banks.iter().map(|bank| bank.activate).max().unwrap_or(0),
         }
     }
 
@@ -127,23 +144,9 @@ impl Device {
         start
     }
 
-    /// As [`Device::earliest`], not before `from`.
-    #[inline]
-    pub fn earliest_from(&self, from: Cycle, command: Command, bank: usize) -> Cycle {
-        let rule = self.earliest(command, bank);
-        match command {
-            Command::Read | Command::Write => rule.max(from),
-            Command::Activate => self.fit(rule.max(from), LONG_COMMAND),
-            Command::Precharge | Command::PrechargeAll | Command::Refresh => self.fit(rule.max(from), SHORT_COMMAND),
-        }
-    }
-
     /// Sends `command` at `now`, when it is legal.
     pub fn issue(&mut self, now: Cycle, command: Command, bank: usize, row: u64) {
-        debug_assert!(
-            self.earliest_from(now, command, bank) == now,
-            "{command:?} to bank {bank} at {now} is too early"
-        );
+        debug_assert!(self.earliest(now, command, bank) == now, "{command:?} to bank {bank} at {now} is too early");
         match command {
             Command::Activate => self.activated(now, bank, row),
             Command::Read => self.read(now, bank),
@@ -156,6 +159,7 @@ impl Device {
 
     fn activated(&mut self, now: Cycle, bank: usize, row: u64) {
         let t = &self.timing;
+        self.open |= 1 << bank;
         let bank = &mut self.banks[bank];
         debug_assert!(bank.row == CLOSED, "ACT of an open bank");
         bank.row = row;
@@ -193,6 +197,7 @@ impl Device {
     }
 
     fn precharged(&mut self, now: Cycle, bank: usize) {
+        self.open &= !(1 << bank);
         let bank = &mut self.banks[bank];
         bank.row = CLOSED;
         bank.activate = bank.activate.max(now + self.timing.trp);
@@ -200,6 +205,7 @@ impl Device {
     }
 
     fn precharged_all(&mut self, now: Cycle) {
+        self.open = 0;
         for bank in &mut self.banks {
             bank.row = CLOSED;
             bank.activate = bank.activate.max(now + self.timing.trp_all);

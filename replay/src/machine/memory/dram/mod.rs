@@ -108,7 +108,7 @@ impl Dram {
     pub fn has_read_room(&mut self, line: u64) -> bool {
         let lane = (line % self.lanes.len() as u64) as usize;
         let room = self.lanes[lane].channel.has_read_room();
-        if !room {
+        if !room && !self.lanes[lane].watched {
             self.watch(lane);
         }
         room

@@ -27,26 +27,39 @@ pub struct Queue {
     entries: Vec<Entry>,
     waiting: Vec<u32>,
     hits: Vec<u32>,
+    /// Banks for which someone waits, bit by bit.
+    waiting_banks: u64,
+    /// Banks whose open row someone hits, bit by bit.
+    hit_banks: u64,
 }
 
 impl Queue {
     /// An empty queue for requests to so many banks.
     pub fn new(banks: u32) -> Self {
-        Self { entries: Vec::new(), waiting: vec![0; banks as usize], hits: vec![0; banks as usize] }
+        let none = vec![0; banks as usize];
+        Self { entries: Vec::new(), waiting: none.clone(), hits: none, waiting_banks: 0, hit_banks: 0 }
     }
 
     /// Adds the youngest request; `open` is the open row of its bank.
     pub fn push(&mut self, entry: Entry, open: Option<u64>) {
-        self.waiting[usize::from(entry.bank)] += 1;
-        self.hits[usize::from(entry.bank)] += u32::from(open == Some(entry.row));
+        let bank = usize::from(entry.bank);
+        self.waiting[bank] += 1;
+        self.waiting_banks |= 1 << bank;
+        if open == Some(entry.row) {
+            self.hits[bank] += 1;
+            self.hit_banks |= 1 << bank;
+        }
         self.entries.push(entry);
     }
 
     /// Takes the request at `index` out, whose row is open.
     pub fn remove(&mut self, index: usize) -> Entry {
         let entry = self.entries.remove(index);
-        self.waiting[usize::from(entry.bank)] -= 1;
-        self.hits[usize::from(entry.bank)] -= 1;
+        let bank = usize::from(entry.bank);
+        self.waiting[bank] -= 1;
+        self.hits[bank] -= 1;
+        self.waiting_banks &= !(u64::from(self.waiting[bank] == 0) << bank);
+        self.hit_banks &= !(u64::from(self.hits[bank] == 0) << bank);
         entry
     }
 
@@ -58,18 +71,19 @@ impl Queue {
             }
             _ => 0,
         };
+        self.hit_banks = self.hit_banks & !(1 << bank) | u64::from(self.hits[bank] > 0) << bank;
     }
 
-    /// Requests to the bank.
+    /// Banks for which someone waits, bit by bit.
     #[inline]
-    pub fn waiting(&self, bank: usize) -> u32 {
-        self.waiting[bank]
+    pub fn waiting_banks(&self) -> u64 {
+        self.waiting_banks
     }
 
-    /// Requests to the open row of the bank.
+    /// Banks whose open row someone hits, bit by bit.
     #[inline]
-    pub fn hits(&self, bank: usize) -> u32 {
-        self.hits[bank]
+    pub fn hit_banks(&self) -> u64 {
+        self.hit_banks
     }
 
     /// Requests, oldest first.

@@ -16,13 +16,13 @@ impl Probe {
 
     #[track_caller]
     fn assert_earliest(&self, command: Command, bank: usize, clk: Cycle) {
-        assert_ne!(self.0.earliest_from(clk - 1, command, bank), clk - 1, "{command:?} is legal at {}", clk - 1);
-        assert_eq!(self.0.earliest_from(clk, command, bank), clk, "{command:?}");
+        assert_ne!(self.0.earliest(clk - 1, command, bank), clk - 1, "{command:?} is legal at {}", clk - 1);
+        assert_eq!(self.0.earliest(clk, command, bank), clk, "{command:?}");
     }
 
     #[track_caller]
     fn issue(&mut self, at: Cycle, command: Command, bank: usize) {
-        assert_eq!(self.0.earliest_from(at, command, bank), at, "{command:?} at {at}");
+        assert_eq!(self.0.earliest(at, command, bank), at, "{command:?} at {at}");
         self.0.issue(at, command, bank, 7);
     }
 }
@@ -139,5 +139,5 @@ fn an_activate_fits_between_two_bursts_exactly() {
     p.issue(100, Activate, 0);
     p.issue(300, Read, 0);
     p.assert_earliest(Activate, 1, 304);
-    assert_eq!(p.0.earliest_from(305, Activate, 1), 312);
+    assert_eq!(p.0.earliest(305, Activate, 1), 312);
 }
