@@ -81,7 +81,7 @@ impl Slot {
             apron_samples: 0,
             border_samples: 0,
             rays: Vec::new(),
-            steps: Vec::new(),
+            ops: Vec::new(),
             waves: Vec::new(),
         };
         Self {

@@ -75,7 +75,7 @@ pub struct Front {
     queue: VecDeque<u8>,
     /// Operations whose last lookup is done, with the cycle at which its data are here.
     fetched: VecDeque<(Cycle, u8)>,
-    /// Operations with all lines; `reorder`: oldest first, `accumulate`: in order of arrival of the line.
+    /// Operations that had missed and have all lines; `reorder`: oldest first, `accumulate`: in order of arrival of the line.
     ready: VecDeque<u8>,
     /// Operations that wait for a line.
     waiting: u32,
@@ -199,16 +199,7 @@ impl Front {
     #[inline]
     pub fn issue(&mut self, now: Cycle) -> Option<Issue> {
         let op = match self.mode {
-            MissHandling::Reorder => {
-                while let Some(&(at, slot)) = self.fetched.front() {
-                    if at > now {
-                        break;
-                    }
-                    self.fetched.pop_front();
-                    self.make_ready(slot);
-                }
-                self.ready.pop_front()
-            }
+            MissHandling::Reorder => self.oldest(now),
             MissHandling::Accumulate => self.ready.pop_front().or_else(|| self.take_fetched(now)),
             MissHandling::Retry => self.take_fetched(now),
         }?;
@@ -252,6 +243,17 @@ impl Front {
     /// True when no operation is here.
     pub fn is_empty(&self) -> bool {
         self.queue.is_empty() && self.fetched.is_empty() && self.ready.is_empty() && self.waiting == 0
+    }
+
+    /// The oldest operation with all lines. Fetched ones are in order of age among themselves, and so are ready ones.
+    #[inline]
+    fn oldest(&mut self, now: Cycle) -> Option<u8> {
+        let Some(&late) = self.ready.front() else { return self.take_fetched(now) };
+        let fetched = self.fetched.front().filter(|f| f.0 <= now);
+        match fetched {
+            Some(&(_, slot)) if self.ops[slot as usize].seq < self.ops[late as usize].seq => self.take_fetched(now),
+            _ => self.ready.pop_front(),
+        }
     }
 
     fn take_fetched(&mut self, now: Cycle) -> Option<u8> {

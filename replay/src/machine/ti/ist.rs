@@ -7,9 +7,9 @@
 use std::collections::VecDeque;
 
 use super::Context;
+use super::account::{Account, Slot};
 use super::front::{Front, FrontCounters};
 use super::pipe::Pipe;
-use super::trv::Slot;
 use crate::machine::config::MachineConfig;
 use crate::machine::counters::{Activity, counters};
 use crate::machine::memory::l1::CacheCounters;
@@ -142,7 +142,7 @@ pub struct Ist {
     /// The next triangles of tasks that issued one in the last cycle.
     next: Option<u8>,
     between: Slot,
-    activity: Activity,
+    activity: Account,
     ticked: Option<Cycle>,
     events: IstCounters,
 }
@@ -161,7 +161,7 @@ impl Ist {
             pipe: Pipe::new(config.ti.ist_cycles),
             next: None,
             between: Slot::Idle,
-            activity: Activity::default(),
+            activity: Account::default(),
             ticked: None,
             events: IstCounters::default(),
         }
@@ -227,7 +227,7 @@ impl Ist {
     pub fn finish(&mut self, cycles: Cycle) -> IstStats {
         self.account_gap(cycles);
         IstStats {
-            activity: self.activity,
+            activity: self.activity.activity(),
             events: self.events,
             front: self.front.counters,
             l1: *self.front.l1().counters(),

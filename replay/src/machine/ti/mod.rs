@@ -8,6 +8,7 @@
 //!
 //! The dispatcher gives one ray a cycle to the traversal unit with most free places, the first of equals.
 
+pub mod account;
 pub mod front;
 pub mod ist;
 pub mod pipe;

@@ -6,10 +6,11 @@
 
 use std::collections::VecDeque;
 
-use super::front::{Front, FrontCounters, Waiting};
+use super::account::{Account, Slot};
+use super::front::{Front, FrontCounters};
 use super::ist::{LeafTask, Tasks};
 use super::pipe::Pipe;
-use super::ray::{Next, Popped, RaySlot};
+use super::ray::{Popped, RaySlot};
 use super::{Context, Tiles};
 use crate::machine::config::{MachineConfig, Pipeline};
 use crate::machine::counters::{Activity, counters};
@@ -17,6 +18,7 @@ use crate::machine::link::RayRef;
 use crate::machine::memory::l1::CacheCounters;
 use crate::machine::memory::{Cycle, Memory, Port};
 use crate::machine::work::layout::Region;
+use crate::machine::work::ops::OpKind;
 
 counters! {
     /// What a traversal unit did.
@@ -76,52 +78,9 @@ pub struct Trv {
     returned: VecDeque<(Cycle, u8)>,
     /// What each stage does in the cycles until the next tick.
     between: [Slot; 3],
-    activity: [Activity; 3],
+    activity: [Account; 3],
     ticked: Option<Cycle>,
     events: TrvCounters,
-}
-
-/// The class of a cycle of a stage; see [`Activity`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Slot {
-    Busy,
-    Bypass,
-    Fetch,
-    Memory,
-    Mshr,
-    Blocked,
-    Starved,
-    Idle,
-}
-
-impl Activity {
-    /// Counts `cycles` of a class.
-    #[inline]
-    pub(super) fn add(&mut self, slot: Slot, cycles: u64) {
-        *match slot {
-            Slot::Busy => &mut self.busy,
-            Slot::Bypass => &mut self.bypass,
-            Slot::Fetch => &mut self.fetch,
-            Slot::Memory => &mut self.memory,
-            Slot::Mshr => &mut self.mshr,
-            Slot::Blocked => &mut self.blocked,
-            Slot::Starved => &mut self.starved,
-            Slot::Idle => &mut self.idle,
-        } += cycles;
-    }
-}
-
-impl Slot {
-    /// The class of a stage behind an input buffer that did not issue.
-    pub(super) fn of(waiting: Waiting, rays: bool) -> Self {
-        match waiting {
-            Waiting::Fetch => Self::Fetch,
-            Waiting::Memory => Self::Memory,
-            Waiting::Refused => Self::Mshr,
-            Waiting::Nothing if rays => Self::Starved,
-            Waiting::Nothing => Self::Idle,
-        }
-    }
 }
 
 impl Trv {
@@ -209,7 +168,7 @@ impl Trv {
         self.account_gap(now);
         self.complete(now, context, tasks, done);
         self.front.look_up(now, memory);
-        let issued = self.issue(now, context, tasks);
+        let issued = self.issue(now, tasks);
         self.account(issued, tasks);
         self.ticked = Some(now);
     }
@@ -220,9 +179,14 @@ impl Trv {
         if !self.pops.is_empty() || !self.leaves.is_empty() {
             return Some(now + 1);
         }
-        let pipes = [self.setup.next_event(), self.inner.next_event(), self.leaf.next_event(), self.stack.next_event()];
+        let soonest = self.front.next_event(now).unwrap_or(Cycle::MAX);
+        if soonest == now + 1 {
+            return Some(soonest);
+        }
+        let pipes = [self.inner.next_event(), self.stack.next_event(), self.leaf.next_event(), self.setup.next_event()];
         let back = self.returned.front().map(|r| r.0);
-        pipes.into_iter().chain([back, self.front.next_event(now)]).flatten().min().map(|at| at.max(now + 1))
+        let next = pipes.into_iter().chain([back]).flatten().fold(soonest, Cycle::min);
+        (next != Cycle::MAX).then(|| next.max(now + 1))
     }
 
     /// Closes the accounts of a run of `cycles` cycles.
@@ -233,7 +197,7 @@ impl Trv {
             Pipeline::Single | Pipeline::Unified => &["pipeline"],
         };
         TrvStats {
-            stages: names.iter().copied().zip(self.activity).collect(),
+            stages: names.iter().copied().zip(self.activity.map(|stage| stage.activity())).collect(),
             events: self.events,
             front: self.front.counters,
             l1: *self.front.l1().counters(),
@@ -248,21 +212,21 @@ impl Trv {
             self.leaf_passed(now, slot, ist, context, tasks, done);
         }
         while let Some(slot) = self.stack.pop(now) {
-            let ray = &mut self.rays[slot as usize];
-            let (next, popped) = ray.popped(context.tiles.work(ray.ray.slot), context.tree);
-            match popped {
-                Popped::Culled => self.events.culled += 1,
-                Popped::Restart => self.events.restarts += 1,
-                Popped::Child | Popped::Empty => {}
+            match self.rays[slot as usize].popped(context.tree) {
+                Popped::Empty => self.leave(now, slot, done),
+                Popped::Held => self.go_on(now, slot, context, done),
+                Popped::Lost(root) => {
+                    self.events.restarts += 1;
+                    self.visit(slot, root, context);
+                }
             }
-            self.route(now, slot, next, context, done);
         }
         while self.returned.front().is_some_and(|r| r.0 <= now) {
             let Some((_, slot)) = self.returned.pop_front() else { break };
-            self.leave_leaf(now, slot, context, done);
+            self.go_on(now, slot, context, done);
         }
         while let Some(slot) = self.setup.pop(now) {
-            self.route(now, slot, Next::Inner(0), context, done);
+            self.go_on(now, slot, context, done);
         }
     }
 
@@ -286,7 +250,7 @@ impl Trv {
             ray.tests -= 1;
             ray.triangle += 1;
             if ray.tests == 0 {
-                self.leave_leaf(now, slot, context, done);
+                self.go_on(now, slot, context, done);
             } else {
                 self.front.push(slot, context.layout.triangle(ray.triangle), Region::Triangle);
             }
@@ -298,16 +262,16 @@ impl Trv {
             return;
         }
         self.events.node_visits += 1;
-        let restarting = ray.restarting();
-        let (next, deferred) = ray.visited(context.tiles.work(ray.ray.slot), context.tree, self.short);
-        if restarting {
+        if ray.restarting() {
             self.events.restart_visits += 1;
-            if !ray.restarting() {
-                self.events.pushes += u64::from(ray.deferred());
+            match ray.visited_again(self.short) {
+                Ok(next) => return self.visit(slot, next, context),
+                Err(pushes) => self.events.pushes += u64::from(pushes),
             }
+        } else {
+            self.events.pushes += u64::from(ray.visited(self.short));
         }
-        self.events.pushes += u64::from(deferred);
-        self.route(now, slot, next, context, done);
+        self.go_on(now, slot, context, done);
     }
 
     fn leaf_passed<T: Tiles>(
@@ -320,55 +284,57 @@ impl Trv {
         done: &mut Vec<RayRef>,
     ) {
         let ray = &mut self.rays[slot as usize];
-        ray.enter_leaf(context.tiles.work(ray.ray.slot));
-        self.events.leaves += 1;
-        let (tests, triangle) = (ray.tests, ray.triangle);
+        let (tests, triangle) = (std::mem::take(&mut ray.tests), ray.triangle);
         if tests == 0 {
             tasks.release(ist);
-            self.leave_leaf(now, slot, context, done);
-            return;
+            self.go_on(now, slot, context, done);
+        } else {
+            tasks.send(now, ist, LeafTask { trv: self.index, slot, triangle, tests });
         }
-        ray.tests = 0;
-        tasks.send(now, ist, LeafTask { trv: self.index, slot, triangle, tests });
     }
 
-    fn leave_leaf<T: Tiles>(&mut self, now: Cycle, slot: u8, context: &Context<'_, T>, done: &mut Vec<RayRef>) {
-        let ray = &self.rays[slot as usize];
-        let next = ray.left_leaf(context.tiles.work(ray.ray.slot));
-        self.route(now, slot, next, context, done);
+    /// Puts the ray's next operation where it belongs.
+    #[inline]
+    fn go_on<T: Tiles>(&mut self, now: Cycle, slot: u8, context: &Context<'_, T>, done: &mut Vec<RayRef>) {
+        let ray = &mut self.rays[slot as usize];
+        match ray.next(context.tiles.work(ray.ray.slot)) {
+            Some(OpKind::Visit { node, .. }) => self.visit(slot, node, context),
+            Some(OpKind::Leaf { triangle, tests }) => {
+                self.events.leaves += 1;
+                if self.pipeline != Pipeline::Unified {
+                    self.leaves.push_back(slot);
+                } else if tests > 0 {
+                    self.front.push(slot, context.layout.triangle(triangle), Region::Triangle);
+                } else {
+                    // An empty leaf: there is nothing to read and nothing to test.
+                    self.go_on(now, slot, context, done);
+                }
+            }
+            Some(kind) => {
+                self.events.culled += u64::from(matches!(kind, OpKind::Cull { .. }));
+                self.pops.push_back(slot);
+            }
+            None => self.leave(now, slot, done),
+        }
     }
 
     #[inline]
-    fn route<T: Tiles>(&mut self, now: Cycle, slot: u8, next: Next, context: &Context<'_, T>, done: &mut Vec<RayRef>) {
-        match next {
-            Next::Inner(node) => {
-                self.rays[slot as usize].passes = self.passes;
-                self.front.push(slot, context.layout.node(node), Region::Node);
-            }
-            Next::Leaf if self.pipeline == Pipeline::Unified => {
-                let ray = &mut self.rays[slot as usize];
-                ray.enter_leaf(context.tiles.work(ray.ray.slot));
-                self.events.leaves += 1;
-                if ray.tests == 0 {
-                    self.leave_leaf(now, slot, context, done);
-                } else {
-                    self.front.push(slot, context.layout.triangle(ray.triangle), Region::Triangle);
-                }
-            }
-            Next::Leaf => self.leaves.push_back(slot),
-            Next::Pop => self.pops.push_back(slot),
-            Next::Done => {
-                self.events.rays += 1;
-                self.events.ray_cycles += now - self.entered[slot as usize];
-                self.free.push(slot);
-                done.push(self.rays[slot as usize].ray);
-            }
-        }
+    fn visit<T: Tiles>(&mut self, slot: u8, node: u32, context: &Context<'_, T>) {
+        self.rays[slot as usize].passes = self.passes;
+        self.front.push(slot, context.layout.node(node), Region::Node);
+    }
+
+    /// The ray's hit is known: its place becomes free.
+    fn leave(&mut self, now: Cycle, slot: u8, done: &mut Vec<RayRef>) {
+        self.events.rays += 1;
+        self.events.ray_cycles += now - self.entered[slot as usize];
+        self.free.push(slot);
+        done.push(self.rays[slot as usize].ray);
     }
 
     /// Issues what can issue. Returns the class of each stage if it issued.
     #[inline]
-    fn issue<T: Tiles>(&mut self, now: Cycle, _context: &Context<'_, T>, tasks: &mut Tasks) -> [Option<Slot>; 3] {
+    fn issue(&mut self, now: Cycle, tasks: &mut Tasks) -> [Option<Slot>; 3] {
         let mut issued = [None; 3];
         let parallel = self.pipeline == Pipeline::Parallel;
         if let Some(slot) = self.pops.pop_front() {

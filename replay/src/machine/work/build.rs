@@ -1,11 +1,12 @@
 //! A decided tile as work for the machine: the rays of its traced samples, wave by wave.
 //!
-//! The steps of the tile itself are moved, not copied. What a tile traces of its neighbours (`Apron::Retrace`) is copied
-//! behind them: it is a row and a column.
+//! Every path is checked against the tree while it is turned into operations. What a tile traces of its neighbours
+//! (`Apron::Retrace`) stands behind its own rays.
 
 use rayreel_formats::tile::{RayKind, RayNode, Tile};
 
 use super::check::{PathCounts, walk};
+use super::ops::Op;
 use super::topology::Topology;
 use super::{NO_RAY, NO_TRIANGLE, RayWork, TileWork, Wave};
 use crate::error::{ReplayError, Result};
@@ -21,15 +22,14 @@ pub struct Built {
     pub paths: PathCounts,
 }
 
-/// Rays of some samples of one recorded tile, numbered from 0, with steps of their own or those of the tile.
+/// Rays of some samples of one recorded tile, numbered from 0.
 #[derive(Debug, Default)]
 pub(crate) struct Part {
     rays: Vec<RayWork>,
     waves: Vec<Wave>,
     paths: PathCounts,
     samples: u32,
-    /// Copied steps; empty where those of the tile are meant.
-    steps: Vec<u8>,
+    ops: Vec<Op>,
 }
 
 /// Turns samples into rays.
@@ -42,7 +42,7 @@ pub(crate) struct Builder<'a, S: ?Sized> {
 const DEPTHS: usize = 16;
 
 impl<S: PathSource + ?Sized> Builder<'_, S> {
-    /// All that a tile traces, tests and interpolates itself. Its rays name the steps of `tile`.
+    /// All that a tile traces, tests and interpolates itself.
     pub fn own(&self, view: &TileView, tile: &Tile) -> Result<Part> {
         let rect = view.rect();
         let mut part = Part::default();
@@ -52,17 +52,9 @@ impl<S: PathSource + ?Sized> Builder<'_, S> {
         Ok(part)
     }
 
-    /// Those of `samples` that were traced, with a copy of their steps.
+    /// Those of `samples` that were traced.
     pub fn apron(&self, part: &mut Part, view: &TileView, tile: &Tile, samples: &[(u32, u32)]) -> Result<()> {
-        let first = part.rays.len();
-        self.samples(part, view, tile, samples.iter().copied())?;
-        for ray in &mut part.rays[first..] {
-            let own = &tile.paths.steps[ray.steps_start as usize..][..ray.steps_len as usize];
-            // A row and a column of samples: far from 4 GiB, since the tile itself is below it.
-            ray.steps_start = part.steps.len() as u32;
-            part.steps.extend_from_slice(own);
-        }
-        Ok(())
+        self.samples(part, view, tile, samples.iter().copied())
     }
 
     /// Appends the rays of those of `samples` that were traced.
@@ -118,8 +110,8 @@ impl<S: PathSource + ?Sized> Builder<'_, S> {
             return Err(bad(tile, format!("ray {number} of sample ({x}, {y}) and its hit disagree")));
         }
         let mut ray = RayWork {
-            steps_start: 0,
-            steps_len: 0,
+            ops_start: 0,
+            ops_len: 0,
             kind: own.class.kind(),
             shadows: shadows as u8,
             triangle: if own.hit { triangle } else { NO_TRIANGLE },
@@ -139,7 +131,7 @@ impl<S: PathSource + ?Sized> Builder<'_, S> {
     /// Checks the path of a ray and appends it.
     fn ray(&self, part: &mut Part, tile: &Tile, number: u32, ray: RayWork) -> Result<()> {
         let (start, len) = tile.paths.spans[number as usize];
-        let (steps_start, steps_len) = (start, len);
+        let ops_start = part.ops.len() as u32;
         let shadow = ray.kind == RayKind::Shadow;
         let broken = |step, detail| ReplayError::BadPath {
             frame: tile.frame,
@@ -152,11 +144,15 @@ impl<S: PathSource + ?Sized> Builder<'_, S> {
         };
         let steps = tile.paths.steps.get(start as usize..).and_then(|rest| rest.get(..len as usize));
         let steps = steps.ok_or_else(|| broken(0, "its steps are not in the tile"))?;
-        let walked = walk(self.tree, steps, shadow, &mut part.paths).map_err(|f| broken(f.step, f.detail))?;
+        let walked =
+            walk(self.tree, steps, shadow, &mut part.ops, &mut part.paths).map_err(|f| broken(f.step, f.detail))?;
+        if u32::try_from(part.ops.len()).is_err() {
+            return Err(bad(tile, format!("{} operations are more than a tile can have", part.ops.len())));
+        }
         if !shadow && walked.hit != ray.triangle {
             return Err(broken(len, "the path ends at another triangle than the recorded hit"));
         }
-        part.rays.push(RayWork { steps_start, steps_len, ..ray });
+        part.rays.push(RayWork { ops_start, ops_len: part.ops.len() as u32 - ops_start, ..ray });
         Ok(())
     }
 }
@@ -210,20 +206,19 @@ impl Part {
         }
     }
 
-    /// Joins what a tile does itself, whose steps are those of `tile`, with what it does for its apron.
+    /// Joins what a tile does itself with what it does for its apron.
     ///
     /// # Errors
-    /// When the steps cannot be numbered.
-    pub fn join(mut self, apron: Self, tile: &mut Tile, border_samples: u32) -> Result<Built> {
-        let mut steps = std::mem::take(&mut tile.paths.steps);
-        let (Ok(step_base), ray_base) = (u32::try_from(steps.len() + apron.steps.len()), self.rays.len() as u32) else {
-            return Err(bad(tile, format!("{} steps are more than a tile can have", steps.len())));
-        };
-        let step_base = step_base - apron.steps.len() as u32;
-        steps.extend_from_slice(&apron.steps);
+    /// When the operations cannot be numbered.
+    pub fn join(mut self, apron: Self, tile: &Tile, border_samples: u32) -> Result<Built> {
+        let (op_base, ray_base) = (self.ops.len() as u32, self.rays.len() as u32);
+        if u32::try_from(self.ops.len() + apron.ops.len()).is_err() {
+            return Err(bad(tile, "its operations are more than a tile can have".into()));
+        }
+        self.ops.extend(apron.ops);
         let moved = |ray: u32| if ray == NO_RAY { NO_RAY } else { ray + ray_base };
         self.rays.extend(apron.rays.iter().map(|ray| RayWork {
-            steps_start: ray.steps_start + step_base,
+            ops_start: ray.ops_start + op_base,
             reflect: moved(ray.reflect),
             refract: moved(ray.refract),
             ..*ray
@@ -246,7 +241,7 @@ impl Part {
             apron_samples: apron.samples,
             border_samples,
             rays: self.rays,
-            steps,
+            ops: self.ops,
             waves: self.waves,
         };
         Ok(Built { work, paths })

@@ -8,6 +8,7 @@ use rayreel_formats::bvh::{Child, MAX_TREE_DEPTH};
 use rayreel_formats::tile::step;
 
 use super::NO_TRIANGLE;
+use super::ops::Op;
 use super::topology::Topology;
 use crate::machine::counters::counters;
 
@@ -54,16 +55,24 @@ const NO_TREE: &str = "the tree has no node";
 /// Steps to the right child (bit = step).
 const TO_RIGHT: u32 = 1 << step::RIGHT | 1 << step::RIGHT_FIRST;
 
-/// Walks a path through the tree and adds its work to `counts`, which is only right if there is no fault.
+/// Walks a path through the tree, appends its operations to `ops` and adds its work to `counts`; both are only right if there
+/// is no fault.
 ///
 /// # Errors
 /// The first step that breaks the grammar.
-pub fn walk(tree: &Topology, steps: &[u8], shadow: bool, counts: &mut PathCounts) -> Result<Walked, Fault> {
+pub fn walk(
+    tree: &Topology,
+    steps: &[u8],
+    shadow: bool,
+    ops: &mut Vec<Op>,
+    counts: &mut PathCounts,
+) -> Result<Walked, Fault> {
     let mut path = Path { steps, at: 0 };
     if tree.children.is_empty() {
         return Err(path.fault(NO_TREE));
     }
-    let mut stack = [Child::leaf(0, 0); MAX_TREE_DEPTH];
+    // Deferred children, each with the node that deferred it.
+    let mut stack = [(Child::leaf(0, 0), 0); MAX_TREE_DEPTH];
     let (mut top, mut max_stack, mut hit) = (0, 0, NO_TRIANGLE);
     let mut current = Child::inner(0);
     counts.rays += 1;
@@ -78,18 +87,22 @@ pub fn walk(tree: &Topology, steps: &[u8], shadow: bool, counts: &mut PathCounts
                         if shadow {
                             // Tests behind the hit are not made.
                             counts.triangle_tests -= (current.triangles().end - 1 - triangle) as u64;
+                            ops.push(Op::leaf(current.first() as u32, (triangle + 1 - current.first()) as u32));
                             return path.end(Walked { hit, max_stack });
                         }
                     }
                     _ => return Err(path.wrong(NOT_LEAF)),
                 }
             }
+            ops.push(Op::leaf(current.first() as u32, current.count() as u32));
         } else {
             counts.node_visits += 1;
             let code = path.take()?;
             if code > step::RIGHT_FIRST {
                 return Err(path.wrong(NOT_INNER));
             }
+            let node = current.node() as u32;
+            ops.push(Op::visit(node, code >= step::LEFT_FIRST));
             if code != step::NONE {
                 let [left, right] = tree.children[current.node()];
                 let (near, far) = if TO_RIGHT >> code & 1 == 1 { (right, left) } else { (left, right) };
@@ -98,7 +111,7 @@ pub fn walk(tree: &Topology, steps: &[u8], shadow: bool, counts: &mut PathCounts
                     if top == MAX_TREE_DEPTH {
                         return Err(path.wrong(TOO_DEEP));
                     }
-                    stack[top] = far;
+                    stack[top] = (far, node);
                     top += 1;
                     max_stack = max_stack.max(top as u32);
                     counts.pushes += 1;
@@ -108,17 +121,20 @@ pub fn walk(tree: &Topology, steps: &[u8], shadow: bool, counts: &mut PathCounts
         }
         loop {
             if top == 0 {
+                ops.push(Op::END);
                 return path.end(Walked { hit, max_stack });
             }
             top -= 1;
-            match path.take()? {
+            let code = path.take()?;
+            ops.push(Op::pop(stack[top].1, code == step::CULLED));
+            match code {
                 step::POP => break,
                 step::CULLED if !shadow => counts.culled += 1,
                 step::CULLED => return Err(path.wrong(SHADOW_CULL)),
                 _ => return Err(path.wrong(NOT_POP)),
             }
         }
-        current = stack[top];
+        current = stack[top].0;
         counts.pops += 1;
     }
 }

@@ -8,12 +8,15 @@
 pub mod build;
 pub mod check;
 pub mod layout;
+pub mod ops;
 pub(crate) mod stream;
 pub mod synthetic;
 pub mod topology;
 
 use rayreel_formats::scene::Rect;
 use rayreel_formats::tile::RayKind;
+
+use self::ops::Op;
 
 /// No ray.
 pub const NO_RAY: u32 = u32::MAX;
@@ -23,10 +26,10 @@ pub const NO_TRIANGLE: u32 = u32::MAX;
 /// One ray of a tile.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct RayWork {
-    /// Where its steps begin in [`TileWork::steps`].
-    pub steps_start: u32,
-    /// Number of its steps.
-    pub steps_len: u32,
+    /// Where its operations begin in [`TileWork::ops`].
+    pub ops_start: u32,
+    /// Number of its operations.
+    pub ops_len: u32,
     /// What it is.
     pub kind: RayKind,
     /// Number of shadow rays of its hit; they are the rays that follow it directly.
@@ -73,17 +76,17 @@ pub struct TileWork {
     pub border_samples: u32,
     /// The traced rays: each sample's in ray order (closest-hit ray, its shadow rays, then its children's subtrees).
     pub rays: Vec<RayWork>,
-    /// The steps of all rays; see `rayreel_formats::tile::step`. Every ray's steps are a valid path through the tree.
-    pub steps: Vec<u8>,
+    /// The operations of all rays: every ray's are a valid path through the tree.
+    pub ops: Vec<Op>,
     /// The waves, in order.
     pub waves: Vec<Wave>,
 }
 
 impl TileWork {
-    /// The steps of ray `ray`.
+    /// The operations of ray `ray`.
     #[inline]
-    pub fn path(&self, ray: u32) -> &[u8] {
+    pub fn path(&self, ray: u32) -> &[Op] {
         let own = &self.rays[ray as usize];
-        &self.steps[own.steps_start as usize..][..own.steps_len as usize]
+        &self.ops[own.ops_start as usize..][..own.ops_len as usize]
     }
 }

@@ -6,6 +6,8 @@ use rayreel_formats::bvh::{Child, MAX_LEAF_TRIANGLES, MAX_TREE_DEPTH};
 use rayreel_formats::scene::Rect;
 use rayreel_formats::tile::{RayKind, step};
 
+use super::check::{PathCounts, walk};
+use super::ops::Op;
 use super::topology::Topology;
 use super::{NO_RAY, NO_TRIANGLE, RayWork, TileWork, Wave};
 
@@ -54,14 +56,25 @@ fn grow(children: &mut Vec<[Child; 2]>, triangles: &mut u32, depth: u32, leaf_tr
 pub struct Path {
     /// The steps.
     pub steps: Vec<u8>,
+    /// The same as operations.
+    pub ops: Vec<Op>,
     /// The last triangle that was hit; [`NO_TRIANGLE`] if none.
     pub hit: u32,
 }
 
 /// A random path of a shadow ray or of another one. Of eight inner nodes two show neither child, three
 /// one, three both.
+///
+/// # Panics
+/// Never: what is made here is a path.
 pub fn random_path(tree: &Topology, shadow: bool, random: &mut Random) -> Path {
-    let mut path = Path { steps: Vec::new(), hit: NO_TRIANGLE };
+    let mut path = random_steps(tree, shadow, random);
+    walk(tree, &path.steps, shadow, &mut path.ops, &mut PathCounts::default()).expect("the steps are a path");
+    path
+}
+
+fn random_steps(tree: &Topology, shadow: bool, random: &mut Random) -> Path {
+    let mut path = Path { steps: Vec::new(), ops: Vec::new(), hit: NO_TRIANGLE };
     let mut stack = Vec::with_capacity(MAX_TREE_DEPTH);
     let mut current = Child::inner(0);
     loop {
@@ -120,7 +133,7 @@ pub fn tile_of(frame: u32, tile: u32, paths: &[Path]) -> TileWork {
         apron_samples: 0,
         border_samples: 0,
         rays: Vec::new(),
-        steps: Vec::new(),
+        ops: Vec::new(),
         waves: vec![Wave { tests: 0, interpolated: 0, primaries: (0..paths.len() as u32).collect() }],
     };
     for (i, path) in (0..).zip(paths) {
@@ -134,8 +147,8 @@ pub fn tile_of(frame: u32, tile: u32, paths: &[Path]) -> TileWork {
 pub fn push_ray(work: &mut TileWork, path: &Path, kind: RayKind) -> u32 {
     let ray = work.rays.len() as u32;
     work.rays.push(RayWork {
-        steps_start: work.steps.len() as u32,
-        steps_len: path.steps.len() as u32,
+        ops_start: work.ops.len() as u32,
+        ops_len: path.ops.len() as u32,
         kind,
         shadows: 0,
         triangle: if kind == RayKind::Shadow { NO_TRIANGLE } else { path.hit },
@@ -146,7 +159,7 @@ pub fn push_ray(work: &mut TileWork, path: &Path, kind: RayKind) -> u32 {
         y: 0,
         depth: 0,
     });
-    work.steps.extend_from_slice(&path.steps);
+    work.ops.extend_from_slice(&path.ops);
     ray
 }
 

@@ -152,8 +152,8 @@ pub fn run(srp: &mut Srp, tiles: Vec<TileWork>, unit: &mut Unit, memory: &mut Me
 pub fn sample(work: &mut TileWork, material: Option<u32>, shadows: u8, reflects: bool) -> u32 {
     let first = work.rays.len() as u32;
     let base = RayWork {
-        steps_start: 0,
-        steps_len: 0,
+        ops_start: 0,
+        ops_len: 0,
         kind: RayKind::Primary,
         shadows: 0,
         triangle: NO_TRIANGLE,
@@ -186,7 +186,7 @@ pub fn empty(tile: u32, width: u32, height: u32) -> TileWork {
         apron_samples: 0,
         border_samples: 0,
         rays: Vec::new(),
-        steps: Vec::new(),
+        ops: Vec::new(),
         waves: Vec::new(),
     }
 }
