@@ -36,7 +36,7 @@ impl Crossing {
     pub fn ceil(&self, cycle: Cycle) -> Cycle {
         match cycle.checked_mul(self.to) {
             Some(product) => product.div_ceil(self.from),
-            None => (u128::from(cycle) * u128::from(self.to)).div_ceil(u128::from(self.from)) as Cycle,
+            None => saturate((u128::from(cycle) * u128::from(self.to)).div_ceil(u128::from(self.from))),
         }
     }
 
@@ -45,9 +45,14 @@ impl Crossing {
     pub fn floor(&self, cycle: Cycle) -> Cycle {
         match cycle.checked_mul(self.to) {
             Some(product) => product / self.from,
-            None => (u128::from(cycle) * u128::from(self.to) / u128::from(self.from)) as Cycle,
+            None => saturate(u128::from(cycle) * u128::from(self.to) / u128::from(self.from)),
         }
     }
+}
+
+/// Times beyond the last cycle are never.
+fn saturate(cycle: u128) -> Cycle {
+    Cycle::try_from(cycle).unwrap_or(Cycle::MAX)
 }
 
 fn gcd(a: u32, b: u32) -> u32 {
@@ -78,6 +83,7 @@ mod tests {
         assert_eq!([0, 1, 3, 4, 16, 17].map(|c| down.arrive(c)), [2, 3, 3, 4, 7, 8]);
         let up = Crossing::new(500, 1600, 1);
         assert_eq!([0, 1, 2, 5].map(|c| up.arrive(c)), [1, 5, 8, 17]);
+        assert_eq!(up.ceil(Cycle::MAX), Cycle::MAX);
         let srp = Crossing::new(1000, 500, 0);
         assert_eq!([0, 1, 2, 3].map(|c| srp.arrive(c)), [0, 1, 1, 2]);
         assert_eq!([0, 1, 2, 3].map(|c| srp.floor(c)), [0, 0, 1, 1]);

@@ -162,6 +162,9 @@ impl L2Cache {
             self.hits.pop_front();
             arrived.push(response);
         }
+        if self.ready_banks == 0 && self.mshrs_free == 0 {
+            return;
+        }
         let banks = self.banks.len();
         for turn in 0..banks {
             let bank = (now as usize).wrapping_add(turn) & (banks - 1);

@@ -45,16 +45,14 @@ impl Tags {
     pub fn touch(&mut self, line: u64) -> bool {
         let lru = self.replacement == Replacement::Lru;
         let set = self.set(line);
-        match set.iter().position(|&tag| tag == line) {
-            Some(way) => {
-                if lru && way > 0 {
-                    set.copy_within(0..way, 1);
-                    set[0] = line;
-                }
-                true
-            }
-            None => false,
+        if set[0] == line {
+            return true;
         }
+        let Some(way) = set.iter().position(|&tag| tag == line) else { return false };
+        if lru {
+            push_front(&mut set[..=way], line);
+        }
+        true
     }
 
     /// Whether `line` is here. Changes nothing.
@@ -76,8 +74,7 @@ impl Tags {
         };
         let set = self.set(line);
         let evicted = set[victim];
-        set.copy_within(0..victim, 1);
-        set[0] = line;
+        push_front(&mut set[..=victim], line);
         (evicted != FREE).then_some(evicted)
     }
 
@@ -112,6 +109,15 @@ impl Tags {
         self.random ^= self.random >> 7;
         self.random ^= self.random << 17;
         (((self.random >> 32) * self.ways as u64) >> 32) as usize
+    }
+}
+
+/// Moves all back by one, over the last, and puts `line` first. A loop: the few ways are moved faster than by a call.
+#[inline]
+fn push_front(ways: &mut [u64], line: u64) {
+    let mut carried = line;
+    for way in ways {
+        carried = std::mem::replace(way, carried);
     }
 }
 

@@ -140,10 +140,10 @@ impl Channel {
         self.reads_taken + self.writes_taken
     }
 
-    /// Whether [`Channel::run`] up to `limit` has anything to do.
+    /// The next cycle at which [`Channel::run`] does anything, refreshes included.
     #[inline]
-    pub fn is_due(&self, limit: Cycle) -> bool {
-        limit >= self.wake
+    pub fn wake(&self) -> Cycle {
+        self.wake
     }
 
     /// The next cycle at which the channel does anything for a request; nothing before it can free an entry or read data.
@@ -155,7 +155,7 @@ impl Channel {
     /// Runs up to and including cycle `limit`; `done` gets each read request and the end of its data.
     #[inline]
     pub fn run(&mut self, limit: Cycle, done: impl FnMut(Cycle, Entry)) {
-        if self.is_due(limit) {
+        if limit >= self.wake {
             self.run_busy(limit, done);
         }
     }
@@ -227,22 +227,20 @@ impl Channel {
             hits &= !(1 << oldest.bank);
         }
         let column = if self.serves_writes() { Command::Write } else { Command::Read };
-        let classes =
-            [(column, hits), (Command::Activate, waiting & !open), (Command::Precharge, waiting & open & !hits)];
-        let starts = classes.map(|(command, banks)| self.class_start(command, banks));
-        let at = starts[0].min(starts[1]).min(starts[2]);
-        if starts[0] == at {
+        let (closed, conflicts) = (waiting & !open, waiting & open & !hits);
+        let start = self.class_start(column, hits);
+        let activate = self.class_start(Command::Activate, closed);
+        let precharge = self.class_start(Command::Precharge, conflicts);
+        let at = start.min(activate).min(precharge);
+        if start == at {
             let banks = self.legal_banks(column, hits, at);
             let hit = |e: &Entry| banks >> e.bank & 1 == 1 && self.device.row(e.bank.into()) == Some(e.row);
             return Some(self.oldest(queue, column, at, hit));
         }
-        let legal = |class: usize| {
-            let (command, banks) = classes[class];
-            if starts[class] == at { self.legal_banks(command, banks, at) } else { 0 }
-        };
-        let (activate, precharge) = (legal(1), legal(2));
-        let mut decision = self.oldest(queue, Command::Activate, at, |e| (activate | precharge) >> e.bank & 1 == 1);
-        if precharge >> decision.bank & 1 == 1 {
+        let closed = if activate == at { self.legal_banks(Command::Activate, closed, at) } else { 0 };
+        let conflicts = if precharge == at { self.legal_banks(Command::Precharge, conflicts, at) } else { 0 };
+        let mut decision = self.oldest(queue, Command::Activate, at, |e| (closed | conflicts) >> e.bank & 1 == 1);
+        if conflicts >> decision.bank & 1 == 1 {
             decision.command = Command::Precharge;
         }
         Some(decision)
@@ -251,14 +249,27 @@ impl Channel {
     /// The first cycle at which `command` is legal for one of `banks`.
     #[inline]
     fn class_start(&self, command: Command, banks: u64) -> Cycle {
-        let ready = bits(banks).map(|bank| self.device.bank_ready(command, bank)).min();
-        ready.map_or(Cycle::MAX, |ready| self.device.start(command, ready.max(self.now)))
+        if banks == 0 {
+            return Cycle::MAX;
+        }
+        let (mut ready, mut rest) = (Cycle::MAX, banks);
+        while rest != 0 {
+            ready = ready.min(self.device.bank_ready(command, rest.trailing_zeros() as usize));
+            rest &= rest - 1;
+        }
+        self.device.start(command, ready.max(self.now))
     }
 
     /// Those of `banks` for which `command` is legal at `at`, when it is legal for one.
     #[inline]
     fn legal_banks(&self, command: Command, banks: u64, at: Cycle) -> u64 {
-        bits(banks).filter(|&bank| self.device.bank_ready(command, bank) <= at).fold(0, |set, bank| set | 1 << bank)
+        let (mut legal, mut rest) = (0, banks);
+        while rest != 0 {
+            let bank = rest.trailing_zeros() as usize;
+            legal |= u64::from(self.device.bank_ready(command, bank) <= at) << bank;
+            rest &= rest - 1;
+        }
+        legal
     }
 
     /// The oldest request that is `wanted`; there must be one.
@@ -338,14 +349,4 @@ impl Channel {
     pub fn counters(&self) -> &ChannelCounters {
         &self.counters
     }
-}
-
-/// Positions of the bits that are set.
-#[inline]
-fn bits(mut set: u64) -> impl Iterator<Item = usize> {
-    std::iter::from_fn(move || {
-        let bit = (set != 0).then_some(set.trailing_zeros() as usize);
-        set &= set.wrapping_sub(1);
-        bit
-    })
 }

@@ -105,7 +105,7 @@ impl Device {
     }
 
     /// The first cycle from `ready` on at which the rules of the whole channel allow `command`: buses, tRRD, tFAW, turnaround.
-    #[inline]
+    #[inline(always)]
     pub fn start(&self, command: Command, ready: Cycle) -> Cycle {
         match command {
             Command::Activate => self.fit(ready.max(self.activate).max(self.windows[self.oldest_window]), LONG_COMMAND),
@@ -117,7 +117,7 @@ impl Device {
     }
 
     /// The first cycle at which the bank itself (for PREab and REF: all banks) allows `command`.
-    #[inline]
+    #[inline(always)]
     pub fn bank_ready(&self, command: Command, bank: usize) -> Cycle {
         match command {
             Command::Activate => self.banks[bank].activate,

@@ -55,7 +55,10 @@ struct Lane {
     arriving: VecDeque<(Cycle, Arrival)>,
     /// Someone waits for a queue entry of this channel.
     watched: bool,
+    /// T&I cycle of the next event that concerns the requesters.
     next: Cycle,
+    /// T&I cycle at which the channel has something to do.
+    due: Cycle,
 }
 
 /// All channels.
@@ -70,6 +73,9 @@ pub struct Dram {
     after: Cycle,
     /// Read command to data at the synchroniser.
     read_cycles: Cycle,
+    /// The first of the lanes' `next` and of their `due`.
+    next: Cycle,
+    due: Cycle,
 }
 
 impl Dram {
@@ -80,7 +86,7 @@ impl Dram {
     pub fn new(config: &config::Dram, clock_mhz: u32, line_bytes: u32) -> Self {
         assert!(config.channels > 0 && (1..=BANKS_MAX).contains(&config.banks) && config.row_bytes >= line_bytes);
         let channel = Channel::new(config, line_bytes);
-        let lane = Lane { channel, arriving: VecDeque::new(), watched: false, next: Cycle::MAX };
+        let lane = Lane { channel, arriving: VecDeque::new(), watched: false, next: Cycle::MAX, due: 0 };
         let timing = timing::Timing::new(config, line_bytes);
         let before = Cycle::from(config.controller_cycles / 2);
         let after = Cycle::from(config.controller_cycles) - before;
@@ -93,6 +99,8 @@ impl Dram {
             before,
             after,
             read_cycles: timing.last_burst() + timing.read_to_data + after,
+            next: Cycle::MAX,
+            due: 0,
         }
     }
 
@@ -132,10 +140,16 @@ impl Dram {
     /// Runs up to and including T&I cycle `now`.
     #[inline]
     pub fn run(&mut self, now: Cycle) {
+        if now >= self.due {
+            self.run_lanes(now);
+        }
+    }
+
+    fn run_lanes(&mut self, now: Cycle) {
         let limit = self.up.floor(now);
         for index in 0..self.lanes.len() {
-            let Lane { channel, arriving, watched, .. } = &mut self.lanes[index];
-            if !channel.is_due(limit) {
+            let Lane { channel, arriving, watched, due, .. } = &mut self.lanes[index];
+            if now < *due {
                 continue;
             }
             let taken = channel.taken();
@@ -166,8 +180,7 @@ impl Dram {
     /// The first T&I cycle at which a line can arrive, or a queue that someone waits for can have a free entry.
     #[inline]
     pub fn next_event(&self) -> Option<Cycle> {
-        let next = self.lanes.iter().map(|lane| lane.next).min().unwrap_or(Cycle::MAX);
-        (next < Cycle::MAX).then_some(next)
+        (self.next < Cycle::MAX).then_some(self.next)
     }
 
     fn watch(&mut self, index: usize) {
@@ -175,7 +188,7 @@ impl Dram {
         self.look_ahead(index);
     }
 
-    /// Computes the lane's next event. Data of a command that is not sent yet cannot come before the channel's next step and the
+    /// Computes the lane's next events. Data of a command that is not sent yet cannot come before the channel's next step and the
     /// read latency; that bound may be early, never late.
     fn look_ahead(&mut self, index: usize) {
         let lane = &mut self.lanes[index];
@@ -185,8 +198,13 @@ impl Dram {
             (None, Some(step)) => self.down.arrive(step + self.read_cycles),
             (None, None) => Cycle::MAX,
         };
-        let room = step.filter(|_| lane.watched).map_or(Cycle::MAX, |step| self.down.ceil(step));
-        lane.next = data.min(room);
+        lane.due = self.down.ceil(lane.channel.wake());
+        lane.next = if lane.watched && step.is_some() { data.min(lane.due) } else { data };
+        (self.next, self.due) = (Cycle::MAX, Cycle::MAX);
+        for lane in &self.lanes {
+            self.next = self.next.min(lane.next);
+            self.due = self.due.min(lane.due);
+        }
     }
 
     /// What each channel did.
