@@ -21,19 +21,29 @@ impl Clock {
     /// The first SRP cycle that begins at or after the beginning of T&I cycle `ti`.
     #[inline]
     pub fn srp(self, ti: Cycle) -> u64 {
-        (ti * self.srp).div_ceil(self.ti)
+        ceil(ti * self.srp, self.ti)
     }
 
     /// The first T&I cycle that begins at or after the beginning of SRP cycle `srp`.
     #[inline]
     pub fn ti(self, srp: u64) -> Cycle {
-        (srp * self.ti).div_ceil(self.srp)
+        ceil(srp * self.ti, self.srp)
     }
 
     /// SRP cycles that begin within T&I cycle `ti`.
     #[inline]
     pub fn srp_cycles_of(self, ti: Cycle) -> u64 {
         self.srp(ti + 1) - self.srp(ti)
+    }
+}
+
+/// `a / b` rounded up. Divisions are slow and asked for at every event: the usual ratios are 1 and 2.
+#[inline]
+fn ceil(a: u64, b: u64) -> u64 {
+    match b {
+        1 => a,
+        2 => a.div_ceil(2),
+        _ => a.div_ceil(b),
     }
 }
 
