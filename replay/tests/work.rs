@@ -69,8 +69,8 @@ fn assert_linked(work: &TileWork) {
             named[child as usize] += 1;
             assert_eq!(work.rays[child as usize].depth, ray.depth + 1);
         }
-        for shadow in i + 1..=i + usize::from(ray.shadows) {
-            named[shadow] += 1;
+        for (shadow, named) in named.iter_mut().enumerate().skip(i + 1).take(ray.shadows.into()) {
+            *named += 1;
             assert_eq!((work.rays[shadow].kind, work.rays[shadow].depth), (RayKind::Shadow, ray.depth));
         }
     }

@@ -176,7 +176,7 @@ fn link(
     let depth = class.depth() as usize;
     if let Some(parent) = class.parent() {
         let slot = rays.get_mut(parents[parent.depth() as usize] as usize);
-        let slot = slot.map(|up| if class.0 % 2 == 0 { &mut up.reflect } else { &mut up.refract });
+        let slot = slot.map(|up| if class.0.is_multiple_of(2) { &mut up.reflect } else { &mut up.refract });
         match slot {
             Some(child) if *child == NO_RAY => *child = ray,
             _ => return Err(format!("ray class {} has no parent", class.0)),
