@@ -132,6 +132,27 @@ fn a_refresh_starts_at_its_due_cycle() {
 }
 
 #[test]
+fn nothing_else_is_sent_at_the_due_cycle_of_a_refresh() {
+    let mut b = Bench::new(&lpddr4());
+    b.read(6217, 2, 1);
+    b.run(6500);
+    // RD would be legal at 6246.
+    assert_eq!(b.commands(), ["ACT 2 @6217", "PREab 0 @6285", "REF 0 @6319"]);
+}
+
+#[test]
+fn a_request_is_seen_in_the_cycle_in_which_it_enters() {
+    for (arrival, then) in [(78, "RD 0 @78"), (79, "PRE 0 @78")] {
+        let mut b = Bench::new(&lpddr4());
+        b.read(10, 0, 1);
+        b.read(10, 0, 2);
+        b.read(arrival, 0, 1);
+        b.run(200);
+        assert_eq!(b.commands()[2], then);
+    }
+}
+
+#[test]
 fn the_oldest_request_does_not_starve() {
     let mut b = Bench::new(&config::Dram { trefi: 0, ..lpddr4() });
     b.read(0, 0, 1);
