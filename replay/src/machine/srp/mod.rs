@@ -256,7 +256,6 @@ impl Srp {
             if !sent && !worked {
                 break;
             }
-            self.take_hits(now);
         }
         self.gather.tick(now, memory);
         self.dma.tick(now, memory, &mut self.stats.dma);
@@ -292,8 +291,9 @@ impl Srp {
     fn work_array(&mut self, now: Cycle) -> bool {
         let mut worked = self.advance_tiles();
         loop {
-            if self.running.is_some() {
-                if !self.go_on(now, &mut worked) {
+            if let Some(progress) = self.running {
+                let early = matches!(progress, Progress::At(at) if at > now);
+                if early || !self.go_on(now, &mut worked) {
                     return worked;
                 }
                 self.advance_tiles();
