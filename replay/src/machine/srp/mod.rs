@@ -226,6 +226,13 @@ impl Srp {
         self.clock.srp(now)
     }
 
+    /// What is under way, for the message about a machine that stands still.
+    pub fn describe(&self) -> String {
+        let tiles = self.slots.iter().filter(|slot| !slot.is_free()).count();
+        let batch = if self.running.is_some() { "a batch" } else { "no batch" };
+        format!("tiles {tiles}, rays out {}, output queue {}, {batch}", self.rays_out, self.output.len())
+    }
+
     /// All counters but those of the L1.
     pub fn stats(&self) -> &SrpStats {
         &self.stats

@@ -44,10 +44,10 @@ fn an_external_geometry_buffer_is_written_and_read_by_waves() {
     let mut config = machine();
     config.gpu.geometry_buffer = GeometryBuffer::External;
     let mut work = uniform(0, 20, None, 0);
-    work.waves.push(Wave { tests: 5, interpolated: 3, primaries: Vec::new() });
+    work.waves.push(Wave { tests: 50, interpolated: 30, primaries: Vec::new() });
     let (s, ..) = finished(&config, work);
-    // Written: 20 samples x 16 bytes. Read: 5 x 2 x (4 + 4 + 1) + 3 x 2 x 6 = 126 bytes.
-    assert_eq!((s.stats().dma.sample_written, s.stats().dma.sample_read), (320, 128));
+    // Written: 20 samples x 16 bytes. Read: 50 x 2 x (4 + 4 + 1) + 30 x 2 x 6 = 1260 bytes, 20 lines.
+    assert_eq!((s.stats().dma.sample_written, s.stats().dma.sample_read), (320, 1280));
     assert_eq!(s.stats().local.spilled_samples, 0);
 }
 

@@ -38,6 +38,16 @@ fn a_wave_waits_for_the_one_before() {
 }
 
 #[test]
+fn a_tile_is_resolved_and_stored_when_its_last_item_is_done() {
+    let (mut s, mut unit, mut memory) = (srp(&machine()), Unit::new(64, 100), Mem::new(64, 10));
+    let end = run(&mut s, vec![uniform(0, 1, None, 0)], &mut unit, &mut memory, true);
+    // The hit is here at 117, SRP cycle 234; miss takes 22 SRP cycles, resolving 4 samples 24: SRP cycle 280.
+    let stored: Vec<_> = memory.log.iter().map(|(at, r)| (*at, r.region)).collect();
+    assert_eq!(stored, [(140, Region::Framebuffer)]);
+    assert_eq!(end, 141, "the slot is free a cycle after memory took the last line");
+}
+
+#[test]
 fn two_tiles_overlap() {
     let tiles = || vec![uniform(0, 32, Some(0), 1), uniform(1, 32, Some(0), 1)];
     let mut config = machine();
