@@ -9,9 +9,13 @@
 
 pub mod config;
 pub mod counters;
+pub mod energy;
 pub mod link;
 pub mod memory;
+pub mod simulate;
 pub mod srp;
+pub mod stats;
+pub mod system;
 #[cfg(test)]
 pub(crate) mod test_config;
 pub mod ti;

@@ -149,11 +149,13 @@ fn find(name: &str, value: &Value, origin: &str) -> Result<&'static Key> {
     if !below.is_empty() {
         return Err(bad_value(origin, name, value, format!("a table with {}", below.join(", "))));
     }
+    // A slip of the key is likelier than one of the table.
+    let table = name.rsplit_once('.').map_or("", |(table, _)| table);
+    let sisters = |key: &&str| key.rsplit_once('.').is_some_and(|(own, _)| own == table);
     let names: Vec<_> = KEYS.iter().map(|k| k.name).collect();
-    let mut near = near(name, &names);
-    if near.starts_with("there are") {
-        near = "`rayreel presets show sgrt-ti2` lists all keys".into();
-    }
+    let own: Vec<_> = names.iter().copied().filter(sisters).collect();
+    let found = [own, names].iter().map(|names| near(name, names)).find(|text| text.starts_with("did you mean"));
+    let near = found.unwrap_or_else(|| "`rayreel presets show sgrt-ti2` lists all keys".into());
     Err(ReplayError::UnknownMachineKey { origin: origin.into(), key: name.into(), near })
 }
 

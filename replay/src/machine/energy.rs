@@ -1,0 +1,358 @@
+//! Energy: counters times energy per event, and leakage times time, by component.
+//!
+//! Rules:
+//! - dynamic energy is a sum of counter x femtojoules, in integers. On-chip components add `energy.clock_tree_percent` for the
+//!   clock tree; DRAM and PHY do not, for their figures hold it. The sum is rounded to a femtojoule once per component;
+//! - leakage is microwatts x time, time being cycles of the T&I clock over its megahertz, rounded once per component. Memories
+//!   leak by size: a ray's record is 64 bytes, a stack entry 4. The background power of the DRAM counts as its leakage;
+//! - a lookup that hits, and a late read of a line that had missed, pay the read of a line; a lookup that misses or merges pays
+//!   the tags. Attempts that a full cache refuses are free: the request is held, not looked up again;
+//! - a ray passes the ray buffer once (a write and a read), a leaf task the crossbar twice (there and back);
+//! - the direct interface is paid per byte; through memory, the traffic is paid at the DRAM instead;
+//! - a unified pipeline tests triangles in the traversal unit, and their energy stands there.
+
+use super::config::{Energy, Interface, L1, MachineConfig, MissHandling, Picojoules};
+use super::memory::Cycle;
+use super::memory::dram::channel::ChannelCounters;
+use super::memory::l1::CacheCounters;
+use super::memory::l2::L2Counters;
+use super::memory::system::Traffic;
+use super::srp::SrpStats;
+use super::ti::TiStats;
+use super::ti::front::FrontCounters;
+use super::ti::ist::IstStats;
+use super::ti::trv::TrvStats;
+use super::work::layout::Region;
+
+/// Bytes of a ray's record in a ray buffer, for leakage.
+const RECORD_BYTES: u64 = 64;
+/// Bytes of a stack entry.
+const STACK_ENTRY_BYTES: u64 = 4;
+/// Entries of a full stack (`ti.stack_entries = 0`).
+const FULL_STACK_ENTRIES: u64 = 64;
+
+/// What a component belongs to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Group {
+    /// The T&I units: what the paper's Figure 7 measures.
+    Ti,
+    /// The SRPs and the interface to the T&I units.
+    Srp,
+    /// What the cores share: L2 and DRAM.
+    Memory,
+}
+
+/// Energy of one component, all cores together.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Component {
+    /// Name in reports.
+    pub name: &'static str,
+    /// What it belongs to.
+    pub group: Group,
+    /// Dynamic energy, clock tree included, femtojoules.
+    pub dynamic_fj: u128,
+    /// Leakage, or background of the DRAM, femtojoules.
+    pub leakage_fj: u128,
+}
+
+impl Component {
+    /// All its energy, femtojoules.
+    pub fn total_fj(&self) -> u128 {
+        self.dynamic_fj + self.leakage_fj
+    }
+}
+
+/// What the energy of a run is counted from.
+#[derive(Clone, Debug)]
+pub struct Counts<'a> {
+    /// Length of the run, cycles of the T&I clock.
+    pub cycles: Cycle,
+    /// The cores: T&I unit, SRP, and the SRP's L1.
+    pub cores: Vec<(&'a TiStats, &'a SrpStats, CacheCounters)>,
+    /// The L2.
+    pub l2: L2Counters,
+    /// All channels, added.
+    pub dram: ChannelCounters,
+    /// Bytes at the DRAM by region.
+    pub traffic: Traffic,
+}
+
+/// Energy of a run. The total is the sum of the components, to the femtojoule.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct EnergyReport {
+    /// The components, in order of the report.
+    pub components: Vec<Component>,
+    /// Dynamic energy of L2, DRAM and PHY that nodes and triangles caused: of the L2 by its lookups, of DRAM and PHY by bytes,
+    /// each rounded down. It is part of the components of the memory and is not added to them.
+    pub ti_memory_fj: u128,
+}
+
+impl EnergyReport {
+    /// Energy of a run on a machine.
+    pub fn new(config: &MachineConfig, counts: &Counts<'_>) -> Self {
+        let sums = Sums::new(config, counts);
+        let components = [sums.ti().to_vec(), sums.srp().to_vec(), sums.memory().to_vec()].concat();
+        let mut report = Self { components, ti_memory_fj: 0 };
+        report.ti_memory_fj = sums.ti_share(&report);
+        report
+    }
+
+    /// Energy of a group, femtojoules.
+    pub fn group_fj(&self, group: Group) -> u128 {
+        self.components.iter().filter(|c| c.group == group).map(Component::total_fj).sum()
+    }
+
+    /// Energy of the T&I units alone, as in the paper's Figure 7, femtojoules.
+    pub fn ti_fj(&self) -> u128 {
+        self.group_fj(Group::Ti)
+    }
+
+    /// Energy of the T&I units and what their nodes and triangles cost at L2 and DRAM, femtojoules.
+    pub fn ti_with_memory_fj(&self) -> u128 {
+        self.ti_fj() + self.ti_memory_fj
+    }
+
+    /// Energy of the whole GPU with its memory, femtojoules.
+    pub fn gpu_fj(&self) -> u128 {
+        self.components.iter().map(Component::total_fj).sum()
+    }
+
+    /// A component by name.
+    pub fn component(&self, name: &str) -> Option<&Component> {
+        self.components.iter().find(|c| c.name == name)
+    }
+
+    /// Adds the energy of another run of the same machine.
+    pub fn add(&mut self, other: &Self) {
+        if self.components.is_empty() {
+            self.clone_from(other);
+            return;
+        }
+        for (own, more) in self.components.iter_mut().zip(&other.components) {
+            own.dynamic_fj += more.dynamic_fj;
+            own.leakage_fj += more.leakage_fj;
+        }
+        self.ti_memory_fj += other.ti_memory_fj;
+    }
+}
+
+/// Mean power of `fj` femtojoules in `cycles` of a clock of `mhz`, watts; 0 for no time.
+pub fn watts(fj: u128, cycles: Cycle, mhz: u32) -> f64 {
+    if cycles == 0 { 0.0 } else { fj as f64 * f64::from(mhz) / cycles as f64 * 1e-9 }
+}
+
+/// Counters added over cores and units.
+struct Sums<'a> {
+    config: &'a MachineConfig,
+    counts: &'a Counts<'a>,
+    cores: u64,
+    trv_l1: CacheCounters,
+    ist_l1: CacheCounters,
+    trv_front: FrontCounters,
+    ist_front: FrontCounters,
+}
+
+impl<'a> Sums<'a> {
+    fn new(config: &'a MachineConfig, counts: &'a Counts<'a>) -> Self {
+        let mut sums = Self {
+            config,
+            counts,
+            cores: config.gpu.cores.into(),
+            trv_l1: CacheCounters::default(),
+            ist_l1: CacheCounters::default(),
+            trv_front: FrontCounters::default(),
+            ist_front: FrontCounters::default(),
+        };
+        for (ti, ..) in &counts.cores {
+            for trv in &ti.trv {
+                sums.trv_l1 += trv.l1;
+                sums.trv_front += trv.front;
+            }
+            for ist in &ti.ist {
+                sums.ist_l1 += ist.l1;
+                sums.ist_front += ist.front;
+            }
+        }
+        sums
+    }
+
+    fn ti(&self) -> [Component; 7] {
+        let (energy, ti) = (&self.config.energy, &self.config.ti);
+        let sum = |of: &dyn Fn(&TiStats) -> u64| self.counts.cores.iter().map(|(ti, ..)| of(ti)).sum::<u64>();
+        let trv = |of: fn(&TrvStats) -> u64| sum(&|ti| ti.trv.iter().map(of).sum());
+        let ist = |of: fn(&IstStats) -> u64| sum(&|ti| ti.ist.iter().map(of).sum());
+        let (trvs, ists) = (self.cores * u64::from(ti.trv), self.cores * u64::from(ti.ist));
+        let rays = sum(&|ti| ti.dispatch.rays);
+        let tasks = ist(|u| u.events.tasks);
+        let stack_bytes = match u64::from(ti.stack_entries) {
+            0 => FULL_STACK_ENTRIES,
+            entries => entries,
+        } * STACK_ENTRY_BYTES
+            * u64::from(ti.rays_per_trv);
+        let fronts = [&self.trv_front, &self.ist_front];
+        let front = |of: fn(&FrontCounters) -> u64| fronts.into_iter().map(of).sum::<u64>();
+        let rows = match ti.miss_handling {
+            MissHandling::Accumulate => u64::from(ti.accumulate_rows) * u64::from(self.config.l2.line_bytes),
+            MissHandling::Retry | MissHandling::Reorder => 0,
+        };
+        let buffers = self.cores * u64::from(ti.ray_fifo_entries) * RECORD_BYTES
+            + trvs * (u64::from(ti.rays_per_trv) * RECORD_BYTES + rows)
+            + ists * (u64::from(ti.ist_entries) * RECORD_BYTES + rows);
+        let of = |name, events: &[(u64, Picojoules)], uw, bytes| self.component(name, Group::Ti, events, uw, bytes);
+        [
+            of(
+                "trv",
+                &[
+                    (trv(|u| u.events.box_tests), energy.box_test_pj),
+                    (trv(|u| u.events.triangle_tests), energy.triangle_test_pj),
+                    (trv(|u| u.events.bypasses), energy.bypass_pj),
+                    (rays, energy.ray_setup_pj),
+                ],
+                trvs * energy.trv_leakage_uw,
+                0,
+            ),
+            of(
+                "stacks",
+                &[
+                    (trv(|u| u.events.pushes), energy.stack_push_pj),
+                    (trv(|u| u.events.stack_operations), energy.stack_pop_pj),
+                ],
+                0,
+                trvs * stack_bytes,
+            ),
+            of(
+                "ist",
+                &[
+                    (ist(|u| u.events.triangle_tests), energy.triangle_test_pj),
+                    (ist(|u| u.events.bypasses), energy.bypass_pj),
+                ],
+                ists * energy.ist_leakage_uw,
+                0,
+            ),
+            of(
+                "trv_l1",
+                &l1_events(energy, &self.trv_l1, self.trv_front.late_reads, energy.trv_l1_read_pj),
+                0,
+                trvs * l1_bytes(&ti.trv_l1),
+            ),
+            of(
+                "ist_l1",
+                &l1_events(energy, &self.ist_l1, self.ist_front.late_reads, energy.ist_l1_read_pj),
+                0,
+                ists * l1_bytes(&ti.ist_l1),
+            ),
+            of(
+                "ray_buffers",
+                &[
+                    (rays + front(|f| f.record_writes), energy.ray_buffer_write_pj),
+                    (rays + front(|f| f.record_reads), energy.ray_buffer_read_pj),
+                    (front(|f| f.parked), energy.accumulate_pj),
+                    (front(|f| f.slot_updates), energy.reorder_pj),
+                ],
+                0,
+                buffers,
+            ),
+            of("crossbar", &[(2 * tasks, energy.crossbar_pj)], 0, 0),
+        ]
+    }
+
+    fn srp(&self) -> [Component; 4] {
+        let energy = &self.config.energy;
+        let sum = |of: &dyn Fn(&SrpStats) -> u64| self.counts.cores.iter().map(|(_, srp, _)| of(srp)).sum::<u64>();
+        let mut l1 = CacheCounters::default();
+        self.counts.cores.iter().for_each(|(.., own)| l1 += *own);
+        let bytes = match self.config.gpu.interface {
+            Interface::Direct => sum(&|s| s.interface.ray_bytes + s.interface.hit_bytes),
+            Interface::Memory => 0,
+        };
+        let local =
+            [(sum(&|s| s.local.reads), energy.local_read_pj), (sum(&|s| s.local.writes), energy.local_write_pj)];
+        let ops = sum(&|s| s.kernels.iter().map(|k| k.ops).sum());
+        let of = |name, events: &[(u64, Picojoules)], uw, bytes| self.component(name, Group::Srp, events, uw, bytes);
+        let (l1_size, local_size) = (l1_bytes(&self.config.srp.l1), self.config.srp.local_memory.0);
+        [
+            of("srp", &[(ops, energy.srp_op_pj)], self.cores * energy.srp_leakage_uw, 0),
+            of("srp_l1", &l1_events(energy, &l1, 0, energy.srp_l1_read_pj), 0, self.cores * l1_size),
+            of("local_memory", &local, 0, self.cores * local_size),
+            of("interface", &[(bytes, energy.interface_pj_per_byte)], 0, 0),
+        ]
+    }
+
+    fn memory(&self) -> [Component; 3] {
+        let (energy, l2, dram) = (&self.config.energy, &self.counts.l2, &self.counts.dram);
+        let l2 =
+            [(l2.hits, energy.l2_read_pj), (l2.misses + l2.merges, energy.l2_miss_pj), (l2.fills, energy.l2_fill_pj)];
+        let rows = [
+            (dram.activates, energy.dram_row_pj),
+            (dram.reads, energy.dram_read_pj),
+            (dram.writes, energy.dram_write_pj),
+            (dram.refreshes, energy.dram_refresh_pj),
+        ];
+        let bytes = (dram.reads + dram.writes) * u64::from(self.config.dram.burst_bytes);
+        let background = u64::from(self.config.dram.channels) * energy.dram_background_uw;
+        let off_chip = |name, events: &[_], uw| Component {
+            name,
+            group: Group::Memory,
+            dynamic_fj: dynamic(events),
+            leakage_fj: self.leakage(uw, 0),
+        };
+        [
+            self.component("l2", Group::Memory, &l2, 0, self.config.l2.size.0),
+            off_chip("dram", &rows, background),
+            off_chip("dram_phy", &[(bytes, energy.dram_phy_pj_per_byte)], 0),
+        ]
+    }
+
+    /// An on-chip component: events with their energies, logic leakage in microwatts, bytes of SRAM.
+    fn component(
+        &self,
+        name: &'static str,
+        group: Group,
+        events: &[(u64, Picojoules)],
+        uw: u64,
+        bytes: u64,
+    ) -> Component {
+        let percent = 100 + u128::from(self.config.energy.clock_tree_percent);
+        let dynamic_fj = nearest(dynamic(events) * percent, 100);
+        Component { name, group, dynamic_fj, leakage_fj: self.leakage(uw, bytes) }
+    }
+
+    /// A microwatt is 1000 fJ a microsecond.
+    fn leakage(&self, uw: u64, bytes: u64) -> u128 {
+        let uw_1024 =
+            u128::from(uw) * 1024 + u128::from(self.config.energy.sram_leakage_uw_per_kib) * u128::from(bytes);
+        nearest(uw_1024 * u128::from(self.counts.cycles) * 1000, 1024 * u128::from(self.config.ti.clock_mhz))
+    }
+
+    /// See [`EnergyReport::ti_memory_fj`]. What an L1 of the T&I units misses, it asks the L2 for.
+    fn ti_share(&self, report: &EnergyReport) -> u128 {
+        let dynamic = |name: &str| report.component(name).map_or(0, |c| c.dynamic_fj);
+        let share = |fj: u128, part: u64, all: u64| fj * u128::from(part.min(all)) / u128::from(all.max(1));
+        let traffic = &self.counts.traffic;
+        let own = |bytes: &[u64]| bytes[Region::Node as usize] + bytes[Region::Triangle as usize];
+        let bytes = own(&traffic.read) + own(&traffic.written);
+        share(dynamic("l2"), self.trv_l1.misses + self.ist_l1.misses, self.counts.l2.lookups)
+            + share(dynamic("dram") + dynamic("dram_phy"), bytes, traffic.total())
+    }
+}
+
+fn l1_bytes(l1: &L1) -> u64 {
+    l1.size.0
+}
+
+fn l1_events(energy: &Energy, l1: &CacheCounters, late_reads: u64, read: Picojoules) -> [(u64, Picojoules); 3] {
+    [(l1.hits + late_reads, read), (l1.misses + l1.merges, energy.l1_miss_pj), (l1.fills, energy.l1_fill_pj)]
+}
+
+fn dynamic(events: &[(u64, Picojoules)]) -> u128 {
+    events.iter().map(|(count, energy)| u128::from(*count) * u128::from(energy.femtojoules)).sum()
+}
+
+/// Division rounded to the nearest, halves up.
+fn nearest(value: u128, by: u128) -> u128 {
+    (value + by / 2) / by
+}
+
+#[cfg(test)]
+#[path = "energy_tests.rs"]
+mod tests;
