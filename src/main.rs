@@ -7,6 +7,7 @@ mod digest;
 mod exit;
 mod info;
 mod paper;
+mod presets;
 mod progress;
 mod render;
 mod repair;
@@ -46,6 +47,7 @@ enum Command {
     Capture(capture::Args),
     Replay(replay::Args),
     Paper(paper::Args),
+    Presets(presets::Args),
     Info(info::Args),
     Verify(verify::Args),
     Digest(digest::Args),
@@ -66,6 +68,7 @@ fn main() -> ExitCode {
         Command::Capture(args) => capture::run(&args, quiet),
         Command::Replay(args) => replay::run(&args, quiet),
         Command::Paper(args) => paper::run(&args, quiet),
+        Command::Presets(args) => presets::run(&args),
         Command::Info(args) => info::run(&args),
         Command::Verify(args) => verify::run(&args, quiet),
         Command::Digest(args) => digest::run(&args),

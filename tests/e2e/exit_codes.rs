@@ -56,6 +56,9 @@ fn wrong_usage_is_2() {
         ("render cornell -o {}/x.png --frame 7", "camera path"),
         ("replay {}/a.rtrace --policy nonsense", "nonsense"),
         ("replay {}/a.rtrace --frob", "--frob"),
+        ("presets show sgrt-ti3", "did you mean sgrt-ti2"),
+        ("presets show adaptve", "did you mean adaptive"),
+        ("presets show sgrt-ti2 --set ti.trv=99", "from 1 to 16"),
         ("info {}/a.rtrace --threads x", "--threads"),
     ] {
         expect(folder, line, 2, word);
