@@ -43,7 +43,7 @@ fn cache(name: &str, size: u64, ways: u64, line: u64) -> Option<String> {
         return Some(format!("{name}.ways = {ways} is more than the {lines} lines of {line} bytes in {name}.size"));
     }
     let sets = size / (ways * line);
-    (size % (ways * line) != 0 || !sets.is_power_of_two()).then(|| {
+    (!size.is_multiple_of(ways * line) || !sets.is_power_of_two()).then(|| {
         format!("{name}.size = {size} bytes in {ways} ways of {line}-byte lines is not a power-of-two number of sets")
     })
 }

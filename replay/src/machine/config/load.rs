@@ -90,9 +90,12 @@ impl MachineConfig {
     }
 }
 
-/// The chain of `spec`, itself first, each with its origin for messages; and the values of all, base first.
-fn inherit(spec: &str) -> Result<(Vec<(String, Ancestor)>, Vec<Sourced>)> {
-    let mut chain: Vec<(String, Ancestor)> = Vec::new();
+/// Presets and files, each with its origin for messages, and extending the next.
+type Chain = Vec<(String, Ancestor)>;
+
+/// The chain of `spec`, itself first; and the values of all, later ones over the base's.
+fn inherit(spec: &str) -> Result<(Chain, Vec<Sourced>)> {
+    let mut chain = Chain::new();
     let mut layers = Vec::new();
     let (mut spec, mut folder) = (spec.to_owned(), PathBuf::new());
     loop {
