@@ -66,6 +66,27 @@ pub enum ReplayError {
         /// Last frame of the trace.
         last: u32,
     },
+    /// The machine has no kernel that the policy needs.
+    #[error(
+        "machine {machine} has no kernel {kernels}, which the policy needs; use policy full, another machine, or give it one \
+         (--set srp.kernels.similarity.ii_cycles=2)"
+    )]
+    MissingKernel {
+        /// The machine.
+        machine: String,
+        /// What is missing.
+        kernels: String,
+    },
+    /// The machine stands still with work left: a fault of the model, or of a configuration that cannot work.
+    #[error(
+        "the machine makes no progress at cycle {cycle}: {state}; please report this with the trace and the command"
+    )]
+    Stuck {
+        /// T&I cycle.
+        cycle: u64,
+        /// What each core is doing.
+        state: String,
+    },
     /// There is nothing to replay.
     #[error("{what}; there is nothing to replay")]
     Nothing {

@@ -92,6 +92,11 @@ impl<'a, S: TileSource + ?Sized> Replayer<'a, S> {
         Ok(Self { source, rules, options })
     }
 
+    /// What is replayed.
+    pub fn source(&self) -> &'a S {
+        self.source
+    }
+
     /// Replays frame `frame`.
     ///
     /// # Errors

@@ -71,6 +71,11 @@ pub trait Memory {
     /// The next cycle at which `tick` can bring a response or free a queue; `None` if nothing is under way.
     fn next_event(&self) -> Option<Cycle>;
 
+    /// Bytes that went to or came from DRAM so far.
+    fn bytes_moved(&self) -> u64 {
+        0
+    }
+
     /// Lines that left the L2 since the last call, to be dropped from the L1s (inclusive L2 only).
     fn take_evicted(&mut self) -> Vec<u64> {
         Vec::new()

@@ -147,6 +147,10 @@ impl Memory for MemorySystem {
         if self.arrived.is_empty() { self.next_due() } else { Some(self.now) }
     }
 
+    fn bytes_moved(&self) -> u64 {
+        self.traffic.total()
+    }
+
     fn take_evicted(&mut self) -> Vec<u64> {
         self.l2.take_evicted()
     }

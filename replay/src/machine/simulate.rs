@@ -1,0 +1,66 @@
+//! A frame through policy and machine.
+
+use super::config::MachineConfig;
+use super::energy::{Counts, EnergyReport};
+use super::memory::system::MemorySystem;
+use super::srp::{FrameShape, Needs, missing_kernels};
+use super::stats::{MemoryStats, Stats};
+use super::system::{Probe, System};
+use super::work::check::PathCounts;
+use super::work::topology::Topology;
+use crate::error::{ReplayError, Result};
+use crate::frame::{FrameReplay, Replayer};
+use crate::source::PathSource;
+
+/// A replayed frame with what it cost on a machine.
+#[derive(Clone, Debug)]
+pub struct MachineFrame {
+    /// Picture and counts.
+    pub replay: FrameReplay,
+    /// What the machine did.
+    pub stats: Stats,
+    /// What it cost.
+    pub energy: EnergyReport,
+    /// What the paths asked for, whatever machine does it.
+    pub paths: PathCounts,
+}
+
+/// Replays frame `frame` and runs its rays through a machine that starts with cold caches. `probe` may watch.
+///
+/// # Errors
+/// As [`Replayer::frame_with`]; [`ReplayError::MissingKernel`] if the machine cannot run the policy; [`ReplayError::Stuck`] if
+/// the machine stands still.
+pub fn simulate<S: PathSource + ?Sized, P: Probe>(
+    replayer: &mut Replayer<'_, S>,
+    frame: u32,
+    tree: &Topology,
+    machine: (&str, &MachineConfig),
+    probe: &mut P,
+) -> Result<MachineFrame> {
+    let (name, config) = machine;
+    let meta = replayer.source().meta();
+    let shape =
+        FrameShape { width_pixels: meta.width, samples_per_axis: meta.samples, pixel_bytes: config.layout.pixel_bytes };
+    let mut system = System::new(config, tree, shape, MemorySystem::new(config));
+    let (replay, paths) = replayer.frame_with(frame, tree, |work| {
+        let missing = missing_kernels(config, &Needs::of(&work));
+        if missing.is_empty() {
+            return system.feed(work, probe);
+        }
+        Err(ReplayError::MissingKernel { machine: name.into(), kernels: missing.join(" and ") })
+    })?;
+    let (mut stats, memory) = system.finish(probe)?;
+    stats.memory = MemoryStats::of(&memory);
+    let energy = EnergyReport::new(config, &counts(&stats));
+    Ok(MachineFrame { replay, stats, energy, paths })
+}
+
+fn counts(stats: &Stats) -> Counts<'_> {
+    Counts {
+        cycles: stats.cycles,
+        cores: stats.cores.iter().map(|core| (&core.ti, &core.srp, core.srp_l1)).collect(),
+        l2: stats.memory.l2,
+        dram: stats.memory.dram(),
+        traffic: stats.memory.traffic,
+    }
+}
