@@ -31,6 +31,8 @@ stack_cycles = 3
 ist_cycles = 30
 crossbar_cycles = 2
 stack_entries = 8
+trv_lines_per_cycle = 1
+ist_lines_per_cycle = 1
 trv_l1 = { size = "16KiB", ways = 4, mshrs = 16, latency_cycles = 1, replacement = "lru" }
 ist_l1 = { size = "16KiB", ways = 4, mshrs = 16, latency_cycles = 1, replacement = "lru" }
 [l2]

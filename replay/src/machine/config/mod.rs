@@ -176,6 +176,11 @@ pub struct Ti {
     pub crossbar_cycles: u32,
     /// Entries of the short stack; 0 is a full stack, never restarted.
     pub stack_entries: u32,
+    /// Neighbouring lines that a traversal unit reads from its L1 in a cycle: banks by line. With one, a node that straddles
+    /// two lines takes two cycles.
+    pub trv_lines_per_cycle: u32,
+    /// The same for the triangles of an intersection unit.
+    pub ist_lines_per_cycle: u32,
     /// L1 of each traversal unit.
     pub trv_l1: L1,
     /// L1 of each intersection unit.

@@ -142,6 +142,8 @@ pub const KEYS: &[Key] = &[
     key("ti.ist_cycles", DEPTH),
     key("ti.crossbar_cycles", DEPTH),
     int("ti.stack_entries", 0, 64),
+    int("ti.trv_lines_per_cycle", 1, 4),
+    int("ti.ist_lines_per_cycle", 1, 4),
     key("ti.trv_l1.size", SMALL),
     key("ti.trv_l1.ways", WAYS),
     key("ti.trv_l1.mshrs", MSHRS),

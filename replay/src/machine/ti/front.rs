@@ -4,11 +4,13 @@
 //! - `reorder` (Reorder Buffer, HPG 2015): each operation looks its lines up once, in order of arrival; one that misses stays in
 //!   its slot; the oldest operation whose lines are all here issues.
 //! - `retry` (looping for the next chance): operations look up in order and enter the pipeline in order, whatever the outcome;
-//!   one that missed passes it as a bypass and comes back to the end of the queue.
+//!   one that missed passes it as a bypass and comes back to the end of the queue. A line that arrived for it is kept until it
+//!   comes round: otherwise operations whose lines share a set could evict each other's for ever.
 //! - `accumulate` (ray accumulation buffer, US 9,342,919): operations look up in order; one that misses is parked in the row of
 //!   its line; when the line arrives, the row issues, before anything else. No free row, or a full one, holds up the queue.
 //!
-//! All three: one line is looked up a cycle, one operation issues a cycle, a hit has its data the L1's latency later. An
+//! All three: one operation looks up a cycle, as many of its lines as the L1 has banks for (`trv_lines_per_cycle`, `ist_lines_per_cycle`); one operation
+//! issues a cycle; a hit has its data the L1's latency later. An
 //! operation whose line arrived keeps it, even if the cache evicts the line before it issues.
 
 use std::collections::VecDeque;
@@ -56,6 +58,8 @@ pub enum Waiting {
 struct Op {
     next: u64,
     lines: Lines,
+    /// Lines that are kept for it, by place (`retry`).
+    kept: u8,
     region: Region,
     /// Lines that missed and are still to come.
     outstanding: u8,
@@ -69,6 +73,7 @@ struct Op {
 pub struct Front {
     mode: MissHandling,
     latency: Cycle,
+    lines_per_cycle: u32,
     l1: L1Cache,
     ops: Vec<Op>,
     /// Operations whose lookups are not done.
@@ -86,10 +91,17 @@ pub struct Front {
 }
 
 impl Front {
-    /// A buffer of `entries` slots in front of an L1.
-    pub fn new(ti: &config::Ti, l1: &config::L1, line_bytes: u32, port: Port, entries: u32) -> Self {
+    /// A buffer of `entries` slots in front of an L1 that reads so many lines a cycle.
+    pub fn new(
+        ti: &config::Ti,
+        (l1, lines_per_cycle): (&config::L1, u32),
+        line_bytes: u32,
+        port: Port,
+        entries: u32,
+    ) -> Self {
         let none = Op {
             next: 0,
+            kept: 0,
             lines: Lines { first: 0, last: 0 },
             region: Region::Node,
             outstanding: 0,
@@ -103,6 +115,7 @@ impl Front {
         Self {
             mode: ti.miss_handling,
             latency: l1.latency_cycles.into(),
+            lines_per_cycle,
             l1: cache,
             ops: vec![none; entries as usize],
             queue: VecDeque::with_capacity(entries as usize),
@@ -129,7 +142,8 @@ impl Front {
     #[inline]
     pub fn push(&mut self, op: u8, lines: Lines, region: Region) {
         self.seq += 1;
-        self.ops[op as usize] = Op { next: lines.first, lines, region, outstanding: 0, missed: false, seq: self.seq };
+        self.ops[op as usize] =
+            Op { next: lines.first, lines, kept: 0, region, outstanding: 0, missed: false, seq: self.seq };
         self.queue.push_back(op);
         self.counters.record_writes += 1;
     }
@@ -137,20 +151,22 @@ impl Front {
     /// An operation comes back after a bypass.
     #[inline]
     pub fn push_again(&mut self, op: u8) {
-        let Op { lines, region, .. } = self.ops[op as usize];
+        let Op { lines, region, kept, .. } = self.ops[op as usize];
         self.push(op, lines, region);
+        self.ops[op as usize].kept = kept;
     }
 
     /// A line arrived.
     pub fn fill(&mut self, line: u64) {
         let mut waiters = self.l1.fill(line);
-        if self.mode == MissHandling::Retry {
-            return;
-        }
         while waiters != 0 {
             let slot = waiters.trailing_zeros() as u8;
             waiters &= waiters - 1;
             let op = &mut self.ops[slot as usize];
+            if self.mode == MissHandling::Retry {
+                op.kept |= 1 << (line - op.lines.first);
+                continue;
+            }
             op.outstanding -= 1;
             self.counters.late_reads += 1;
             if op.outstanding == 0 && op.next > op.lines.last {
@@ -160,17 +176,42 @@ impl Front {
         }
     }
 
-    /// One lookup, if there is one to be made and the memory takes its miss.
+    /// The lookups of the operation whose turn it is, as far as the memory takes its misses.
     #[inline]
     pub fn look_up<M: Memory>(&mut self, now: Cycle, memory: &mut M) {
         self.refused = false;
         let Some(&slot) = self.queue.front() else { return };
+        for _ in 0..self.lines_per_cycle {
+            if !self.look_up_line(now, slot, memory) {
+                return;
+            }
+            let op = &self.ops[slot as usize];
+            if op.next > op.lines.last {
+                self.queue.pop_front();
+                if self.mode == MissHandling::Retry || op.outstanding == 0 {
+                    self.fetched.push_back((now + self.latency, slot));
+                } else {
+                    self.waiting += 1;
+                }
+                return;
+            }
+        }
+    }
+
+    /// Looks up the next line of an operation; false if that was refused.
+    #[inline]
+    fn look_up_line<M: Memory>(&mut self, now: Cycle, slot: u8, memory: &mut M) -> bool {
         let op = &mut self.ops[slot as usize];
+        if op.kept >> (op.next - op.lines.first) & 1 == 1 {
+            self.counters.late_reads += 1;
+            op.next += 1;
+            return true;
+        }
         match self.l1.access(now, op.next, op.region, slot, memory) {
             Access::Hit => {}
             Access::Full if self.mode != MissHandling::Retry => {
                 self.refused = true;
-                return;
+                return false;
             }
             Access::Full => op.missed = true,
             Access::Miss | Access::Merged => {
@@ -184,15 +225,7 @@ impl Front {
             }
         }
         op.next += 1;
-        if op.next <= op.lines.last {
-            return;
-        }
-        self.queue.pop_front();
-        if self.mode == MissHandling::Retry || op.outstanding == 0 {
-            self.fetched.push_back((now + self.latency, slot));
-        } else {
-            self.waiting += 1;
-        }
+        true
     }
 
     /// The operation that issues in this cycle.
@@ -206,12 +239,6 @@ impl Front {
         self.counters.record_reads += 1;
         let bypass = self.mode == MissHandling::Retry && self.ops[op as usize].missed;
         Some(Issue { op, bypass })
-    }
-
-    /// Whether [`Front::issue`] would give something; changes nothing.
-    #[inline]
-    pub fn has_ready(&self, now: Cycle) -> bool {
-        !self.ready.is_empty() || self.fetched.front().is_some_and(|f| f.0 <= now)
     }
 
     /// Why nothing issues, judged after this cycle's lookup.

@@ -6,7 +6,8 @@
 //!                                       +------------ L2 ----------+
 //! ```
 //!
-//! The dispatcher gives one ray a cycle to the traversal unit with most free places, the first of equals.
+//! The dispatcher gives one ray a cycle to the traversal unit with most free places, the first of equals. Traversal units take
+//! turns in being the first to reserve entries of intersection units.
 
 pub mod account;
 pub mod front;
@@ -145,7 +146,9 @@ impl TiUnit {
         self.account(now);
         self.dispatch(now, context);
         let units = self.trv.len();
-        for i in 0..units {
+        // Who is first to reserve an entry of an intersection unit changes from cycle to cycle.
+        let first = now as usize % units;
+        for i in (first..units).chain(0..first) {
             if self.wake[i] <= now {
                 self.trv[i].tick(now, context, &mut self.tasks, memory, &mut self.done);
                 self.wake[i] = self.trv[i].next_event(now).unwrap_or(NEVER);

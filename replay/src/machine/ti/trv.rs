@@ -103,7 +103,7 @@ impl Trv {
             free: (0..slots as u8).rev().collect(),
             entered: vec![0; slots],
             setup: Pipe::new(ti.setup_cycles),
-            front: Front::new(ti, &ti.trv_l1, config.l2.line_bytes, port, ti.rays_per_trv),
+            front: Front::new(ti, (&ti.trv_l1, ti.trv_lines_per_cycle), config.l2.line_bytes, port, ti.rays_per_trv),
             inner: Pipe::new(inner),
             leaves: VecDeque::with_capacity(slots),
             leaf: Pipe::new(leaf),
