@@ -151,6 +151,7 @@ impl<'a, M: Memory> System<'a, M> {
         let takes = feeding && self.cores.iter().any(|core| core.srp.wants_tile());
         let next = if takes || self.is_done() { Some(self.now + 1) } else { self.next_event() };
         let next = next.ok_or_else(|| self.stuck())?;
+        debug_assert!(next > self.now, "an event in the past");
         if next - self.progress > PATIENCE_CYCLES {
             return Err(self.stuck());
         }
@@ -168,7 +169,8 @@ impl<'a, M: Memory> System<'a, M> {
             self.cores.iter_mut().for_each(|core| core.srp.l1_mut().invalidate(line));
         }
         for core in &mut self.cores {
-            if core.srp_wake <= now {
+            // A refused request, or a ray without room, has no event of its own: it is tried again whenever something happens.
+            if core.srp_wake <= now || core.srp.waits() {
                 core.srp.tick(now, &mut core.ti, &mut self.memory);
                 core.srp_wake = core.srp.next_event().map_or(Cycle::MAX, |at| at.max(now + 1));
                 core.ti_wake = core.ti_wake.min(core.ti.next_event(now).unwrap_or(Cycle::MAX));

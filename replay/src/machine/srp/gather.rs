@@ -104,12 +104,13 @@ impl Gather {
         (self.missing[reader] == 0).then_some(self.ready[reader])
     }
 
-    /// Looks up as many lines as SRP cycles begin in this T&I cycle.
-    pub fn tick<M: Memory>(&mut self, now: Cycle, memory: &mut M) {
+    /// Looks up as many lines as SRP cycles begin in this T&I cycle; whether a lookup hit.
+    pub fn tick<M: Memory>(&mut self, now: Cycle, memory: &mut M) -> bool {
         self.refused = false;
         if self.queue.is_empty() {
-            return;
+            return false;
         }
+        let mut hit = false;
         if self.looked_up.0 != now {
             self.looked_up = (now, 0);
         }
@@ -118,6 +119,7 @@ impl Gather {
             let Some(&Read { line, region, reader }) = self.queue.front() else { break };
             match self.l1.access(now, line, region, reader, memory) {
                 Access::Hit => {
+                    hit = true;
                     let r = reader as usize;
                     self.missing[r] = self.missing[r].saturating_sub(1); // with `srp.ideal` all items share a reader
                     self.ready[r] = self.ready[r].max(first + self.looked_up.1 + self.latency);
@@ -132,6 +134,7 @@ impl Gather {
             self.looked_up.1 += 1;
             self.queue.pop_front();
         }
+        hit
     }
 
     /// A line arrived.
@@ -150,6 +153,12 @@ impl Gather {
     /// Whether nothing is under way.
     pub fn is_idle(&self) -> bool {
         self.queue.is_empty() && self.outstanding == 0
+    }
+
+    /// What is under way, for the message about a machine that stands still.
+    pub fn describe(&self) -> String {
+        let missing: u64 = self.missing.iter().map(|&m| u64::from(m)).sum();
+        format!("reads queued {}, lines out {}, reads missing {missing}", self.queue.len(), self.outstanding)
     }
 
     /// Whether memory refused the last request.

@@ -211,6 +211,12 @@ impl Srp {
         self.next
     }
 
+    /// Whether it waits for room in the unit or in the memory: to be ticked whenever something happens.
+    #[inline]
+    pub fn waits(&self) -> bool {
+        self.waits || self.interface.blocked()
+    }
+
     /// Whether no slot has a tile and nothing is under way.
     pub fn is_done(&self) -> bool {
         self.running.is_none() && self.slots.iter().all(Slot::is_free) && self.dma.is_idle() && self.gather.is_idle()
@@ -230,7 +236,13 @@ impl Srp {
     pub fn describe(&self) -> String {
         let tiles = self.slots.iter().filter(|slot| !slot.is_free()).count();
         let batch = if self.running.is_some() { "a batch" } else { "no batch" };
-        format!("tiles {tiles}, rays out {}, output queue {}, {batch}", self.rays_out, self.output.len())
+        let reads = self.gather.describe();
+        let next = self.next;
+        format!(
+            "tiles {tiles}, rays out {}, output queue {}, {batch}, {reads}, next event {next:?}",
+            self.rays_out,
+            self.output.len()
+        )
     }
 
     /// All counters but those of the L1.
@@ -260,11 +272,12 @@ impl Srp {
         loop {
             let sent = self.interface.send(now, &mut self.output, unit, &mut self.stats.interface);
             let worked = if self.ideal { self.work_ideally() } else { self.work_array(now) };
-            if !sent && !worked {
+            // A batch that has just begun reads in this cycle already, and what hits may be all it waits for.
+            let read = self.gather.tick(now, memory);
+            if !sent && !worked && !read {
                 break;
             }
         }
-        self.gather.tick(now, memory);
         self.dma.tick(now, memory, &mut self.stats.dma);
         self.plan(now, unit);
     }

@@ -176,7 +176,7 @@ impl TiUnit {
     pub fn next_event(&self, now: Cycle) -> Option<Cycle> {
         let mut next = self.wake.iter().copied().min().unwrap_or(NEVER);
         for ist in 0..self.ist.len() {
-            next = next.min(self.tasks.next_arrival(ist).unwrap_or(NEVER));
+            next = next.min(self.tasks.next_arrival(ist).map_or(NEVER, |at| at.max(now + 1)));
         }
         if let Some(&(at, _)) = self.fifo.front()
             && self.trv.iter().any(|unit| unit.free() > 0)
