@@ -9,6 +9,7 @@ use super::system::{Probe, System};
 use super::work::check::PathCounts;
 use super::work::topology::Topology;
 use crate::error::{ReplayError, Result};
+use crate::frame::counts::FrameStats;
 use crate::frame::{FrameReplay, Replayer};
 use crate::source::PathSource;
 
@@ -23,6 +24,53 @@ pub struct MachineFrame {
     pub energy: EnergyReport,
     /// What the paths asked for, whatever machine does it.
     pub paths: PathCounts,
+}
+
+/// What a machine did with a frame, without its picture.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct MachineRun {
+    /// What the machine did.
+    pub stats: Stats,
+    /// What it cost.
+    pub energy: EnergyReport,
+    /// What the paths asked for, whatever machine does it.
+    pub paths: PathCounts,
+}
+
+impl MachineRun {
+    /// Adds another frame of the same machine.
+    pub fn add(&mut self, other: &Self) {
+        self.stats.add(&other.stats);
+        self.energy.add(&other.energy);
+        self.paths += other.paths;
+    }
+}
+
+/// Replays `frames` one by one on a machine, each with cold caches; gives each picture to `sink` and keeps what was counted.
+/// `probe` may watch.
+///
+/// # Errors
+/// As [`simulate`], and what `sink` returns; [`ReplayError::Nothing`] if there is no frame.
+pub fn simulate_each<S: PathSource + ?Sized, P: Probe>(
+    replayer: &mut Replayer<'_, S>,
+    frames: impl IntoIterator<Item = u32>,
+    machine: (&str, &MachineConfig),
+    probe: &mut P,
+    mut sink: impl FnMut(FrameReplay) -> Result<()>,
+) -> Result<(Vec<FrameStats>, Vec<MachineRun>)> {
+    let tree = replayer.source().topology();
+    let (mut counted, mut runs) = (Vec::new(), Vec::new());
+    for frame in frames {
+        probe.begin(frame);
+        let MachineFrame { replay, stats, energy, paths } = simulate(replayer, frame, &tree, machine, probe)?;
+        counted.push(replay.stats.clone());
+        runs.push(MachineRun { stats, energy, paths });
+        sink(replay)?;
+    }
+    if runs.is_empty() {
+        return Err(ReplayError::Nothing { what: "no frame was chosen" });
+    }
+    Ok((counted, runs))
 }
 
 /// Replays frame `frame` and runs its rays through a machine that starts with cold caches. `probe` may watch.

@@ -55,6 +55,8 @@ impl Tiles for Srp {
 
 /// Looks at the machine from time to time; see `timeline`.
 pub trait Probe {
+    /// A frame begins; its time begins at cycle 0.
+    fn begin(&mut self, _frame: u32) {}
     /// The next cycle at which it wants to look.
     fn due(&self) -> Cycle;
     /// It is cycle `now`, the first at or after the one asked for at which anything happened. `bytes` went to or came from
