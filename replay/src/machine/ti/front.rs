@@ -1,20 +1,21 @@
-//! The input buffer of a pipeline that reads memory: operations wait here for their lines, under one of three rules of miss
+//! The input buffer of a pipeline that reads memory: operations look their lines up here, under one of three rules of miss
 //! handling.
 //!
-//! - `reorder` (Reorder Buffer, HPG 2015): each operation looks its lines up once, in order of arrival; one that misses stays in
-//!   its slot; the oldest operation whose lines are all here issues.
-//! - `retry` (looping for the next chance): operations look up in order and enter the pipeline in order, whatever the outcome;
-//!   one that missed passes it as a bypass and comes back to the end of the queue. A line that arrived for it is kept until it
-//!   comes round: otherwise operations whose lines share a set could evict each other's for ever.
-//! - `accumulate` (ray accumulation buffer, US 9,342,919): operations look up in order; one that misses is parked in the row of
-//!   its line; when the line arrives, the row issues, before anything else. No free row, or a full one, holds up the queue.
+//! - `reorder` (Reorder Buffer, HPG 2015): each operation looks its lines up once; one that misses stays in its slot until they
+//!   are here, while others pass it.
+//! - `retry` (looping for the next chance): operations enter the pipeline in order, whatever the outcome; one that missed passes
+//!   it as a bypass and comes back to the end of the queue. A line that arrived for it is kept until it comes round: otherwise
+//!   operations whose lines share a set could evict each other's for ever.
+//! - `accumulate` (ray accumulation buffer, US 9,342,919): one that misses is parked in the row of its line until the line
+//!   arrives. No free row, or a full one, holds up the queue.
 //!
-//! All three: one operation looks up a cycle, as many of its lines as the L1 has banks for (`trv_lines_per_cycle`, `ist_lines_per_cycle`); one operation
-//! issues a cycle; a hit has its data the L1's latency later. An
-//! operation whose line arrived keeps it, even if the cache evicts the line before it issues.
+//! All three: lookups are made in order of arrival, one operation a cycle, as many of its lines as the L1 has banks for
+//! (`trv_lines_per_cycle`, `ist_lines_per_cycle`); a hit has its data the L1's latency later. An operation whose line arrived
+//! keeps it, even if the cache evicts the line before it issues.
 
 use std::collections::VecDeque;
 
+use super::stage::{Candidate, Wait};
 use crate::machine::config::{self, MissHandling};
 use crate::machine::counters::counters;
 use crate::machine::memory::l1::{Access, L1Cache};
@@ -32,40 +33,21 @@ counters! {
     }
 }
 
-/// An operation that leaves the buffer for the pipeline.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Issue {
-    /// Slot of the operation.
-    pub op: u8,
-    /// It missed and passes without work.
-    pub bypass: bool,
-}
-
-/// Why nothing issued.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Waiting {
-    /// The buffer is empty.
-    Nothing,
-    /// A lookup or the hit latency is under way.
-    Fetch,
-    /// Every operation waits for a line.
-    Memory,
-    /// The oldest lookup is refused: no MSHR, no row, no queue entry.
-    Refused,
-}
-
 #[derive(Clone, Copy, Debug)]
 struct Op {
-    next: u64,
-    lines: Lines,
+    first: u64,
+    arrived: Cycle,
+    region: Region,
+    /// Lines, and how many of them were looked up.
+    lines: u8,
+    done: u8,
     /// Lines that are kept for it, by place (`retry`).
     kept: u8,
-    region: Region,
     /// Lines that missed and are still to come.
     outstanding: u8,
-    /// A line of this operation missed.
     missed: bool,
-    seq: u64,
+    refused: bool,
+    others_wait: bool,
 }
 
 /// See the module.
@@ -78,14 +60,10 @@ pub struct Front {
     ops: Vec<Op>,
     /// Operations whose lookups are not done.
     queue: VecDeque<u8>,
-    /// Operations whose last lookup is done, with the cycle at which its data are here.
-    fetched: VecDeque<(Cycle, u8)>,
-    /// Operations that had missed and have all lines; `reorder`: oldest first, `accumulate`: in order of arrival of the line.
-    ready: VecDeque<u8>,
+    /// First cycle in which the lookup port is free.
+    port: Cycle,
     /// Operations that wait for a line.
     waiting: u32,
-    refused: bool,
-    seq: u64,
     /// What it did.
     pub counters: FrontCounters,
 }
@@ -100,13 +78,16 @@ impl Front {
         entries: u32,
     ) -> Self {
         let none = Op {
-            next: 0,
-            kept: 0,
-            lines: Lines { first: 0, last: 0 },
+            first: 0,
+            arrived: 0,
             region: Region::Node,
+            lines: 0,
+            done: 0,
+            kept: 0,
             outstanding: 0,
             missed: false,
-            seq: 0,
+            refused: false,
+            others_wait: false,
         };
         let mut cache = L1Cache::new(l1, line_bytes, port);
         if ti.miss_handling == MissHandling::Accumulate {
@@ -119,11 +100,8 @@ impl Front {
             l1: cache,
             ops: vec![none; entries as usize],
             queue: VecDeque::with_capacity(entries as usize),
-            fetched: VecDeque::with_capacity(entries as usize),
-            ready: VecDeque::with_capacity(entries as usize),
+            port: 0,
             waiting: 0,
-            refused: false,
-            seq: 0,
             counters: FrontCounters::default(),
         }
     }
@@ -138,167 +116,159 @@ impl Front {
         &mut self.l1
     }
 
-    /// An operation arrives; it can look up in this very cycle.
+    /// An operation arrives. If its turn is now and it has its data in sight, it is returned; otherwise [`Front::look_up`] or
+    /// [`Front::fill`] will.
     #[inline]
-    pub fn push(&mut self, op: u8, lines: Lines, region: Region) {
-        self.seq += 1;
-        self.ops[op as usize] =
-            Op { next: lines.first, lines, kept: 0, region, outstanding: 0, missed: false, seq: self.seq };
-        self.queue.push_back(op);
+    pub fn push<M: Memory>(
+        &mut self,
+        now: Cycle,
+        slot: u8,
+        lines: Lines,
+        region: Region,
+        memory: &mut M,
+    ) -> Option<Candidate> {
+        self.ops[slot as usize] = Op {
+            first: lines.first,
+            arrived: now,
+            region,
+            lines: (lines.last - lines.first) as u8 + 1,
+            done: 0,
+            kept: 0,
+            outstanding: 0,
+            missed: false,
+            refused: false,
+            others_wait: self.waiting > 0,
+        };
+        self.arrive(now, slot, memory)
+    }
+
+    /// An operation comes back after a bypass, or for its second box.
+    #[inline]
+    pub fn push_again<M: Memory>(&mut self, now: Cycle, slot: u8, memory: &mut M) -> Option<Candidate> {
+        let others_wait = self.waiting > 0;
+        let op = &mut self.ops[slot as usize];
+        (op.arrived, op.done, op.missed, op.refused, op.others_wait) = (now, 0, false, false, others_wait);
+        self.arrive(now, slot, memory)
+    }
+
+    #[inline]
+    fn arrive<M: Memory>(&mut self, now: Cycle, slot: u8, memory: &mut M) -> Option<Candidate> {
         self.counters.record_writes += 1;
+        if self.port <= now && self.queue.is_empty() {
+            self.port = now + 1;
+            if self.look_up_lines(now, slot, memory) {
+                return self.looked_up(now, slot);
+            }
+        }
+        self.queue.push_back(slot);
+        None
     }
 
-    /// An operation comes back after a bypass.
+    /// The lookups of the operation whose turn it is at cycle `now`. Gives it, if it has its data in sight then.
     #[inline]
-    pub fn push_again(&mut self, op: u8) {
-        let Op { lines, region, kept, .. } = self.ops[op as usize];
-        self.push(op, lines, region);
-        self.ops[op as usize].kept = kept;
+    pub fn look_up<M: Memory>(&mut self, now: Cycle, memory: &mut M) -> Option<(u8, Candidate)> {
+        if self.port > now {
+            return None;
+        }
+        let &slot = self.queue.front()?;
+        self.port = now + 1;
+        if !self.look_up_lines(now, slot, memory) {
+            return None;
+        }
+        self.queue.pop_front();
+        self.looked_up(now, slot).map(|candidate| (slot, candidate))
     }
 
-    /// A line arrived.
-    pub fn fill(&mut self, line: u64) {
+    /// A line arrived at cycle `now`; `ready` is given each operation that has all its lines now.
+    #[inline]
+    pub fn fill(&mut self, now: Cycle, line: u64, mut ready: impl FnMut(u8, Candidate)) {
         let mut waiters = self.l1.fill(line);
         while waiters != 0 {
             let slot = waiters.trailing_zeros() as u8;
             waiters &= waiters - 1;
             let op = &mut self.ops[slot as usize];
             if self.mode == MissHandling::Retry {
-                op.kept |= 1 << (line - op.lines.first);
+                op.kept |= 1 << (line - op.first);
                 continue;
             }
             op.outstanding -= 1;
             self.counters.late_reads += 1;
-            if op.outstanding == 0 && op.next > op.lines.last {
+            if op.outstanding == 0 && op.done == op.lines {
                 self.waiting -= 1;
-                self.make_ready(slot);
+                self.counters.slot_updates += u64::from(self.mode == MissHandling::Reorder);
+                self.counters.record_reads += 1;
+                let op = self.ops[slot as usize];
+                ready(slot, candidate(&op, now, Wait::Memory, false));
             }
         }
     }
 
-    /// The lookups of the operation whose turn it is, as far as the memory takes its misses.
+    /// The next cycle at which a lookup is to be made. A refused one is tried in every cycle, since a queue of the memory may
+    /// have room by then.
     #[inline]
-    pub fn look_up<M: Memory>(&mut self, now: Cycle, memory: &mut M) {
-        self.refused = false;
-        let Some(&slot) = self.queue.front() else { return };
-        for _ in 0..self.lines_per_cycle {
-            if !self.look_up_line(now, slot, memory) {
-                return;
-            }
-            let op = &self.ops[slot as usize];
-            if op.next > op.lines.last {
-                self.queue.pop_front();
-                if self.mode == MissHandling::Retry || op.outstanding == 0 {
-                    self.fetched.push_back((now + self.latency, slot));
-                } else {
-                    self.waiting += 1;
-                }
-                return;
-            }
-        }
-    }
-
-    /// Looks up the next line of an operation; false if that was refused.
-    #[inline]
-    fn look_up_line<M: Memory>(&mut self, now: Cycle, slot: u8, memory: &mut M) -> bool {
-        let op = &mut self.ops[slot as usize];
-        if op.kept >> (op.next - op.lines.first) & 1 == 1 {
-            self.counters.late_reads += 1;
-            op.next += 1;
-            return true;
-        }
-        match self.l1.access(now, op.next, op.region, slot, memory) {
-            Access::Hit => {}
-            Access::Full if self.mode != MissHandling::Retry => {
-                self.refused = true;
-                return false;
-            }
-            Access::Full => op.missed = true,
-            Access::Miss | Access::Merged => {
-                op.missed = true;
-                op.outstanding += 1;
-                match self.mode {
-                    MissHandling::Retry => {}
-                    MissHandling::Accumulate => self.counters.parked += 1,
-                    MissHandling::Reorder => self.counters.slot_updates += 1,
-                }
-            }
-        }
-        op.next += 1;
-        true
-    }
-
-    /// The operation that issues in this cycle.
-    #[inline]
-    pub fn issue(&mut self, now: Cycle) -> Option<Issue> {
-        let op = match self.mode {
-            MissHandling::Reorder => self.oldest(now),
-            MissHandling::Accumulate => self.ready.pop_front().or_else(|| self.take_fetched(now)),
-            MissHandling::Retry => self.take_fetched(now),
-        }?;
-        self.counters.record_reads += 1;
-        let bypass = self.mode == MissHandling::Retry && self.ops[op as usize].missed;
-        Some(Issue { op, bypass })
-    }
-
-    /// Why nothing issues, judged after this cycle's lookup.
-    #[inline]
-    pub fn waiting(&self) -> Waiting {
-        if !self.fetched.is_empty() || !self.ready.is_empty() {
-            Waiting::Fetch
-        } else if self.refused {
-            Waiting::Refused
-        } else if !self.queue.is_empty() {
-            Waiting::Fetch
-        } else if self.waiting > 0 {
-            Waiting::Memory
-        } else {
-            Waiting::Nothing
-        }
-    }
-
-    /// The next cycle at which something can happen here, judged at the end of cycle `now`. A refused lookup is tried in
-    /// every cycle, since a queue of the memory may have room by then.
-    #[inline]
-    pub fn next_event(&self, now: Cycle) -> Option<Cycle> {
-        if !self.queue.is_empty() || !self.ready.is_empty() {
-            return Some(now + 1);
-        }
-        self.fetched.front().map(|f| f.0.max(now + 1))
+    pub fn next_event(&self) -> Option<Cycle> {
+        (!self.queue.is_empty()).then_some(self.port)
     }
 
     /// True when no operation is here.
     pub fn is_empty(&self) -> bool {
-        self.queue.is_empty() && self.fetched.is_empty() && self.ready.is_empty() && self.waiting == 0
+        self.queue.is_empty() && self.waiting == 0
     }
 
-    /// The oldest operation with all lines. Fetched ones are in order of age among themselves, and so are ready ones.
+    /// Looks up the next lines of an operation; true when all are looked up.
     #[inline]
-    fn oldest(&mut self, now: Cycle) -> Option<u8> {
-        let Some(&late) = self.ready.front() else { return self.take_fetched(now) };
-        let fetched = self.fetched.front().filter(|f| f.0 <= now);
-        match fetched {
-            Some(&(_, slot)) if self.ops[slot as usize].seq < self.ops[late as usize].seq => self.take_fetched(now),
-            _ => self.ready.pop_front(),
+    fn look_up_lines<M: Memory>(&mut self, now: Cycle, slot: u8, memory: &mut M) -> bool {
+        for _ in 0..self.lines_per_cycle {
+            let op = &mut self.ops[slot as usize];
+            let line = op.first + u64::from(op.done);
+            if op.kept >> op.done & 1 == 1 {
+                self.counters.late_reads += 1;
+            } else {
+                match self.l1.access(now, line, op.region, slot, memory) {
+                    Access::Hit => {}
+                    Access::Full if self.mode != MissHandling::Retry => {
+                        op.refused = true;
+                        return false;
+                    }
+                    Access::Full => op.missed = true,
+                    Access::Miss | Access::Merged => {
+                        op.missed = true;
+                        op.outstanding += 1;
+                        match self.mode {
+                            MissHandling::Retry => {}
+                            MissHandling::Accumulate => self.counters.parked += 1,
+                            MissHandling::Reorder => self.counters.slot_updates += 1,
+                        }
+                    }
+                }
+            }
+            op.done += 1;
+            if op.done == op.lines {
+                return true;
+            }
         }
+        false
     }
 
-    fn take_fetched(&mut self, now: Cycle) -> Option<u8> {
-        if self.fetched.front()?.0 > now {
+    /// All lines are looked up: the operation has its data in sight, or waits for lines.
+    #[inline]
+    fn looked_up(&mut self, now: Cycle, slot: u8) -> Option<Candidate> {
+        let op = self.ops[slot as usize];
+        let retry = self.mode == MissHandling::Retry;
+        if !retry && op.outstanding > 0 {
+            self.waiting += 1;
             return None;
         }
-        self.fetched.pop_front().map(|f| f.1)
+        self.counters.record_reads += 1;
+        let wait = match (op.refused, op.missed && !retry) {
+            (true, _) => Wait::Refused,
+            (false, true) => Wait::Memory,
+            (false, false) => Wait::Fetch,
+        };
+        Some(candidate(&op, now + self.latency, wait, retry && op.missed))
     }
+}
 
-    fn make_ready(&mut self, slot: u8) {
-        if self.mode != MissHandling::Reorder {
-            self.ready.push_back(slot);
-            return;
-        }
-        self.counters.slot_updates += 1;
-        let seq = self.ops[slot as usize].seq;
-        // Nearly always the youngest: most operations hit and become ready in order of arrival.
-        let at = self.ready.iter().rposition(|&o| self.ops[o as usize].seq < seq).map_or(0, |i| i + 1);
-        self.ready.insert(at, slot);
-    }
+fn candidate(op: &Op, ready: Cycle, wait: Wait, bypass: bool) -> Candidate {
+    Candidate { arrived: op.arrived, ready, wait, bypass, others_wait: op.others_wait }
 }

@@ -2,14 +2,16 @@
 //!
 //! A task is a ray in a leaf: its triangles are fetched and issued one after the other, one triangle a cycle at best over all
 //! tasks; when the last one leaves the pipeline, the result goes back to the traversal unit. A traversal unit reserves an entry
-//! before it issues the leaf operation, so a task that arrives always has a place.
+//! before it issues the leaf operation, so a task that arrives always has a place; a unit accepts one task a cycle. Leaf
+//! operations without an entry stand in one line for all traversal units, and an entry that becomes free goes to the first of
+//! them in the cycle after.
 
 use std::collections::VecDeque;
 
 use super::Context;
-use super::account::{Account, Slot};
 use super::front::{Front, FrontCounters};
 use super::pipe::Pipe;
+use super::stage::{Candidate, Idle, Stage};
 use crate::machine::config::MachineConfig;
 use crate::machine::counters::{Activity, counters};
 use crate::machine::memory::l1::CacheCounters;
@@ -57,6 +59,8 @@ pub struct Tasks {
     latency: Cycle,
     free: Vec<u32>,
     inbox: Vec<VecDeque<(Cycle, LeafTask)>>,
+    /// Leaf operations without an entry: traversal unit, place, arrival.
+    line: VecDeque<(u8, u8, Cycle)>,
 }
 
 impl Tasks {
@@ -67,12 +71,32 @@ impl Tasks {
             latency: config.ti.crossbar_cycles.into(),
             free: vec![config.ti.ist_entries; ist],
             inbox: vec![VecDeque::with_capacity(config.ti.ist_entries as usize); ist],
+            line: VecDeque::new(),
         }
+    }
+
+    /// An entry for the leaf operation of a ray that arrived at cycle `now`, or a place in the line.
+    #[inline]
+    pub fn reserve_or_wait(&mut self, trv: u8, slot: u8, now: Cycle) -> Option<u8> {
+        let ist = if self.line.is_empty() { self.reserve() } else { None };
+        if ist.is_none() {
+            self.line.push_back((trv, slot, now));
+        }
+        ist
+    }
+
+    /// The first of the line with its entry, if there is one: traversal unit, place, arrival, intersection unit.
+    #[inline]
+    pub fn grant(&mut self) -> Option<(u8, u8, Cycle, u8)> {
+        let &(trv, slot, arrived) = self.line.front()?;
+        let ist = self.reserve()?;
+        self.line.pop_front();
+        Some((trv, slot, arrived, ist))
     }
 
     /// Reserves an entry of the unit that has most of them free, the first of equals.
     #[inline]
-    pub fn reserve(&mut self) -> Option<u8> {
+    fn reserve(&mut self) -> Option<u8> {
         let mut best = 0;
         for ist in 1..self.free.len() {
             if self.free[ist] > self.free[best] {
@@ -88,12 +112,6 @@ impl Tasks {
     #[inline]
     pub fn release(&mut self, ist: u8) {
         self.free[ist as usize] += 1;
-    }
-
-    /// Whether no unit has a free entry.
-    #[inline]
-    pub fn all_full(&self) -> bool {
-        self.free.iter().all(|&free| free == 0)
     }
 
     /// Sends a task to a reserved entry.
@@ -138,13 +156,20 @@ pub struct Ist {
     tasks: Vec<LeafTask>,
     free: Vec<u8>,
     front: Front,
-    pipe: Pipe<(u8, bool, bool)>,
-    /// The next triangles of tasks that issued one in the last cycle.
-    next: Option<u8>,
-    between: Slot,
-    activity: Account,
-    ticked: Option<Cycle>,
+    idle: Idle,
+    stage: Stage,
+    pipe: Pipe<(u8, Passed)>,
+    /// Tasks whose next triangle comes to the input buffer, and when: the cycle after the one before issued.
+    next: VecDeque<(Cycle, u8)>,
     events: IstCounters,
+}
+
+/// What left the pipeline.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Passed {
+    Bypass,
+    Triangle,
+    LastTriangle,
 }
 
 impl Ist {
@@ -152,30 +177,30 @@ impl Ist {
     pub fn new(config: &MachineConfig, index: u8, port: Port) -> Self {
         let entries = config.ti.ist_entries;
         let none = LeafTask { trv: 0, slot: 0, triangle: 0, tests: 0 };
+        let l1 = (&config.ti.ist_l1, config.ti.ist_lines_per_cycle);
         Self {
             index,
             crossbar: config.ti.crossbar_cycles.into(),
             tasks: vec![none; entries as usize],
             free: (0..entries as u8).rev().collect(),
-            front: Front::new(
-                &config.ti,
-                (&config.ti.ist_l1, config.ti.ist_lines_per_cycle),
-                config.l2.line_bytes,
-                port,
-                entries,
-            ),
+            front: Front::new(&config.ti, l1, config.l2.line_bytes, port, entries),
+            idle: Idle::new(),
+            stage: Stage::default(),
             pipe: Pipe::new(config.ti.ist_cycles),
-            next: None,
-            between: Slot::Idle,
-            activity: Account::default(),
-            ticked: None,
+            next: VecDeque::new(),
             events: IstCounters::default(),
         }
     }
 
-    /// A line arrived.
-    pub fn fill(&mut self, line: u64) {
-        self.front.fill(line);
+    /// Cycles in which the unit was or will be busy.
+    pub fn busy(&self) -> Cycle {
+        self.stage.busy()
+    }
+
+    /// A line arrived at cycle `now`.
+    pub fn fill(&mut self, now: Cycle, line: u64) {
+        let Self { front, stage, pipe, tasks, next, events, idle, .. } = self;
+        front.fill(now, line, |slot, op| issue(stage, pipe, &mut tasks[slot as usize], next, events, idle, (slot, op)));
     }
 
     /// A line left an inclusive L2.
@@ -192,79 +217,98 @@ impl Ist {
         memory: &mut M,
         results: &mut Vec<LeafResult>,
     ) {
-        self.account_gap(now);
-        while let Some((slot, last, bypass)) = self.pipe.pop(now) {
-            if bypass {
-                self.front.push_again(slot);
-            } else if last {
-                let task = self.tasks[slot as usize];
-                results.push(LeafResult { at: now + self.crossbar, trv: task.trv, slot: task.slot });
-                self.free.push(slot);
-                crossbar.release(self.index);
+        while let Some((slot, passed)) = self.pipe.pop(now) {
+            match passed {
+                Passed::Bypass => {
+                    let op = self.front.push_again(now, slot, memory);
+                    self.issue(slot, op);
+                }
+                Passed::Triangle => {}
+                Passed::LastTriangle => {
+                    let task = self.tasks[slot as usize];
+                    results.push(LeafResult { at: now + self.crossbar, trv: task.trv, slot: task.slot });
+                    self.free.push(slot);
+                    if self.free.len() == self.tasks.len() {
+                        self.idle.begin(now);
+                    }
+                    crossbar.release(self.index);
+                }
             }
         }
-        if let Some(slot) = self.next.take() {
-            self.front.push(slot, context.layout.triangle(self.tasks[slot as usize].triangle), Region::Triangle);
+        while self.next.front().is_some_and(|n| n.0 <= now) {
+            let Some((_, slot)) = self.next.pop_front() else { break };
+            self.arrive(now, slot, context, memory);
         }
         if let Some(task) = crossbar.accept(now, self.index) {
+            if self.free.len() == self.tasks.len() {
+                self.idle.end(now);
+            }
             let slot = self.free.pop().expect("every task has a reserved entry");
             self.tasks[slot as usize] = task;
             self.events.tasks += 1;
-            self.front.push(slot, context.layout.triangle(task.triangle), Region::Triangle);
+            self.arrive(now, slot, context, memory);
         }
-        self.front.look_up(now, memory);
-        let issued = self.issue(now);
-        self.between = Slot::of(self.front.waiting(), self.free.len() < self.tasks.len());
-        self.activity.add(issued.unwrap_or(self.between), 1);
-        self.ticked = Some(now);
+        if let Some((slot, op)) = self.front.look_up(now, memory) {
+            self.issue(slot, Some(op));
+        }
     }
 
-    /// The next cycle at which something happens here, judged at the end of cycle `now`.
+    /// The next cycle after `now` at which something happens here; never, if there is none.
     #[inline]
-    pub fn next_event(&self, now: Cycle, crossbar: &Tasks) -> Option<Cycle> {
-        if self.next.is_some() {
-            return Some(now + 1);
-        }
-        let events = [self.pipe.next_event(), crossbar.next_arrival(self.index as usize), self.front.next_event(now)];
-        events.into_iter().flatten().min().map(|at| at.max(now + 1))
+    pub fn next_event(&self, now: Cycle, crossbar: &Tasks) -> Cycle {
+        let next = self.next.front().map_or(Cycle::MAX, |n| n.0);
+        let task = crossbar.next_arrival(self.index as usize).map_or(Cycle::MAX, |at| at.max(now + 1));
+        self.pipe.next_event().min(next).min(task).min(self.front.next_event().unwrap_or(Cycle::MAX))
     }
 
     /// Closes the accounts of a run of `cycles` cycles.
     pub fn finish(&mut self, cycles: Cycle) -> IstStats {
-        self.account_gap(cycles);
         IstStats {
-            activity: self.activity.activity(),
+            activity: self.stage.finish(cycles, &self.idle),
             events: self.events,
             front: self.front.counters,
             l1: *self.front.l1().counters(),
         }
     }
 
-    #[inline]
-    fn issue(&mut self, now: Cycle) -> Option<Slot> {
-        let issue = self.front.issue(now)?;
-        if issue.bypass {
-            self.pipe.push(now, (issue.op, false, true));
-            self.events.bypasses += 1;
-            return Some(Slot::Bypass);
-        }
-        let task = &mut self.tasks[issue.op as usize];
-        task.tests -= 1;
-        task.triangle += 1;
-        let last = task.tests == 0;
-        if !last {
-            self.next = Some(issue.op);
-        }
-        self.pipe.push(now, (issue.op, last, false));
-        self.events.triangle_tests += 1;
-        Some(Slot::Busy)
+    /// The next triangle of a task comes to the input buffer.
+    fn arrive<M: Memory, T>(&mut self, now: Cycle, slot: u8, context: &Context<'_, T>, memory: &mut M) {
+        let lines = context.layout.triangle(self.tasks[slot as usize].triangle);
+        let op = self.front.push(now, slot, lines, Region::Triangle, memory);
+        self.issue(slot, op);
     }
 
     #[inline]
-    fn account_gap(&mut self, now: Cycle) {
-        let gap = now - self.ticked.map_or(0, |t| t + 1);
-        if gap > 0 {
-            self.activity.add(self.between, gap);
-        }
+    fn issue(&mut self, slot: u8, op: Option<Candidate>) {
+        let Some(op) = op else { return };
+        let Self { stage, pipe, tasks, next, events, idle, .. } = self;
+        issue(stage, pipe, &mut tasks[slot as usize], next, events, idle, (slot, op));
+    }
+}
+
+/// Issues a triangle into the pipeline.
+fn issue(
+    stage: &mut Stage,
+    pipe: &mut Pipe<(u8, Passed)>,
+    task: &mut LeafTask,
+    next: &mut VecDeque<(Cycle, u8)>,
+    events: &mut IstCounters,
+    idle: &Idle,
+    (slot, op): (u8, Candidate),
+) {
+    let at = stage.issue(op, idle);
+    if op.bypass {
+        pipe.push(at, (slot, Passed::Bypass));
+        events.bypasses += 1;
+        return;
+    }
+    task.tests -= 1;
+    task.triangle += 1;
+    events.triangle_tests += 1;
+    if task.tests == 0 {
+        pipe.push(at, (slot, Passed::LastTriangle));
+    } else {
+        pipe.push(at, (slot, Passed::Triangle));
+        next.push_back((at + 1, slot));
     }
 }

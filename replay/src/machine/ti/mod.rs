@@ -6,14 +6,13 @@
 //!                                       +------------ L2 ----------+
 //! ```
 //!
-//! The dispatcher gives one ray a cycle to the traversal unit with most free places, the first of equals. Traversal units take
-//! turns in being the first to reserve entries of intersection units.
+//! The dispatcher gives one ray a cycle to the traversal unit with most free places, the first of equals.
 
-pub mod account;
 pub mod front;
 pub mod ist;
 pub mod pipe;
 pub mod ray;
+pub mod stage;
 pub mod trv;
 
 #[cfg(test)]
@@ -22,7 +21,7 @@ mod tests;
 use std::collections::VecDeque;
 
 use self::ist::{Ist, IstStats, LeafResult, Tasks};
-use self::trv::{Trv, TrvStats};
+use self::trv::{Tick, Trv, TrvStats};
 use super::config::MachineConfig;
 use super::counters::counters;
 use super::link::{RayRef, RayUnit};
@@ -129,8 +128,8 @@ impl TiUnit {
     pub fn fill(&mut self, now: Cycle, port: Port, line: u64) {
         let unit = usize::from(port.0 - self.first_port);
         match unit.checked_sub(self.trv.len()) {
-            None => self.trv[unit].fill(line),
-            Some(ist) => self.ist[ist].fill(line),
+            None => self.trv[unit].fill(now, line),
+            Some(ist) => self.ist[ist].fill(now, line),
         }
         self.wake[unit] = now;
     }
@@ -146,33 +145,43 @@ impl TiUnit {
         self.account(now);
         self.dispatch(now, context);
         let units = self.trv.len();
-        // Who is first to reserve an entry of an intersection unit changes from cycle to cycle.
-        let first = now as usize % units;
-        for i in (first..units).chain(0..first) {
-            if self.wake[i] <= now {
-                self.trv[i].tick(now, context, &mut self.tasks, memory, &mut self.done);
-                self.wake[i] = self.trv[i].next_event(now).unwrap_or(NEVER);
+        let mut tick = Tick { now, context, tasks: &mut self.tasks, memory, done: &mut self.done };
+        for (unit, wake) in self.trv.iter_mut().zip(&mut self.wake) {
+            if *wake <= now {
+                unit.tick(&mut tick);
+                *wake = unit.next_event();
             }
         }
         for ray in self.done.drain(..) {
             self.results.push_back((now, ray));
             self.inside -= 1;
         }
-        for i in 0..self.ist.len() {
-            let due = self.wake[units + i].min(self.tasks.next_arrival(i).unwrap_or(NEVER));
-            if due <= now {
-                self.ist[i].tick(now, context, &mut self.tasks, memory, &mut self.leaf_results);
-                self.wake[units + i] = self.ist[i].next_event(now, &self.tasks).unwrap_or(NEVER);
+        for (i, unit) in self.ist.iter_mut().enumerate() {
+            let wake = &mut self.wake[units + i];
+            *wake = (*wake).min(self.tasks.next_arrival(i).unwrap_or(NEVER));
+            if *wake <= now {
+                unit.tick(now, context, &mut self.tasks, memory, &mut self.leaf_results);
+                *wake = unit.next_event(now, &self.tasks);
             }
         }
+        self.give_back(now);
+    }
+
+    /// Results and free entries of intersection units on their way to the traversal units.
+    fn give_back(&mut self, now: Cycle) {
         for result in self.leaf_results.drain(..) {
             self.trv[result.trv as usize].leaf_done(result.at, result.slot);
             let wake = &mut self.wake[result.trv as usize];
             *wake = (*wake).min(result.at);
         }
+        while let Some((trv, slot, arrived, ist)) = self.tasks.grant() {
+            let unit = &mut self.trv[trv as usize];
+            unit.leaf_granted(now + 1, slot, arrived, ist);
+            self.wake[trv as usize] = unit.next_event();
+        }
     }
 
-    /// The next cycle at which something happens without a push or a fill from outside; judged after `tick(now)`.
+    /// The next cycle after `now` at which something happens without a push or a fill from outside.
     pub fn next_event(&self, now: Cycle) -> Option<Cycle> {
         let mut next = self.wake.iter().copied().min().unwrap_or(NEVER);
         for ist in 0..self.ist.len() {

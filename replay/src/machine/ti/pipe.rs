@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 
 use crate::machine::memory::Cycle;
 
-/// Items on their way through a pipeline of fixed depth.
+/// Items on their way through a pipeline of fixed depth, entered in order of time.
 #[derive(Clone, Debug)]
 pub struct Pipe<T> {
     depth: Cycle,
@@ -17,11 +17,11 @@ impl<T> Pipe<T> {
         Self { depth: depth.into(), items: VecDeque::new() }
     }
 
-    /// Enters an item.
+    /// Enters an item at cycle `at`, which may lie ahead.
     #[inline]
-    pub fn push(&mut self, now: Cycle, item: T) {
-        debug_assert!(self.items.back().is_none_or(|last| last.0 <= now + self.depth), "time ran backwards");
-        self.items.push_back((now + self.depth, item));
+    pub fn push(&mut self, at: Cycle, item: T) {
+        debug_assert!(self.items.back().is_none_or(|last| last.0 <= at + self.depth), "time ran backwards");
+        self.items.push_back((at + self.depth, item));
     }
 
     /// The next item that has left by cycle `now`.
@@ -33,16 +33,10 @@ impl<T> Pipe<T> {
         self.items.pop_front().map(|(_, item)| item)
     }
 
-    /// When the next item leaves.
+    /// When the next item leaves; never, if there is none.
     #[inline]
-    pub fn next_event(&self) -> Option<Cycle> {
-        self.items.front().map(|item| item.0)
-    }
-
-    /// True when nothing is inside.
-    #[inline]
-    pub fn is_empty(&self) -> bool {
-        self.items.is_empty()
+    pub fn next_event(&self) -> Cycle {
+        self.items.front().map_or(Cycle::MAX, |item| item.0)
     }
 }
 
@@ -55,8 +49,8 @@ mod tests {
         let mut pipe = Pipe::new(10);
         pipe.push(5, 'a');
         pipe.push(6, 'b');
-        assert_eq!((pipe.next_event(), pipe.pop(14)), (Some(15), None));
+        assert_eq!((pipe.next_event(), pipe.pop(14)), (15, None));
         assert_eq!((pipe.pop(15), pipe.pop(15), pipe.pop(16)), (Some('a'), None, Some('b')));
-        assert!(pipe.is_empty());
+        assert_eq!(pipe.next_event(), Cycle::MAX);
     }
 }

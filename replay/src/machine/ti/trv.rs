@@ -1,16 +1,17 @@
 //! A traversal unit: rays that walk the tree through inner-node, leaf and stack pipelines.
 //!
-//! A cycle goes: what left the pipelines is routed; rays that finished setup begin; one line is looked up; each stage issues
-//! at most one operation (`parallel`), or all stages together one (`single`, `unified`: stack before leaf before inner node).
-//! A leaf operation issues only when an intersection unit has a free entry for it, so pipelines never stall inside.
+//! What leaves a pipeline in a cycle is routed in that cycle: to the lookup of a node, to the leaf stage, to the stack stage.
+//! Each stage issues at most one operation a cycle (`parallel`), or all stages together one (`single`, `unified`), first
+//! ready, first issued. A leaf operation issues only when it has an entry of an intersection unit, so pipelines never stall
+//! inside; those that wait for one stand in one line for all traversal units of the core.
 
 use std::collections::VecDeque;
 
-use super::account::{Account, Slot};
 use super::front::{Front, FrontCounters};
 use super::ist::{LeafTask, Tasks};
 use super::pipe::Pipe;
 use super::ray::{Popped, RaySlot};
+use super::stage::{Candidate, Idle, Stage, Wait};
 use super::{Context, Tiles};
 use crate::machine::config::{MachineConfig, Pipeline};
 use crate::machine::counters::{Activity, counters};
@@ -67,20 +68,26 @@ pub struct Trv {
     rays: Vec<RaySlot>,
     free: Vec<u8>,
     entered: Vec<Cycle>,
+    idle: Idle,
     setup: Pipe<u8>,
     front: Front,
+    stages: [Stage; 3],
     inner: Pipe<(u8, bool)>,
-    leaves: VecDeque<u8>,
     leaf: Pipe<(u8, u8)>,
-    pops: VecDeque<u8>,
     stack: Pipe<u8>,
     /// Leaf results on their way back.
     returned: VecDeque<(Cycle, u8)>,
-    /// What each stage does in the cycles until the next tick.
-    between: [Slot; 3],
-    activity: [Account; 3],
-    ticked: Option<Cycle>,
     events: TrvCounters,
+}
+
+/// What a tick works with.
+pub(super) struct Tick<'a, M, T> {
+    pub now: Cycle,
+    pub context: &'a Context<'a, T>,
+    pub tasks: &'a mut Tasks,
+    pub memory: &'a mut M,
+    /// Finished rays are appended here.
+    pub done: &'a mut Vec<RayRef>,
 }
 
 impl Trv {
@@ -93,6 +100,7 @@ impl Trv {
             Pipeline::Unified => [ti.inner_cycles + ti.leaf_cycles + ti.stack_cycles + ti.ist_cycles; 3].into(),
         };
         let slots = ti.rays_per_trv as usize;
+        let l1 = (&ti.trv_l1, ti.trv_lines_per_cycle);
         Self {
             index,
             pipeline: ti.pipeline,
@@ -102,17 +110,14 @@ impl Trv {
             rays: vec![RaySlot::default(); slots],
             free: (0..slots as u8).rev().collect(),
             entered: vec![0; slots],
+            idle: Idle::new(),
             setup: Pipe::new(ti.setup_cycles),
-            front: Front::new(ti, (&ti.trv_l1, ti.trv_lines_per_cycle), config.l2.line_bytes, port, ti.rays_per_trv),
+            front: Front::new(ti, l1, config.l2.line_bytes, port, ti.rays_per_trv),
+            stages: [Stage::default(); 3],
             inner: Pipe::new(inner),
-            leaves: VecDeque::with_capacity(slots),
             leaf: Pipe::new(leaf),
-            pops: VecDeque::with_capacity(slots),
             stack: Pipe::new(stack),
             returned: VecDeque::with_capacity(slots),
-            between: [Slot::Idle; 3],
-            activity: Default::default(),
-            ticked: None,
             events: TrvCounters::default(),
         }
     }
@@ -129,11 +134,19 @@ impl Trv {
         self.rays.len() - self.free.len()
     }
 
+    /// Cycles in which the stages of the unit were or will be busy, by stage.
+    pub fn busy(&self) -> impl Iterator<Item = (&'static str, Cycle)> + '_ {
+        self.names().iter().copied().zip(self.stages.iter().map(Stage::busy))
+    }
+
     /// A ray arrives from the dispatcher.
     ///
     /// # Panics
     /// When no place is free.
     pub fn enter<T: Tiles>(&mut self, now: Cycle, ray: RayRef, tiles: &T) {
+        if self.rays() == 0 {
+            self.idle.end(now);
+        }
         let slot = self.free.pop().expect("the dispatcher looks for a free place");
         self.rays[slot as usize].enter(ray, tiles.work(ray.slot));
         self.entered[slot as usize] = now;
@@ -146,9 +159,20 @@ impl Trv {
         self.returned.push_back((at, slot));
     }
 
-    /// A line arrived.
-    pub fn fill(&mut self, line: u64) {
-        self.front.fill(line);
+    /// A leaf operation that waited since `arrived` has got an entry of intersection unit `ist` and can issue from `ready` on.
+    #[inline]
+    pub fn leaf_granted(&mut self, ready: Cycle, slot: u8, arrived: Cycle, ist: u8) {
+        let op = Candidate { arrived, ready, wait: Wait::Blocked, bypass: false, others_wait: false };
+        let at = self.stages[self.stage(LEAF)].issue(op, &self.idle);
+        self.leaf.push(at, (slot, ist));
+    }
+
+    /// A line arrived at cycle `now`.
+    pub fn fill(&mut self, now: Cycle, line: u64) {
+        let Self { front, stages, inner, rays, events, idle, boxes_per_pass, .. } = self;
+        front.fill(now, line, |slot, op| {
+            issue_inner(&mut stages[INNER], inner, &rays[slot as usize], *boxes_per_pass, events, idle, (slot, op));
+        });
     }
 
     /// A line left an inclusive L2.
@@ -156,243 +180,204 @@ impl Trv {
         self.front.l1_mut().invalidate(line);
     }
 
-    /// One cycle. Finished rays are appended to `done`, leaf tasks to `tasks`.
-    pub fn tick<M: Memory, T: Tiles>(
-        &mut self,
-        now: Cycle,
-        context: &Context<'_, T>,
-        tasks: &mut Tasks,
-        memory: &mut M,
-        done: &mut Vec<RayRef>,
-    ) {
-        self.account_gap(now);
-        self.complete(now, context, tasks, done);
-        self.front.look_up(now, memory);
-        let issued = self.issue(now, tasks);
-        self.account(issued, tasks);
-        self.ticked = Some(now);
+    /// One cycle.
+    #[inline]
+    pub(super) fn tick<M: Memory, T: Tiles>(&mut self, tick: &mut Tick<'_, M, T>) {
+        let now = tick.now;
+        while let Some((slot, bypass)) = self.inner.pop(now) {
+            self.passed(slot, bypass, tick);
+        }
+        while let Some((slot, ist)) = self.leaf.pop(now) {
+            self.leaf_passed(slot, ist, tick);
+        }
+        while let Some(slot) = self.stack.pop(now) {
+            match self.rays[slot as usize].popped(tick.context.tree) {
+                Popped::Empty => self.leave(slot, tick),
+                Popped::Held => self.go_on(slot, tick),
+                Popped::Lost(root) => {
+                    self.events.restarts += 1;
+                    self.visit(slot, root, tick);
+                }
+            }
+        }
+        while self.returned.front().is_some_and(|r| r.0 <= now) {
+            let Some((_, slot)) = self.returned.pop_front() else { break };
+            self.go_on(slot, tick);
+        }
+        while let Some(slot) = self.setup.pop(now) {
+            self.go_on(slot, tick);
+        }
+        if let Some((slot, op)) = self.front.look_up(now, tick.memory) {
+            self.issue(slot, Some(op));
+        }
     }
 
-    /// The next cycle at which something happens here without a push from outside, judged at the end of cycle `now`.
+    /// The next cycle at which something happens here without a push from outside; never, if there is none.
     #[inline]
-    pub fn next_event(&self, now: Cycle) -> Option<Cycle> {
-        if !self.pops.is_empty() || !self.leaves.is_empty() {
-            return Some(now + 1);
-        }
-        let soonest = self.front.next_event(now).unwrap_or(Cycle::MAX);
-        if soonest == now + 1 {
-            return Some(soonest);
-        }
-        let pipes = [self.inner.next_event(), self.stack.next_event(), self.leaf.next_event(), self.setup.next_event()];
-        let back = self.returned.front().map(|r| r.0);
-        let next = pipes.into_iter().chain([back]).flatten().fold(soonest, Cycle::min);
-        (next != Cycle::MAX).then(|| next.max(now + 1))
+    pub fn next_event(&self) -> Cycle {
+        let back = self.returned.front().map_or(Cycle::MAX, |r| r.0);
+        let lookup = self.front.next_event().unwrap_or(Cycle::MAX);
+        let pipes = self.inner.next_event().min(self.leaf.next_event());
+        pipes.min(self.stack.next_event()).min(self.setup.next_event()).min(back).min(lookup)
     }
 
     /// Closes the accounts of a run of `cycles` cycles.
     pub fn finish(&mut self, cycles: Cycle) -> TrvStats {
-        self.account_gap(cycles);
-        let names: &[&str] = match self.pipeline {
-            Pipeline::Parallel => &["inner", "leaf", "stack"],
-            Pipeline::Single | Pipeline::Unified => &["pipeline"],
-        };
+        let idle = self.idle;
+        let activities = self.stages.each_mut().map(|stage| stage.finish(cycles, &idle));
         TrvStats {
-            stages: names.iter().copied().zip(self.activity.map(|stage| stage.activity())).collect(),
+            stages: self.names().iter().copied().zip(activities).collect(),
             events: self.events,
             front: self.front.counters,
             l1: *self.front.l1().counters(),
         }
     }
 
-    fn complete<T: Tiles>(&mut self, now: Cycle, context: &Context<'_, T>, tasks: &mut Tasks, done: &mut Vec<RayRef>) {
-        while let Some((slot, bypass)) = self.inner.pop(now) {
-            self.passed(now, slot, bypass, context, done);
+    fn names(&self) -> &'static [&'static str] {
+        match self.pipeline {
+            Pipeline::Parallel => &["inner", "leaf", "stack"],
+            Pipeline::Single | Pipeline::Unified => &["pipeline"],
         }
-        while let Some((slot, ist)) = self.leaf.pop(now) {
-            self.leaf_passed(now, slot, ist, context, tasks, done);
-        }
-        while let Some(slot) = self.stack.pop(now) {
-            match self.rays[slot as usize].popped(context.tree) {
-                Popped::Empty => self.leave(now, slot, done),
-                Popped::Held => self.go_on(now, slot, context, done),
-                Popped::Lost(root) => {
-                    self.events.restarts += 1;
-                    self.visit(slot, root, context);
-                }
-            }
-        }
-        while self.returned.front().is_some_and(|r| r.0 <= now) {
-            let Some((_, slot)) = self.returned.pop_front() else { break };
-            self.go_on(now, slot, context, done);
-        }
-        while let Some(slot) = self.setup.pop(now) {
-            self.go_on(now, slot, context, done);
-        }
+    }
+
+    /// The stage that does the work of `stage`.
+    #[inline]
+    fn stage(&self, stage: usize) -> usize {
+        if self.pipeline == Pipeline::Parallel { stage } else { INNER }
     }
 
     /// An operation left the inner-node pipeline.
     #[inline]
-    fn passed<T: Tiles>(
-        &mut self,
-        now: Cycle,
-        slot: u8,
-        bypass: bool,
-        context: &Context<'_, T>,
-        done: &mut Vec<RayRef>,
-    ) {
-        if bypass {
-            self.front.push_again(slot);
-            return;
-        }
+    fn passed<M: Memory, T: Tiles>(&mut self, slot: u8, bypass: bool, tick: &mut Tick<'_, M, T>) {
         let ray = &mut self.rays[slot as usize];
+        if bypass {
+            return self.again(slot, tick);
+        }
         if ray.tests > 0 {
             // Unified pipeline: a triangle.
             ray.tests -= 1;
             ray.triangle += 1;
             if ray.tests == 0 {
-                self.go_on(now, slot, context, done);
-            } else {
-                self.front.push(slot, context.layout.triangle(ray.triangle), Region::Triangle);
+                return self.go_on(slot, tick);
             }
-            return;
+            let lines = tick.context.layout.triangle(ray.triangle);
+            let op = self.front.push(tick.now, slot, lines, Region::Triangle, tick.memory);
+            return self.issue(slot, op);
         }
         if ray.passes > 1 {
             ray.passes -= 1;
-            self.front.push_again(slot);
-            return;
+            return self.again(slot, tick);
         }
         self.events.node_visits += 1;
         if ray.restarting() {
             self.events.restart_visits += 1;
             match ray.visited_again(self.short) {
-                Ok(next) => return self.visit(slot, next, context),
+                Ok(next) => return self.visit(slot, next, tick),
                 Err(pushes) => self.events.pushes += u64::from(pushes),
             }
         } else {
             self.events.pushes += u64::from(ray.visited(self.short));
         }
-        self.go_on(now, slot, context, done);
+        self.go_on(slot, tick);
     }
 
-    fn leaf_passed<T: Tiles>(
-        &mut self,
-        now: Cycle,
-        slot: u8,
-        ist: u8,
-        context: &Context<'_, T>,
-        tasks: &mut Tasks,
-        done: &mut Vec<RayRef>,
-    ) {
+    fn leaf_passed<M: Memory, T: Tiles>(&mut self, slot: u8, ist: u8, tick: &mut Tick<'_, M, T>) {
         let ray = &mut self.rays[slot as usize];
         let (tests, triangle) = (std::mem::take(&mut ray.tests), ray.triangle);
         if tests == 0 {
-            tasks.release(ist);
-            self.go_on(now, slot, context, done);
+            tick.tasks.release(ist);
+            self.go_on(slot, tick);
         } else {
-            tasks.send(now, ist, LeafTask { trv: self.index, slot, triangle, tests });
+            tick.tasks.send(tick.now, ist, LeafTask { trv: self.index, slot, triangle, tests });
         }
     }
 
     /// Puts the ray's next operation where it belongs.
     #[inline]
-    fn go_on<T: Tiles>(&mut self, now: Cycle, slot: u8, context: &Context<'_, T>, done: &mut Vec<RayRef>) {
+    fn go_on<M: Memory, T: Tiles>(&mut self, slot: u8, tick: &mut Tick<'_, M, T>) {
         let ray = &mut self.rays[slot as usize];
-        match ray.next(context.tiles.work(ray.ray.slot)) {
-            Some(OpKind::Visit { node, .. }) => self.visit(slot, node, context),
-            Some(OpKind::Leaf { triangle, tests }) => {
-                self.events.leaves += 1;
-                if self.pipeline != Pipeline::Unified {
-                    self.leaves.push_back(slot);
-                } else if tests > 0 {
-                    self.front.push(slot, context.layout.triangle(triangle), Region::Triangle);
-                } else {
-                    // An empty leaf: there is nothing to read and nothing to test.
-                    self.go_on(now, slot, context, done);
-                }
-            }
+        match ray.next(tick.context.tiles.work(ray.ray.slot)) {
+            Some(OpKind::Visit { node, .. }) => self.visit(slot, node, tick),
+            Some(OpKind::Leaf { triangle, tests }) => self.enter_leaf(slot, triangle, tests, tick),
             Some(kind) => {
                 self.events.culled += u64::from(matches!(kind, OpKind::Cull { .. }));
-                self.pops.push_back(slot);
+                self.events.stack_operations += 1;
+                let (arrived, stage) = (tick.now, self.stage(STACK));
+                let op = Candidate { arrived, ready: arrived, wait: Wait::Fetch, bypass: false, others_wait: false };
+                let at = self.stages[stage].issue(op, &self.idle);
+                self.stack.push(at, slot);
             }
-            None => self.leave(now, slot, done),
+            None => self.leave(slot, tick),
+        }
+    }
+
+    fn enter_leaf<M: Memory, T: Tiles>(&mut self, slot: u8, triangle: u32, tests: u8, tick: &mut Tick<'_, M, T>) {
+        self.events.leaves += 1;
+        if self.pipeline != Pipeline::Unified {
+            if let Some(ist) = tick.tasks.reserve_or_wait(self.index, slot, tick.now) {
+                self.leaf_granted(tick.now, slot, tick.now, ist);
+            }
+        } else if tests > 0 {
+            let lines = tick.context.layout.triangle(triangle);
+            let op = self.front.push(tick.now, slot, lines, Region::Triangle, tick.memory);
+            self.issue(slot, op);
+        } else {
+            // An empty leaf: there is nothing to read and nothing to test.
+            self.go_on(slot, tick);
         }
     }
 
     #[inline]
-    fn visit<T: Tiles>(&mut self, slot: u8, node: u32, context: &Context<'_, T>) {
+    fn visit<M: Memory, T: Tiles>(&mut self, slot: u8, node: u32, tick: &mut Tick<'_, M, T>) {
         self.rays[slot as usize].passes = self.passes;
-        self.front.push(slot, context.layout.node(node), Region::Node);
+        let op = self.front.push(tick.now, slot, tick.context.layout.node(node), Region::Node, tick.memory);
+        self.issue(slot, op);
+    }
+
+    /// The operation at hand goes to the input buffer again.
+    fn again<M: Memory, T: Tiles>(&mut self, slot: u8, tick: &mut Tick<'_, M, T>) {
+        let op = self.front.push_again(tick.now, slot, tick.memory);
+        self.issue(slot, op);
+    }
+
+    /// Issues an operation that has its data in sight.
+    #[inline]
+    fn issue(&mut self, slot: u8, op: Option<Candidate>) {
+        let Some(op) = op else { return };
+        let (ray, passes) = (&self.rays[slot as usize], self.boxes_per_pass);
+        issue_inner(&mut self.stages[INNER], &mut self.inner, ray, passes, &mut self.events, &self.idle, (slot, op));
     }
 
     /// The ray's hit is known: its place becomes free.
-    fn leave(&mut self, now: Cycle, slot: u8, done: &mut Vec<RayRef>) {
+    fn leave<M: Memory, T: Tiles>(&mut self, slot: u8, tick: &mut Tick<'_, M, T>) {
         self.events.rays += 1;
-        self.events.ray_cycles += now - self.entered[slot as usize];
+        self.events.ray_cycles += tick.now - self.entered[slot as usize];
         self.free.push(slot);
-        done.push(self.rays[slot as usize].ray);
+        if self.rays() == 0 {
+            self.idle.begin(tick.now);
+        }
+        tick.done.push(self.rays[slot as usize].ray);
     }
+}
 
-    /// Issues what can issue. Returns the class of each stage if it issued.
-    #[inline]
-    fn issue(&mut self, now: Cycle, tasks: &mut Tasks) -> [Option<Slot>; 3] {
-        let mut issued = [None; 3];
-        let parallel = self.pipeline == Pipeline::Parallel;
-        if let Some(slot) = self.pops.pop_front() {
-            self.stack.push(now, slot);
-            self.events.stack_operations += 1;
-            issued[STACK] = Some(Slot::Busy);
-            if !parallel {
-                return [Some(Slot::Busy); 3];
-            }
-        }
-        if !self.leaves.is_empty()
-            && let Some(ist) = tasks.reserve()
-            && let Some(slot) = self.leaves.pop_front()
-        {
-            self.leaf.push(now, (slot, ist));
-            issued[LEAF] = Some(Slot::Busy);
-            if !parallel {
-                return [Some(Slot::Busy); 3];
-            }
-        }
-        if let Some(issue) = self.front.issue(now) {
-            self.inner.push(now, (issue.op, issue.bypass));
-            issued[INNER] = Some(if issue.bypass { Slot::Bypass } else { Slot::Busy });
-            if issue.bypass {
-                self.events.bypasses += 1;
-            } else if self.rays[issue.op as usize].tests > 0 {
-                self.events.triangle_tests += 1;
-            } else {
-                self.events.box_tests += u64::from(self.boxes_per_pass);
-            }
-        }
-        issued
-    }
-
-    /// Cycles since the last tick in which nothing happened.
-    #[inline]
-    fn account_gap(&mut self, now: Cycle) {
-        let since = self.ticked.map_or(0, |t| t + 1);
-        let gap = now - since;
-        if gap > 0 {
-            for stage in 0..3 {
-                self.activity[stage].add(self.between[stage], gap);
-            }
-        }
-    }
-
-    #[inline]
-    fn account(&mut self, issued: [Option<Slot>; 3], tasks: &Tasks) {
-        let rays = self.free.len() < self.rays.len();
-        let mut inner = Slot::of(self.front.waiting(), rays);
-        let blocked = !self.leaves.is_empty() && tasks.all_full();
-        if self.pipeline != Pipeline::Parallel && inner == Slot::Starved && blocked {
-            inner = Slot::Blocked;
-        }
-        let none = if rays { Slot::Starved } else { Slot::Idle };
-        self.between = [inner, if blocked { Slot::Blocked } else { none }, none];
-        for stage in 0..3 {
-            self.activity[stage].add(issued[stage].unwrap_or(self.between[stage]), 1);
-        }
+/// Issues an operation of the input buffer into the inner-node (or only) pipeline.
+#[inline]
+fn issue_inner(
+    stage: &mut Stage,
+    pipe: &mut Pipe<(u8, bool)>,
+    ray: &RaySlot,
+    boxes: u8,
+    events: &mut TrvCounters,
+    idle: &Idle,
+    (slot, op): (u8, Candidate),
+) {
+    let at = stage.issue(op, idle);
+    pipe.push(at, (slot, op.bypass));
+    if op.bypass {
+        events.bypasses += 1;
+    } else if ray.tests > 0 {
+        events.triangle_tests += 1;
+    } else {
+        events.box_tests += u64::from(boxes);
     }
 }
