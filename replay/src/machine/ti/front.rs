@@ -33,6 +33,19 @@ counters! {
     }
 }
 
+/// What came of an arrival or a lookup.
+#[derive(Clone, Copy, Debug)]
+pub enum Outcome {
+    /// It has its data in sight and can issue.
+    Ready(Candidate),
+    /// Its turn to look up ([`Front::turn`]) is at this cycle.
+    Turn(Cycle),
+    /// It is the first whose lookups are held up: [`Front::turn_again`] in the next cycle.
+    HeldUp,
+    /// It waits for lines, or behind one that is held up.
+    Waits,
+}
+
 #[derive(Clone, Copy, Debug)]
 struct Op {
     first: u64,
@@ -58,10 +71,12 @@ pub struct Front {
     lines_per_cycle: u32,
     l1: L1Cache,
     ops: Vec<Op>,
-    /// Operations whose lookups are not done.
-    queue: VecDeque<u8>,
-    /// First cycle in which the lookup port is free.
+    /// Operations whose lookups are held up, the one that holds them up first.
+    held_up: VecDeque<u8>,
+    /// First cycle in which the lookup port is not promised to anyone.
     port: Cycle,
+    /// First cycle after the last lookup.
+    looked: Cycle,
     /// Operations that wait for a line.
     waiting: u32,
     /// What it did.
@@ -99,8 +114,9 @@ impl Front {
             lines_per_cycle,
             l1: cache,
             ops: vec![none; entries as usize],
-            queue: VecDeque::with_capacity(entries as usize),
+            held_up: VecDeque::with_capacity(entries as usize),
             port: 0,
+            looked: 0,
             waiting: 0,
             counters: FrontCounters::default(),
         }
@@ -116,17 +132,9 @@ impl Front {
         &mut self.l1
     }
 
-    /// An operation arrives. If its turn is now and it has its data in sight, it is returned; otherwise [`Front::look_up`] or
-    /// [`Front::fill`] will.
+    /// An operation arrives.
     #[inline]
-    pub fn push<M: Memory>(
-        &mut self,
-        now: Cycle,
-        slot: u8,
-        lines: Lines,
-        region: Region,
-        memory: &mut M,
-    ) -> Option<Candidate> {
+    pub fn push<M: Memory>(&mut self, now: Cycle, slot: u8, lines: Lines, region: Region, memory: &mut M) -> Outcome {
         self.ops[slot as usize] = Op {
             first: lines.first,
             arrived: now,
@@ -144,7 +152,7 @@ impl Front {
 
     /// An operation comes back after a bypass, or for its second box.
     #[inline]
-    pub fn push_again<M: Memory>(&mut self, now: Cycle, slot: u8, memory: &mut M) -> Option<Candidate> {
+    pub fn push_again<M: Memory>(&mut self, now: Cycle, slot: u8, memory: &mut M) -> Outcome {
         let others_wait = self.waiting > 0;
         let op = &mut self.ops[slot as usize];
         (op.arrived, op.done, op.missed, op.refused, op.others_wait) = (now, 0, false, false, others_wait);
@@ -152,67 +160,77 @@ impl Front {
     }
 
     #[inline]
-    fn arrive<M: Memory>(&mut self, now: Cycle, slot: u8, memory: &mut M) -> Option<Candidate> {
+    fn arrive<M: Memory>(&mut self, now: Cycle, slot: u8, memory: &mut M) -> Outcome {
         self.counters.record_writes += 1;
-        if self.port <= now && self.queue.is_empty() {
-            self.port = now + 1;
+        if self.port > now {
+            self.port += 1;
+            return Outcome::Turn(self.port - 1);
+        }
+        self.port = now + 1;
+        self.turn(now, slot, memory)
+    }
+
+    /// The turn of an operation to look up, at cycle `now`.
+    #[inline]
+    pub fn turn<M: Memory>(&mut self, now: Cycle, slot: u8, memory: &mut M) -> Outcome {
+        if self.held_up.is_empty() && self.looked <= now {
+            self.looked = now + 1;
             if self.look_up_lines(now, slot, memory) {
                 return self.looked_up(now, slot);
             }
         }
-        self.queue.push_back(slot);
-        None
+        self.hold_up(now, slot)
     }
 
-    /// The lookups of the operation whose turn it is at cycle `now`. Gives it, if it has its data in sight then.
-    #[inline]
-    pub fn look_up<M: Memory>(&mut self, now: Cycle, memory: &mut M) -> Option<(u8, Candidate)> {
-        if self.port > now {
-            return None;
-        }
-        let &slot = self.queue.front()?;
-        self.port = now + 1;
+    /// The lookup of the first operation that is held up goes on, at cycle `now`. Gives the operation with its outcome, once it
+    /// is complete.
+    pub fn turn_again<M: Memory>(&mut self, now: Cycle, memory: &mut M) -> Option<(u8, Outcome)> {
+        let &slot = self.held_up.front()?;
+        self.looked = now + 1;
         if !self.look_up_lines(now, slot, memory) {
             return None;
         }
-        self.queue.pop_front();
-        self.looked_up(now, slot).map(|candidate| (slot, candidate))
+        self.held_up.pop_front();
+        Some((slot, self.looked_up(now, slot)))
     }
 
-    /// A line arrived at cycle `now`; `ready` is given each operation that has all its lines now.
+    /// Whether an operation is held up, so that [`Front::turn_again`] is to be called in the next cycle.
     #[inline]
-    pub fn fill(&mut self, now: Cycle, line: u64, mut ready: impl FnMut(u8, Candidate)) {
-        let mut waiters = self.l1.fill(line);
-        while waiters != 0 {
-            let slot = waiters.trailing_zeros() as u8;
-            waiters &= waiters - 1;
-            let op = &mut self.ops[slot as usize];
-            if self.mode == MissHandling::Retry {
-                op.kept |= 1 << (line - op.first);
-                continue;
-            }
-            op.outstanding -= 1;
-            self.counters.late_reads += 1;
-            if op.outstanding == 0 && op.done == op.lines {
-                self.waiting -= 1;
-                self.counters.slot_updates += u64::from(self.mode == MissHandling::Reorder);
-                self.counters.record_reads += 1;
-                let op = self.ops[slot as usize];
-                ready(slot, candidate(&op, now, Wait::Memory, false));
-            }
+    pub fn is_held_up(&self) -> bool {
+        !self.held_up.is_empty()
+    }
+
+    #[cold]
+    fn hold_up(&mut self, now: Cycle, slot: u8) -> Outcome {
+        self.held_up.push_back(slot);
+        // The port is taken by those who wait: new arrivals line up behind them.
+        self.port = self.port.max(now + 1);
+        if self.held_up.len() == 1 { Outcome::HeldUp } else { Outcome::Waits }
+    }
+
+    /// A line arrived: who waits for it, bit by bit. [`Front::filled`] is to be called for each.
+    #[inline]
+    pub fn fill(&mut self, line: u64) -> u128 {
+        self.l1.fill(line)
+    }
+
+    /// A line that an operation waited for is here at cycle `now`; gives the operation, if it has all its lines.
+    #[inline]
+    pub fn filled(&mut self, now: Cycle, slot: u8, line: u64) -> Option<Candidate> {
+        let op = &mut self.ops[slot as usize];
+        if self.mode == MissHandling::Retry {
+            op.kept |= 1 << (line - op.first);
+            return None;
         }
-    }
-
-    /// The next cycle at which a lookup is to be made. A refused one is tried in every cycle, since a queue of the memory may
-    /// have room by then.
-    #[inline]
-    pub fn next_event(&self) -> Option<Cycle> {
-        (!self.queue.is_empty()).then_some(self.port)
-    }
-
-    /// True when no operation is here.
-    pub fn is_empty(&self) -> bool {
-        self.queue.is_empty() && self.waiting == 0
+        op.outstanding -= 1;
+        self.counters.late_reads += 1;
+        if op.outstanding > 0 || op.done < op.lines {
+            return None;
+        }
+        self.waiting -= 1;
+        self.counters.slot_updates += u64::from(self.mode == MissHandling::Reorder);
+        self.counters.record_reads += 1;
+        Some(candidate(op, now, Wait::Memory, false))
     }
 
     /// Looks up the next lines of an operation; true when all are looked up.
@@ -252,12 +270,12 @@ impl Front {
 
     /// All lines are looked up: the operation has its data in sight, or waits for lines.
     #[inline]
-    fn looked_up(&mut self, now: Cycle, slot: u8) -> Option<Candidate> {
+    fn looked_up(&mut self, now: Cycle, slot: u8) -> Outcome {
         let op = self.ops[slot as usize];
         let retry = self.mode == MissHandling::Retry;
         if !retry && op.outstanding > 0 {
             self.waiting += 1;
-            return None;
+            return Outcome::Waits;
         }
         self.counters.record_reads += 1;
         let wait = match (op.refused, op.missed && !retry) {
@@ -265,7 +283,7 @@ impl Front {
             (false, true) => Wait::Memory,
             (false, false) => Wait::Fetch,
         };
-        Some(candidate(&op, now + self.latency, wait, retry && op.missed))
+        Outcome::Ready(candidate(&op, now + self.latency, wait, retry && op.missed))
     }
 }
 

@@ -8,10 +8,11 @@
 
 use std::collections::VecDeque;
 
-use super::Context;
-use super::front::{Front, FrontCounters};
-use super::pipe::Pipe;
+use super::Tiles;
+use super::front::{Front, FrontCounters, Outcome};
 use super::stage::{Candidate, Idle, Stage};
+use super::trv::Tick;
+use super::wheel::{Event, Kind, Wheel};
 use crate::machine::config::MachineConfig;
 use crate::machine::counters::{Activity, counters};
 use crate::machine::memory::l1::CacheCounters;
@@ -58,7 +59,9 @@ pub struct LeafTask {
 pub struct Tasks {
     latency: Cycle,
     free: Vec<u32>,
-    inbox: Vec<VecDeque<(Cycle, LeafTask)>>,
+    /// Tasks on their way, and first cycle in which each unit can accept one.
+    inbox: Vec<VecDeque<LeafTask>>,
+    accepts: Vec<Cycle>,
     /// Leaf operations without an entry: traversal unit, place, arrival.
     line: VecDeque<(u8, u8, Cycle)>,
 }
@@ -71,6 +74,7 @@ impl Tasks {
             latency: config.ti.crossbar_cycles.into(),
             free: vec![config.ti.ist_entries; ist],
             inbox: vec![VecDeque::with_capacity(config.ti.ist_entries as usize); ist],
+            accepts: vec![0; ist],
             line: VecDeque::new(),
         }
     }
@@ -116,36 +120,13 @@ impl Tasks {
 
     /// Sends a task to a reserved entry.
     #[inline]
-    pub fn send(&mut self, now: Cycle, ist: u8, task: LeafTask) {
-        self.inbox[ist as usize].push_back((now + self.latency, task));
+    pub fn send(&mut self, now: Cycle, ist: u8, task: LeafTask, wheel: &mut Wheel) {
+        let accepts = &mut self.accepts[ist as usize];
+        let at = (now + self.latency).max(*accepts);
+        *accepts = at + 1;
+        self.inbox[ist as usize].push_back(task);
+        wheel.push(at, Event::new(Kind::Task, ist, 0));
     }
-
-    /// When the next task arrives at a unit.
-    #[inline]
-    pub fn next_arrival(&self, ist: usize) -> Option<Cycle> {
-        self.inbox[ist].front().map(|t| t.0)
-    }
-
-    /// The next task that has arrived; a unit accepts one a cycle.
-    #[inline]
-    fn accept(&mut self, now: Cycle, ist: u8) -> Option<LeafTask> {
-        let inbox = &mut self.inbox[ist as usize];
-        if inbox.front()?.0 > now {
-            return None;
-        }
-        inbox.pop_front().map(|t| t.1)
-    }
-}
-
-/// A finished task on its way back.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct LeafResult {
-    /// When it arrives.
-    pub at: Cycle,
-    /// Traversal unit.
-    pub trv: u8,
-    /// The ray's place there.
-    pub slot: u8,
 }
 
 /// See the module.
@@ -158,18 +139,8 @@ pub struct Ist {
     front: Front,
     idle: Idle,
     stage: Stage,
-    pipe: Pipe<(u8, Passed)>,
-    /// Tasks whose next triangle comes to the input buffer, and when: the cycle after the one before issued.
-    next: VecDeque<(Cycle, u8)>,
+    depth: Cycle,
     events: IstCounters,
-}
-
-/// What left the pipeline.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Passed {
-    Bypass,
-    Triangle,
-    LastTriangle,
 }
 
 impl Ist {
@@ -186,8 +157,7 @@ impl Ist {
             front: Front::new(&config.ti, l1, config.l2.line_bytes, port, entries),
             idle: Idle::new(),
             stage: Stage::default(),
-            pipe: Pipe::new(config.ti.ist_cycles),
-            next: VecDeque::new(),
+            depth: config.ti.ist_cycles.into(),
             events: IstCounters::default(),
         }
     }
@@ -198,9 +168,15 @@ impl Ist {
     }
 
     /// A line arrived at cycle `now`.
-    pub fn fill(&mut self, now: Cycle, line: u64) {
-        let Self { front, stage, pipe, tasks, next, events, idle, .. } = self;
-        front.fill(now, line, |slot, op| issue(stage, pipe, &mut tasks[slot as usize], next, events, idle, (slot, op)));
+    pub fn fill(&mut self, now: Cycle, line: u64, wheel: &mut Wheel) {
+        let mut waiters = self.front.fill(line);
+        while waiters != 0 {
+            let slot = waiters.trailing_zeros() as u8;
+            waiters &= waiters - 1;
+            if let Some(op) = self.front.filled(now, slot, line) {
+                self.issue(slot, op, wheel);
+            }
+        }
     }
 
     /// A line left an inclusive L2.
@@ -208,57 +184,31 @@ impl Ist {
         self.front.l1_mut().invalidate(line);
     }
 
-    /// One cycle. Results are appended to `results`.
-    pub fn tick<M: Memory, T>(
-        &mut self,
-        now: Cycle,
-        context: &Context<'_, T>,
-        crossbar: &mut Tasks,
-        memory: &mut M,
-        results: &mut Vec<LeafResult>,
-    ) {
-        while let Some((slot, passed)) = self.pipe.pop(now) {
-            match passed {
-                Passed::Bypass => {
-                    let op = self.front.push_again(now, slot, memory);
-                    self.issue(slot, op);
-                }
-                Passed::Triangle => {}
-                Passed::LastTriangle => {
-                    let task = self.tasks[slot as usize];
-                    results.push(LeafResult { at: now + self.crossbar, trv: task.trv, slot: task.slot });
-                    self.free.push(slot);
-                    if self.free.len() == self.tasks.len() {
-                        self.idle.begin(now);
-                    }
-                    crossbar.release(self.index);
-                }
-            }
-        }
-        while self.next.front().is_some_and(|n| n.0 <= now) {
-            let Some((_, slot)) = self.next.pop_front() else { break };
-            self.arrive(now, slot, context, memory);
-        }
-        if let Some(task) = crossbar.accept(now, self.index) {
-            if self.free.len() == self.tasks.len() {
-                self.idle.end(now);
-            }
-            let slot = self.free.pop().expect("every task has a reserved entry");
-            self.tasks[slot as usize] = task;
-            self.events.tasks += 1;
-            self.arrive(now, slot, context, memory);
-        }
-        if let Some((slot, op)) = self.front.look_up(now, memory) {
-            self.issue(slot, Some(op));
-        }
-    }
-
-    /// The next cycle after `now` at which something happens here; never, if there is none.
+    /// One event.
     #[inline]
-    pub fn next_event(&self, now: Cycle, crossbar: &Tasks) -> Cycle {
-        let next = self.next.front().map_or(Cycle::MAX, |n| n.0);
-        let task = crossbar.next_arrival(self.index as usize).map_or(Cycle::MAX, |at| at.max(now + 1));
-        self.pipe.next_event().min(next).min(task).min(self.front.next_event().unwrap_or(Cycle::MAX))
+    pub(super) fn handle<M: Memory, T: Tiles>(&mut self, event: Event, tick: &mut Tick<'_, M, T>) {
+        let (now, slot) = (tick.now, event.slot);
+        match event.kind {
+            Kind::Task => self.accept(tick),
+            Kind::NextTriangle => self.arrive(slot, tick),
+            Kind::TriangleBypass => {
+                let outcome = self.front.push_again(now, slot, tick.memory);
+                self.follow(slot, outcome, tick);
+            }
+            Kind::TriangleLookUp => {
+                let outcome = self.front.turn(now, slot, tick.memory);
+                self.follow(slot, outcome, tick);
+            }
+            Kind::TriangleLookUpAgain => {
+                if let Some((slot, outcome)) = self.front.turn_again(now, tick.memory) {
+                    self.follow(slot, outcome, tick);
+                }
+                if self.front.is_held_up() {
+                    tick.wheel.push(now + 1, event);
+                }
+            }
+            _ => self.finished(slot, tick),
+        }
     }
 
     /// Closes the accounts of a run of `cycles` cycles.
@@ -271,44 +221,65 @@ impl Ist {
         }
     }
 
+    fn accept<M: Memory, T: Tiles>(&mut self, tick: &mut Tick<'_, M, T>) {
+        let Some(task) = tick.tasks.inbox[self.index as usize].pop_front() else { return };
+        if self.free.len() == self.tasks.len() {
+            self.idle.end(tick.now);
+        }
+        let slot = self.free.pop().expect("every task has a reserved entry");
+        self.tasks[slot as usize] = task;
+        self.events.tasks += 1;
+        self.arrive(slot, tick);
+    }
+
+    /// The last triangle of a task left the pipeline.
+    fn finished<M: Memory, T: Tiles>(&mut self, slot: u8, tick: &mut Tick<'_, M, T>) {
+        let task = self.tasks[slot as usize];
+        tick.wheel.push(tick.now + self.crossbar, Event::new(Kind::Returned, task.trv, task.slot));
+        self.free.push(slot);
+        if self.free.len() == self.tasks.len() {
+            self.idle.begin(tick.now);
+        }
+        tick.tasks.release(self.index);
+    }
+
     /// The next triangle of a task comes to the input buffer.
-    fn arrive<M: Memory, T>(&mut self, now: Cycle, slot: u8, context: &Context<'_, T>, memory: &mut M) {
-        let lines = context.layout.triangle(self.tasks[slot as usize].triangle);
-        let op = self.front.push(now, slot, lines, Region::Triangle, memory);
-        self.issue(slot, op);
-    }
-
     #[inline]
-    fn issue(&mut self, slot: u8, op: Option<Candidate>) {
-        let Some(op) = op else { return };
-        let Self { stage, pipe, tasks, next, events, idle, .. } = self;
-        issue(stage, pipe, &mut tasks[slot as usize], next, events, idle, (slot, op));
+    fn arrive<M: Memory, T: Tiles>(&mut self, slot: u8, tick: &mut Tick<'_, M, T>) {
+        let lines = tick.context.layout.triangle(self.tasks[slot as usize].triangle);
+        let outcome = self.front.push(tick.now, slot, lines, Region::Triangle, tick.memory);
+        self.follow(slot, outcome, tick);
     }
-}
 
-/// Issues a triangle into the pipeline.
-fn issue(
-    stage: &mut Stage,
-    pipe: &mut Pipe<(u8, Passed)>,
-    task: &mut LeafTask,
-    next: &mut VecDeque<(Cycle, u8)>,
-    events: &mut IstCounters,
-    idle: &Idle,
-    (slot, op): (u8, Candidate),
-) {
-    let at = stage.issue(op, idle);
-    if op.bypass {
-        pipe.push(at, (slot, Passed::Bypass));
-        events.bypasses += 1;
-        return;
+    /// What an arrival or a lookup leads to.
+    #[inline]
+    fn follow<M: Memory, T: Tiles>(&mut self, slot: u8, outcome: Outcome, tick: &mut Tick<'_, M, T>) {
+        let event = |kind| Event::new(kind, self.index, slot);
+        match outcome {
+            Outcome::Ready(op) => self.issue(slot, op, tick.wheel),
+            Outcome::Turn(at) => tick.wheel.push(at, event(Kind::TriangleLookUp)),
+            Outcome::HeldUp => tick.wheel.push(tick.now + 1, event(Kind::TriangleLookUpAgain)),
+            Outcome::Waits => {}
+        }
     }
-    task.tests -= 1;
-    task.triangle += 1;
-    events.triangle_tests += 1;
-    if task.tests == 0 {
-        pipe.push(at, (slot, Passed::LastTriangle));
-    } else {
-        pipe.push(at, (slot, Passed::Triangle));
-        next.push_back((at + 1, slot));
+
+    /// Issues a triangle that has its data in sight.
+    #[inline]
+    fn issue(&mut self, slot: u8, op: Candidate, wheel: &mut Wheel) {
+        let at = self.stage.issue(op, &self.idle);
+        let mut push = |at, kind| wheel.push(at, Event::new(kind, self.index, slot));
+        if op.bypass {
+            self.events.bypasses += 1;
+            return push(at + self.depth, Kind::TriangleBypass);
+        }
+        let task = &mut self.tasks[slot as usize];
+        task.tests -= 1;
+        task.triangle += 1;
+        self.events.triangle_tests += 1;
+        if task.tests == 0 {
+            push(at + self.depth, Kind::LastTriangle);
+        } else {
+            push(at + 1, Kind::NextTriangle);
+        }
     }
 }

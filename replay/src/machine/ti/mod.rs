@@ -10,18 +10,19 @@
 
 pub mod front;
 pub mod ist;
-pub mod pipe;
 pub mod ray;
 pub mod stage;
 pub mod trv;
+pub mod wheel;
 
 #[cfg(test)]
 mod tests;
 
 use std::collections::VecDeque;
 
-use self::ist::{Ist, IstStats, LeafResult, Tasks};
+use self::ist::{Ist, IstStats, Tasks};
 use self::trv::{Tick, Trv, TrvStats};
+use self::wheel::{Kind, Wheel};
 use super::config::MachineConfig;
 use super::counters::counters;
 use super::link::{RayRef, RayUnit};
@@ -84,13 +85,19 @@ pub struct TiUnit {
     first_port: u16,
     results: VecDeque<(Cycle, RayRef)>,
     inside: usize,
-    /// When each traversal and intersection unit is to be ticked next.
-    wake: Vec<Cycle>,
+    wheel: Wheel,
     /// Cycles before this one are in the counters.
     accounted: Cycle,
     counters: DispatchCounters,
     done: Vec<RayRef>,
-    leaf_results: Vec<LeafResult>,
+}
+
+/// How far ahead a unit books events: its deepest pipeline, and one operation of every ray before it.
+fn reach(config: &MachineConfig) -> u32 {
+    let ti = &config.ti;
+    let depth = ti.inner_cycles + ti.leaf_cycles + ti.stack_cycles + ti.ist_cycles + ti.setup_cycles;
+    let rays = ti.trv * ti.rays_per_trv + ti.ist_entries;
+    depth + ti.crossbar_cycles + ti.trv_l1.latency_cycles + ti.ist_l1.latency_cycles + 2 * rays
 }
 
 /// Never.
@@ -111,11 +118,10 @@ impl TiUnit {
             first_port: first_port.0,
             results: VecDeque::new(),
             inside: 0,
-            wake: vec![NEVER; (ti.trv + ti.ist) as usize],
+            wheel: Wheel::new(reach(config)),
             accounted: 0,
             counters: DispatchCounters::default(),
             done: Vec::new(),
-            leaf_results: Vec::new(),
         }
     }
 
@@ -126,12 +132,12 @@ impl TiUnit {
 
     /// A line arrived at `port` in cycle `now`.
     pub fn fill(&mut self, now: Cycle, port: Port, line: u64) {
+        self.wheel.advance(now);
         let unit = usize::from(port.0 - self.first_port);
         match unit.checked_sub(self.trv.len()) {
-            None => self.trv[unit].fill(now, line),
-            Some(ist) => self.ist[ist].fill(now, line),
+            None => self.trv[unit].fill(now, line, &mut self.wheel),
+            Some(ist) => self.ist[ist].fill(now, line, &mut self.wheel),
         }
-        self.wake[unit] = now;
     }
 
     /// A line left an inclusive L2.
@@ -143,50 +149,46 @@ impl TiUnit {
     /// Runs cycle `now`, after the lines of this cycle were filled.
     pub fn tick<M: Memory, T: Tiles>(&mut self, now: Cycle, context: &Context<'_, T>, memory: &mut M) {
         self.account(now);
+        self.wheel.advance(now);
         self.dispatch(now, context);
-        let units = self.trv.len();
-        let mut tick = Tick { now, context, tasks: &mut self.tasks, memory, done: &mut self.done };
-        for (unit, wake) in self.trv.iter_mut().zip(&mut self.wake) {
-            if *wake <= now {
-                unit.tick(&mut tick);
-                *wake = unit.next_event();
-            }
+        if self.wheel.next_event() <= now {
+            self.handle(now, context, memory);
         }
         for ray in self.done.drain(..) {
             self.results.push_back((now, ray));
             self.inside -= 1;
         }
-        for (i, unit) in self.ist.iter_mut().enumerate() {
-            let wake = &mut self.wake[units + i];
-            *wake = (*wake).min(self.tasks.next_arrival(i).unwrap_or(NEVER));
-            if *wake <= now {
-                unit.tick(now, context, &mut self.tasks, memory, &mut self.leaf_results);
-                *wake = unit.next_event(now, &self.tasks);
-            }
+        while let Some((trv, slot, arrived, ist)) = self.tasks.grant() {
+            self.trv[trv as usize].leaf_granted(now + 1, slot, arrived, ist, &mut self.wheel);
         }
-        self.give_back(now);
     }
 
-    /// Results and free entries of intersection units on their way to the traversal units.
-    fn give_back(&mut self, now: Cycle) {
-        for result in self.leaf_results.drain(..) {
-            self.trv[result.trv as usize].leaf_done(result.at, result.slot);
-            let wake = &mut self.wake[result.trv as usize];
-            *wake = (*wake).min(result.at);
-        }
-        while let Some((trv, slot, arrived, ist)) = self.tasks.grant() {
-            let unit = &mut self.trv[trv as usize];
-            unit.leaf_granted(now + 1, slot, arrived, ist);
-            self.wake[trv as usize] = unit.next_event();
+    /// The events of cycle `now`.
+    fn handle<M: Memory, T: Tiles>(&mut self, now: Cycle, context: &Context<'_, T>, memory: &mut M) {
+        let mut events = self.wheel.take(now);
+        loop {
+            let (tasks, wheel, done) = (&mut self.tasks, &mut self.wheel, &mut self.done);
+            let mut tick = Tick { now, context, tasks, memory: &mut *memory, wheel, done };
+            for &event in &events {
+                match event.kind {
+                    Kind::Task
+                    | Kind::NextTriangle
+                    | Kind::TriangleBypass
+                    | Kind::LastTriangle
+                    | Kind::TriangleLookUp
+                    | Kind::TriangleLookUpAgain => self.ist[event.unit as usize].handle(event, &mut tick),
+                    _ => self.trv[event.unit as usize].handle(event, &mut tick),
+                }
+            }
+            if self.wheel.put(now, &mut events) {
+                return;
+            }
         }
     }
 
     /// The next cycle after `now` at which something happens without a push or a fill from outside.
     pub fn next_event(&self, now: Cycle) -> Option<Cycle> {
-        let mut next = self.wake.iter().copied().min().unwrap_or(NEVER);
-        for ist in 0..self.ist.len() {
-            next = next.min(self.tasks.next_arrival(ist).map_or(NEVER, |at| at.max(now + 1)));
-        }
+        let mut next = self.wheel.next_event();
         if let Some(&(at, _)) = self.fifo.front()
             && self.trv.iter().any(|unit| unit.free() > 0)
         {
@@ -226,8 +228,7 @@ impl TiUnit {
             return;
         }
         self.fifo.pop_front();
-        self.trv[best].enter(now, ray, context.tiles);
-        self.wake[best] = now;
+        self.trv[best].enter(now, ray, context.tiles, &mut self.wheel);
         self.counters.rays += 1;
     }
 

@@ -5,13 +5,11 @@
 //! ready, first issued. A leaf operation issues only when it has an entry of an intersection unit, so pipelines never stall
 //! inside; those that wait for one stand in one line for all traversal units of the core.
 
-use std::collections::VecDeque;
-
-use super::front::{Front, FrontCounters};
+use super::front::{Front, FrontCounters, Outcome};
 use super::ist::{LeafTask, Tasks};
-use super::pipe::Pipe;
 use super::ray::{Popped, RaySlot};
 use super::stage::{Candidate, Idle, Stage, Wait};
+use super::wheel::{Event, Kind, Wheel};
 use super::{Context, Tiles};
 use crate::machine::config::{MachineConfig, Pipeline};
 use crate::machine::counters::{Activity, counters};
@@ -69,14 +67,13 @@ pub struct Trv {
     free: Vec<u8>,
     entered: Vec<Cycle>,
     idle: Idle,
-    setup: Pipe<u8>,
     front: Front,
     stages: [Stage; 3],
-    inner: Pipe<(u8, bool)>,
-    leaf: Pipe<(u8, u8)>,
-    stack: Pipe<u8>,
-    /// Leaf results on their way back.
-    returned: VecDeque<(Cycle, u8)>,
+    /// Depths of the pipelines.
+    setup: Cycle,
+    inner: Cycle,
+    leaf: Cycle,
+    stack: Cycle,
     events: TrvCounters,
 }
 
@@ -86,6 +83,7 @@ pub(super) struct Tick<'a, M, T> {
     pub context: &'a Context<'a, T>,
     pub tasks: &'a mut Tasks,
     pub memory: &'a mut M,
+    pub wheel: &'a mut Wheel,
     /// Finished rays are appended here.
     pub done: &'a mut Vec<RayRef>,
 }
@@ -111,13 +109,12 @@ impl Trv {
             free: (0..slots as u8).rev().collect(),
             entered: vec![0; slots],
             idle: Idle::new(),
-            setup: Pipe::new(ti.setup_cycles),
             front: Front::new(ti, l1, config.l2.line_bytes, port, ti.rays_per_trv),
             stages: [Stage::default(); 3],
-            inner: Pipe::new(inner),
-            leaf: Pipe::new(leaf),
-            stack: Pipe::new(stack),
-            returned: VecDeque::with_capacity(slots),
+            setup: ti.setup_cycles.into(),
+            inner: inner.into(),
+            leaf: leaf.into(),
+            stack: stack.into(),
             events: TrvCounters::default(),
         }
     }
@@ -143,36 +140,34 @@ impl Trv {
     ///
     /// # Panics
     /// When no place is free.
-    pub fn enter<T: Tiles>(&mut self, now: Cycle, ray: RayRef, tiles: &T) {
+    pub fn enter<T: Tiles>(&mut self, now: Cycle, ray: RayRef, tiles: &T, wheel: &mut Wheel) {
         if self.rays() == 0 {
             self.idle.end(now);
         }
         let slot = self.free.pop().expect("the dispatcher looks for a free place");
         self.rays[slot as usize].enter(ray, tiles.work(ray.slot));
         self.entered[slot as usize] = now;
-        self.setup.push(now, slot);
-    }
-
-    /// The tests of a leaf are done: the result arrives at cycle `at`.
-    #[inline]
-    pub fn leaf_done(&mut self, at: Cycle, slot: u8) {
-        self.returned.push_back((at, slot));
+        wheel.push(now + self.setup, Event::new(Kind::Setup, self.index, slot));
     }
 
     /// A leaf operation that waited since `arrived` has got an entry of intersection unit `ist` and can issue from `ready` on.
     #[inline]
-    pub fn leaf_granted(&mut self, ready: Cycle, slot: u8, arrived: Cycle, ist: u8) {
+    pub fn leaf_granted(&mut self, ready: Cycle, slot: u8, arrived: Cycle, ist: u8, wheel: &mut Wheel) {
         let op = Candidate { arrived, ready, wait: Wait::Blocked, bypass: false, others_wait: false };
         let at = self.stages[self.stage(LEAF)].issue(op, &self.idle);
-        self.leaf.push(at, (slot, ist));
+        wheel.push(at + self.leaf, Event { extra: ist, ..Event::new(Kind::Leaf, self.index, slot) });
     }
 
     /// A line arrived at cycle `now`.
-    pub fn fill(&mut self, now: Cycle, line: u64) {
-        let Self { front, stages, inner, rays, events, idle, boxes_per_pass, .. } = self;
-        front.fill(now, line, |slot, op| {
-            issue_inner(&mut stages[INNER], inner, &rays[slot as usize], *boxes_per_pass, events, idle, (slot, op));
-        });
+    pub fn fill(&mut self, now: Cycle, line: u64, wheel: &mut Wheel) {
+        let mut waiters = self.front.fill(line);
+        while waiters != 0 {
+            let slot = waiters.trailing_zeros() as u8;
+            waiters &= waiters - 1;
+            if let Some(op) = self.front.filled(now, slot, line) {
+                self.issue(slot, op, wheel);
+            }
+        }
     }
 
     /// A line left an inclusive L2.
@@ -180,45 +175,36 @@ impl Trv {
         self.front.l1_mut().invalidate(line);
     }
 
-    /// One cycle.
+    /// One event.
     #[inline]
-    pub(super) fn tick<M: Memory, T: Tiles>(&mut self, tick: &mut Tick<'_, M, T>) {
-        let now = tick.now;
-        while let Some((slot, bypass)) = self.inner.pop(now) {
-            self.passed(slot, bypass, tick);
-        }
-        while let Some((slot, ist)) = self.leaf.pop(now) {
-            self.leaf_passed(slot, ist, tick);
-        }
-        while let Some(slot) = self.stack.pop(now) {
-            match self.rays[slot as usize].popped(tick.context.tree) {
+    pub(super) fn handle<M: Memory, T: Tiles>(&mut self, event: Event, tick: &mut Tick<'_, M, T>) {
+        let slot = event.slot;
+        match event.kind {
+            Kind::Inner => self.passed(slot, tick),
+            Kind::InnerBypass => self.again(slot, tick),
+            Kind::Leaf => self.leaf_passed(slot, event.extra, tick),
+            Kind::Stack => match self.rays[slot as usize].popped(tick.context.tree) {
                 Popped::Empty => self.leave(slot, tick),
                 Popped::Held => self.go_on(slot, tick),
                 Popped::Lost(root) => {
                     self.events.restarts += 1;
                     self.visit(slot, root, tick);
                 }
+            },
+            Kind::LookUp => {
+                let outcome = self.front.turn(tick.now, slot, tick.memory);
+                self.follow(slot, outcome, tick);
             }
+            Kind::LookUpAgain => {
+                if let Some((slot, outcome)) = self.front.turn_again(tick.now, tick.memory) {
+                    self.follow(slot, outcome, tick);
+                }
+                if self.front.is_held_up() {
+                    tick.wheel.push(tick.now + 1, event);
+                }
+            }
+            _ => self.go_on(slot, tick),
         }
-        while self.returned.front().is_some_and(|r| r.0 <= now) {
-            let Some((_, slot)) = self.returned.pop_front() else { break };
-            self.go_on(slot, tick);
-        }
-        while let Some(slot) = self.setup.pop(now) {
-            self.go_on(slot, tick);
-        }
-        if let Some((slot, op)) = self.front.look_up(now, tick.memory) {
-            self.issue(slot, Some(op));
-        }
-    }
-
-    /// The next cycle at which something happens here without a push from outside; never, if there is none.
-    #[inline]
-    pub fn next_event(&self) -> Cycle {
-        let back = self.returned.front().map_or(Cycle::MAX, |r| r.0);
-        let lookup = self.front.next_event().unwrap_or(Cycle::MAX);
-        let pipes = self.inner.next_event().min(self.leaf.next_event());
-        pipes.min(self.stack.next_event()).min(self.setup.next_event()).min(back).min(lookup)
     }
 
     /// Closes the accounts of a run of `cycles` cycles.
@@ -248,11 +234,8 @@ impl Trv {
 
     /// An operation left the inner-node pipeline.
     #[inline]
-    fn passed<M: Memory, T: Tiles>(&mut self, slot: u8, bypass: bool, tick: &mut Tick<'_, M, T>) {
+    fn passed<M: Memory, T: Tiles>(&mut self, slot: u8, tick: &mut Tick<'_, M, T>) {
         let ray = &mut self.rays[slot as usize];
-        if bypass {
-            return self.again(slot, tick);
-        }
         if ray.tests > 0 {
             // Unified pipeline: a triangle.
             ray.tests -= 1;
@@ -261,8 +244,8 @@ impl Trv {
                 return self.go_on(slot, tick);
             }
             let lines = tick.context.layout.triangle(ray.triangle);
-            let op = self.front.push(tick.now, slot, lines, Region::Triangle, tick.memory);
-            return self.issue(slot, op);
+            let outcome = self.front.push(tick.now, slot, lines, Region::Triangle, tick.memory);
+            return self.follow(slot, outcome, tick);
         }
         if ray.passes > 1 {
             ray.passes -= 1;
@@ -288,7 +271,8 @@ impl Trv {
             tick.tasks.release(ist);
             self.go_on(slot, tick);
         } else {
-            tick.tasks.send(tick.now, ist, LeafTask { trv: self.index, slot, triangle, tests });
+            let task = LeafTask { trv: self.index, slot, triangle, tests };
+            tick.tasks.send(tick.now, ist, task, tick.wheel);
         }
     }
 
@@ -305,7 +289,7 @@ impl Trv {
                 let (arrived, stage) = (tick.now, self.stage(STACK));
                 let op = Candidate { arrived, ready: arrived, wait: Wait::Fetch, bypass: false, others_wait: false };
                 let at = self.stages[stage].issue(op, &self.idle);
-                self.stack.push(at, slot);
+                tick.wheel.push(at + self.stack, Event::new(Kind::Stack, self.index, slot));
             }
             None => self.leave(slot, tick),
         }
@@ -315,12 +299,12 @@ impl Trv {
         self.events.leaves += 1;
         if self.pipeline != Pipeline::Unified {
             if let Some(ist) = tick.tasks.reserve_or_wait(self.index, slot, tick.now) {
-                self.leaf_granted(tick.now, slot, tick.now, ist);
+                self.leaf_granted(tick.now, slot, tick.now, ist, tick.wheel);
             }
         } else if tests > 0 {
             let lines = tick.context.layout.triangle(triangle);
-            let op = self.front.push(tick.now, slot, lines, Region::Triangle, tick.memory);
-            self.issue(slot, op);
+            let outcome = self.front.push(tick.now, slot, lines, Region::Triangle, tick.memory);
+            self.follow(slot, outcome, tick);
         } else {
             // An empty leaf: there is nothing to read and nothing to test.
             self.go_on(slot, tick);
@@ -330,22 +314,43 @@ impl Trv {
     #[inline]
     fn visit<M: Memory, T: Tiles>(&mut self, slot: u8, node: u32, tick: &mut Tick<'_, M, T>) {
         self.rays[slot as usize].passes = self.passes;
-        let op = self.front.push(tick.now, slot, tick.context.layout.node(node), Region::Node, tick.memory);
-        self.issue(slot, op);
+        let lines = tick.context.layout.node(node);
+        let outcome = self.front.push(tick.now, slot, lines, Region::Node, tick.memory);
+        self.follow(slot, outcome, tick);
     }
 
     /// The operation at hand goes to the input buffer again.
     fn again<M: Memory, T: Tiles>(&mut self, slot: u8, tick: &mut Tick<'_, M, T>) {
-        let op = self.front.push_again(tick.now, slot, tick.memory);
-        self.issue(slot, op);
+        let outcome = self.front.push_again(tick.now, slot, tick.memory);
+        self.follow(slot, outcome, tick);
+    }
+
+    /// What an arrival or a lookup leads to.
+    #[inline]
+    fn follow<M: Memory, T: Tiles>(&mut self, slot: u8, outcome: Outcome, tick: &mut Tick<'_, M, T>) {
+        match outcome {
+            Outcome::Ready(op) => self.issue(slot, op, tick.wheel),
+            Outcome::Turn(at) => tick.wheel.push(at, Event::new(Kind::LookUp, self.index, slot)),
+            Outcome::HeldUp => tick.wheel.push(tick.now + 1, Event::new(Kind::LookUpAgain, self.index, slot)),
+            Outcome::Waits => {}
+        }
     }
 
     /// Issues an operation that has its data in sight.
     #[inline]
-    fn issue(&mut self, slot: u8, op: Option<Candidate>) {
-        let Some(op) = op else { return };
-        let (ray, passes) = (&self.rays[slot as usize], self.boxes_per_pass);
-        issue_inner(&mut self.stages[INNER], &mut self.inner, ray, passes, &mut self.events, &self.idle, (slot, op));
+    fn issue(&mut self, slot: u8, op: Candidate, wheel: &mut Wheel) {
+        let at = self.stages[INNER].issue(op, &self.idle);
+        let kind = if op.bypass {
+            self.events.bypasses += 1;
+            Kind::InnerBypass
+        } else if self.rays[slot as usize].tests > 0 {
+            self.events.triangle_tests += 1;
+            Kind::Inner
+        } else {
+            self.events.box_tests += u64::from(self.boxes_per_pass);
+            Kind::Inner
+        };
+        wheel.push(at + self.inner, Event::new(kind, self.index, slot));
     }
 
     /// The ray's hit is known: its place becomes free.
@@ -357,27 +362,5 @@ impl Trv {
             self.idle.begin(tick.now);
         }
         tick.done.push(self.rays[slot as usize].ray);
-    }
-}
-
-/// Issues an operation of the input buffer into the inner-node (or only) pipeline.
-#[inline]
-fn issue_inner(
-    stage: &mut Stage,
-    pipe: &mut Pipe<(u8, bool)>,
-    ray: &RaySlot,
-    boxes: u8,
-    events: &mut TrvCounters,
-    idle: &Idle,
-    (slot, op): (u8, Candidate),
-) {
-    let at = stage.issue(op, idle);
-    pipe.push(at, (slot, op.bypass));
-    if op.bypass {
-        events.bypasses += 1;
-    } else if ray.tests > 0 {
-        events.triangle_tests += 1;
-    } else {
-        events.box_tests += u64::from(boxes);
     }
 }
