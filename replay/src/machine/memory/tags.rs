@@ -1,7 +1,7 @@
 //! The tags of a set-associative cache, and which line of a set makes room.
 //!
-//! The ways of a set lie side by side in order of rank: the first is the most recently used (LRU) or filled (FIFO), the last is
-//! the next to go. With random replacement the order means nothing. Free ways are always last in their set.
+//! Every way has a stamp: when it was last used (LRU) or filled (FIFO). The lowest of the set is the next to go; a free way has
+//! stamp 0. With random replacement the stamps only say which ways are free.
 
 use crate::machine::config::Replacement;
 
@@ -15,6 +15,8 @@ const SEED: u64 = 0x9e37_79b9_7f4a_7c15;
 #[derive(Clone, Debug)]
 pub struct Tags {
     tags: Vec<u64>,
+    stamps: Vec<u64>,
+    clock: u64,
     ways: usize,
     set_mask: u64,
     replacement: Replacement,
@@ -31,8 +33,11 @@ impl Tags {
         assert!(set_bytes > 0 && bytes.is_multiple_of(set_bytes), "{bytes} B is not a whole number of sets");
         let sets = bytes / set_bytes;
         assert!(sets.is_power_of_two(), "the number of sets must be a power of two, not {sets}");
+        let lines = (sets * u64::from(ways)) as usize;
         Self {
-            tags: vec![FREE; (sets * u64::from(ways)) as usize],
+            tags: vec![FREE; lines],
+            stamps: vec![0; lines],
+            clock: 0,
             ways: ways as usize,
             set_mask: sets - 1,
             replacement,
@@ -43,23 +48,27 @@ impl Tags {
     /// Whether `line` is here; a hit refreshes it (LRU).
     #[inline]
     pub fn touch(&mut self, line: u64) -> bool {
-        let lru = self.replacement == Replacement::Lru;
-        let set = self.set(line);
-        if set[0] == line {
-            return true;
-        }
-        let Some(way) = set.iter().position(|&tag| tag == line) else { return false };
-        if lru {
-            push_front(&mut set[..=way], line);
+        let Some(way) = self.find(line) else { return false };
+        if self.replacement == Replacement::Lru {
+            self.clock += 1;
+            self.stamps[way] = self.clock;
         }
         true
+    }
+
+    /// The place of `line`. All ways are compared: a loop that stops early costs more in mispredictions.
+    #[inline]
+    fn find(&self, line: u64) -> Option<usize> {
+        let first = self.first(line);
+        let set = &self.tags[first..first + self.ways];
+        let found = set.iter().enumerate().fold(usize::MAX, |found, (way, &tag)| if tag == line { way } else { found });
+        (found != usize::MAX).then(|| first + found)
     }
 
     /// Whether `line` is here. Changes nothing.
     #[inline]
     pub fn contains(&self, line: u64) -> bool {
-        let first = self.first(line);
-        self.tags[first..first + self.ways].contains(&line)
+        self.find(line).is_some()
     }
 
     /// Puts `line` in and returns the line that had to leave. A line that is already here counts as used again.
@@ -67,57 +76,39 @@ impl Tags {
         if self.touch(line) {
             return None;
         }
-        let ways = self.ways;
-        let victim = match self.replacement {
-            Replacement::Lru | Replacement::Fifo => ways - 1,
-            Replacement::Random => self.random_way(line),
-        };
-        let set = self.set(line);
-        let evicted = set[victim];
-        push_front(&mut set[..=victim], line);
+        let victim = self.victim(line);
+        let evicted = std::mem::replace(&mut self.tags[victim], line);
+        self.clock += 1;
+        self.stamps[victim] = self.clock;
         (evicted != FREE).then_some(evicted)
     }
 
     /// Drops `line`; whether it was here.
     pub fn invalidate(&mut self, line: u64) -> bool {
-        let set = self.set(line);
-        let Some(way) = set.iter().position(|&tag| tag == line) else { return false };
-        set.copy_within(way + 1.., way);
-        set[set.len() - 1] = FREE;
+        let Some(way) = self.find(line) else { return false };
+        (self.tags[way], self.stamps[way]) = (FREE, 0);
         true
     }
 
-    #[inline]
-    fn first(&self, line: u64) -> usize {
-        (line & self.set_mask) as usize * self.ways
-    }
-
-    #[inline]
-    fn set(&mut self, line: u64) -> &mut [u64] {
+    /// The way that makes room for `line`: a free one, or the one with the lowest stamp, or a random one. The generator moves
+    /// only when it decides.
+    fn victim(&mut self, line: u64) -> usize {
         let first = self.first(line);
-        &mut self.tags[first..first + self.ways]
-    }
-
-    /// A random way of a full set, else a free one. The generator moves only when it decides.
-    fn random_way(&mut self, line: u64) -> usize {
-        let last = self.first(line) + self.ways - 1;
-        if self.tags[last] == FREE {
-            return self.ways - 1;
+        let set = first..first + self.ways;
+        let oldest = set.min_by_key(|&way| self.stamps[way]).unwrap_or(first);
+        if self.replacement != Replacement::Random || self.tags[oldest] == FREE {
+            return oldest;
         }
         // xorshift64: full period, and its high bits are good enough to choose a way.
         self.random ^= self.random << 13;
         self.random ^= self.random >> 7;
         self.random ^= self.random << 17;
-        (((self.random >> 32) * self.ways as u64) >> 32) as usize
+        first + (((self.random >> 32) * self.ways as u64) >> 32) as usize
     }
-}
 
-/// Moves all back by one, over the last, and puts `line` first. A loop: the few ways are moved faster than by a call.
-#[inline]
-fn push_front(ways: &mut [u64], line: u64) {
-    let mut carried = line;
-    for way in ways {
-        carried = std::mem::replace(way, carried);
+    #[inline]
+    fn first(&self, line: u64) -> usize {
+        (line & self.set_mask) as usize * self.ways
     }
 }
 

@@ -9,9 +9,10 @@
 //! - `accumulate` (ray accumulation buffer, US 9,342,919): one that misses is parked in the row of its line until the line
 //!   arrives. No free row, or a full one, holds up the queue.
 //!
-//! All three: lookups are made in order of arrival, one operation a cycle, as many of its lines as the L1 has banks for
-//! (`trv_lines_per_cycle`, `ist_lines_per_cycle`); a hit has its data the L1's latency later. An operation whose line arrived
-//! keeps it, even if the cache evicts the line before it issues.
+//! All three: tags are looked up when the operation arrives (as US 2016/0027204 has it: the outcome is noted in the slot). Data
+//! are read in order of arrival, one operation a cycle, as many of its lines as the L1 has banks for (`trv_lines_per_cycle`,
+//! `ist_lines_per_cycle`), and are there the L1's latency after the last read began. An operation whose line arrived keeps it,
+//! even if the cache evicts the line before it issues.
 
 use std::collections::VecDeque;
 
@@ -38,8 +39,6 @@ counters! {
 pub enum Outcome {
     /// It has its data in sight and can issue.
     Ready(Candidate),
-    /// Its turn to look up ([`Front::turn`]) is at this cycle.
-    Turn(Cycle),
     /// It is the first whose lookups are held up: [`Front::turn_again`] in the next cycle.
     HeldUp,
     /// It waits for lines, or behind one that is held up.
@@ -68,15 +67,13 @@ struct Op {
 pub struct Front {
     mode: MissHandling,
     latency: Cycle,
-    lines_per_cycle: u32,
+    lines_per_cycle: u64,
     l1: L1Cache,
     ops: Vec<Op>,
     /// Operations whose lookups are held up, the one that holds them up first.
     held_up: VecDeque<u8>,
-    /// First cycle in which the lookup port is not promised to anyone.
+    /// First cycle in which the data port is free.
     port: Cycle,
-    /// First cycle after the last lookup.
-    looked: Cycle,
     /// Operations that wait for a line.
     waiting: u32,
     /// What it did.
@@ -111,12 +108,11 @@ impl Front {
         Self {
             mode: ti.miss_handling,
             latency: l1.latency_cycles.into(),
-            lines_per_cycle,
+            lines_per_cycle: lines_per_cycle.into(),
             l1: cache,
             ops: vec![none; entries as usize],
             held_up: VecDeque::with_capacity(entries as usize),
             port: 0,
-            looked: 0,
             waiting: 0,
             counters: FrontCounters::default(),
         }
@@ -162,50 +158,29 @@ impl Front {
     #[inline]
     fn arrive<M: Memory>(&mut self, now: Cycle, slot: u8, memory: &mut M) -> Outcome {
         self.counters.record_writes += 1;
-        if self.port > now {
-            self.port += 1;
-            return Outcome::Turn(self.port - 1);
+        if self.held_up.is_empty() && self.look_up(now, slot, memory) {
+            return self.looked_up(now, slot);
         }
-        self.port = now + 1;
-        self.turn(now, slot, memory)
-    }
-
-    /// The turn of an operation to look up, at cycle `now`.
-    #[inline]
-    pub fn turn<M: Memory>(&mut self, now: Cycle, slot: u8, memory: &mut M) -> Outcome {
-        if self.held_up.is_empty() && self.looked <= now {
-            self.looked = now + 1;
-            if self.look_up_lines(now, slot, memory) {
-                return self.looked_up(now, slot);
-            }
-        }
-        self.hold_up(now, slot)
+        self.held_up.push_back(slot);
+        if self.held_up.len() == 1 { Outcome::HeldUp } else { Outcome::Waits }
     }
 
     /// The lookup of the first operation that is held up goes on, at cycle `now`. Gives the operation with its outcome, once it
     /// is complete.
     pub fn turn_again<M: Memory>(&mut self, now: Cycle, memory: &mut M) -> Option<(u8, Outcome)> {
         let &slot = self.held_up.front()?;
-        self.looked = now + 1;
-        if !self.look_up_lines(now, slot, memory) {
+        if !self.look_up(now, slot, memory) {
             return None;
         }
         self.held_up.pop_front();
         Some((slot, self.looked_up(now, slot)))
     }
 
-    /// Whether an operation is held up, so that [`Front::turn_again`] is to be called in the next cycle.
+    /// Whether an operation is held up, so that [`Front::turn_again`] is to be called in the next cycle: a queue of the memory
+    /// may have room by then.
     #[inline]
     pub fn is_held_up(&self) -> bool {
         !self.held_up.is_empty()
-    }
-
-    #[cold]
-    fn hold_up(&mut self, now: Cycle, slot: u8) -> Outcome {
-        self.held_up.push_back(slot);
-        // The port is taken by those who wait: new arrivals line up behind them.
-        self.port = self.port.max(now + 1);
-        if self.held_up.len() == 1 { Outcome::HeldUp } else { Outcome::Waits }
     }
 
     /// A line arrived: who waits for it, bit by bit. [`Front::filled`] is to be called for each.
@@ -233,39 +208,36 @@ impl Front {
         Some(candidate(op, now, Wait::Memory, false))
     }
 
-    /// Looks up the next lines of an operation; true when all are looked up.
+    /// Looks up the lines of an operation that are not looked up yet; false if one is refused.
     #[inline]
-    fn look_up_lines<M: Memory>(&mut self, now: Cycle, slot: u8, memory: &mut M) -> bool {
-        for _ in 0..self.lines_per_cycle {
-            let op = &mut self.ops[slot as usize];
-            let line = op.first + u64::from(op.done);
+    fn look_up<M: Memory>(&mut self, now: Cycle, slot: u8, memory: &mut M) -> bool {
+        let op = &mut self.ops[slot as usize];
+        while op.done < op.lines {
             if op.kept >> op.done & 1 == 1 {
                 self.counters.late_reads += 1;
-            } else {
-                match self.l1.access(now, line, op.region, slot, memory) {
-                    Access::Hit => {}
-                    Access::Full if self.mode != MissHandling::Retry => {
-                        op.refused = true;
-                        return false;
-                    }
-                    Access::Full => op.missed = true,
-                    Access::Miss | Access::Merged => {
-                        op.missed = true;
-                        op.outstanding += 1;
-                        match self.mode {
-                            MissHandling::Retry => {}
-                            MissHandling::Accumulate => self.counters.parked += 1,
-                            MissHandling::Reorder => self.counters.slot_updates += 1,
-                        }
+                op.done += 1;
+                continue;
+            }
+            match self.l1.access(now, op.first + u64::from(op.done), op.region, slot, memory) {
+                Access::Hit => {}
+                Access::Full if self.mode != MissHandling::Retry => {
+                    op.refused = true;
+                    return false;
+                }
+                Access::Full => op.missed = true,
+                Access::Miss | Access::Merged => {
+                    op.missed = true;
+                    op.outstanding += 1;
+                    match self.mode {
+                        MissHandling::Retry => {}
+                        MissHandling::Accumulate => self.counters.parked += 1,
+                        MissHandling::Reorder => self.counters.slot_updates += 1,
                     }
                 }
             }
             op.done += 1;
-            if op.done == op.lines {
-                return true;
-            }
         }
-        false
+        true
     }
 
     /// All lines are looked up: the operation has its data in sight, or waits for lines.
@@ -278,12 +250,14 @@ impl Front {
             return Outcome::Waits;
         }
         self.counters.record_reads += 1;
+        let begin = self.port.max(now);
+        self.port = begin + if op.lines == 1 { 1 } else { u64::from(op.lines).div_ceil(self.lines_per_cycle) };
         let wait = match (op.refused, op.missed && !retry) {
             (true, _) => Wait::Refused,
             (false, true) => Wait::Memory,
             (false, false) => Wait::Fetch,
         };
-        Outcome::Ready(candidate(&op, now + self.latency, wait, retry && op.missed))
+        Outcome::Ready(candidate(&op, self.port - 1 + self.latency, wait, retry && op.missed))
     }
 }
 

@@ -195,10 +195,6 @@ impl Ist {
                 let outcome = self.front.push_again(now, slot, tick.memory);
                 self.follow(slot, outcome, tick);
             }
-            Kind::TriangleLookUp => {
-                let outcome = self.front.turn(now, slot, tick.memory);
-                self.follow(slot, outcome, tick);
-            }
             Kind::TriangleLookUpAgain => {
                 if let Some((slot, outcome)) = self.front.turn_again(now, tick.memory) {
                     self.follow(slot, outcome, tick);
@@ -257,7 +253,6 @@ impl Ist {
         let event = |kind| Event::new(kind, self.index, slot);
         match outcome {
             Outcome::Ready(op) => self.issue(slot, op, tick.wheel),
-            Outcome::Turn(at) => tick.wheel.push(at, event(Kind::TriangleLookUp)),
             Outcome::HeldUp => tick.wheel.push(tick.now + 1, event(Kind::TriangleLookUpAgain)),
             Outcome::Waits => {}
         }

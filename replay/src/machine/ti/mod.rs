@@ -22,7 +22,7 @@ use std::collections::VecDeque;
 
 use self::ist::{Ist, IstStats, Tasks};
 use self::trv::{Tick, Trv, TrvStats};
-use self::wheel::{Kind, Wheel};
+use self::wheel::{Event, Kind, Wheel};
 use super::config::MachineConfig;
 use super::counters::counters;
 use super::link::{RayRef, RayUnit};
@@ -90,6 +90,7 @@ pub struct TiUnit {
     accounted: Cycle,
     counters: DispatchCounters,
     done: Vec<RayRef>,
+    events: Vec<Event>,
 }
 
 /// How far ahead a unit books events: its deepest pipeline, and one operation of every ray before it.
@@ -122,6 +123,7 @@ impl TiUnit {
             accounted: 0,
             counters: DispatchCounters::default(),
             done: Vec::new(),
+            events: Vec::new(),
         }
     }
 
@@ -165,8 +167,8 @@ impl TiUnit {
 
     /// The events of cycle `now`.
     fn handle<M: Memory, T: Tiles>(&mut self, now: Cycle, context: &Context<'_, T>, memory: &mut M) {
-        let mut events = self.wheel.take(now);
-        loop {
+        let mut events = std::mem::take(&mut self.events);
+        while self.wheel.take(now, &mut events) {
             let (tasks, wheel, done) = (&mut self.tasks, &mut self.wheel, &mut self.done);
             let mut tick = Tick { now, context, tasks, memory: &mut *memory, wheel, done };
             for &event in &events {
@@ -175,15 +177,12 @@ impl TiUnit {
                     | Kind::NextTriangle
                     | Kind::TriangleBypass
                     | Kind::LastTriangle
-                    | Kind::TriangleLookUp
                     | Kind::TriangleLookUpAgain => self.ist[event.unit as usize].handle(event, &mut tick),
                     _ => self.trv[event.unit as usize].handle(event, &mut tick),
                 }
             }
-            if self.wheel.put(now, &mut events) {
-                return;
-            }
         }
+        self.events = events;
     }
 
     /// The next cycle after `now` at which something happens without a push or a fill from outside.

@@ -191,10 +191,6 @@ impl Trv {
                     self.visit(slot, root, tick);
                 }
             },
-            Kind::LookUp => {
-                let outcome = self.front.turn(tick.now, slot, tick.memory);
-                self.follow(slot, outcome, tick);
-            }
             Kind::LookUpAgain => {
                 if let Some((slot, outcome)) = self.front.turn_again(tick.now, tick.memory) {
                     self.follow(slot, outcome, tick);
@@ -330,7 +326,6 @@ impl Trv {
     fn follow<M: Memory, T: Tiles>(&mut self, slot: u8, outcome: Outcome, tick: &mut Tick<'_, M, T>) {
         match outcome {
             Outcome::Ready(op) => self.issue(slot, op, tick.wheel),
-            Outcome::Turn(at) => tick.wheel.push(at, Event::new(Kind::LookUp, self.index, slot)),
             Outcome::HeldUp => tick.wheel.push(tick.now + 1, Event::new(Kind::LookUpAgain, self.index, slot)),
             Outcome::Waits => {}
         }

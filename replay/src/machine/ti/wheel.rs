@@ -21,9 +21,7 @@ pub enum Kind {
     Stack,
     /// The result of a leaf task arrives.
     Returned,
-    /// The turn of an operation to look up.
-    LookUp,
-    /// A lookup that was refused, or is not complete, goes on.
+    /// A lookup that was refused is tried again.
     LookUpAgain,
     /// An intersection unit accepts the next task.
     Task,
@@ -33,9 +31,7 @@ pub enum Kind {
     TriangleBypass,
     /// The last triangle of a task leaves the pipeline.
     LastTriangle,
-    /// The turn of a triangle to look up.
-    TriangleLookUp,
-    /// A triangle's lookup that was refused, or is not complete, goes on.
+    /// A triangle's lookup that was refused is tried again.
     TriangleLookUpAgain,
 }
 
@@ -60,10 +56,17 @@ impl Event {
     }
 }
 
+/// A cycle without events.
+const NO_LIST: u16 = u16::MAX;
+
 /// See the module.
 #[derive(Debug)]
 pub struct Wheel {
-    slots: Vec<Vec<Event>>,
+    /// Per cycle the list of its events.
+    slots: Vec<u16>,
+    /// Lists of events. Few are in use at a time, and they are used again and again, so they stay in the caches of the host.
+    lists: Vec<Vec<Event>>,
+    free: Vec<u16>,
     /// One bit a slot: it holds events.
     used: Vec<u64>,
     /// Cycles before this one are over.
@@ -74,8 +77,15 @@ pub struct Wheel {
 impl Wheel {
     /// A wheel for events up to `reach` cycles ahead.
     pub fn new(reach: u32) -> Self {
-        let slots = (reach as usize + 2).next_power_of_two().max(64);
-        Self { slots: vec![Vec::new(); slots], used: vec![0; slots / 64], now: 0, mask: slots as Cycle - 1 }
+        let slots = (reach as usize + 2).next_power_of_two().clamp(64, usize::from(NO_LIST) / 2 + 1);
+        Self {
+            slots: vec![NO_LIST; slots],
+            lists: Vec::new(),
+            free: Vec::new(),
+            used: vec![0; slots / 64],
+            now: 0,
+            mask: slots as Cycle - 1,
+        }
     }
 
     /// It is cycle `now`: no event lies before it.
@@ -90,35 +100,47 @@ impl Wheel {
     pub fn push(&mut self, at: Cycle, event: Event) {
         debug_assert!(at >= self.now && at - self.now <= self.mask, "an event beyond the wheel");
         let slot = (at & self.mask) as usize;
-        self.slots[slot].push(event);
+        if self.slots[slot] == NO_LIST {
+            self.open(slot);
+        }
+        self.lists[self.slots[slot] as usize].push(event);
+    }
+
+    fn open(&mut self, slot: usize) {
         self.used[slot / 64] |= 1 << (slot % 64);
+        self.slots[slot] = self.free.pop().unwrap_or_else(|| {
+            self.lists.push(Vec::with_capacity(32));
+            self.lists.len() as u16 - 1
+        });
     }
 
-    /// The events of cycle `now`. Those of earlier cycles must have been taken. Give the memory back with [`Wheel::put`].
+    /// The next events of cycle `now`, those of earlier cycles having been taken; false when there are none. `events` is
+    /// emptied first. To be called until it is false: events may be booked for the same cycle meanwhile.
     #[inline]
-    pub fn take(&mut self, now: Cycle) -> Vec<Event> {
+    pub fn take(&mut self, now: Cycle, events: &mut Vec<Event>) -> bool {
         self.advance(now);
-        std::mem::take(&mut self.slots[(now & self.mask) as usize])
-    }
-
-    /// Ends cycle `now`: `done` are its events, all handled. Returns false if more were booked for the same cycle meanwhile;
-    /// then they are in `done`.
-    #[inline]
-    pub fn put(&mut self, now: Cycle, done: &mut Vec<Event>) -> bool {
-        done.clear();
+        events.clear();
         let slot = (now & self.mask) as usize;
-        std::mem::swap(&mut self.slots[slot], done);
-        if !done.is_empty() {
+        let list = self.slots[slot];
+        if list == NO_LIST {
             return false;
         }
+        std::mem::swap(&mut self.lists[list as usize], events);
+        self.free.push(list);
+        self.slots[slot] = NO_LIST;
         self.used[slot / 64] &= !(1 << (slot % 64));
-        self.now = now + 1;
         true
     }
 
     /// The cycle of the next event; never, if there is none.
     #[inline]
     pub fn next_event(&self) -> Cycle {
+        // Mostly it is this cycle or the next.
+        for at in [self.now, self.now + 1] {
+            if self.slots[(at & self.mask) as usize] != NO_LIST {
+                return at;
+            }
+        }
         let first = (self.now & self.mask) as usize;
         let words = self.used.len();
         let (word, bit) = (first / 64, first % 64);
@@ -156,11 +178,11 @@ mod tests {
         for (i, distance) in [3, 100, 3, 64, 1, 127].into_iter().enumerate() {
             wheel.push(distance, at(i as u8));
         }
+        let mut events = Vec::new();
         while wheel.next_event() != Cycle::MAX {
             now = wheel.next_event();
-            let mut events = wheel.take(now);
+            assert!(wheel.take(now, &mut events));
             seen.extend(events.iter().map(|e| (now, e.slot)));
-            assert!(wheel.put(now, &mut events));
             if now == 64 {
                 wheel.push(now + 127, at(9));
             }
@@ -171,13 +193,13 @@ mod tests {
 
     #[test]
     fn an_event_of_the_same_cycle_is_not_lost() {
-        let mut wheel = Wheel::new(10);
+        let (mut wheel, mut events) = (Wheel::new(10), Vec::new());
         wheel.push(5, at(1));
-        let mut events = wheel.take(5);
+        assert!(wheel.take(5, &mut events));
         wheel.push(5, at(2));
-        assert!(!wheel.put(5, &mut events));
+        assert!(wheel.take(5, &mut events));
         assert_eq!(events, [at(2)]);
-        assert!(wheel.put(5, &mut events));
+        assert!(!wheel.take(5, &mut events));
         assert_eq!(wheel.next_event(), Cycle::MAX);
     }
 }
