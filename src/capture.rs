@@ -10,7 +10,7 @@ use rayreel_formats::trace::Codec;
 use rayreel_tracer::capture::{self, Captured, Outcome, Output};
 use serde_json::json;
 
-use crate::common::{GridArgs, build, load_scene, meta, print, print_json, si};
+use crate::common::{GridArgs, build, frames, load_scene, meta, print, print_json, si};
 use crate::exit::Exit;
 use crate::progress::{self, Progress};
 
@@ -55,18 +55,6 @@ enum CodecName {
     Context,
     /// Plain bytes under zstd: simple to read in any language.
     Plain,
-}
-
-/// Parses `A..B` or `A` to first frame and number of frames.
-fn frames(text: &str) -> Result<(u32, u32), String> {
-    let wrong = || "give frames as A..B with A below B, such as 0..60, or one number".to_string();
-    let number = |s: &str| s.trim().parse::<u32>().map_err(|_| wrong());
-    let Some((first, end)) = text.split_once("..") else {
-        let frame = number(text)?;
-        return if frame < u32::MAX { Ok((frame, 1)) } else { Err(wrong()) };
-    };
-    let (first, end) = (number(first)?, number(end)?);
-    if first < end { Ok((first, end - first)) } else { Err(wrong()) }
 }
 
 pub fn run(args: &Args, quiet: bool) -> Result<Exit> {

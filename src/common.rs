@@ -54,6 +54,18 @@ fn samples(text: &str) -> Result<u32, String> {
     }
 }
 
+/// Parses `A..B` or `A` to first frame and number of frames.
+pub fn frames(text: &str) -> Result<(u32, u32), String> {
+    let wrong = || "give frames as A..B with A below B, such as 0..60, or one number".to_string();
+    let number = |s: &str| s.trim().parse::<u32>().map_err(|_| wrong());
+    let Some((first, end)) = text.split_once("..") else {
+        let frame = number(text)?;
+        return if frame < u32::MAX { Ok((frame, 1)) } else { Err(wrong()) };
+    };
+    let (first, end) = (number(first)?, number(end)?);
+    if first < end { Ok((first, end - first)) } else { Err(wrong()) }
+}
+
 /// Loads a scene and tells its warnings.
 pub fn load_scene(spec: &str) -> Result<Scene> {
     let scene = rayreel_scenes::load(spec)?;

@@ -94,10 +94,13 @@ pub fn digest(file: &Path) -> Value {
     rayreel!["digest", "--json", file].expect(0).json()
 }
 
-/// Replays a trace; `options` are split at blanks.
+/// Replays a trace, without a machine unless one is named; `options` are split at blanks.
 pub fn replay(file: &Path, options: &str) -> Ran {
     let mut args: Vec<OsString> = ["replay", "--quiet", "--json"].map(OsString::from).to_vec();
     args.push(file.into());
+    if !options.contains("--machine") {
+        args.extend(["--machine", "none"].map(OsString::from));
+    }
     args.extend(options.split_whitespace().map(OsString::from));
     run(&args)
 }

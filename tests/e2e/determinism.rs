@@ -3,7 +3,7 @@
 use std::fs;
 
 use crate::common::scenes::moving;
-use crate::common::{capture, digest};
+use crate::common::{capture, digest, replay};
 use crate::rayreel;
 
 /// Captures `scene` with each of `options`; demands the same bytes.
@@ -39,6 +39,24 @@ fn threads_do_not_change_a_sequence() {
     let scene = moving(folder.path());
     let options = [1, 2, 3].map(|threads| format!("--size 48x32 --tile 16 --frames 1..4 --threads {threads}"));
     same_bytes(&scene, &options.each_ref().map(String::as_str));
+}
+
+/// A machine's results and its timeline, too.
+#[test]
+fn threads_do_not_change_what_a_machine_does() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("a.rtrace");
+    capture("teapot", "--size 48x32 --tile 16 --frames 3..5", &file);
+    for (machine, policy) in [("sgrt-ti2", "adaptive"), ("raycore", "full"), ("no-direct-interface", "adaptive-4")] {
+        let runs = [1, 2, 2, 3].map(|threads| {
+            let timeline = folder.path().join(format!("{threads}.json"));
+            let options = format!("--machine {machine} --policy {policy} --threads {threads} --timeline");
+            let said = replay(&file, &format!("{options} {}", timeline.display())).expect(0).out;
+            (said, fs::read_to_string(timeline).unwrap())
+        });
+        assert!(runs.iter().all(|run| run.0 == runs[0].0), "{machine}: JSON");
+        assert!(runs.iter().all(|run| run.1 == runs[0].1), "{machine}: timeline");
+    }
 }
 
 /// A digest says what a trace holds, not how it is packed.

@@ -56,6 +56,14 @@ fn wrong_usage_is_2() {
         ("render cornell -o {}/x.png --frame 7", "camera path"),
         ("replay {}/a.rtrace --policy nonsense", "nonsense"),
         ("replay {}/a.rtrace --frob", "--frob"),
+        ("replay {}/a.rtrace --machine sgrt-ti3", "did you mean sgrt-ti2"),
+        ("replay {}/a.rtrace --machine raycore", "no kernel similarity"),
+        ("replay {}/a.rtrace --machine none --set ti.trv=2", "none"),
+        ("replay {}/a.rtrace --machine none --timeline {}/x", "none"),
+        ("replay {}/a.rtrace --set ti.trvs=2", "did you mean ti.trv"),
+        ("replay {}/a.rtrace --set dram.channels=0", "dram.channels"),
+        ("replay {}/a.rtrace --frames 0..2", "frame 1"),
+        ("replay {}/a.rtrace --frames 2..2", "A..B"),
         ("presets show sgrt-ti3", "did you mean sgrt-ti2"),
         ("presets show adaptve", "did you mean adaptive"),
         ("presets show sgrt-ti2 --set ti.trv=99", "from 1 to 16"),
@@ -136,6 +144,8 @@ fn what_is_done_is_0() {
         ("diff {}/a.rtrace {}/a.rtrace", "equal"),
         ("repair {}/a.rtrace -o {}/b.rtrace", "complete"),
         ("replay {}/a.rtrace", "PSNR"),
+        ("replay {}/a.rtrace --machine none", "PSNR"),
+        ("replay {}/a.rtrace --machine raycore --policy full --timeline {}/t.json", "Mrays/s"),
     ] {
         expect(folder, line, 0, word);
     }

@@ -59,6 +59,50 @@ fn replay_has_the_promised_keys() {
 }
 
 #[test]
+fn a_machine_adds_its_figures_and_changes_no_other() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = trace(folder.path(), &moving(folder.path()), "--size 40x26 --frames 1..4");
+    let plain = replay(&file, "").expect(0).json();
+    let out = folder.path().join("out");
+    let said = replay(&file, &format!("--machine sgrt-ti2 --out {}", out.display())).expect(0).json();
+    assert_eq!(said["machine"], "sgrt-ti2");
+    for key in ["rays_full", "rays_traced", "samples_traced", "psnr_db", "ssim", "trace_digest", "policy_config"] {
+        assert_eq!(said[key], plain[key], "{key}");
+    }
+    for key in ["cycles", "time_ms", "mrays_per_s", "power_w", "energy_mj", "perf_per_watt", "energy_per_ray_nj"] {
+        assert!(said[key].as_f64() > Some(0.0), "{key}: {}", said[key]);
+        assert!(plain.get(key) == Some(&Value::Null), "{key} is null without a machine");
+    }
+    for key in ["power_w", "energy_mj", "perf_per_watt"] {
+        assert!(said["gpu"][key].as_f64() > Some(0.0), "gpu {key}");
+    }
+    assert!(said["counters"]["ti/trv/node_visits"]["value"].as_u64() > Some(0));
+    let frames = said["frames"].as_array().unwrap();
+    let sum = |key: &str| frames.iter().map(|f| f[key].as_u64().unwrap()).sum::<u64>();
+    assert_eq!((frames.len(), Some(sum("cycles"))), (3, said["cycles"].as_u64()));
+    // A frame by itself is the frame of the sequence: caches are cold at its beginning.
+    let one = replay(&file, "--machine sgrt-ti2 --frames 2").expect(0).json();
+    assert_eq!((&one["cycles"], &one["energy_mj"]), (&frames[1]["cycles"], &frames[1]["energy_mj"]));
+    assert_eq!(one["frames"].as_array().unwrap().len(), 1);
+    assert_eq!(replay(&file, "--machine sgrt-ti2 --frames 1..4").expect(0).json(), said);
+}
+
+/// Overrides go to the machine or to the policy by their key.
+#[test]
+fn overrides_find_their_way() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = trace(folder.path(), "cornell", "--size 40x24");
+    let said =
+        replay(&file, "--machine sgrt-ti1 --set block=4 --set ti.clock_mhz=400 --set gpu.cores=1").expect(0).json();
+    assert_eq!(said["machine"], "sgrt-ti1+ti.clock_mhz=400+gpu.cores=1");
+    assert_eq!((&said["policy"], &said["policy_config"]["block"]), (&json!("adaptive+block=4"), &json!(4)));
+    let value = &said["machine_config"]["ti.clock_mhz"];
+    assert_eq!((&value["value"], &value["class"]), (&json!(400), &json!("override")));
+    let ms = said["cycles"].as_f64().unwrap() / 400e3;
+    assert!((said["time_ms"].as_f64().unwrap() / ms - 1.0).abs() < 1e-12);
+}
+
+#[test]
 fn frames_add_up() {
     let folder = tempfile::tempdir().unwrap();
     let file = trace(folder.path(), &moving(folder.path()), "--size 40x26 --frames 1..4");
@@ -160,7 +204,8 @@ fn people_get_a_table() {
     let folder = tempfile::tempdir().unwrap();
     let file = trace(folder.path(), "cornell", "--size 32x20");
     let text = run(&["replay".into(), "--quiet".into(), file.into()]).expect(0).out;
-    for word in ["a.rtrace", "adaptive", "rays", "primary", "shadow", "PSNR", "SSIM"] {
+    for word in ["a.rtrace", "adaptive", "rays", "primary", "shadow", "PSNR", "SSIM", "sgrt-ti2", "Mrays/s", "row hits"]
+    {
         assert!(text.contains(word), "no {word} in\n{text}");
     }
 }

@@ -42,6 +42,17 @@ pub enum Group {
     Memory,
 }
 
+impl Group {
+    /// The name, as reports print it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Ti => "ti",
+            Self::Srp => "srp",
+            Self::Memory => "memory",
+        }
+    }
+}
+
 /// Energy of one component, all cores together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Component {

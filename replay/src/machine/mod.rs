@@ -12,6 +12,7 @@ pub mod counters;
 pub mod energy;
 pub mod link;
 pub mod memory;
+pub mod probes;
 pub mod simulate;
 pub mod srp;
 pub mod stats;
@@ -19,4 +20,5 @@ pub mod system;
 #[cfg(test)]
 pub(crate) mod test_config;
 pub mod ti;
+pub mod timeline;
 pub mod work;

@@ -2,7 +2,7 @@
 
 use serde_json::{Map, Value, json};
 
-/// Key, unit and meaning of every figure.
+/// Key, unit and meaning of every figure, in the order of the report. Without a machine its figures are null.
 pub const FIGURES: &[(&str, &str, &str)] = &[
     ("rays_full", "rays", "rays of all samples of the grid: what tracing everything costs"),
     ("rays_traced", "rays", "rays of the traced samples, apron rays not included"),
@@ -28,6 +28,47 @@ pub const FIGURES: &[(&str, &str, &str)] = &[
       null for pictures below 11 pixels",
     ),
     ("identical", "bool", "the picture equals that of full in every 8-bit sRGB value"),
+    ("cycles", "cycles", "length of the run on the machine, cycles of the T&I clock; sum over the frames"),
+    ("time_ms", "ms", "simulated time: cycles over the T&I clock"),
+    ("fps", "frames/s", "frames over time_ms"),
+    (
+        "rays_machine",
+        "rays",
+        "rays that the T&I units took: rays_traced and rays_apron, without primary rays that a rasteriser replaced",
+    ),
+    ("mrays_per_s", "Mrays/s", "rays_machine over time_ms"),
+    ("power_w", "W", "mean power of the T&I units alone, the group ti of energy"),
+    ("energy_mj", "mJ", "energy of the T&I units alone"),
+    ("energy_per_ray_nj", "nJ", "energy_mj over rays_machine"),
+    ("perf_per_watt", "frames/s/W", "fps over power_w"),
+    (
+        "ti_with_memory",
+        "object",
+        "power_w, energy_mj, energy_per_ray_nj and perf_per_watt of the T&I units with the dynamic energy of L2 and DRAM that \
+      nodes and triangles cause",
+    ),
+    (
+        "gpu",
+        "object",
+        "power_w, energy_mj, energy_per_ray_nj and perf_per_watt of the whole GPU: T&I units, SRPs, L2 and DRAM",
+    ),
+    (
+        "counters",
+        "object",
+        "what the machine counted, group/name to value, unit and description; sums over frames, cores and units",
+    ),
+    (
+        "units",
+        "list",
+        "each issue stage of each unit: the cycles it spent in each class (described in counters), which add up to cycles; \
+      those of an SRP are SRP cycles",
+    ),
+    (
+        "energy",
+        "list",
+        "components: dynamic_mj with the clock tree, leakage_mj (of the DRAM its background), power_w; the GPU is their sum",
+    ),
+    ("machine_config", "object", "every value of the machine with its class (paper, source, ...) and source"),
 ];
 
 /// [`FIGURES`] as a JSON object.

@@ -1,18 +1,26 @@
 //! The report of a replay: what `rayreel replay --json` prints, and a table for people.
 //!
-//! No wall-clock figure stands here: the bytes are a pure function of trace and policy. Ratios are made here from the integer
-//! counts, each by one division.
+//! No wall-clock figure stands here: the bytes are a pure function of trace, policy and machine. Ratios are made here from the
+//! integer counts.
 
+mod counters;
+mod format;
 pub mod keys;
+mod page;
+pub mod run;
 pub mod table;
 
 use rayreel_formats::scene::Meta;
 use serde::Serialize;
-use serde_json::Value;
+use serde_json::{Map, Value, json};
+
+use self::run::{ComponentReport, RunFigures};
 
 use crate::error::{ReplayError, Result};
 use crate::frame::counts::{Counts, FrameStats, Quality, RayCounts, TileStats};
 use crate::image::psnr::decibels;
+use crate::machine::config::{MachineConfig, NamedMachine};
+use crate::machine::simulate::MachineRun;
 use crate::policy::{NamedPolicy, Policy};
 
 /// What the results are of, as the caller knows it.
@@ -33,7 +41,7 @@ pub struct Report {
     pub trace_digest: Option<String>,
     /// Scene of the trace.
     pub scene: String,
-    /// Machine preset; null without a machine model.
+    /// Name of the machine; null without one.
     pub machine: Option<String>,
     /// Name of the policy.
     pub policy: String,
@@ -50,10 +58,24 @@ pub struct Report {
     /// Sums and means over all frames.
     #[serde(flatten)]
     pub sum: Figures,
+    /// What the machine made of all frames.
+    #[serde(flatten)]
+    pub run: RunFigures,
     /// Each frame.
     pub frames: Vec<FrameReport>,
+    /// What the machine counted, by name; null without a machine.
+    pub counters: Value,
+    /// What each issue stage of each unit did; null without a machine.
+    pub units: Value,
+    /// Energy by component; null without a machine.
+    pub energy: Option<Vec<ComponentReport>>,
+    /// Every value of the machine; null without one.
+    pub machine_config: Value,
     /// Unit and meaning of the keys.
     pub descriptions: Value,
+    /// The machine and what it did, for the printed page.
+    #[serde(skip)]
+    pub machine_run: Option<(MachineConfig, MachineRun)>,
 }
 
 /// The figures of one frame, or of all.
@@ -108,6 +130,9 @@ pub struct FrameReport {
     /// Its figures.
     #[serde(flatten)]
     pub figures: Figures,
+    /// What the machine made of it.
+    #[serde(flatten)]
+    pub run: RunFigures,
     /// Its tiles, in order; left out if empty.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub tiles: Vec<TileReport>,
@@ -149,9 +174,33 @@ impl Report {
             samples_per_axis: meta.samples,
             tile: meta.tile,
             sum: Figures::new(&counts, qualities.as_deref().unwrap_or_default()),
+            run: RunFigures::default(),
             frames: frames.iter().map(FrameReport::new).collect(),
+            counters: Value::Null,
+            units: Value::Null,
+            energy: None,
+            machine_config: Value::Null,
             descriptions: keys::descriptions(),
+            machine_run: None,
         }
+    }
+
+    /// The same with what `machine` did with each of the frames.
+    #[must_use]
+    pub fn with_machine(mut self, machine: &NamedMachine, runs: &[MachineRun]) -> Self {
+        let mut all = MachineRun::default();
+        for (frame, run) in self.frames.iter_mut().zip(runs) {
+            frame.run = RunFigures::new(&machine.config, run, 1);
+            all.add(run);
+        }
+        self.run = RunFigures::new(&machine.config, &all, runs.len());
+        self.machine = Some(machine.name.clone());
+        self.counters = counters::counters(&all);
+        self.units = counters::units(&all.stats);
+        self.energy = Some(run::components(&all.energy, self.run.time_ms));
+        self.machine_config = machine_config(machine);
+        self.machine_run = Some((machine.config.clone(), all));
+        self
     }
 
     /// The same without the tiles of the frames, which make up most of the report of a long sequence.
@@ -169,6 +218,14 @@ impl Report {
         let text = serde_json::to_string_pretty(self).map_err(|e| ReplayError::Usage { detail: e.to_string() })?;
         Ok(text + "\n")
     }
+}
+
+/// Every value of a machine with what is known about it.
+fn machine_config(machine: &NamedMachine) -> Value {
+    let value = |v: &crate::machine::config::Sourced| {
+        (v.key.to_owned(), json!({ "value": v.value, "class": v.class.name(), "source": v.source }))
+    };
+    Value::Object(machine.values.iter().map(value).collect::<Map<_, _>>())
 }
 
 impl Figures {
@@ -203,6 +260,7 @@ impl FrameReport {
         Self {
             frame: stats.frame,
             figures: Figures::new(&stats.counts, stats.quality.as_slice()),
+            run: RunFigures::default(),
             tiles: stats.tiles.iter().map(TileReport::new).collect(),
         }
     }

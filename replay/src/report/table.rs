@@ -2,7 +2,8 @@
 
 use std::fmt::{self, Display};
 
-use super::{Figures, Report};
+use super::format::{amount, grouped, ratio, share};
+use super::{Figures, FrameReport, Report, page};
 use crate::frame::counts::RayCounts;
 
 impl Display for Report {
@@ -15,22 +16,25 @@ impl Display for Report {
         rays(f, &self.sum)?;
         writeln!(f)?;
         writeln!(f, "PSNR {}   SSIM {}", psnr(&self.sum), ssim(&self.sum))?;
-        if self.frames.len() > 1 {
-            writeln!(f)?;
-            writeln!(
-                f,
-                "{:>7} {:>14} {:>8} {:>11} {:>10} {:>8}",
-                "frame", "rays", "of full", "similar", "PSNR", "SSIM"
-            )?;
-            for frame in &self.frames {
-                let own = &frame.figures;
-                let cost = own.rays_traced + own.rays_apron;
-                write!(f, "{:>7} {:>14} {:>8}", frame.frame, grouped(cost), share(cost, own.rays_full))?;
-                writeln!(f, " {:>11} {:>10} {:>8}", ratio(own.similarity_ratio), psnr(own), ssim(own))?;
-            }
-        }
-        Ok(())
+        page::write(f, self)?;
+        if self.frames.len() > 1 { frames(f, &self.frames, self.machine.is_some()) } else { Ok(()) }
     }
+}
+
+fn frames(f: &mut fmt::Formatter<'_>, frames: &[FrameReport], machine: bool) -> fmt::Result {
+    writeln!(f)?;
+    write!(f, "{:>7} {:>13} {:>8} {:>8} {:>9} {:>7}", "frame", "rays", "of full", "similar", "PSNR", "SSIM")?;
+    writeln!(f, "{}", if machine { format!(" {:>10} {:>11}", "time", "GPU energy") } else { String::new() })?;
+    for FrameReport { frame, figures: own, run, .. } in frames {
+        let cost = own.rays_traced + own.rays_apron;
+        write!(f, "{frame:>7} {:>13} {:>8}", grouped(cost), share(cost, own.rays_full))?;
+        write!(f, " {:>8} {:>9} {:>7}", ratio(own.similarity_ratio), psnr(own), ssim(own))?;
+        if let (true, Some(gpu)) = (machine, run.gpu) {
+            write!(f, " {:>10} {:>11}", amount(run.time_ms, "ms"), amount(gpu.energy_mj, "mJ"))?;
+        }
+        writeln!(f)?;
+    }
+    Ok(())
 }
 
 fn samples(f: &mut fmt::Formatter<'_>, figures: &Figures) -> fmt::Result {
@@ -74,36 +78,4 @@ fn psnr(figures: &Figures) -> String {
 
 fn ssim(figures: &Figures) -> String {
     figures.ssim.map_or_else(|| "-".into(), |v| format!("{v:.4}"))
-}
-
-fn ratio(ratio: Option<f64>) -> String {
-    ratio.map_or_else(|| "-".into(), |r| format!("{:.1} %", r * 100.0))
-}
-
-fn share(part: u64, whole: u64) -> String {
-    ratio((whole > 0).then(|| part as f64 / whole as f64))
-}
-
-/// Digits in groups of three.
-fn grouped(n: u64) -> String {
-    let digits = n.to_string();
-    let mut text = String::new();
-    for (i, digit) in digits.chars().enumerate() {
-        if i > 0 && (digits.len() - i).is_multiple_of(3) {
-            text.push(' ');
-        }
-        text.push(digit);
-    }
-    text
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn groups() {
-        let cases = [(0, "0"), (999, "999"), (1000, "1 000"), (1_234_567, "1 234 567")];
-        cases.into_iter().for_each(|(n, text)| assert_eq!(grouped(n), text));
-    }
 }

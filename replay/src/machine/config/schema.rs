@@ -32,6 +32,13 @@ pub struct Key {
     pub rule: Rule,
 }
 
+/// Whether an override `key=value` is meant for a machine: its key begins with one of the machine's tables.
+pub fn is_machine_override(text: &str) -> bool {
+    let key = text.split('=').next().unwrap_or_default();
+    let table = key.split('.').next().unwrap_or_default().trim();
+    KEYS.iter().any(|known| known.name.split('.').next() == Some(table))
+}
+
 impl Rule {
     /// The value as it is kept (sizes in bytes, energies as pJ of whole femtojoules), if it is allowed.
     pub fn accept(&self, value: &Value) -> Option<Value> {

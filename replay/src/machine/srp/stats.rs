@@ -38,6 +38,12 @@ impl SrpActivity {
         self.list().iter().map(|c| c.value).sum()
     }
 
+    /// Cycles in kernels and inspector.
+    pub fn busy_cycles(&self) -> u64 {
+        let Self { raygen, shade, miss, update, similarity, interpolate, resolve, inspector, .. } = *self;
+        raygen + shade + miss + update + similarity + interpolate + resolve + inspector
+    }
+
     pub(super) fn busy(&mut self, kernel: KernelId, cycles: u64) {
         *match kernel {
             KernelId::Raygen => &mut self.raygen,

@@ -27,6 +27,7 @@ use super::config::MachineConfig;
 use super::counters::counters;
 use super::link::{RayRef, RayUnit};
 use super::memory::{Cycle, Memory, Port};
+use super::timeline::Busy;
 use super::work::TileWork;
 use super::work::layout::Layout;
 use super::work::topology::Topology;
@@ -203,6 +204,16 @@ impl TiUnit {
             dispatch: self.counters,
             trv: self.trv.iter_mut().map(|unit| unit.finish(cycles)).collect(),
             ist: self.ist.iter_mut().map(|unit| unit.finish(cycles)).collect(),
+        }
+    }
+
+    /// Busy cycles of each issue stage so far, for a timeline.
+    pub fn busy(&self, mut see: impl FnMut(Busy)) {
+        for (index, unit) in self.trv.iter().enumerate() {
+            unit.busy().for_each(|(stage, cycles)| see(Busy { unit: "TRV", index, stage, cycles }));
+        }
+        for (index, unit) in self.ist.iter().enumerate() {
+            see(Busy { unit: "IST", index, stage: "", cycles: unit.busy() });
         }
     }
 
