@@ -72,6 +72,10 @@ impl RaySlot {
         self.ray = ray;
         (self.at, self.end) = (own.ops_start, own.ops_start + own.ops_len);
         (self.deferred, self.held, self.tests) = (0, 0, 0);
+        // The operations were written by another thread. Reading one of each line of the host's cache now lets the misses
+        // overlap, instead of one after the other when the ray gets there.
+        let path = &work.ops[self.at as usize..self.end as usize];
+        std::hint::black_box(path.iter().step_by(16).fold(0, |all, op| all ^ op.bits()));
     }
 
     /// The next operation, which becomes the one at hand; `None` when the ray is done.

@@ -75,6 +75,12 @@ impl Op {
     /// The end of a ray whose stack is empty.
     pub const END: Self = Self(END);
 
+    /// The word.
+    #[inline]
+    pub(crate) fn bits(self) -> u32 {
+        self.0
+    }
+
     /// What it is.
     #[inline]
     pub fn kind(self) -> OpKind {
