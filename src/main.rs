@@ -22,8 +22,9 @@ use exit::Exit;
 
 /// Record what a ray tracer does once; replay it as often as you like.
 ///
-/// `capture` traces a scene into a trace file; `replay` turns the trace into pictures, ray counts and image quality under a
-/// sampling policy, without tracing again. `paper` does the whole experiment for the built-in scenes.
+/// `capture` traces a scene into a trace file; `replay` runs the trace under a sampling policy through a model of a mobile
+/// ray-tracing GPU, without tracing again: cycles, power, pictures and image quality. `paper` does the whole experiment for the
+/// built-in scenes.
 ///
 /// Exit codes: 0 done, 1 the result says no (verify, diff), 2 wrong usage, 3 incomplete trace, 65 bad input data,
 /// 75 interrupted but flushed.

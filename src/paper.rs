@@ -1,5 +1,8 @@
 //! `rayreel paper`: the paper's experiment on the built-in scenes.
 
+mod jobs;
+mod table;
+
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -7,20 +10,24 @@ use anyhow::{Context, Result};
 use rayreel_formats::Limits;
 use rayreel_formats::scene::Meta;
 use rayreel_formats::trace::{Codec, Trace};
-use rayreel_replay::report::{Origin, Report};
-use rayreel_replay::{NamedPolicy, Options, replay_each};
+use rayreel_replay::NamedPolicy;
+use rayreel_replay::image::files;
+use rayreel_replay::machine::config::NamedMachine;
 use rayreel_tracer::capture::{self, Outcome, Output};
-use serde_json::{Value, json};
+use serde_json::Value;
 
+use self::jobs::Job;
+use self::table::{MODES, Pair, Row, Runs, json_row, table};
 use crate::common::{GridArgs, build, load_scene, meta, print, si};
 use crate::exit::Exit;
 use crate::progress::{self, Progress};
-use crate::replay::write_pictures;
 
 /// Reproduce the paper's experiment on the built-in scenes.
 ///
-/// Captures what is missing into the cache folder, replays full and adaptive sampling in both modes (supersampling: 2x2 samples
-/// a pixel, undersampling: one), prints a table and writes the pictures. A second run captures nothing.
+/// Captures what is missing into the cache folder, simulates full and adaptive sampling in both modes (supersampling: 2x2 samples
+/// a pixel, undersampling: one) on a machine, prints tables beside the paper's figures and writes the pictures. Performance, power
+/// and performance per watt are those of adaptive relative to full: of the T&I units alone, as in the paper's Figure 7 (the SRP
+/// takes no time), and of the whole GPU. A second run captures nothing.
 #[derive(Debug, clap::Args)]
 pub struct Args {
     /// Image size in pixels; the paper's is 2048x1024.
@@ -29,33 +36,22 @@ pub struct Args {
     /// Scenes; all built-in ones if none is named.
     #[arg(long = "scene", value_name = "NAME")]
     scenes: Vec<String>,
+    /// Machine preset or file (.toml); none replays for pictures and ray counts only.
+    #[arg(long, default_value = "sgrt-ti2", value_name = "NAME|FILE")]
+    machine: String,
     /// Folder for traces.
     #[arg(long, default_value = "rayreel-cache", value_name = "DIR")]
     cache: PathBuf,
     /// Folder for pictures and paper.json.
     #[arg(long, default_value = "rayreel-out", value_name = "DIR")]
     out: PathBuf,
-    /// Print JSON instead of the table.
+    /// Print JSON instead of the tables.
     #[arg(long)]
     json: bool,
 }
 
-/// The two ways of the paper to use the adaptive policy: name, samples per pixel and axis.
-const MODES: [(&str, u32); 2] = [("supersampling", 2), ("undersampling", 1)];
-
-/// PSNR in the paper's Table 1, dB: scene, supersampling, undersampling. The scenes here are our own; only their kind and
-/// triangle count are the paper's.
-const PAPER_PSNR: [(&str, [f64; 2]); 2] = [("teapot", [48.99, 42.13]), ("chess", [28.53, 34.73])];
-
-/// One line of the table.
-struct Row {
-    scene: String,
-    mode: usize,
-    full: u64,
-    adaptive: Report,
-}
-
 pub fn run(args: &Args, quiet: bool) -> Result<Exit> {
+    let machines = Machines::load(args)?;
     for folder in [&args.cache, &args.out] {
         std::fs::create_dir_all(folder).with_context(|| format!("cannot create folder {}", folder.display()))?;
     }
@@ -63,32 +59,91 @@ pub fn run(args: &Args, quiet: bool) -> Result<Exit> {
     let names = rayreel_scenes::builtin_names();
     let scenes: Vec<String> =
         if args.scenes.is_empty() { names.iter().map(|n| (*n).to_string()).collect() } else { args.scenes.clone() };
-    let mut rows = Vec::new();
+    let mut traces = Vec::new();
     for name in &scenes {
         for (mode, (_, samples)) in MODES.iter().enumerate() {
-            let Some(trace) = captured(args, name, *samples, quiet)? else {
-                eprintln!("interrupted: run the same command again to go on");
-                return Ok(Exit::Interrupted);
-            };
-            rows.push(row(args, mode, &trace)?);
+            let Some(trace) = captured(args, name, *samples, quiet)? else { return Ok(interrupted()) };
+            traces.push((mode, trace));
         }
     }
+    let Some(rows) = rows(args, &traces, &machines, quiet)? else { return Ok(interrupted()) };
     let value = Value::Array(rows.iter().map(json_row).collect());
     let file = args.out.join("paper.json");
-    rayreel_replay::image::files::write_atomically(&file, format!("{value:#}\n").as_bytes())?;
-    print(&if args.json { format!("{value:#}\n") } else { table(args, &rows) })?;
+    files::write_atomically(&file, format!("{value:#}\n").as_bytes())?;
+    let text = || table(args.size, &rows) + &format!("\npictures and paper.json: {}\n", args.out.display());
+    print(&if args.json { format!("{value:#}\n") } else { text() })?;
     Ok(Exit::Done)
 }
 
-/// The trace of a scene, from the cache or captured; `None` when interrupted.
-fn captured(args: &Args, name: &str, samples: u32, quiet: bool) -> Result<Option<Trace>> {
+fn interrupted() -> Exit {
+    eprintln!("interrupted: run the same command again to go on");
+    Exit::Interrupted
+}
+
+/// The machine asked for, and the same with an SRP that takes no time; none without a machine.
+struct Machines(Option<[NamedMachine; 2]>);
+
+impl Machines {
+    fn load(args: &Args) -> Result<Self> {
+        if args.machine == "none" {
+            return Ok(Self(None));
+        }
+        let alone = NamedMachine::load(&args.machine, &["srp.ideal=true".into()])?;
+        Ok(Self(Some([NamedMachine::load(&args.machine, &[])?, alone])))
+    }
+}
+
+/// Replays and simulates all scenes in both modes; nothing when interrupted.
+fn rows(
+    args: &Args,
+    traces: &[(usize, (PathBuf, Trace))],
+    machines: &Machines,
+    quiet: bool,
+) -> Result<Option<Vec<Row>>> {
+    let [full, adaptive] = [NamedPolicy::load("full", &[])?, NamedPolicy::load("adaptive", &[])?];
+    let names: Vec<String> = traces.iter().map(|(_, (_, trace))| file_name(&trace.meta().scene)).collect();
+    let mut jobs = Vec::new();
+    for ((mode, (path, trace)), name) in traces.iter().zip(&names) {
+        let folder = args.out.join(format!("{name}-{}", MODES[*mode].0));
+        std::fs::create_dir_all(&folder).with_context(|| format!("cannot create folder {}", folder.display()))?;
+        let bytes = jobs::file_bytes(path);
+        let job = |policy, machine, pictures| Job { name, trace, bytes, policy, machine, pictures };
+        let machine = machines.0.as_ref();
+        jobs.push(job(&adaptive, machine.map(|m| &m[0]), Some(folder)));
+        if let Some([whole, alone]) = machine {
+            jobs.extend([
+                job(&full, Some(whole), None),
+                job(&full, Some(alone), None),
+                job(&adaptive, Some(alone), None),
+            ]);
+        }
+    }
+    let Some(reports) = jobs::run_all(&jobs, rayon::current_num_threads(), quiet)? else { return Ok(None) };
+    drop(jobs);
+    let mut reports = reports.into_iter();
+    let mut rows = Vec::new();
+    for ((mode, _), scene) in traces.iter().zip(names) {
+        let Some(adaptive) = reports.next() else { break };
+        let mut runs = None;
+        if machines.0.is_some()
+            && let (Some(full), Some(first), Some(second)) = (reports.next(), reports.next(), reports.next())
+        {
+            runs = Some(Runs { full, alone: Pair { full: first, adaptive: second } });
+        }
+        rows.push(Row { scene, mode: *mode, adaptive, runs });
+    }
+    Ok(Some(rows))
+}
+
+/// The trace of a scene with its path, from the cache or captured; `None` when interrupted.
+fn captured(args: &Args, name: &str, samples: u32, quiet: bool) -> Result<Option<(PathBuf, Trace)>> {
     let scene = load_scene(name)?;
     let grid = GridArgs { size: args.size, samples, depth: rayreel_tracer::Settings::default().max_depth };
     let wanted = meta(&scene, &grid, 32, 0, 1);
     let (w, h) = args.size;
     let path = args.cache.join(format!("{}-{w}x{h}-{samples}x{samples}.rtrace", file_name(&scene.name)));
     if let Some(trace) = cached(&path, &wanted) {
-        return Ok(Some(trace));
+        return Ok(Some((path, trace)));
     }
     let built = build(&scene)?;
     let what = format!("capture {} {samples}x{samples}", scene.name);
@@ -101,7 +156,10 @@ fn captured(args: &Args, name: &str, samples: u32, quiet: bool) -> Result<Option
     })?;
     bar.finish();
     match outcome {
-        Outcome::Finished(_) => Ok(Some(Trace::open(&path, Limits::default())?)),
+        Outcome::Finished(_) => {
+            let trace = Trace::open(&path, Limits::default())?;
+            Ok(Some((path, trace)))
+        }
         Outcome::Interrupted(_) => Ok(None),
     }
 }
@@ -132,64 +190,4 @@ fn is_resumable(path: &Path, wanted: &Meta) -> Result<bool> {
     }
     Writer::discard(path)?;
     Ok(false)
-}
-
-fn row(args: &Args, mode: usize, trace: &Trace) -> Result<Row> {
-    let name = file_name(&trace.meta().scene);
-    let folder = args.out.join(format!("{name}-{}", MODES[mode].0));
-    std::fs::create_dir_all(&folder).with_context(|| format!("cannot create folder {}", folder.display()))?;
-    let policy = NamedPolicy::load("adaptive", &[])?;
-    let stats = replay_each(trace, &policy.policy, trace.meta().frame_numbers(), Options::default(), |frame| {
-        write_pictures(&frame, trace.meta().samples, &folder, "")
-    })?;
-    let origin = Origin { trace: name.clone(), trace_digest: None };
-    let adaptive = Report::new(&origin, &policy, trace.meta(), &stats);
-    Ok(Row { scene: name, mode, full: adaptive.sum.rays_full, adaptive })
-}
-
-fn paper_psnr(row: &Row) -> Option<f64> {
-    PAPER_PSNR.iter().find(|(name, _)| *name == row.scene).map(|(_, psnr)| psnr[row.mode])
-}
-
-fn json_row(row: &Row) -> Value {
-    let sum = &row.adaptive.sum;
-    json!({
-        "scene": row.scene,
-        "mode": MODES[row.mode].0,
-        "policy": row.adaptive.policy,
-        "rays_full": row.full,
-        "rays_traced": sum.rays_traced,
-        "ray_ratio": row.full as f64 / sum.rays_traced as f64,
-        "similarity_ratio": sum.similarity_ratio,
-        "psnr_db": sum.psnr_db,
-        "ssim": sum.ssim,
-        "paper_psnr_db": paper_psnr(row),
-    })
-}
-
-fn table(args: &Args, rows: &[Row]) -> String {
-    let (w, h) = args.size;
-    let mut text =
-        format!("adaptive sampling against full, {w}x{h} pixels; the paper's PSNR is for its own models\n\n");
-    text += &format!(
-        "{:<10} {:<14} {:>13} {:>13} {:>10} {:>8} {:>9} {:>9} {:>7}\n",
-        "scene", "mode", "rays, full", "rays, adapt.", "ray ratio", "similar", "PSNR dB", "paper dB", "SSIM"
-    );
-    for row in rows {
-        let sum = &row.adaptive.sum;
-        let or_dash = |v: Option<f64>, digits: usize| v.map_or("-".to_string(), |v| format!("{v:.digits$}"));
-        text += &format!(
-            "{:<10} {:<14} {:>13} {:>13} {:>10.2} {:>8} {:>9} {:>9} {:>7}\n",
-            row.scene,
-            MODES[row.mode].0,
-            row.full,
-            sum.rays_traced,
-            row.full as f64 / sum.rays_traced as f64,
-            or_dash(sum.similarity_ratio.map(|r| r * 100.0), 1) + " %",
-            or_dash(sum.psnr_db, 2),
-            or_dash(paper_psnr(row), 2),
-            or_dash(sum.ssim, 4),
-        );
-    }
-    text + &format!("\npictures and paper.json: {}\n", args.out.display())
 }

@@ -1,6 +1,7 @@
 //! `rayreel paper`: the table, the pictures, and a cache that is used and trusted no further than it should be.
 
 use std::collections::BTreeMap;
+use std::ffi::OsString;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
@@ -14,7 +15,7 @@ const MODES: [(&str, &str); 2] = [("supersampling", "2x2"), ("undersampling", "1
 
 fn paper(folder: &Path) -> Ran {
     let (cache, out) = (folder.join("cache"), folder.join("out"));
-    rayreel!["paper", "--quiet", "--size", "96x48", "--cache", &cache, "--out", &out].expect(0)
+    rayreel!["paper", "--quiet", "--size", "96x48", "--machine", "none", "--cache", &cache, "--out", &out].expect(0)
 }
 
 /// What tells whether a file was written again.
@@ -88,6 +89,53 @@ fn the_second_run_captures_nothing() {
     for row in rows {
         let keys = ["rays_full", "rays_traced", "ray_ratio", "psnr_db", "ssim"];
         keys.iter().for_each(|key| assert!(row[*key].is_number(), "{key} in {row}"));
+        assert!(row["ti_alone"].is_null() && row["gpu"].is_null(), "no machine, and it says so: {row}");
+    }
+}
+
+/// Performance and power beside the paper's: from the machine's own figures, the same for any number of threads.
+#[test]
+fn the_machine_stands_beside_the_paper() {
+    let folder = tempfile::tempdir().unwrap();
+    let (cache, out) = (folder.path().join("cache"), folder.path().join("out"));
+    let run = |more: &str| {
+        let line = format!("paper --quiet --size 64x32 --scene teapot --scene cornell {more} --cache");
+        let mut args: Vec<OsString> = line.split_whitespace().map(OsString::from).collect();
+        args.extend([cache.as_os_str(), "--out".as_ref(), out.as_os_str()].map(ToOwned::to_owned));
+        crate::common::run(&args).expect(0).out
+    };
+    let text = run("--threads 2");
+    for part in ["2.43 to 2.98", "1.09", "T&I units alone", "whole GPU", "Mrays/s", "sgrt-ti2"] {
+        assert!(text.contains(part), "{part} in\n{text}");
+    }
+    let json = run("--threads 1 --json");
+    assert_eq!(json, run("--threads 3 --json"));
+    let rows: Vec<Value> = serde_json::from_str(&json).unwrap();
+    assert_eq!(rows.len(), 2 * MODES.len());
+    let number = |value: &Value| value.as_f64().unwrap_or_else(|| panic!("{value}"));
+    for row in rows {
+        for part in ["ti_alone", "gpu"] {
+            let own = &row[part];
+            let cost = |run: &Value| if part == "gpu" { run["gpu"].clone() } else { run.clone() };
+            let (full, adaptive) = (&own["full"], &own["adaptive"]);
+            let expected = [
+                ("performance", number(&full["time_ms"]) / number(&adaptive["time_ms"])),
+                ("power", number(&cost(adaptive)["power_w"]) / number(&cost(full)["power_w"])),
+                ("perf_per_watt", number(&cost(full)["energy_mj"]) / number(&cost(adaptive)["energy_mj"])),
+            ];
+            for (key, value) in expected {
+                assert!((number(&own["gain"][key]) / value - 1.0).abs() < 1e-9, "{part} {key} in {row}");
+            }
+            assert_eq!(full["rays_machine"], row["rays_full"]);
+            assert_eq!(adaptive["rays_machine"], row["rays_traced"]);
+        }
+        // An SRP that takes no time helps, but for what another order of memory requests may cost.
+        let cycles = |part: &str| number(&row[part]["full"]["cycles"]);
+        assert!(cycles("ti_alone") < 1.05 * cycles("gpu"), "{row}");
+        for key in ["similarity_share", "interpolation_share"] {
+            assert!((0.001..0.5).contains(&number(&row["srp"][key])), "{key} in {row}");
+        }
+        assert_eq!(row["ti_alone"]["paper_perf_per_watt"].is_object(), row["scene"] == "teapot");
     }
 }
 
@@ -97,8 +145,10 @@ fn the_cache_is_checked() {
     let folder = tempfile::tempdir().unwrap();
     let (cache, out) = (folder.path().join("cache"), folder.path().join("out"));
     let run = || {
-        let args = ["--size", "64x32", "--scene", "cornell", "--quiet"];
-        rayreel!["paper", args[0], args[1], args[2], args[3], args[4], "--cache", &cache, "--out", &out].expect(0).out
+        let line = "paper --size 64x32 --scene cornell --quiet --machine none --cache";
+        let mut args: Vec<OsString> = line.split_whitespace().map(OsString::from).collect();
+        args.extend([cache.as_os_str(), "--out".as_ref(), out.as_os_str()].map(ToOwned::to_owned));
+        crate::common::run(&args).expect(0).out
     };
     let expected = run();
     let names = ["cornell-64x32-2x2.rtrace", "cornell-64x32-1x1.rtrace"].map(|name| cache.join(name));

@@ -38,19 +38,15 @@ fn speed(f: &mut Formatter<'_>, report: &Report, config: &MachineConfig) -> fmt:
     row("time", small(run.time_ms, "ms", "us"), run.fps, "frames/s")?;
     row("rays", grouped(run.rays_machine.unwrap_or_default()), run.mrays_per_s, "Mrays/s")?;
     writeln!(f, "\n  {:<18} {:>16} {:>20} {:>16}", "", "T&I units", "and their memory", "whole GPU")?;
-    let memory = run.ti_with_memory.unwrap_or_default();
-    let gpu = run.gpu.unwrap_or_default();
-    let values: [(&str, fn(&Cost) -> String); 4] = [
-        ("power", |c| small(c.power_w, "W", "mW")),
-        ("energy", |c| small(c.energy_mj, "mJ", "uJ")),
-        ("energy a ray", |c| amount(c.energy_per_ray_nj, "nJ")),
-        ("frames/s a watt", |c| amount(c.perf_per_watt, "")),
-    ];
-    for (name, shown) in values {
-        let [ti, memory, gpu] = [&run.ti, &memory, &gpu].map(|cost| shown(cost).trim_end().to_owned());
-        writeln!(f, "  {name:<18} {ti:>16} {memory:>20} {gpu:>16}")?;
-    }
-    Ok(())
+    let costs = [run.ti, run.ti_with_memory.unwrap_or_default(), run.gpu.unwrap_or_default()];
+    let mut row = |name: &str, shown: fn(&Cost) -> String| {
+        let [ti, memory, gpu] = costs.each_ref().map(|cost| shown(cost).trim_end().to_owned());
+        writeln!(f, "  {name:<18} {ti:>16} {memory:>20} {gpu:>16}")
+    };
+    row("power", |c| small(c.power_w, "W", "mW"))?;
+    row("energy", |c| small(c.energy_mj, "mJ", "uJ"))?;
+    row("energy a ray", |c| amount(c.energy_per_ray_nj, "nJ"))?;
+    row("frames/s a watt", |c| amount(c.perf_per_watt, ""))
 }
 
 /// An amount in `unit`, or in its thousandth part if it is below one.
