@@ -95,7 +95,7 @@ impl Gather {
     fn texel_address(&self, ray: &RayWork) -> u64 {
         let block = u64::from(ray.y >> 2) << 12 | u64::from((ray.x >> 2) & 0xfff);
         let plane = u64::from(ray.material & 0x3ff) << 30 | u64::from(ray.depth & 3) << 28;
-        Region::Texture.base() + plane + (block * self.texel_block_bytes & 0x0fff_ffff)
+        Region::Texture.base() + plane + ((block * self.texel_block_bytes) & 0x0fff_ffff)
     }
 
     /// The SRP cycle from which on item `reader` has its data; `None` while it waits.

@@ -32,8 +32,8 @@ pub struct RaySlot {
     pub triangle: u32,
     /// The stack operation at hand: the node that deferred the child; `None` where the stack is empty.
     popped: Option<u32>,
-    /// Nodes still to be visited on a walk down again, the next one last; none for most rays.
-    trail: Option<Box<Vec<u32>>>,
+    /// Nodes still to be visited on a walk down again, the next one last; empty otherwise.
+    trail: Vec<u32>,
 }
 
 /// What a stack operation found.
@@ -60,7 +60,7 @@ impl Default for RaySlot {
             tests: 0,
             triangle: 0,
             popped: None,
-            trail: None,
+            trail: Vec::new(),
         }
     }
 }
@@ -99,7 +99,7 @@ impl RaySlot {
     /// Whether the visit at hand is one of a walk down again.
     #[inline]
     pub fn restarting(&self) -> bool {
-        self.trail.is_some()
+        !self.trail.is_empty()
     }
 
     /// A node visit is complete; returns whether it pushed a child. The short stack holds `short` of them.
@@ -115,13 +115,10 @@ impl RaySlot {
     /// A node of a walk down again is visited. `Ok` is the next node of the walk; at its end, `Err` says how many children
     /// were pushed again on the way.
     pub fn visited_again(&mut self, short: u8) -> Result<u32, u8> {
-        if let Some(trail) = &mut self.trail {
-            trail.pop();
-            if let Some(&next) = trail.last() {
-                return Ok(next);
-            }
+        self.trail.pop();
+        if let Some(&next) = self.trail.last() {
+            return Ok(next);
         }
-        self.trail = None;
         // The lost child stands uppermost, and this visit leads to it without a pop.
         self.deferred -= 1;
         self.held = self.deferred.min(short);
@@ -140,15 +137,13 @@ impl RaySlot {
         Popped::Held
     }
 
-    /// Rare enough to afford memory of its own.
     #[cold]
     fn lost(&mut self, mut node: u32, tree: &Topology) -> Popped {
-        let mut trail = vec![node];
+        self.trail.push(node);
         while node != 0 {
             node = tree.parents[node as usize];
-            trail.push(node);
+            self.trail.push(node);
         }
-        self.trail = Some(Box::new(trail));
         Popped::Lost(node)
     }
 }

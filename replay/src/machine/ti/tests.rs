@@ -216,3 +216,77 @@ fn throughput_is_one_node_a_cycle() {
     assert_eq!(stats.trv[0].stages[0].1.busy, 5000);
     assert!((5000..5100).contains(&cycles), "{cycles}");
 }
+
+#[test]
+fn a_hit_passes_a_miss() {
+    let (tree, none) = (chain(2), &[step::NONE][..]);
+    for mode in [MissHandling::Reorder, MissHandling::Retry, MissHandling::Accumulate] {
+        let mut config = config();
+        (config.ti.miss_handling, config.ti.rays_per_trv) = (mode, 2);
+        let rays =
+            [(RayKind::Primary, &[step::RIGHT, step::NONE][..]), (RayKind::Primary, none), (RayKind::Primary, none)];
+        let (out, _, _) = run(&config, &tree, &tile(&tree, &rays), 40);
+        match mode {
+            // Both wait for node 0 until 58 and issue in 58 and 59. The first then waits for node 1 from 68 to 108; the third
+            // ray comes in 73, finds node 0 in 90, and is out before.
+            MissHandling::Reorder | MissHandling::Accumulate => assert_eq!(out, [121, 72, 104], "{mode:?}"),
+            MissHandling::Retry => assert!(out[2] < out[0], "{mode:?}: {out:?}"),
+        }
+    }
+}
+
+#[test]
+fn a_full_row_holds_up_the_queue() {
+    let (mut config, tree) = (config(), chain(2));
+    (config.ti.miss_handling, config.ti.accumulate_rays_per_row) = (MissHandling::Accumulate, 1);
+    let rays = [(RayKind::Primary, &[step::NONE][..]); 3];
+    let (out, stats, _) = run(&config, &tree, &tile(&tree, &rays), 40);
+    // The first is parked in 18. The second is refused from 19 on; the line comes in 58, and it hits then; the third in 59.
+    assert_eq!(out, [58 + 10 + 3, 59 + 10 + 3, 60 + 10 + 3]);
+    let trv = &stats.trv[0];
+    assert_eq!((trv.front.parked, trv.l1.misses, trv.l1.merges, trv.l1.hits), (1, 1, 0, 2));
+    assert_eq!(trv.l1.full, 58 - 19);
+}
+
+#[test]
+fn mshrs_run_out() {
+    let (mut config, tree) = (config(), chain(4));
+    config.ti.trv_l1.mshrs = 1;
+    config.ti.rays_per_trv = 2;
+    // Both see node 0. The second goes on to node 1 after the first did, and node 1 is on its way by then.
+    let rays = [
+        (RayKind::Primary, &[step::RIGHT, step::RIGHT, step::NONE][..]),
+        (RayKind::Primary, &[step::RIGHT, step::NONE]),
+    ];
+    let (out, stats, _) = run(&config, &tree, &tile(&tree, &rays), 40);
+    assert_eq!(out, [18 + 3 * 50 + 3, 18 + 41 + 10 + 40 + 10 + 3]);
+    assert_eq!((stats.trv[0].l1.misses, stats.trv[0].l1.merges), (3, 2));
+}
+
+#[test]
+fn data_that_straddle_lines_take_a_cycle_more_with_one_bank() {
+    let (mut config, tree) = (config(), chain(2));
+    (config.layout.node_bytes, config.ti.rays_per_trv) = (128, 1);
+    let rays = [(RayKind::Primary, &[step::NONE][..]); 2];
+    let second = |config: &MachineConfig| {
+        let (out, stats, _) = run(config, &tree, &tile(&tree, &rays), 40);
+        assert_eq!(stats.trv[0].l1.lookups, 4);
+        out[1] - out[0]
+    };
+    assert_eq!(second(&config), 1 + 17 + 2 + 10 + 3);
+    config.ti.trv_lines_per_cycle = 2;
+    assert_eq!(second(&config), 1 + 17 + 1 + 10 + 3);
+}
+
+#[test]
+fn a_free_entry_goes_to_who_waits_longest() {
+    let (mut config, tree) = (config(), small_tree());
+    (config.ti.ist_entries, config.ti.trv) = (1, 2);
+    // Three shadow rays that end in the same leaf. The second is in the other unit, whose cold L1 makes it the last to get there.
+    let rays = [(RayKind::Shadow, &[step::LEFT, step::HIT][..]); 3];
+    let (out, stats, _) = run(&config, &tree, &tile(&tree, &rays), 40);
+    assert!(out[0] < out[2] && out[2] < out[1], "{out:?}");
+    // Granted in the cycle after the entry became free, leaf pipe, crossbar, hit, triangle pipe, crossbar.
+    assert_eq!(out[1] - out[2], 1 + 5 + 2 + 1 + 30);
+    assert!(stats.trv.iter().map(|trv| trv.stages[1].1.blocked).sum::<u64>() > 0);
+}
