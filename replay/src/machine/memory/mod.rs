@@ -71,7 +71,7 @@ pub trait Memory {
     /// The next cycle at which `tick` can bring a response or free a queue; `None` if nothing is under way.
     fn next_event(&self) -> Option<Cycle>;
 
-    /// Bytes that went to or came from DRAM so far.
+    /// Bytes that crossed the DRAM's data bus so far, by commands given.
     fn bytes_moved(&self) -> u64 {
         0
     }

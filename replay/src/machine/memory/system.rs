@@ -37,6 +37,7 @@ pub struct MemorySystem {
     now: Cycle,
     arrived: Vec<Response>,
     line_bytes: u64,
+    burst_bytes: u64,
     traffic: Traffic,
 }
 
@@ -54,6 +55,7 @@ impl MemorySystem {
             now: 0,
             arrived: Vec::new(),
             line_bytes: l2.line_bytes.into(),
+            burst_bytes: dram.burst_bytes.into(),
             traffic: Traffic::default(),
         }
     }
@@ -148,7 +150,8 @@ impl Memory for MemorySystem {
     }
 
     fn bytes_moved(&self) -> u64 {
-        self.traffic.total()
+        let dram = self.dram_counters();
+        (dram.reads + dram.writes) * self.burst_bytes
     }
 
     fn take_evicted(&mut self) -> Vec<u64> {
