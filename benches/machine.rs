@@ -221,7 +221,8 @@ fn main() {
     let arguments = arguments();
     rayon::ThreadPoolBuilder::new().num_threads(1).build_global().expect("one thread");
     println!(
-        "Mrays/s: policy alone; with the machine by wall clock, by CPU time. Mcycles/s likewise. energy: % of the time"
+        "Mrays/s: policy alone; with the machine by wall clock, by CPU time. Mcycles/s likewise.\n\
+         energy: microseconds to make energy of the counters, once a run. slower: time over that of plain tracing."
     );
     println!(
         "  {:<9} {:<20} {:>9} {:>8} {:>8} {:>8} {:>9} {:>9} {:>9} {:>7} {:>7}",
