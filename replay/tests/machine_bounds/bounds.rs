@@ -167,7 +167,7 @@ fn the_dram_can_be_driven_to_its_peak() {
     use rayreel_replay::machine::work::layout::Region;
     let config = machine("sgrt-ti2", &["dram.trefi=1000000"]);
     let (mut memory, mut now, mut line, mut arrived) = (MemorySystem::new(&config), 0, 0, Vec::new());
-    while line < 40_000 {
+    while line < 12_000 {
         let request = Request { port: Port(0), line, region: Region::Sample, route: Route::Read };
         if memory.request(now, request) {
             line += 1;
