@@ -2,8 +2,8 @@
 //!
 //! The counters of every unit are looked at from time to time; what is written is how busy each was in between. When there are
 //! too many looks, every second one is forgotten and the distance doubles, so memory and file stay small however long the run,
-//! and no busy cycle is lost. The SRP books a batch when it is done and DRAM traffic is booked when its queue takes it, so over
-//! a short distance both can come out above 100 %.
+//! and no busy cycle is lost. The SRP books items when they are done, T&I stages when an issue is certain, and the DRAM a burst when its
+//! command is sent, so over a short distance a value can come out above 100 %.
 //!
 //! Frames follow one another in time. Of each core there is a counter for every issue stage, in percent of its cycles, and the
 //! number of rays in its T&I unit; the DRAM's is in percent of its peak bandwidth.
