@@ -113,7 +113,7 @@ impl Case<'_> {
         let mut plain = plain;
         for _ in 0..ROUNDS {
             if let Some((run, best)) = &mut plain {
-                best.round(|| run());
+                best.round(run);
             }
             alone.round(|| self.replayer(&named, |r| r.frame_with(frame, self.tree, |_| Ok(())).map(drop)));
             whole.round(|| {
