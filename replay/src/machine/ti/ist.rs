@@ -184,26 +184,19 @@ impl Ist {
         self.front.l1_mut().invalidate(line);
     }
 
-    /// One event.
-    #[inline]
-    pub(super) fn handle<M: Memory, T: Tiles>(&mut self, event: Event, tick: &mut Tick<'_, M, T>) {
-        let (now, slot) = (tick.now, event.slot);
-        match event.kind {
-            Kind::Task => self.accept(tick),
-            Kind::NextTriangle => self.arrive(slot, tick),
-            Kind::TriangleBypass => {
-                let outcome = self.front.push_again(now, slot, tick.memory);
-                self.follow(slot, outcome, tick);
-            }
-            Kind::TriangleLookUpAgain => {
-                if let Some((slot, outcome)) = self.front.turn_again(now, tick.memory) {
-                    self.follow(slot, outcome, tick);
-                }
-                if self.front.is_held_up() {
-                    tick.wheel.push(now + 1, event);
-                }
-            }
-            _ => self.finished(slot, tick),
+    /// A triangle left the pipeline without work.
+    pub(super) fn again<M: Memory, T: Tiles>(&mut self, slot: u8, tick: &mut Tick<'_, M, T>) {
+        let outcome = self.front.push_again(tick.now, slot, tick.memory);
+        self.follow(slot, outcome, tick);
+    }
+
+    /// A refused lookup is tried again; `event` is booked anew while one is held up.
+    pub(super) fn look_up_again<M: Memory, T: Tiles>(&mut self, event: Event, tick: &mut Tick<'_, M, T>) {
+        if let Some((slot, outcome)) = self.front.turn_again(tick.now, tick.memory) {
+            self.follow(slot, outcome, tick);
+        }
+        if self.front.is_held_up() {
+            tick.wheel.push(tick.now + 1, event);
         }
     }
 
@@ -217,7 +210,8 @@ impl Ist {
         }
     }
 
-    fn accept<M: Memory, T: Tiles>(&mut self, tick: &mut Tick<'_, M, T>) {
+    /// The next task comes.
+    pub(super) fn accept<M: Memory, T: Tiles>(&mut self, tick: &mut Tick<'_, M, T>) {
         let Some(task) = tick.tasks.inbox[self.index as usize].pop_front() else { return };
         if self.free.len() == self.tasks.len() {
             self.idle.end(tick.now);
@@ -229,7 +223,7 @@ impl Ist {
     }
 
     /// The last triangle of a task left the pipeline.
-    fn finished<M: Memory, T: Tiles>(&mut self, slot: u8, tick: &mut Tick<'_, M, T>) {
+    pub(super) fn finished<M: Memory, T: Tiles>(&mut self, slot: u8, tick: &mut Tick<'_, M, T>) {
         let task = self.tasks[slot as usize];
         tick.wheel.push(tick.now + self.crossbar, Event::new(Kind::Returned, task.trv, task.slot));
         self.free.push(slot);
@@ -241,7 +235,7 @@ impl Ist {
 
     /// The next triangle of a task comes to the input buffer.
     #[inline]
-    fn arrive<M: Memory, T: Tiles>(&mut self, slot: u8, tick: &mut Tick<'_, M, T>) {
+    pub(super) fn arrive<M: Memory, T: Tiles>(&mut self, slot: u8, tick: &mut Tick<'_, M, T>) {
         let lines = tick.context.layout.triangle(self.tasks[slot as usize].triangle);
         let outcome = self.front.push(tick.now, slot, lines, Region::Triangle, tick.memory);
         self.follow(slot, outcome, tick);

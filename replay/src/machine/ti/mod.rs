@@ -173,13 +173,19 @@ impl TiUnit {
             let (tasks, wheel, done) = (&mut self.tasks, &mut self.wheel, &mut self.done);
             let mut tick = Tick { now, context, tasks, memory: &mut *memory, wheel, done };
             for &event in &events {
+                let (unit, slot) = (event.unit as usize, event.slot);
                 match event.kind {
-                    Kind::Task
-                    | Kind::NextTriangle
-                    | Kind::TriangleBypass
-                    | Kind::LastTriangle
-                    | Kind::TriangleLookUpAgain => self.ist[event.unit as usize].handle(event, &mut tick),
-                    _ => self.trv[event.unit as usize].handle(event, &mut tick),
+                    Kind::Setup | Kind::Returned => self.trv[unit].go_on(slot, &mut tick),
+                    Kind::Inner => self.trv[unit].passed(slot, &mut tick),
+                    Kind::InnerBypass => self.trv[unit].again(slot, &mut tick),
+                    Kind::Leaf => self.trv[unit].leaf_passed(slot, event.extra, &mut tick),
+                    Kind::Stack => self.trv[unit].popped(slot, &mut tick),
+                    Kind::LookUpAgain => self.trv[unit].look_up_again(event, &mut tick),
+                    Kind::Task => self.ist[unit].accept(&mut tick),
+                    Kind::NextTriangle => self.ist[unit].arrive(slot, &mut tick),
+                    Kind::LastTriangle => self.ist[unit].finished(slot, &mut tick),
+                    Kind::TriangleBypass => self.ist[unit].again(slot, &mut tick),
+                    Kind::TriangleLookUpAgain => self.ist[unit].look_up_again(event, &mut tick),
                 }
             }
         }

@@ -10,18 +10,23 @@
 use crate::machine::counters::Activity;
 use crate::machine::memory::Cycle;
 
-/// What an operation waited for between arrival and issue.
+/// What an operation waited for between arrival and issue. The numbers are places in an account.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Wait {
     /// A lookup or the hit latency.
-    Fetch,
+    Fetch = 2,
     /// A line.
-    Memory,
+    Memory = 3,
     /// A lookup that was refused.
-    Refused,
+    Refused = 4,
     /// The stage behind was full.
-    Blocked,
+    Blocked = 5,
 }
+
+/// Places in an account, in the order of [`Activity`]; those of [`Wait`] lie between.
+const BUSY: usize = 0;
+const STARVED: usize = 6;
+const IDLE: usize = 7;
 
 /// An operation that is to issue.
 #[derive(Clone, Copy, Debug)]
@@ -81,19 +86,28 @@ pub struct Stage {
     free: Cycle,
     /// Idle cycles of the unit that are accounted or lie before `free`.
     idle_seen: Cycle,
-    activity: Activity,
+    /// Cycles by class.
+    account: [Cycle; 8],
 }
 
 impl Stage {
     /// Issues an operation; returns the cycle. `idle` is that of the unit, which holds the operation's ray.
+    ///
+    /// No branch: whether there is a gap, and why, is as good as random.
     #[inline]
     pub fn issue(&mut self, op: Candidate, idle: &Idle) -> Cycle {
         let at = op.ready.max(self.free);
-        if at > self.free {
-            self.account_gap(at, op, idle);
-        }
+        let arrived = op.arrived.clamp(self.free, at);
+        let before = arrived - self.free;
+        self.account[op.wait as usize] += at - arrived;
+        let others = if op.others_wait { before } else { 0 };
+        let unused = before - others;
+        let spell = (idle.total - self.idle_seen).min(unused);
+        self.account[Wait::Memory as usize] += others;
+        self.account[IDLE] += spell;
+        self.account[STARVED] += unused - spell;
+        self.account[BUSY + usize::from(op.bypass)] += 1;
         self.idle_seen = idle.total;
-        *(if op.bypass { &mut self.activity.bypass } else { &mut self.activity.busy }) += 1;
         self.free = at + 1;
         at
     }
@@ -101,35 +115,18 @@ impl Stage {
     /// Cycles in which an operation issued or will issue, bypasses not.
     #[inline]
     pub fn busy(&self) -> Cycle {
-        self.activity.busy
+        self.account[BUSY]
     }
 
     /// Accounts the cycles up to `cycles`, the length of the run, in which nothing issues any more.
     pub fn finish(&mut self, cycles: Cycle, idle: &Idle) -> Activity {
         let rest = cycles.saturating_sub(self.free);
         let idle = (idle.before(cycles) - self.idle_seen).min(rest);
-        self.activity.idle += idle;
-        self.activity.starved += rest - idle;
+        self.account[IDLE] += idle;
+        self.account[STARVED] += rest - idle;
         self.free = self.free.max(cycles);
-        self.activity
-    }
-
-    fn account_gap(&mut self, at: Cycle, op: Candidate, idle: &Idle) {
-        let arrived = op.arrived.max(self.free);
-        *match op.wait {
-            Wait::Fetch => &mut self.activity.fetch,
-            Wait::Memory => &mut self.activity.memory,
-            Wait::Refused => &mut self.activity.mshr,
-            Wait::Blocked => &mut self.activity.blocked,
-        } += at - arrived;
-        let before = arrived - self.free;
-        if op.others_wait {
-            self.activity.memory += before;
-        } else {
-            let idle = (idle.total - self.idle_seen).min(before);
-            self.activity.idle += idle;
-            self.activity.starved += before - idle;
-        }
+        let [busy, bypass, fetch, memory, mshr, blocked, starved, idle] = self.account;
+        Activity { busy, bypass, fetch, memory, mshr, blocked, starved, idle }
     }
 }
 

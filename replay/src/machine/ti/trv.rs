@@ -175,31 +175,25 @@ impl Trv {
         self.front.l1_mut().invalidate(line);
     }
 
-    /// One event.
-    #[inline]
-    pub(super) fn handle<M: Memory, T: Tiles>(&mut self, event: Event, tick: &mut Tick<'_, M, T>) {
-        let slot = event.slot;
-        match event.kind {
-            Kind::Inner => self.passed(slot, tick),
-            Kind::InnerBypass => self.again(slot, tick),
-            Kind::Leaf => self.leaf_passed(slot, event.extra, tick),
-            Kind::Stack => match self.rays[slot as usize].popped(tick.context.tree) {
-                Popped::Empty => self.leave(slot, tick),
-                Popped::Held => self.go_on(slot, tick),
-                Popped::Lost(root) => {
-                    self.events.restarts += 1;
-                    self.visit(slot, root, tick);
-                }
-            },
-            Kind::LookUpAgain => {
-                if let Some((slot, outcome)) = self.front.turn_again(tick.now, tick.memory) {
-                    self.follow(slot, outcome, tick);
-                }
-                if self.front.is_held_up() {
-                    tick.wheel.push(tick.now + 1, event);
-                }
+    /// An operation left the stack pipeline.
+    pub(super) fn popped<M: Memory, T: Tiles>(&mut self, slot: u8, tick: &mut Tick<'_, M, T>) {
+        match self.rays[slot as usize].popped(tick.context.tree) {
+            Popped::Empty => self.leave(slot, tick),
+            Popped::Held => self.go_on(slot, tick),
+            Popped::Lost(root) => {
+                self.events.restarts += 1;
+                self.visit(slot, root, tick);
             }
-            _ => self.go_on(slot, tick),
+        }
+    }
+
+    /// A refused lookup is tried again; `event` is booked anew while one is held up.
+    pub(super) fn look_up_again<M: Memory, T: Tiles>(&mut self, event: Event, tick: &mut Tick<'_, M, T>) {
+        if let Some((slot, outcome)) = self.front.turn_again(tick.now, tick.memory) {
+            self.follow(slot, outcome, tick);
+        }
+        if self.front.is_held_up() {
+            tick.wheel.push(tick.now + 1, event);
         }
     }
 
@@ -230,7 +224,7 @@ impl Trv {
 
     /// An operation left the inner-node pipeline.
     #[inline]
-    fn passed<M: Memory, T: Tiles>(&mut self, slot: u8, tick: &mut Tick<'_, M, T>) {
+    pub(super) fn passed<M: Memory, T: Tiles>(&mut self, slot: u8, tick: &mut Tick<'_, M, T>) {
         let ray = &mut self.rays[slot as usize];
         if ray.tests > 0 {
             // Unified pipeline: a triangle.
@@ -260,7 +254,7 @@ impl Trv {
         self.go_on(slot, tick);
     }
 
-    fn leaf_passed<M: Memory, T: Tiles>(&mut self, slot: u8, ist: u8, tick: &mut Tick<'_, M, T>) {
+    pub(super) fn leaf_passed<M: Memory, T: Tiles>(&mut self, slot: u8, ist: u8, tick: &mut Tick<'_, M, T>) {
         let ray = &mut self.rays[slot as usize];
         let (tests, triangle) = (std::mem::take(&mut ray.tests), ray.triangle);
         if tests == 0 {
@@ -274,7 +268,7 @@ impl Trv {
 
     /// Puts the ray's next operation where it belongs.
     #[inline]
-    fn go_on<M: Memory, T: Tiles>(&mut self, slot: u8, tick: &mut Tick<'_, M, T>) {
+    pub(super) fn go_on<M: Memory, T: Tiles>(&mut self, slot: u8, tick: &mut Tick<'_, M, T>) {
         let ray = &mut self.rays[slot as usize];
         match ray.next(tick.context.tiles.work(ray.ray.slot)) {
             Some(OpKind::Visit { node, .. }) => self.visit(slot, node, tick),
@@ -316,7 +310,7 @@ impl Trv {
     }
 
     /// The operation at hand goes to the input buffer again.
-    fn again<M: Memory, T: Tiles>(&mut self, slot: u8, tick: &mut Tick<'_, M, T>) {
+    pub(super) fn again<M: Memory, T: Tiles>(&mut self, slot: u8, tick: &mut Tick<'_, M, T>) {
         let outcome = self.front.push_again(tick.now, slot, tick.memory);
         self.follow(slot, outcome, tick);
     }

@@ -56,17 +56,11 @@ impl Event {
     }
 }
 
-/// A cycle without events.
-const NO_LIST: u16 = u16::MAX;
-
 /// See the module.
 #[derive(Debug)]
 pub struct Wheel {
-    /// Per cycle the list of its events.
-    slots: Vec<u16>,
-    /// Lists of events. Few are in use at a time, and they are used again and again, so they stay in the caches of the host.
-    lists: Vec<Vec<Event>>,
-    free: Vec<u16>,
+    /// Per cycle its events.
+    slots: Vec<Vec<Event>>,
     /// One bit a slot: it holds events.
     used: Vec<u64>,
     /// Cycles before this one are over.
@@ -77,15 +71,8 @@ pub struct Wheel {
 impl Wheel {
     /// A wheel for events up to `reach` cycles ahead.
     pub fn new(reach: u32) -> Self {
-        let slots = (reach as usize + 2).next_power_of_two().clamp(64, usize::from(NO_LIST) / 2 + 1);
-        Self {
-            slots: vec![NO_LIST; slots],
-            lists: Vec::new(),
-            free: Vec::new(),
-            used: vec![0; slots / 64],
-            now: 0,
-            mask: slots as Cycle - 1,
-        }
+        let slots = (reach as usize + 2).next_power_of_two().max(64);
+        Self { slots: vec![Vec::new(); slots], used: vec![0; slots / 64], now: 0, mask: slots as Cycle - 1 }
     }
 
     /// It is cycle `now`: no event lies before it.
@@ -100,18 +87,8 @@ impl Wheel {
     pub fn push(&mut self, at: Cycle, event: Event) {
         debug_assert!(at >= self.now && at - self.now <= self.mask, "an event beyond the wheel");
         let slot = (at & self.mask) as usize;
-        if self.slots[slot] == NO_LIST {
-            self.open(slot);
-        }
-        self.lists[self.slots[slot] as usize].push(event);
-    }
-
-    fn open(&mut self, slot: usize) {
         self.used[slot / 64] |= 1 << (slot % 64);
-        self.slots[slot] = self.free.pop().unwrap_or_else(|| {
-            self.lists.push(Vec::with_capacity(32));
-            self.lists.len() as u16 - 1
-        });
+        self.slots[slot].push(event);
     }
 
     /// The next events of cycle `now`, those of earlier cycles having been taken; false when there are none. `events` is
@@ -121,15 +98,9 @@ impl Wheel {
         self.advance(now);
         events.clear();
         let slot = (now & self.mask) as usize;
-        let list = self.slots[slot];
-        if list == NO_LIST {
-            return false;
-        }
-        std::mem::swap(&mut self.lists[list as usize], events);
-        self.free.push(list);
-        self.slots[slot] = NO_LIST;
+        std::mem::swap(&mut self.slots[slot], events);
         self.used[slot / 64] &= !(1 << (slot % 64));
-        true
+        !events.is_empty()
     }
 
     /// The cycle of the next event; never, if there is none.
@@ -137,7 +108,7 @@ impl Wheel {
     pub fn next_event(&self) -> Cycle {
         // Mostly it is this cycle or the next.
         for at in [self.now, self.now + 1] {
-            if self.slots[(at & self.mask) as usize] != NO_LIST {
+            if !self.slots[(at & self.mask) as usize].is_empty() {
                 return at;
             }
         }
