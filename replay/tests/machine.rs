@@ -292,9 +292,9 @@ proptest! {
     #[test]
     fn limits_are_inclusive(key in 0usize..KEYS.len()) {
         if let Rule::Integer(low, high) = KEYS[key].rule {
-            let range = |v: i64| match load("sgrt-ti2", &[&format!("{}={v}", KEYS[key].name)]) {
-                Err(ReplayError::BadValue { .. }) => false,
-                _ => true,
+            let range = |v: i64| {
+                let loaded = load("sgrt-ti2", &[&format!("{}={v}", KEYS[key].name)]);
+                !matches!(loaded, Err(ReplayError::BadValue { .. }))
             };
             prop_assert!(range(low) && range(high) && !range(low - 1) && !range(high + 1));
         }

@@ -8,6 +8,9 @@ fn machine(overrides: &[&str]) -> MachineConfig {
     NamedMachine::load("sgrt-ti2", &overrides).unwrap().config
 }
 
+/// What a case counts.
+type Change = fn(&mut Run);
+
 /// Owned counts of a machine with one core that has one unit of each sort.
 #[derive(Clone, Default)]
 struct Run {
@@ -34,7 +37,7 @@ impl Run {
             cores: vec![(&self.ti, &self.srp, self.srp_l1)],
             l2: self.l2,
             dram: self.dram,
-            traffic: self.traffic.clone(),
+            traffic: self.traffic,
         };
         EnergyReport::new(config, &counts)
     }
@@ -44,7 +47,7 @@ impl Run {
 fn each_event_costs_its_price_in_its_component() {
     // Prices in fJ, before the clock tree of 20 %.
     #[rustfmt::skip]
-    let cases: &[(fn(&mut Run), &[(&str, u128)])] = &[
+    let cases: &[(Change, &[(&str, u128)])] = &[
         (|r| r.ti.trv[0].events.box_tests = 2, &[("trv", 30_000)]),
         (|r| r.ti.trv[0].events.triangle_tests = 1, &[("trv", 42_000)]),
         (|r| r.ti.trv[0].events.bypasses = 1, &[("trv", 10_200)]),
@@ -90,7 +93,7 @@ fn each_event_costs_its_price_in_its_component() {
 fn memory_pays_no_clock_tree() {
     let config = machine(&[]);
     #[rustfmt::skip]
-    let cases: &[(fn(&mut Run), u128, u128)] = &[
+    let cases: &[(Change, u128, u128)] = &[
         (|r| r.dram.activates = 1, 1_200_000, 0),
         (|r| r.dram.reads = 1, 2_170_000, 32 * 28_000),
         (|r| r.dram.writes = 1, 1_290_000, 32 * 28_000),

@@ -207,7 +207,7 @@ pub fn mixed(tile: u32, n: usize, seed: u64) -> TileWork {
         let primaries = (0..n as u64)
             .map(|i| {
                 let r = mix(seed, u64::from(wave) * 1000 + i);
-                let material = (r % 4 > 0).then_some((r >> 8) as u32 % 5);
+                let material = (!r.is_multiple_of(4)).then_some((r >> 8) as u32 % 5);
                 sample(&mut work, material, (r >> 16) as u8 % 3, r >> 24 & 1 == 1)
             })
             .collect();
