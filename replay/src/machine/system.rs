@@ -129,8 +129,13 @@ impl<'a, M: Memory> System<'a, M> {
         while !self.is_done() {
             self.advance(false, probe)?;
         }
-        probe.look(self.now, &self.cores, self.memory.bytes_moved());
         let cycles = self.now;
+        // Writes that still wait for DRAM belong to this frame's energy, but nothing waits for them.
+        while !self.memory.is_idle() {
+            self.now = self.memory.next_event().unwrap_or(0).max(self.now + 1);
+            self.memory.tick(self.now, &mut self.arrived);
+        }
+        probe.look(cycles, &self.cores, self.memory.bytes_moved());
         let close = |core: &mut Core| {
             core.srp.finish(cycles);
             CoreStats {

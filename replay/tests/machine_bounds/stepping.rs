@@ -32,6 +32,10 @@ impl Memory for EveryCycle {
         Some(self.now + 1)
     }
 
+    fn is_idle(&self) -> bool {
+        self.inner.is_idle()
+    }
+
     fn bytes_moved(&self) -> u64 {
         self.inner.bytes_moved()
     }
@@ -50,7 +54,8 @@ fn every_cycle_or_from_event_to_event() {
         let memory = EveryCycle { inner: MemorySystem::new(&config), now: 0, ticks: 0 };
         let (mut walked, memory) = run_keeping(&config, (&tree, &tiles), SHAPE, memory);
         walked.memory = MemoryStats::of(&memory.inner);
-        assert_eq!(memory.ticks, walked.cycles, "seed {seed} was walked");
+        // And a few more until the last writes are out.
+        assert!(memory.ticks >= walked.cycles, "seed {seed} was walked");
         assert_eq!(walked, run_real(&config, (&tree, &tiles), SHAPE), "seed {seed}");
     }
 }

@@ -71,6 +71,11 @@ pub trait Memory {
     /// The next cycle at which `tick` can bring a response or free a queue; `None` if nothing is under way.
     fn next_event(&self) -> Option<Cycle>;
 
+    /// Whether nothing is under way: no request, and no write that still has to reach DRAM.
+    fn is_idle(&self) -> bool {
+        self.next_event().is_none()
+    }
+
     /// Bytes that crossed the DRAM's data bus so far, by commands given.
     fn bytes_moved(&self) -> u64 {
         0

@@ -1,7 +1,7 @@
 //! The timing rules of a channel, as distances between commands.
 //!
 //! A command counts from the first cycle it is on the command bus: ACT, RD and WR are there for 4 tCK, PRE and REF for 2 (LPDDR4
-//! sends them in two or four parts). Values come from the preset; `shared/hardware.md` section 10 names their sources.
+//! sends them in two or four parts). Values and their sources stand in the preset.
 
 use crate::machine::config;
 use crate::machine::memory::Cycle;

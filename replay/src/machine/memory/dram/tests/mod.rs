@@ -10,7 +10,7 @@ use super::queue::Entry;
 use crate::machine::config;
 use crate::machine::memory::Cycle;
 
-/// LPDDR4-3200 as in `shared/hardware.md` section 10.
+/// LPDDR4-3200 x16 (JEDEC; memory specifications of DRAMSys).
 pub fn lpddr4() -> config::Dram {
     config::Dram {
         clock_mhz: 1600,
