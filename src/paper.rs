@@ -30,7 +30,7 @@ use crate::progress::{self, Progress};
 /// takes no time), and of the whole GPU. A second run captures nothing.
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// Image size in pixels; the paper's is 2048x1024, which takes ten times as long as the default.
+    /// Image size in pixels; the paper's is 2048x1024, which takes twenty times as long as the default.
     #[arg(long, default_value = "512x256", value_name = "WxH", value_parser = crate::common::size)]
     size: (u32, u32),
     /// Scenes; all built-in ones if none is named.
