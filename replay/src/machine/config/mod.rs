@@ -36,7 +36,7 @@ pub enum MissHandling {
     Retry,
     /// It is parked in a row of the ray accumulation buffer until the line arrives.
     Accumulate,
-    /// It stays in its slot of the input buffer; whichever slot is ready and oldest issues (Reorder Buffer).
+    /// It stays in its slot of the input buffer; slots issue in the order in which they are ready (Reorder Buffer).
     Reorder,
 }
 
