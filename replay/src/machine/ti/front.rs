@@ -53,8 +53,8 @@ struct Op {
     /// Lines, and how many of them were looked up.
     lines: u8,
     done: u8,
-    /// Lines that are kept for it, by place (`retry`).
-    kept: u8,
+    /// Lines that are kept for it, by place (`retry`). At most 256 bytes in lines of at least 16 are 17 lines.
+    kept: u64,
     /// Lines that missed and are still to come.
     outstanding: u8,
     missed: bool,

@@ -279,6 +279,16 @@ fn data_that_straddle_lines_take_a_cycle_more_with_one_bank() {
 }
 
 #[test]
+fn every_line_of_a_retried_operation_is_kept() {
+    let (mut config, tree) = (config(), chain(2));
+    (config.layout.node_bytes, config.ti.miss_handling) = (12 * 64, MissHandling::Retry);
+    let (out, stats, _) = run(&config, &tree, &tile(&tree, &[(RayKind::Primary, &[step::NONE])]), 40);
+    // Twelve lines a pass, one a cycle: looked up in 18, 40 and 62; all lines came in 58.
+    assert_eq!(out, [62 + 12 + 10 + 3]);
+    assert_eq!((stats.trv[0].events.bypasses, stats.trv[0].front.late_reads), (2, 12));
+}
+
+#[test]
 fn a_free_entry_goes_to_who_waits_longest() {
     let (mut config, tree) = (config(), small_tree());
     (config.ti.ist_entries, config.ti.trv) = (1, 2);

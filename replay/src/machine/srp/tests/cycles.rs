@@ -15,9 +15,9 @@ fn pushes(unit: &Unit) -> Vec<u64> {
 fn one_raygen_item_takes_prologue_interval_and_link() {
     let (mut s, mut unit, mut memory) = (srp(&machine()), Unit::new(8, 100), Mem::new(64, 10));
     s.give_tile(0, uniform(0, 1, None, 0));
-    for now in 0..=14 {
-        s.tick(now, &mut unit, &mut memory);
-        assert!(unit.pushed.is_empty(), "no ray at {now}");
+    for cycle in 0..=14 {
+        s.tick(cycle, &mut unit, &mut memory);
+        assert!(unit.pushed.is_empty(), "no ray at {cycle}");
     }
     // 25 SRP cycles end within T&I cycle 12; one cycle on the link and one of latency.
     s.tick(15, &mut unit, &mut memory);
