@@ -8,6 +8,7 @@ mod format;
 pub mod keys;
 mod page;
 pub mod run;
+pub mod study;
 pub mod table;
 
 use rayreel_formats::scene::Meta;
