@@ -1,6 +1,7 @@
 //! Pictures: resolving samples to pixels, comparing, writing and reading them.
 
 pub mod files;
+pub mod flip;
 pub mod map;
 pub mod psnr;
 pub mod resolve;
