@@ -6,6 +6,8 @@ use std::ops::{Add, AddAssign};
 use rayreel_formats::tile::{RayKind, RayNode};
 use serde::Serialize;
 
+use crate::image::psnr::SquaredError;
+
 /// Rays by kind.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct RayCounts {
@@ -143,6 +145,23 @@ pub struct Quality {
     pub values: u64,
     /// Structural similarity; `None` for a picture too small for its window.
     pub ssim: Option<f64>,
+    /// Mean FLIP value: 0 for identical pictures, at most 1.
+    pub flip: f64,
+    /// The tile that differs most; `None` if none does.
+    pub worst_tile: Option<WorstTile>,
+    /// Squared change of the error since the frame before; `None` if that was not replayed.
+    pub flicker: Option<SquaredError>,
+}
+
+/// The tile that differs most.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct WorstTile {
+    /// Its frame.
+    pub frame: u32,
+    /// Its number in the frame.
+    pub tile: u32,
+    /// Its error.
+    pub error: SquaredError,
 }
 
 /// What a frame cost, and how good it is.
@@ -156,4 +175,6 @@ pub struct FrameStats {
     pub tiles: Vec<TileStats>,
     /// The comparison with `full`, if it was asked for.
     pub quality: Option<Quality>,
+    /// Squared error of each tile, in order; empty without a comparison.
+    pub tile_errors: Vec<SquaredError>,
 }

@@ -11,8 +11,10 @@ use rayreel_formats::scene::Camera;
 use rayreel_formats::tile::Tile;
 
 use crate::error::{ReplayError, Result};
+use crate::image::Image;
+use crate::image::compare::Comparer;
+use crate::image::flip::FlipMap;
 use crate::image::resolve::Resolver;
-use crate::image::{Image, psnr, srgb, ssim};
 use crate::machine::work::TileWork;
 use crate::machine::work::build::{Builder, Built};
 use crate::machine::work::check::PathCounts;
@@ -22,7 +24,7 @@ use crate::policy::Policy;
 use crate::policy::adaptive::Rules;
 use crate::source::{PathSource, TileSource};
 use band::{Band, Nearby, Reader};
-use counts::{FrameStats, Quality, TileStats};
+use counts::{FrameStats, TileStats};
 use states::StateMap;
 
 /// What a replay also makes.
@@ -47,6 +49,8 @@ pub struct FrameReplay {
     pub image: Image,
     /// The picture of `full`, if it was asked for.
     pub reference: Option<Image>,
+    /// Where a viewer sees that they differ, if they were compared.
+    pub flip: Option<FlipMap>,
     /// What became of each sample.
     pub states: StateMap,
     /// Block edge of the policy in samples; 1 for `full`.
@@ -74,6 +78,7 @@ pub struct Replayer<'a, S: ?Sized> {
     source: &'a S,
     rules: Rules,
     options: Options,
+    comparer: Comparer,
 }
 
 impl<'a, S: TileSource + ?Sized> Replayer<'a, S> {
@@ -89,7 +94,7 @@ impl<'a, S: TileSource + ?Sized> Replayer<'a, S> {
         }
         let rules = Rules::new(policy, (width, height))?;
         check_tile(meta.tile, rules.lattice.block)?;
-        Ok(Self { source, rules, options })
+        Ok(Self { source, rules, options, comparer: Comparer::new(meta) })
     }
 
     /// What is replayed.
@@ -111,7 +116,8 @@ impl<'a, S: TileSource + ?Sized> Replayer<'a, S> {
             canvas.add(&band, stats);
             Ok(())
         })?;
-        canvas.finish(frame, rules.lattice.block)
+        let block = rules.lattice.block;
+        canvas.finish(frame, block, &mut self.comparer)
     }
 
     fn camera(&self, frame: u32) -> Result<Camera> {
@@ -165,7 +171,8 @@ impl<S: PathSource + ?Sized> Replayer<'_, S> {
                 consume(tile.work)
             })
         })?;
-        Ok((canvas.finish(frame, rules.lattice.block)?, paths))
+        let block = rules.lattice.block;
+        Ok((canvas.finish(frame, block, &mut self.comparer)?, paths))
     }
 }
 
@@ -280,18 +287,16 @@ impl Canvas {
         self.tiles.extend(stats);
     }
 
-    fn finish(self, frame: u32, block: u32) -> Result<FrameReplay> {
+    fn finish(self, frame: u32, block: u32, comparer: &mut Comparer) -> Result<FrameReplay> {
         let image = self.image.finish();
         let reference = self.reference.map(Resolver::finish);
-        let quality = reference.as_ref().map(|full| compare(&image, full)).transpose()?;
+        let compared = reference.as_ref().map(|full| comparer.compare(frame, &image, full)).transpose()?;
         let counts = self.tiles.iter().map(|t| t.counts).sum();
-        let stats = FrameStats { frame, counts, tiles: self.tiles, quality };
-        Ok(FrameReplay { frame, image, reference, states: self.states, block, stats })
+        let (quality, tile_errors, flip) = match compared {
+            Some(found) => (Some(found.quality), found.tiles, Some(found.flip)),
+            None => (None, Vec::new(), None),
+        };
+        let stats = FrameStats { frame, counts, tiles: self.tiles, quality, tile_errors };
+        Ok(FrameReplay { frame, image, reference, flip, states: self.states, block, stats })
     }
-}
-
-fn compare(image: &Image, full: &Image) -> Result<Quality> {
-    let (a, b) = (srgb::encode(image), srgb::encode(full));
-    let squared_error = psnr::squared_error(&a, &b)?;
-    Ok(Quality { squared_error, values: a.values() as u64, ssim: ssim::ssim(&a, &b)? })
 }

@@ -1,12 +1,16 @@
 //! Pictures: resolving samples to pixels, comparing, writing and reading them.
 
+pub mod compare;
+pub mod errors;
 pub mod files;
+pub mod flicker;
 pub mod flip;
 pub mod map;
 pub mod psnr;
 pub mod resolve;
 pub mod srgb;
 pub mod ssim;
+pub mod tiles;
 
 use crate::error::{ReplayError, Result};
 

@@ -1,0 +1,56 @@
+//! Result against reference: every figure of quality of a frame.
+
+use rayreel_formats::scene::Meta;
+
+use super::flicker::Flicker;
+use super::flip::{self, FlipMap};
+use super::psnr::SquaredError;
+use super::tiles::{TileGrid, tile_errors, worst};
+use super::{Image, srgb, ssim};
+use crate::error::Result;
+use crate::frame::counts::{Quality, WorstTile};
+
+/// Compares the frames of a sequence, one after the other: flicker is between a frame and the one before.
+#[derive(Clone, Debug)]
+pub struct Comparer {
+    grid: TileGrid,
+    flicker: Flicker,
+}
+
+/// What a comparison found.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Comparison {
+    /// The figures.
+    pub quality: Quality,
+    /// Squared error of each tile, in order.
+    pub tiles: Vec<SquaredError>,
+    /// The FLIP map.
+    pub flip: FlipMap,
+}
+
+impl Comparer {
+    /// For the frames of a trace.
+    pub fn new(meta: &Meta) -> Self {
+        Self { grid: TileGrid::of(meta), flicker: Flicker::default() }
+    }
+
+    /// Compares the two linear pictures of frame `frame`, as a screen shows them: in 8-bit sRGB.
+    ///
+    /// # Errors
+    /// When the sizes differ.
+    pub fn compare(&mut self, frame: u32, image: &Image, full: &Image) -> Result<Comparison> {
+        let (a, b) = (srgb::encode(image), srgb::encode(full));
+        let tiles = tile_errors(&a, &b, self.grid)?;
+        let flip = flip::flip(&a, &b, flip::PIXELS_PER_DEGREE)?;
+        let all: SquaredError = tiles.iter().copied().sum();
+        let quality = Quality {
+            squared_error: all.sum,
+            values: all.values,
+            ssim: ssim::ssim(&a, &b)?,
+            flip: flip.mean(),
+            worst_tile: worst(&tiles).map(|(tile, error)| WorstTile { frame, tile, error }),
+            flicker: self.flicker.next(frame, &a, &b)?,
+        };
+        Ok(Comparison { quality, tiles, flip })
+    }
+}
