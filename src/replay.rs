@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, bail};
 use rayreel_formats::scene::Meta;
 use rayreel_formats::trace::{Trace, digest};
-use rayreel_replay::image::{files, map, srgb};
+use rayreel_replay::image::{errors, files, map, srgb};
 use rayreel_replay::machine::config::NamedMachine;
 use rayreel_replay::machine::config::schema::is_machine_override;
 use rayreel_replay::machine::probes::Watch;
@@ -22,10 +22,12 @@ use crate::progress::Progress;
 
 /// Replay a trace under a sampling policy on a machine: cycles, power, picture, and quality against full sampling.
 ///
-/// Prints how fast the machine is, what its units, caches and memory did and what that costs, beside ray counts, PSNR and SSIM.
+/// Prints how fast the machine is, what its units, caches and memory did and what that costs, beside ray counts, PSNR, SSIM,
+/// FLIP, the worst tile and, over several frames, flicker.
 ///
-/// Writes result.exr (linear), result.png (sRGB), reference.png, similarity.png (yellow interpolated, blue traced) and
-/// stats.json into the output folder; with several frames the pictures are named by frame.
+/// Writes result.exr (linear), result.png (sRGB), reference.png, error.png (differences times 8), flip.png (where a viewer sees
+/// them, black to yellow), similarity.png (yellow interpolated, blue traced) and stats.json into the output folder; with several
+/// frames the pictures are named by frame.
 #[derive(Debug, clap::Args)]
 pub struct Args {
     /// The trace.
@@ -144,9 +146,15 @@ fn replay(
 pub fn write_pictures(frame: &FrameReplay, samples: u32, out: &Path, prefix: &str) -> rayreel_replay::Result<()> {
     let file = |name: &str| out.join(format!("{prefix}{name}"));
     files::write_exr(&file("result.exr"), &frame.image)?;
-    files::write_png(&file("result.png"), &srgb::encode(&frame.image))?;
+    let result = srgb::encode(&frame.image);
+    files::write_png(&file("result.png"), &result)?;
     if let Some(reference) = &frame.reference {
-        files::write_png(&file("reference.png"), &srgb::encode(reference))?;
+        let reference = srgb::encode(reference);
+        files::write_png(&file("reference.png"), &reference)?;
+        files::write_png(&file("error.png"), &errors::amplified(&result, &reference)?)?;
+    }
+    if let Some(flip) = &frame.flip {
+        files::write_png(&file("flip.png"), &errors::flip_picture(flip))?;
     }
     let similarity = map::similarity_map_pixels(&frame.states, frame.block, samples);
     files::write_png(&file("similarity.png"), &similarity)

@@ -27,6 +27,30 @@ pub const FIGURES: &[(&str, &str, &str)] = &[
         "structural similarity against full (Wang et al. 2004), on BT.601 luma of 8-bit sRGB; mean over all frames; \
       null for pictures below 11 pixels",
     ),
+    (
+        "flip",
+        "1",
+        "FLIP against full (Andersson et al. 2020), 8-bit sRGB at 67 pixels per degree: 0 no difference seen, 1 the largest; \
+      mean over all pixels and frames",
+    ),
+    (
+        "worst_tile_psnr_db",
+        "dB",
+        "psnr_db of the tile with the largest mean squared error, of all frames; null for identical pictures",
+    ),
+    ("worst_tile", "index", "number of that tile in its frame, from 0, row by row; null for identical pictures"),
+    ("worst_tile_frame", "frame", "the frame of that tile; null for identical pictures"),
+    (
+        "flicker",
+        "8-bit levels",
+        "root mean square change of the error (result - full, 8-bit sRGB) from one frame to the next, over all pairs of \
+      consecutive frames, of a frame since the one before; an error that stays in its place does not count; null without a pair",
+    ),
+    (
+        "flicker_db",
+        "dB",
+        "the same as 20 log10(255 / flicker), larger is steadier; null without a pair or without flicker",
+    ),
     ("identical", "bool", "the picture equals that of full in every 8-bit sRGB value"),
     ("cycles", "cycles", "length of the run on the machine, cycles of the T&I clock; sum over the frames"),
     ("time_ms", "ms", "simulated time: cycles over the T&I clock"),

@@ -18,8 +18,8 @@ use serde_json::{Map, Value, json};
 use self::run::{ComponentReport, RunFigures};
 
 use crate::error::{ReplayError, Result};
-use crate::frame::counts::{Counts, FrameStats, Quality, RayCounts, TileStats};
-use crate::image::psnr::decibels;
+use crate::frame::counts::{Counts, FrameStats, Quality, RayCounts, TileStats, WorstTile};
+use crate::image::psnr::{SquaredError, decibels};
 use crate::machine::config::{MachineConfig, NamedMachine};
 use crate::machine::simulate::MachineRun;
 use crate::policy::{NamedPolicy, Policy};
@@ -108,6 +108,18 @@ pub struct Figures {
     pub psnr_db: Option<f64>,
     /// SSIM; null for pictures below 11 pixels, or without a comparison.
     pub ssim: Option<f64>,
+    /// Mean FLIP value; null without a comparison.
+    pub flip: Option<f64>,
+    /// PSNR of the worst tile, dB; null for identical pictures, or without a comparison.
+    pub worst_tile_psnr_db: Option<f64>,
+    /// Number of the worst tile in its frame.
+    pub worst_tile: Option<u32>,
+    /// Frame of the worst tile.
+    pub worst_tile_frame: Option<u32>,
+    /// Flicker, 8-bit levels; null without two consecutive frames.
+    pub flicker: Option<f64>,
+    /// The same in dB; null also without flicker.
+    pub flicker_db: Option<f64>,
     /// True if the pictures are the same in all 8-bit values; null without a comparison.
     pub identical: Option<bool>,
 }
@@ -156,6 +168,8 @@ pub struct TileReport {
     pub samples_interpolated: u64,
     /// Interpolated per I-sample.
     pub similarity_ratio: Option<f64>,
+    /// PSNR, dB; null if nothing differs, or without a comparison.
+    pub psnr_db: Option<f64>,
 }
 
 impl Report {
@@ -235,7 +249,9 @@ impl Figures {
         let error: u64 = qualities.iter().map(|q| q.squared_error).sum();
         let values: u64 = qualities.iter().map(|q| q.values).sum();
         let ssims: Option<Vec<f64>> = qualities.iter().map(|q| q.ssim).collect();
-        let ssim = ssims.filter(|s| !s.is_empty()).map(|s| s.iter().sum::<f64>() / s.len() as f64);
+        let flips: Vec<f64> = qualities.iter().map(|q| q.flip).collect();
+        let worst = worst_tile(qualities);
+        let flicker: Option<SquaredError> = qualities.iter().filter_map(|q| q.flicker).reduce(|sum, frame| sum + frame);
         let (full, traced, apron) = (counts.rays_full, counts.rays_traced, counts.rays_apron);
         Self {
             rays_full: full.total(),
@@ -250,10 +266,27 @@ impl Figures {
             samples_apron: counts.samples_apron,
             similarity_ratio: counts.similarity_ratio(),
             psnr_db: decibels(error, values),
-            ssim,
+            ssim: ssims.and_then(|s| mean(&s)),
+            flip: mean(&flips),
+            worst_tile_psnr_db: worst.and_then(|w| w.error.decibels()),
+            worst_tile: worst.map(|w| w.tile),
+            worst_tile_frame: worst.map(|w| w.frame),
+            flicker: flicker.map(SquaredError::rms),
+            flicker_db: flicker.and_then(SquaredError::decibels),
             identical: (!qualities.is_empty()).then_some(error == 0),
         }
     }
+}
+
+/// The worst of the worst tiles of all frames, the first of equals.
+fn worst_tile(qualities: &[Quality]) -> Option<WorstTile> {
+    let tiles = qualities.iter().filter_map(|q| q.worst_tile);
+    tiles.reduce(|worst, tile| if tile.error.is_worse_than(worst.error) { tile } else { worst })
+}
+
+/// The mean; nothing of nothing. All frames have the same number of pixels.
+fn mean(values: &[f64]) -> Option<f64> {
+    (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
 }
 
 impl FrameReport {
@@ -262,13 +295,14 @@ impl FrameReport {
             frame: stats.frame,
             figures: Figures::new(&stats.counts, stats.quality.as_slice()),
             run: RunFigures::default(),
-            tiles: stats.tiles.iter().map(TileReport::new).collect(),
+            tiles: stats.tiles.iter().map(|tile| TileReport::new(tile, &stats.tile_errors)).collect(),
         }
     }
 }
 
 impl TileReport {
-    fn new(stats: &TileStats) -> Self {
+    /// `errors` holds those of all tiles, or nothing if they were not compared.
+    fn new(stats: &TileStats, errors: &[SquaredError]) -> Self {
         let counts = &stats.counts;
         Self {
             tile: stats.tile,
@@ -278,6 +312,7 @@ impl TileReport {
             samples_traced: counts.samples_traced,
             samples_interpolated: counts.samples_interpolated,
             similarity_ratio: counts.similarity_ratio(),
+            psnr_db: errors.get(stats.tile as usize).and_then(|error| error.decibels()),
         }
     }
 }

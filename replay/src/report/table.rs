@@ -15,7 +15,7 @@ impl Display for Report {
         writeln!(f)?;
         rays(f, &self.sum)?;
         writeln!(f)?;
-        writeln!(f, "PSNR {}   SSIM {}", psnr(&self.sum), ssim(&self.sum))?;
+        quality(f, &self.sum, self.frames.len() > 1)?;
         page::write(f, self)?;
         if self.frames.len() > 1 { frames(f, &self.frames, self.machine.is_some()) } else { Ok(()) }
     }
@@ -23,12 +23,15 @@ impl Display for Report {
 
 fn frames(f: &mut fmt::Formatter<'_>, frames: &[FrameReport], machine: bool) -> fmt::Result {
     writeln!(f)?;
-    write!(f, "{:>7} {:>13} {:>8} {:>8} {:>9} {:>7}", "frame", "rays", "of full", "similar", "PSNR", "SSIM")?;
+    write!(f, "{:>7} {:>13} {:>8} {:>8} {:>9}", "frame", "rays", "of full", "similar", "PSNR")?;
+    write!(f, " {:>7} {:>7} {:>7}", "SSIM", "FLIP", "flicker")?;
     writeln!(f, "{}", if machine { format!(" {:>10} {:>11}", "time", "GPU energy") } else { String::new() })?;
     for FrameReport { frame, figures: own, run, .. } in frames {
         let cost = own.rays_traced + own.rays_apron;
         write!(f, "{frame:>7} {:>13} {:>8}", grouped(cost), share(cost, own.rays_full))?;
-        write!(f, " {:>8} {:>9} {:>7}", ratio(own.similarity_ratio), psnr(own), ssim(own))?;
+        write!(f, " {:>8} {:>9}", ratio(own.similarity_ratio), psnr(own))?;
+        let flicker = own.flicker.map_or_else(|| "-".into(), |levels| format!("{levels:.2}"));
+        write!(f, " {:>7} {:>7} {flicker:>7}", ratio4(own.ssim), ratio4(own.flip))?;
         if let (true, Some(gpu)) = (machine, run.gpu) {
             write!(f, " {:>10} {:>11}", amount(run.time_ms, "ms"), amount(gpu.energy_mj, "mJ"))?;
         }
@@ -68,6 +71,22 @@ fn rays(f: &mut fmt::Formatter<'_>, figures: &Figures) -> fmt::Result {
     writeln!(f, "{:<22} {:>14}", "  saved", format!("{sign}{}", grouped(figures.rays_saved.unsigned_abs())))
 }
 
+/// The picture against that of full; nothing more than a dash without a comparison.
+fn quality(f: &mut fmt::Formatter<'_>, figures: &Figures, several: bool) -> fmt::Result {
+    write!(f, "PSNR {}   SSIM {}   FLIP {}", psnr(figures), ratio4(figures.ssim), ratio4(figures.flip))?;
+    if let (Some(db), Some(tile)) = (figures.worst_tile_psnr_db, figures.worst_tile) {
+        write!(f, "   worst tile {db:.2} dB (tile {tile}")?;
+        match figures.worst_tile_frame {
+            Some(frame) if several => write!(f, " of frame {frame})")?,
+            _ => write!(f, ")")?,
+        }
+    }
+    writeln!(f)?;
+    let Some(levels) = figures.flicker else { return Ok(()) };
+    let db = figures.flicker_db.map_or_else(String::new, |db| format!(" ({db:.2} dB)"));
+    writeln!(f, "flicker {levels:.2} 8-bit levels{db}")
+}
+
 fn psnr(figures: &Figures) -> String {
     match (figures.psnr_db, figures.identical) {
         (Some(db), _) => format!("{db:.2} dB"),
@@ -76,6 +95,7 @@ fn psnr(figures: &Figures) -> String {
     }
 }
 
-fn ssim(figures: &Figures) -> String {
-    figures.ssim.map_or_else(|| "-".into(), |v| format!("{v:.4}"))
+/// A figure from 0 to 1.
+fn ratio4(value: Option<f64>) -> String {
+    value.map_or_else(|| "-".into(), |v| format!("{v:.4}"))
 }
