@@ -44,6 +44,11 @@ fn json_has_the_promised_keys_and_the_same_bytes_each_time() {
         "samples_interpolated",
         "psnr_db",
         "ssim",
+        "flip",
+        "worst_tile_psnr_db",
+        "worst_tile",
+        "flicker",
+        "flicker_db",
     ] {
         assert!(value.get(key).is_some(), "{key}");
     }
@@ -79,14 +84,49 @@ fn psnr_over_frames_is_that_of_the_mean_error() {
     assert!((mse(all.sum.psnr_db.unwrap()) - mean).abs() < 1.0e-9 * mean);
 }
 
+/// Sums over frames against what the frames say; a frame by itself has no flicker.
+#[test]
+fn flip_worst_tile_and_flicker_over_frames() {
+    let policy = NamedPolicy::load("adaptive-4", &[]).unwrap();
+    let all = report(5..8, Options::default(), &policy);
+    let frames: Vec<_> = all.frames.iter().map(|f| &f.figures).collect();
+    let mean = frames.iter().map(|f| f.flip.unwrap()).sum::<f64>() / 3.0;
+    assert!(mean > 0.0 && (all.sum.flip.unwrap() - mean).abs() < 1.0e-15);
+    // The worst of each frame is the least of its tiles, that of all frames the least of them.
+    for (frame, figures) in all.frames.iter().zip(&frames) {
+        let least = frame.tiles.iter().filter_map(|t| t.psnr_db).fold(f64::INFINITY, f64::min);
+        let tile = figures.worst_tile.unwrap() as usize;
+        assert_eq!((figures.worst_tile_psnr_db, frame.tiles[tile].psnr_db), (Some(least), Some(least)));
+        assert_eq!(figures.worst_tile_frame, Some(frame.frame));
+        assert!(least < figures.psnr_db.unwrap());
+    }
+    let worst = frames.iter().map(|f| f.worst_tile_psnr_db.unwrap()).fold(f64::INFINITY, f64::min);
+    assert_eq!(all.sum.worst_tile_psnr_db, Some(worst));
+    let of = all.frames.iter().find(|f| Some(f.frame) == all.sum.worst_tile_frame).unwrap();
+    assert_eq!((of.figures.worst_tile_psnr_db, of.figures.worst_tile), (Some(worst), all.sum.worst_tile));
+    // Flicker: two pairs, none for the first frame; the root of the mean of the squares.
+    assert_eq!(frames.iter().map(|f| f.flicker.is_some()).collect::<Vec<_>>(), [false, true, true]);
+    let square = (frames[1].flicker.unwrap().powi(2) + frames[2].flicker.unwrap().powi(2)) / 2.0;
+    assert!((all.sum.flicker.unwrap() - square.sqrt()).abs() < 1.0e-12);
+    let db = 20.0 * (255.0 / all.sum.flicker.unwrap()).log10();
+    assert!((all.sum.flicker_db.unwrap() - db).abs() < 1.0e-9);
+    let alone = report([6], Options::default(), &policy);
+    assert_eq!((alone.sum.flicker, alone.sum.flicker_db), (None, None));
+    assert_eq!(alone.sum.flip, frames[1].flip);
+}
+
 #[test]
 fn full_is_identical_and_no_comparison_is_null() {
     let full = NamedPolicy { name: "full".into(), policy: Policy::Full };
     let same = report([5], Options::default(), &full);
     assert_eq!((same.sum.psnr_db, same.sum.ssim, same.sum.identical), (None, Some(1.0), Some(true)));
     assert!(same.to_string().contains("PSNR identical"));
+    assert_eq!((same.sum.flip, same.sum.worst_tile_psnr_db, same.sum.worst_tile), (Some(0.0), None, None));
+    let steady = report(5..7, Options::default(), &full);
+    assert_eq!((steady.sum.flicker, steady.sum.flicker_db), (Some(0.0), None));
     let none = report([5], Options { reference: false }, &full);
     assert_eq!((none.sum.psnr_db, none.sum.ssim, none.sum.identical), (None, None, None));
+    assert_eq!((none.sum.flip, none.sum.worst_tile, none.sum.flicker), (None, None, None));
     let value: Value = serde_json::from_str(&none.to_json().unwrap()).unwrap();
     assert!(value["frames"][0]["tiles"].is_array());
     let short: Value = serde_json::from_str(&none.without_tiles().to_json().unwrap()).unwrap();
@@ -103,6 +143,10 @@ fn the_table_says_what_matters() {
         "reflection",
         "saved",
         "PSNR",
+        "FLIP 0.",
+        "worst tile",
+        "of frame ",
+        "flicker ",
         "    5 ",
         "    6 ",
     ] {

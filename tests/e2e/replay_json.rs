@@ -42,8 +42,8 @@ fn replay_has_the_promised_keys() {
     let folder = tempfile::tempdir().unwrap();
     let file = trace(folder.path(), "cornell", "--size 60x34");
     let said = replay(&file, "--policy adaptive-4").expect(0).json();
-    let keys = ["rays_full", "rays_traced", "samples_traced", "samples_interpolated", "psnr_db", "ssim"];
-    for key in keys {
+    let quality = ["psnr_db", "ssim", "flip", "worst_tile_psnr_db", "worst_tile"];
+    for key in ["rays_full", "rays_traced", "samples_traced", "samples_interpolated"].into_iter().chain(quality) {
         assert!(said[key].is_number(), "{key}: {}", said[key]);
         assert!(said["descriptions"][key]["unit"].is_string(), "{key} has no unit");
         assert!(said["descriptions"][key]["description"].is_string(), "{key} is not described");
@@ -123,8 +123,11 @@ fn frames_add_up() {
     let error = |f: &Value| 10f64.powf(-f["psnr_db"].as_f64().unwrap() / 10.0);
     let mean = -10.0 * (frames.iter().map(error).sum::<f64>() / 3.0).log10();
     assert!((said["psnr_db"].as_f64().unwrap() - mean).abs() < 1e-9, "{} {mean}", said["psnr_db"]);
+    // A frame's flicker is since the one before.
+    assert_eq!(frames.iter().map(|f| f["flicker"].is_number()).collect::<Vec<_>>(), [false, true, true]);
+    assert!(said["flicker"].as_f64() > Some(0.0) && said["flicker_db"].is_number());
     for frame in 1..4 {
-        for name in ["result.exr", "result.png", "reference.png", "similarity.png"] {
+        for name in ["result.exr", "result.png", "reference.png", "error.png", "flip.png", "similarity.png"] {
             assert!(out.join(format!("frame_{frame:04}_{name}")).is_file(), "{name} of frame {frame}");
         }
     }
