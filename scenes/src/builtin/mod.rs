@@ -1,10 +1,18 @@
 //! The built-in scenes, generated at run time.
 
+mod car;
+mod car_body;
+mod car_cabin;
+mod car_details;
+mod car_interior;
+mod car_plaza;
+mod car_wheel;
 mod chess;
 mod chessmen;
 mod cornell;
 mod knight;
 mod newell;
+mod provence;
 mod teapot;
 
 use crate::{
@@ -15,7 +23,7 @@ use crate::{
 /// The names that [`builtin()`] knows.
 #[must_use]
 pub fn builtin_names() -> &'static [&'static str] {
-    &["cornell", "teapot", "chess"]
+    &["cornell", "teapot", "chess", "car", "provence"]
 }
 
 /// Generates a built-in scene.
@@ -24,8 +32,10 @@ pub fn builtin_names() -> &'static [&'static str] {
 /// An unknown name, with near ones.
 pub fn builtin(name: &str) -> Result<Scene, SceneError> {
     match name {
+        "car" => car::scene(),
         "cornell" => cornell::scene(),
         "chess" => chess::scene(),
+        "provence" => provence::scene(),
         "teapot" => teapot::scene(),
         _ => Err(SceneError::UnknownScene {
             name: name.to_owned(),

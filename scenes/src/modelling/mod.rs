@@ -5,12 +5,19 @@
 
 pub mod block;
 pub mod builder;
+pub mod curve;
 pub mod lathe;
 pub mod loft;
 pub mod paint;
 pub mod part;
 pub mod patch;
 pub mod profile;
+pub mod scatter;
+pub mod rounded;
+pub mod slab;
+pub mod sweep;
+pub mod tube;
+pub mod vessel;
 
 pub use builder::SceneBuilder;
 pub use part::Part;
