@@ -11,6 +11,14 @@ mod chess;
 mod chessmen;
 mod cornell;
 mod knight;
+mod lab;
+mod lab_apparatus;
+mod lab_furniture;
+mod lab_glassware;
+mod lab_metal;
+mod lab_room;
+mod lab_stock;
+mod lab_things;
 mod newell;
 mod provence;
 mod teapot;
@@ -23,7 +31,7 @@ use crate::{
 /// The names that [`builtin()`] knows.
 #[must_use]
 pub fn builtin_names() -> &'static [&'static str] {
-    &["cornell", "teapot", "chess", "car", "provence"]
+    &["cornell", "teapot", "chess", "car", "lab", "provence"]
 }
 
 /// Generates a built-in scene.
@@ -35,6 +43,7 @@ pub fn builtin(name: &str) -> Result<Scene, SceneError> {
         "car" => car::scene(),
         "cornell" => cornell::scene(),
         "chess" => chess::scene(),
+        "lab" => lab::scene(),
         "provence" => provence::scene(),
         "teapot" => teapot::scene(),
         _ => Err(SceneError::UnknownScene {
