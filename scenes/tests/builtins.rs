@@ -33,14 +33,14 @@ fn triangle_counts_are_within_two_percent() {
 /// `which` picks materials. A vessel and what is in it are two objects and one solid.
 fn solids(scene: &Scene, which: impl Fn(Optics) -> bool) -> Vec<(String, Vec<[Vec3; 3]>)> {
     let mut groups: Vec<(String, Vec<[Vec3; 3]>)> = Vec::new();
-    for name in scene.objects.iter().filter(|name| !name.ends_with(": liquid")) {
+    for (object, name) in scene.objects.iter().enumerate().filter(|(_, name)| !name.ends_with(": liquid")) {
         let liquid = format!("{name}: liquid");
-        let belongs = |object: u32| [name, &liquid].contains(&&scene.objects[object as usize]);
+        let liquid = scene.objects.iter().position(|other| *other == liquid).unwrap_or(object);
         let triangles: Vec<[Vec3; 3]> = scene
             .mesh
             .triangles
             .iter()
-            .filter(|t| belongs(t.object) && which(scene.materials[t.material as usize].optics))
+            .filter(|t| [object, liquid].contains(&(t.object as usize)) && which(scene.materials[t.material as usize].optics))
             .map(|t| t.vertices.map(|v| scene.mesh.positions[v as usize]))
             .collect();
         let mut parent: Vec<usize> = (0..triangles.len()).collect();
