@@ -6,7 +6,7 @@ use crate::{
     defaults,
     error::SceneError,
     mesh_join::MeshJoin,
-    modelling::part::Part,
+    modelling::{part::Part, scatter::Cluster},
     normals,
     scene::{Camera, Light, Material, Mesh, Optics, Scene, Texture, Triangle},
 };
@@ -74,6 +74,31 @@ impl SceneBuilder {
         mesh.positions.append(&mut join.mesh.positions);
         mesh.normals.append(&mut join.mesh.normals);
         mesh.uvs.extend(join.mesh.uvs.drain(..).map(|uv: Vec2| uv));
+    }
+
+    /// Adds an object made of a cluster, whose normals stay as they are.
+    pub fn cluster(&mut self, name: &str, cluster: &Cluster, material: u32) {
+        self.scene.objects.push(name.to_owned());
+        self.scatter(cluster, material);
+    }
+
+    /// Adds a cluster to the last object.
+    pub fn scatter(&mut self, cluster: &Cluster, material: u32) {
+        let mesh = &mut self.scene.mesh;
+        let base = mesh.positions.len() as u32;
+        let object = self.scene.objects.len().saturating_sub(1) as u32;
+        let first = mesh.positions.len();
+        mesh.positions.extend(cluster.positions.iter().map(|p| p.as_vec3()));
+        mesh.normals.extend(cluster.normals.iter().map(|n| n.as_vec3()));
+        mesh.uvs.extend(cluster.uvs.iter().map(|uv| uv.as_vec2()));
+        let placed = &mesh.positions[first..];
+        let sound = cluster.triangles.iter().filter(|t| !normals::is_degenerate(placed, **t));
+        mesh.triangles.extend(sound.map(|t| Triangle { vertices: t.map(|v| base + v), object, material }));
+    }
+
+    /// Adds a light that shines from infinity.
+    pub fn sun(&mut self, to_light: [f32; 3], colour: [f32; 3]) {
+        self.scene.lights.push(Light::Directional { to_light: to_light.into(), colour: colour.into() });
     }
 
     /// Adds a point light.

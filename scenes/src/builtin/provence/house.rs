@@ -1,0 +1,320 @@
+//! Stone houses: walls with openings, glazed windows, shutters, doors, and roofs of single tiles.
+
+use glam::{DAffine3, DMat3, DVec2, DVec3};
+
+use crate::{
+    builtin::provence::{materials::Materials, roof},
+    modelling::{
+        Part, SceneBuilder,
+        block::{bevelled, block, rectangle},
+        scatter::{Cluster, Rng, upright},
+    },
+};
+
+/// How deep a window or door stands back in the wall.
+const REVEAL: f64 = 0.28;
+
+/// What closes an opening.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Closing {
+    /// A glazed window with shutters beside it.
+    Window,
+    /// A wooden door.
+    Door,
+}
+
+/// A hole in a wall: centre, sill, width, height in metres.
+#[derive(Clone, Copy, Debug)]
+pub struct Opening {
+    /// Centre along the wall.
+    pub x: f64,
+    /// Height of the sill.
+    pub y: f64,
+    /// Width.
+    pub width: f64,
+    /// Height.
+    pub height: f64,
+    /// What closes it.
+    pub closing: Closing,
+}
+
+/// A window.
+#[must_use]
+pub const fn window(x: f64, y: f64, width: f64, height: f64) -> Opening {
+    Opening { x, y, width, height, closing: Closing::Window }
+}
+
+/// A door.
+#[must_use]
+pub const fn door(x: f64, width: f64, height: f64) -> Opening {
+    Opening { x, y: 0.0, width, height, closing: Closing::Door }
+}
+
+/// A house under a gabled roof whose ridge runs along its width.
+#[derive(Clone, Debug)]
+pub struct House {
+    /// Name of its objects.
+    pub name: &'static str,
+    /// Middle of the floor.
+    pub at: DVec3,
+    /// Turn about the vertical axis; the front faces south at 0.
+    pub degrees: f64,
+    /// Width, height of the eaves, depth.
+    pub size: DVec3,
+    /// Rise of the ridge over the eaves.
+    pub rise: f64,
+    /// Openings of front, right, back and left wall.
+    pub openings: [Vec<Opening>; 4],
+}
+
+/// Adds a house.
+pub fn add(out: &mut SceneBuilder, m: &Materials, house: &House, rng: &mut Rng) {
+    let place = |part: Part| part.turned(house.degrees).at(house.at.x, house.at.y, house.at.z);
+    let size = house.size;
+    out.object(&format!("{} walls", house.name), &place(walls(house)), m.stone);
+    let mut trim = Part::default();
+    for side in [0, 2] {
+        for end in [-1.0, 1.0] {
+            trim = trim.with(turned(side, quoins(end * size.x / 2.0, size.y), size));
+        }
+    }
+    out.object(&format!("{} quoins", house.name), &place(trim), m.dressed);
+    for (side, openings) in house.openings.iter().enumerate() {
+        for (index, opening) in openings.iter().enumerate() {
+            let put = |part: Part| place(turned(side, part, size));
+            let name = format!("{} {side}.{index}", house.name);
+            out.object(&format!("{name} frame"), &put(surround(opening)), m.dressed);
+            match opening.closing {
+                Closing::Window => glaze(out, m, &name, opening, &put),
+                Closing::Door => out.object(&format!("{name} door"), &put(planks(opening)), m.door),
+            }
+        }
+    }
+    let frame = upright(house.at, house.degrees, DVec3::ONE);
+    roof::add(out, m, house, &frame, rng);
+}
+
+/// Brings a part of the front wall (x along the wall, the wall's face at z = 0) to one of the sides.
+fn turned(side: usize, part: Part, size: DVec3) -> Part {
+    let depth = if side % 2 == 0 { size.z } else { size.x };
+    part.at(0.0, 0.0, depth / 2.0).turned(90.0 * side as f64)
+}
+
+/// Four walls with holes and reveals, and the gables.
+fn walls(house: &House) -> Part {
+    let size = house.size;
+    let mut part = Part::default();
+    for (side, openings) in house.openings.iter().enumerate() {
+        let width = if side % 2 == 0 { size.x } else { size.z };
+        let mut wall = wall(width, size.y, openings);
+        if side % 2 == 1 {
+            let gable = Part {
+                positions: [(-width / 2.0, 0.0), (width / 2.0, 0.0), (0.0, house.rise)]
+                    .map(|(x, y)| DVec3::new(x, size.y + y, 0.0))
+                    .to_vec(),
+                uvs: vec![DVec2::ZERO; 3],
+                triangles: vec![[0, 1, 2]],
+                ..Part::default()
+            };
+            wall = wall.with(gable);
+        }
+        let shift = 0.37 * side as f64;
+        wall.uvs = wall.positions.iter().map(|p| DVec2::new((p.x + p.z) / 3.2 + shift, p.y / 3.2)).collect();
+        part = part.with(turned(side, wall, size));
+    }
+    part.crease(30.0)
+}
+
+/// A wall from rectangles round its openings, and their reveals.
+fn wall(width: f64, height: f64, openings: &[Opening]) -> Part {
+    let sorted = |mut values: Vec<f64>| {
+        values.sort_by(f64::total_cmp);
+        values.dedup_by(|a, b| (*a - *b).abs() < 1e-9);
+        values
+    };
+    let xs = openings.iter().flat_map(|o| [o.x - o.width / 2.0, o.x + o.width / 2.0]);
+    let ys = openings.iter().flat_map(|o| [o.y, o.y + o.height]);
+    let xs = sorted(xs.chain([-width / 2.0, width / 2.0]).collect());
+    let ys = sorted(ys.chain([-0.6, height]).collect());
+    let is_open =
+        |x: f64, y: f64| openings.iter().any(|o| (x - o.x).abs() < o.width / 2.0 && y > o.y && y < o.y + o.height);
+    let mut part = Part::default();
+    for x in xs.windows(2) {
+        for y in ys.windows(2) {
+            if !is_open((x[0] + x[1]) / 2.0, (y[0] + y[1]) / 2.0) {
+                part = part.with(rectangle(
+                    DVec3::new(x[0], y[0], 0.0),
+                    DVec3::X * (x[1] - x[0]),
+                    DVec3::Y * (y[1] - y[0]),
+                ));
+            }
+        }
+    }
+    for o in openings {
+        part = part.with(reveal(o));
+    }
+    part
+}
+
+/// The four sides of a hole, facing into it.
+fn reveal(o: &Opening) -> Part {
+    let (l, r, b, t) = (o.x - o.width / 2.0, o.x + o.width / 2.0, o.y, o.y + o.height);
+    let back = DVec3::NEG_Z * (REVEAL + 0.3);
+    let (w, h) = (DVec3::X * o.width, DVec3::Y * o.height);
+    rectangle(DVec3::new(l, b, 0.0), back, h)
+        .with(rectangle(DVec3::new(r, b, 0.0) + back, -back, h))
+        .with(rectangle(DVec3::new(l, b, 0.0), w, back))
+        .with(rectangle(DVec3::new(l, t, 0.0) + back, w, -back))
+}
+
+/// Long and short stones in turns up a corner.
+fn quoins(x: f64, height: f64) -> Part {
+    let mut part = Part::default();
+    let courses = libm::floor(height / 0.36) as usize;
+    let rise = height / courses as f64;
+    for i in 0..courses {
+        let (along, depth) = if i % 2 == 0 { (0.52, 0.30) } else { (0.30, 0.52) };
+        let inward = -x.signum();
+        let (a, b) = (x - inward * 0.035, x + inward * along);
+        let low = DVec3::new(a.min(b), i as f64 * rise + 0.012, -depth);
+        let high = DVec3::new(a.max(b), (i + 1) as f64 * rise - 0.012, 0.035);
+        part = part.with(block(low, high));
+    }
+    part
+}
+
+/// Lintel, sill and jambs of dressed stone, proud of the wall.
+fn surround(o: &Opening) -> Part {
+    let (l, r, b, t) = (o.x - o.width / 2.0, o.x + o.width / 2.0, o.y, o.y + o.height);
+    let bar = |x0: f64, y0: f64, x1: f64, y1: f64, out: f64| {
+        bevelled(DVec3::new(x0, y0, -0.1), DVec3::new(x1, y1, out), 0.015)
+    };
+    let mut part =
+        bar(l - 0.2, t, r + 0.2, t + 0.24, 0.045).with(bar(l - 0.13, b, l, t, 0.03)).with(bar(r, b, r + 0.13, t, 0.03));
+    if o.closing == Closing::Window {
+        part = part.with(bar(l - 0.22, b - 0.12, r + 0.22, b, 0.11));
+    } else {
+        part = part.with(block(DVec3::new(l - 0.3, b - 0.3, -0.2), DVec3::new(r + 0.3, b + 0.06, 0.55)));
+    }
+    part
+}
+
+/// Sash bars, panes, curtains and shutters of a window.
+fn glaze(out: &mut SceneBuilder, m: &Materials, name: &str, o: &Opening, put: &impl Fn(Part) -> Part) {
+    let (l, r, b, t) = (o.x - o.width / 2.0, o.x + o.width / 2.0, o.y, o.y + o.height);
+    let z = -REVEAL + 0.08;
+    let bar = |x0: f64, y0: f64, x1: f64, y1: f64| block(DVec3::new(x0, y0, z - 0.05), DVec3::new(x1, y1, z + 0.05));
+    let third = |k: f64| b + 0.06 + (o.height - 0.12) * k / 3.0;
+    let mut sash = bar(l, b, l + 0.06, t)
+        .with(bar(r - 0.06, b, r, t))
+        .with(bar(l + 0.06, b, r - 0.06, b + 0.06))
+        .with(bar(l + 0.06, t - 0.06, r - 0.06, t))
+        .with(bar(o.x - 0.045, b + 0.06, o.x + 0.045, t - 0.06));
+    let mut panes = Vec::new();
+    for (x0, x1) in [(l + 0.06, o.x - 0.045), (o.x + 0.045, r - 0.06)] {
+        for k in [1.0, 2.0] {
+            sash = sash.with(bar(x0, third(k) - 0.015, x1, third(k) + 0.015));
+        }
+        for k in 0..3 {
+            let k = f64::from(k);
+            let (low, high) =
+                (third(k) + if k > 0.5 { 0.015 } else { 0.0 }, third(k + 1.0) - if k < 1.5 { 0.015 } else { 0.0 });
+            panes.push(block(DVec3::new(x0, low, z - 0.006), DVec3::new(x1, high, z + 0.006)));
+        }
+    }
+    out.object(&format!("{name} sash"), &put(sash), m.sash);
+    let panes = panes.into_iter().fold(Part::default(), Part::with);
+    out.object(&format!("{name} panes"), &put(panes), m.pane);
+    let room = rectangle(DVec3::new(l, b, -REVEAL - 0.29), DVec3::X * o.width, DVec3::Y * o.height);
+    out.object(&format!("{name} room"), &put(room), m.room);
+    for (from, to) in [(l, l + 0.36 * o.width), (r, r - 0.36 * o.width)] {
+        out.object(&format!("{name} curtain"), &put(curtain(from, to, b + 0.02, t - 0.02)), m.curtain);
+    }
+    let mut shutters = Part::default();
+    for (hinge, way) in [(l - 0.13, -1.0), (r + 0.13, 1.0)] {
+        shutters = shutters.with(shutter(hinge, way, b + 0.02, t - 0.02, o.width / 2.0));
+    }
+    out.object(&format!("{name} shutters"), &put(shutters), m.shutter);
+}
+
+/// A curtain in soft folds, wider at the top.
+fn curtain(from: f64, to: f64, low: f64, high: f64) -> Part {
+    let swap = from > to;
+    let part = Part::grid(5, 17, false, |row, column| {
+        let (s, t) = (column as f64 / 16.0, row as f64 / 4.0);
+        let gather = 0.62 + 0.38 * t * t;
+        let x = from + (to - from) * s * gather;
+        DVec3::new(x, low + (high - low) * t, -REVEAL - 0.12 + 0.035 * libm::sin(s * 25.0) * (0.4 + 0.6 * s))
+    });
+    (if swap { part.flipped() } else { part }).crease(80.0)
+}
+
+/// A louvred shutter folded back against the wall.
+fn shutter(hinge: f64, way: f64, low: f64, high: f64, width: f64) -> Part {
+    let at = |s: f64| hinge + way * (0.03 + s * width);
+    let bar = |s0: f64, y0: f64, s1: f64, y1: f64, z0: f64, z1: f64| {
+        let (x0, x1) = (at(s0).min(at(s1)), at(s0).max(at(s1)));
+        block(DVec3::new(x0, y0, z0), DVec3::new(x1, y1, z1))
+    };
+    let mut part = bar(0.0, low, 0.13, high, 0.05, 0.10)
+        .with(bar(0.87, low, 1.0, high, 0.05, 0.10))
+        .with(bar(0.13, low, 0.87, low + 0.09, 0.05, 0.10))
+        .with(bar(0.13, high - 0.09, 0.87, high, 0.05, 0.10));
+    let slats = ((high - low - 0.18) / 0.085) as usize;
+    let pitch = (high - low - 0.18) / slats as f64;
+    for i in 0..slats {
+        let y = low + 0.09 + pitch * (i as f64 + 0.5);
+        let slat =
+            block(DVec3::new(at(0.13).min(at(0.87)), -0.008, -0.03), DVec3::new(at(0.13).max(at(0.87)), 0.008, 0.03));
+        // Slats hang at 45 degrees, so that they shed rain.
+        part = part.with(slat.map(|p| DVec3::new(p.x, y + 0.7071 * (p.y - p.z), 0.072 + 0.7071 * (p.y + p.z) * 0.8)));
+    }
+    part
+}
+
+/// A door of upright planks with a ledge across.
+fn planks(o: &Opening) -> Part {
+    let count = libm::ceil(o.width / 0.17) as usize;
+    let step = o.width / count as f64;
+    let left = o.x - o.width / 2.0;
+    let mut part = Part::default();
+    for i in 0..count {
+        let x = left + i as f64 * step;
+        let board = bevelled(
+            DVec3::new(x + 0.004, o.y + 0.06, -REVEAL - 0.05),
+            DVec3::new(x + step - 0.004, o.y + o.height, -REVEAL + 0.03),
+            0.012,
+        );
+        part = part.with(board);
+    }
+    for y in [0.35, o.height - 0.45] {
+        part = part.with(block(
+            DVec3::new(left + 0.05, o.y + y, -REVEAL + 0.03),
+            DVec3::new(left + o.width - 0.05, o.y + y + 0.12, -REVEAL + 0.06),
+        ));
+    }
+    // What shows between the boards is wood, too.
+    part.with(block(DVec3::new(left, o.y, -REVEAL - 0.08), DVec3::new(left + o.width, o.y + o.height, -REVEAL - 0.05)))
+}
+
+/// A chimney of stone with a cap, standing on a roof.
+pub fn chimney(at: DVec3, height: f64) -> Part {
+    let tall = bevelled(at - DVec3::new(0.42, 1.4, 0.32), at + DVec3::new(0.42, height, 0.32), 0.03);
+    let cap = bevelled(at + DVec3::new(-0.52, height, -0.42), at + DVec3::new(0.52, height + 0.1, 0.42), 0.03);
+    tall.with(cap)
+}
+
+/// A frame on a slope: `along` the eave, `up` the slope, `out` of it.
+#[must_use]
+pub fn on_slope(at: DVec3, along: DVec3, up: DVec3, scale: f64) -> DAffine3 {
+    let out = along.cross(up);
+    DAffine3::from_mat3_translation(DMat3::from_cols(along * scale, out * scale, -up * scale), at)
+}
+
+/// A cluster of one part, in the house's frame.
+#[must_use]
+pub fn framed(part: &Part, frame: &DAffine3) -> Cluster {
+    let mut out = Cluster::default();
+    out.stamp(&Cluster::of(part), frame, DVec2::ZERO);
+    out
+}

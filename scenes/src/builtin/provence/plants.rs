@@ -1,0 +1,231 @@
+//! Single plants: lavender, cypress, olive, round trees and bushes, grass, poppies.
+
+use glam::{DVec2, DVec3};
+
+use crate::modelling::{
+    Part,
+    lathe::lathe_with,
+    paint,
+    part::sin_cos,
+    scatter::{Cluster, Rng},
+};
+
+/// A leafless direction: `turn` in turns about the vertical axis, `lean` in radians from it.
+fn leaning(turn: f64, lean: f64) -> DVec3 {
+    let (s, c) = sin_cos(std::f64::consts::TAU * turn);
+    let (ls, lc) = sin_cos(lean);
+    DVec3::new(ls * s, lc, ls * c)
+}
+
+/// A bush of lavender, 0.75 m high and wide: a low green dome that bristles with flower spikes.
+#[must_use]
+pub fn lavender(spikes: usize, seed: u32) -> Cluster {
+    let mut rng = Rng::new(seed);
+    let mut out = Cluster::default();
+    let dome = lathe_with(4, 7, |row, angle, _| {
+        let (s, c) = sin_cos(std::f64::consts::FRAC_PI_2 * row as f64 / 3.0);
+        let lump = 1.0 + 0.12 * libm::sin(angle * 3.0 + f64::from(seed));
+        if row == 3 { DVec2::new(0.0, 0.40) } else { DVec2::new(0.33 * c * lump, 0.40 * s - 0.03) }
+    });
+    let dome = Cluster::of(&dome.crease(85.0)).with_uv(|p, _| DVec2::new(0.0, 0.18 + 0.55 * p.y));
+    out.stamp(&dome, &glam::DAffine3::IDENTITY, DVec2::ZERO);
+    for i in 0..spikes {
+        // A sunflower's order covers the dome evenly; the rest is chance.
+        let share = (i as f64 + 0.5) / spikes as f64;
+        let lean = 1.15 * share.sqrt() + rng.between(-0.07, 0.07);
+        let way = leaning(i as f64 * 0.618_034 + rng.between(-0.03, 0.03), lean);
+        let reach = rng.between(0.56, 0.74) * (1.0 - 0.16 * share);
+        let (root, tip) = (way * (0.45 * reach), way * reach + DVec3::Y * 0.05);
+        let from = root + (tip - root) * 0.22;
+        let stalk = way.cross(DVec3::Y).normalize_or(DVec3::X) * 0.008;
+        out.polygon(
+            &[(root - stalk, DVec2::new(0.0, 0.1)), (root + stalk, DVec2::new(0.0, 0.1)), (from, DVec2::new(0.0, 0.3))],
+            way,
+        );
+        let mut ear = Cluster::default();
+        ear.spindle(from, tip, 0.030, 0.42, 3);
+        let ear = ear.with_uv(|_, uv| DVec2::new(0.0, 0.52 + 0.44 * uv.y));
+        out.stamp(&ear, &glam::DAffine3::IDENTITY, DVec2::ZERO);
+    }
+    out
+}
+
+/// A clump of lavender for far rows: lumps of the same colours without single flowers.
+#[must_use]
+pub fn lavender_clump(seed: u32) -> Cluster {
+    let mut rng = Rng::new(seed);
+    let mut out = Cluster::default();
+    for i in 0..12 {
+        let share = (f64::from(i) + 0.5) / 12.0;
+        let way = leaning(f64::from(i) * 0.618_034, 1.2 * share.sqrt());
+        let tip = way * rng.between(0.56, 0.72);
+        let mut lump = Cluster::default();
+        lump.spindle(way * 0.1, tip, 0.14, 0.55, 3);
+        out.stamp(&lump.with_uv(|_, uv| DVec2::new(0.0, 0.16 + 0.74 * uv.y)), &glam::DAffine3::IDENTITY, DVec2::ZERO);
+    }
+    out
+}
+
+/// Radius of a cypress of height 1 at height `t`.
+fn flame(t: f64) -> f64 {
+    0.115 * libm::pow((t * 1.02 + 0.02).min(1.0), 0.45) * libm::pow((1.0 - t).max(0.0), 0.62) * 1.75
+}
+
+/// A cypress of height 1: a dark body under upright sprays.
+#[must_use]
+pub fn cypress(sprays: usize, seed: u32) -> Cluster {
+    let mut rng = Rng::new(seed);
+    let mut out = Cluster::default();
+    let body = lathe_with(13, 10, |row, angle, _| {
+        let t = 0.03 + 0.95 * row as f64 / 12.0;
+        let lump = 1.0 + 0.16 * (paint::noise(angle * 1.6, t * 9.0, seed) - 0.5);
+        DVec2::new(if row == 0 || row == 12 { 0.0 } else { 0.86 * flame(t) * lump }, t)
+    });
+    out.stamp(
+        &Cluster::of(&body.crease(85.0)).with_uv(|_, _| DVec2::new(0.0, 0.12)),
+        &glam::DAffine3::IDENTITY,
+        DVec2::ZERO,
+    );
+    for i in 0..sprays {
+        let share = (i as f64 + 0.5) / sprays as f64;
+        // More of them where the flame is wide.
+        let t = 0.03 + 0.93 * (0.8 * share + 0.2 * share * share);
+        let turn = i as f64 * 0.618_034 + rng.between(-0.02, 0.02);
+        let side = leaning(turn, std::f64::consts::FRAC_PI_2);
+        let radius = flame(t) * rng.between(0.80, 1.0);
+        let base = side * (radius * 0.86) + DVec3::Y * t;
+        let length = rng.between(0.055, 0.085) * (1.0 - 0.35 * t);
+        let tip = side * (radius + rng.between(0.004, 0.018)) * (1.0 - 0.25 * t) + DVec3::Y * (t + length);
+        let mut spray = Cluster::default();
+        spray.spindle(base - DVec3::Y * 0.012, tip, length * 0.22, 0.4, 3);
+        let tone = rng.between(0.0, 0.35);
+        out.stamp(
+            &spray.with_uv(|_, uv| DVec2::new(0.0, 0.2 + 0.45 * uv.y + tone)),
+            &glam::DAffine3::IDENTITY,
+            DVec2::ZERO,
+        );
+    }
+    out
+}
+
+/// A leaf from `base` along `way`: a slim diamond, lit by `normal`.
+fn leaf(out: &mut Cluster, base: DVec3, way: DVec3, across: DVec3, normal: DVec3, tone: f64) {
+    let (middle, uv) = (base + way * 0.5, DVec2::new(0.0, tone));
+    out.polygon(&[(base, uv), (middle + across, uv), (base + way, uv), (middle - across, uv)], normal);
+}
+
+/// Leaves on and in a ball of a crown.
+fn crown(out: &mut Cluster, rng: &mut Rng, centre: DVec3, radius: DVec3, leaves: usize, size: DVec2) {
+    for _ in 0..leaves {
+        let away = rng.direction();
+        let depth = 1.0 - 0.45 * rng.unit() * rng.unit();
+        let base = centre + away * radius * depth;
+        let face = (away + rng.direction() * 0.9).normalize_or(away);
+        let way = face.cross(rng.direction()).normalize_or(DVec3::Y);
+        let way = (way + away * 0.5 + DVec3::Y * 0.1).normalize_or(away);
+        let across = face.cross(way).normalize_or(DVec3::X) * (size.x * rng.between(0.8, 1.2));
+        // Lower and inner leaves are darker: the sky does not reach them.
+        let tone = (0.52 + 0.30 * away.y - 0.7 * (1.0 - depth) + rng.between(-0.2, 0.2)).clamp(0.06, 0.94);
+        leaf(out, base, way * (size.y * rng.between(0.75, 1.25)), across, away, tone);
+    }
+}
+
+/// Trunk and leaves of an olive tree, 4.5 m high.
+#[must_use]
+pub fn olive(leaves: usize, seed: u32) -> (Cluster, Cluster) {
+    let mut rng = Rng::new(seed);
+    let (mut wood, mut out) = (Cluster::default(), Cluster::default());
+    let fork = DVec3::new(rng.between(-0.15, 0.15), 1.25, rng.between(-0.15, 0.15));
+    limb(&mut wood, DVec3::new(0.0, -0.2, 0.0), fork, 0.34, 0.21, seed);
+    let arms = 5;
+    for i in 0..arms {
+        let way = leaning((f64::from(i) + rng.between(-0.2, 0.2)) / f64::from(arms), rng.between(0.55, 0.85));
+        let elbow = fork + way * rng.between(0.9, 1.2);
+        let end = elbow + (way + DVec3::Y * 0.9).normalize_or(way) * rng.between(0.7, 1.1);
+        limb(&mut wood, fork - way * 0.1, elbow, 0.15, 0.10, seed + 1);
+        limb(&mut wood, elbow - way * 0.04, end, 0.10, 0.03, seed + 2);
+        for ball in [end, elbow + DVec3::Y * 0.45] {
+            let radius = DVec3::new(0.92, 0.68, 0.92) * rng.between(0.85, 1.12);
+            crown(&mut out, &mut rng, ball, radius, leaves / 11, DVec2::new(0.040, 0.26));
+        }
+    }
+    let top = fork + DVec3::Y * 2.1;
+    crown(&mut out, &mut rng, top, DVec3::new(1.0, 0.75, 1.0), leaves / 11, DVec2::new(0.040, 0.26));
+    (wood, out)
+}
+
+/// A knotty branch from `a` to `b`.
+fn limb(out: &mut Cluster, a: DVec3, b: DVec3, from: f64, to: f64, seed: u32) {
+    let axis = (b - a).normalize_or(DVec3::Y);
+    let side = axis.cross(if axis.x.abs() < 0.8 { DVec3::X } else { DVec3::Z }).normalize_or(DVec3::Z);
+    let across = axis.cross(side);
+    const ROWS: usize = 4;
+    let part = Part::grid(ROWS, 6, true, |row, column| {
+        let t = row as f64 / (ROWS - 1) as f64;
+        // Counter-clockwise about the axis: the bark is the front.
+        let (s, c) = sin_cos(std::f64::consts::TAU * column as f64 / 6.0);
+        let knot = 1.0 + 0.5 * (paint::noise(column as f64 * 1.3, t * 3.0, seed) - 0.5);
+        a + (b - a) * t + (side * c + across * s) * ((from + (to - from) * t) * knot)
+    });
+    out.stamp(
+        &Cluster::of(&part.crease(70.0)).with_uv(|p, _| DVec2::new(p.x * 0.9 + p.z * 0.7, p.y * 0.8)),
+        &glam::DAffine3::IDENTITY,
+        DVec2::ZERO,
+    );
+}
+
+/// A round tree or bush of radius 1 on the ground: lumps of leaves without trunk.
+#[must_use]
+pub fn bush(leaves: usize, size: DVec2, seed: u32) -> Cluster {
+    let mut rng = Rng::new(seed);
+    let mut out = Cluster::default();
+    for i in 0..5 {
+        let way = leaning(f64::from(i) * 0.618_034, 0.2 + 0.22 * f64::from(i));
+        let centre = way * 0.5 + DVec3::Y * 0.32;
+        crown(&mut out, &mut rng, centre, DVec3::new(0.52, 0.5, 0.52), leaves / 5, size);
+    }
+    out
+}
+
+/// A tuft of grass, 0.35 m high.
+#[must_use]
+pub fn grass(blades: usize, seed: u32) -> Cluster {
+    let mut rng = Rng::new(seed);
+    let mut out = Cluster::default();
+    for i in 0..blades {
+        let way = leaning(i as f64 * 0.618_034 + rng.between(-0.1, 0.1), rng.between(0.1, 0.75));
+        let base = DVec3::new(rng.between(-0.12, 0.12), -0.03, rng.between(-0.12, 0.12));
+        let side = way.cross(DVec3::Y).normalize_or(DVec3::X) * 0.013;
+        let length = rng.between(0.2, 0.38);
+        let (knee, droop) = (base + way * (0.6 * length), DVec3::new(way.x, -0.1, way.z) * (0.35 * length));
+        let tip = knee + way * (0.4 * length) + droop;
+        let uv = |v: f64| DVec2::new(0.0, v);
+        out.polygon(
+            &[
+                (base - side, uv(0.1)),
+                (base + side, uv(0.1)),
+                (knee + side * 0.6, uv(0.5)),
+                (knee - side * 0.6, uv(0.5)),
+            ],
+            DVec3::Y,
+        );
+        out.polygon(&[(knee - side * 0.6, uv(0.5)), (knee + side * 0.6, uv(0.5)), (tip, uv(0.85))], DVec3::Y);
+    }
+    out
+}
+
+/// The cup of a poppy on its stalk, 0.45 m high: stalk first, then petals.
+#[must_use]
+pub fn poppy(seed: u32) -> (Cluster, Cluster) {
+    let mut rng = Rng::new(seed);
+    let (mut stalk, mut cup) = (Cluster::default(), Cluster::default());
+    let head = DVec3::new(rng.between(-0.06, 0.06), rng.between(0.34, 0.46), rng.between(-0.06, 0.06));
+    stalk.spindle(DVec3::ZERO, head, 0.008, 0.3, 3);
+    for k in 0..5 {
+        let (a, b) = (f64::from(k) / 5.0, f64::from(k + 1) / 5.0);
+        let rim = |turn: f64| head + leaning(turn, 0.95) * 0.065;
+        let points = [(head, DVec2::ZERO), (rim(a), DVec2::ZERO), (rim(b), DVec2::ZERO)];
+        cup.polygon(&points, leaning((a + b) / 2.0, 0.7));
+    }
+    (stalk, cup)
+}
