@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use crate::{
-    builtin::{car_body, car_cabin, car_details, car_interior, car_plaza, car_wheel},
+    builtin::{car_body, car_cabin, car_details, car_interior, car_plaza, car_shell, car_wheel},
     camera,
     error::SceneError,
     modelling::{Part, SceneBuilder, builder},
@@ -30,16 +30,17 @@ pub struct Finishes {
 pub fn scene() -> Result<Scene, SceneError> {
     let mut out = SceneBuilder::new("car");
     let finishes = Finishes::new(&mut out);
-    body(&mut out, &finishes);
+    let shell = car_shell::Shell::new();
+    body(&mut out, &shell, &finishes);
     wheels(&mut out, &finishes);
-    car_interior::build(&mut out, &finishes);
+    car_interior::build(&mut out, &shell, &finishes);
     car_details::build(&mut out, &finishes);
     car_plaza::build(&mut out);
-    out.point_light([26.0, 34.0, 22.0], [0.98, 0.86, 0.70]);
+    out.point_light([26.0, 34.0, 22.0], [1.06, 0.92, 0.72]);
     out.point_light([-14.0, 16.0, 20.0], [0.16, 0.19, 0.25]);
-    out.sky([0.10, 0.22, 0.50], [0.78, 0.74, 0.68], [0.20, 0.17, 0.14], 0.50);
+    out.sky([0.07, 0.19, 0.52], [0.66, 0.70, 0.74], [0.20, 0.17, 0.14], 0.46);
     let hero =
-        Camera { eye: Vec3::new(5.1, 1.45, 4.7), target: Vec3::new(0.12, 0.62, 0.0), up: Vec3::Y, vfov_deg: 22.5 };
+        Camera { eye: Vec3::new(5.3, 1.22, 4.6), target: Vec3::new(0.1, 0.80, 0.0), up: Vec3::Y, vfov_deg: 25.0 };
     out.finish(camera::orbit(hero, FRAMES, 0.5))
 }
 
@@ -47,7 +48,7 @@ impl Finishes {
     fn new(out: &mut SceneBuilder) -> Self {
         let mut add = |material: Material| out.material(material);
         Self {
-            paint: add(builder::polished("paint", [0.42, 0.012, 0.016], 0.055, 400)),
+            paint: add(builder::polished("paint", [0.34, 0.006, 0.010], 0.055, 400)),
             chrome: add(builder::mirror("chrome", [0.03; 3], [0.80, 0.82, 0.84], 500)),
             black: add(builder::matte("black", [0.012; 3])),
             rubber: add(builder::matte("rubber", [0.022, 0.022, 0.024])),
@@ -60,16 +61,16 @@ impl Finishes {
     }
 }
 
-fn body(out: &mut SceneBuilder, finishes: &Finishes) {
-    out.object("body", &car_body::skin(&car_cabin::opening), finishes.paint);
+fn body(out: &mut SceneBuilder, shell: &car_shell::Shell, finishes: &Finishes) {
+    out.object("body", &car_body::skin(&car_shell::opening), finishes.paint);
     out.extend(&car_body::lips(), finishes.paint);
-    out.object("roof", &car_cabin::outside(), finishes.paint);
+    out.object("roof", &car_cabin::outside(shell), finishes.paint);
     out.object("underside", &car_body::underside(), finishes.black);
-    out.object("lining", &car_cabin::lining(), finishes.leather);
-    for (name, pane) in car_cabin::windows() {
+    out.object("lining", &car_cabin::lining(shell), finishes.leather);
+    for (name, pane) in car_cabin::windows(shell) {
         out.object(name, &pane, finishes.glass);
     }
-    out.object("window trim", &car_cabin::trim(), finishes.chrome);
+    out.object("window trim", &car_cabin::trim(shell), finishes.chrome);
 }
 
 fn wheels(out: &mut SceneBuilder, finishes: &Finishes) {

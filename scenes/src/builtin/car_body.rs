@@ -165,16 +165,33 @@ fn arch_height(x: f64) -> Option<f64> {
     (d < ARCH - 1e-9).then(|| AXLE_HEIGHT + (ARCH * ARCH - d * d).max(0.0).sqrt())
 }
 
-/// The right half of the skin, with the cabin left open.
-fn right(opening: Opening<'_>) -> Part {
-    let stations = stations();
-    let rows = ROWS.iter().sum::<usize>() + 1;
-    let surface = |row: usize, column: usize| {
-        let x = stations[column];
-        let axle = at_height(x, lerp(point(x, -1.0).y, point(x, 0.0).y, 0.35).max(AXLE_HEIGHT.min(point(x, 0.0).y)));
-        let lower = arch_height(x).map_or(axle, |y| at_height(x, y));
+/// A column of the skin: where it is, and where its rows start above the wheel arch and end at the middle or
+/// the cabin.
+struct Column {
+    x: f64,
+    lower: f64,
+    end: f64,
+}
+
+fn columns(opening: Opening<'_>) -> Vec<Column> {
+    let column = |x: f64| {
+        let (bottom, waist) = (point(x, -1.0).y, point(x, 0.0).y);
+        // Beside the wheels the first rows end at the axle's height, so that they meet the arches.
+        let axle = lerp(bottom, waist, 0.35).max(AXLE_HEIGHT.min(waist));
+        let lower = at_height(x, arch_height(x).unwrap_or(axle));
         let wide = opening(x);
         let end = if wide > 0.0 { reach(0.0, 1.0, -wide, |s| -point(x, s).z) } else { 1.0 };
+        Column { x, lower, end }
+    };
+    stations().into_iter().map(column).collect()
+}
+
+/// The right half of the skin, with the cabin left open.
+fn right(opening: Opening<'_>) -> Part {
+    let columns = columns(opening);
+    let rows = ROWS.iter().sum::<usize>() + 1;
+    let surface = |row: usize, column: usize| {
+        let Column { x, lower, end } = columns[column];
         let s = if row <= ROWS[0] {
             lerp(-1.0, lower, row as f64 / ROWS[0] as f64)
         } else if row <= ROWS[0] + ROWS[1] {
@@ -185,9 +202,9 @@ fn right(opening: Opening<'_>) -> Part {
         point(x, s)
     };
     let keep = |row: usize, column: usize| {
-        row >= ROWS[0] || arch_height((stations[column] + stations[column + 1]) / 2.0).is_none()
+        row >= ROWS[0] || arch_height((columns[column].x + columns[column + 1].x) / 2.0).is_none()
     };
-    slab::sheet(rows, stations.len(), keep, surface)
+    slab::sheet(rows, columns.len(), keep, surface)
 }
 
 /// The whole skin.
@@ -222,11 +239,11 @@ pub fn underside() -> Part {
     let well = |axle: f64| {
         let edge = arch_edge(axle);
         let last = edge.len() - 1;
-        let (inner, low) = (0.42, 0.10);
+        let inner = 0.42;
         // From the lip inwards, then a wall down to the floor.
         let part = Part::grid(3, edge.len(), false, |row, column| {
             let lip = edge[column] - DVec3::Z * 0.05;
-            let bottom = DVec3::new(lip.x, SILL - low, inner);
+            let bottom = DVec3::new(lip.x, SILL, inner);
             let up = if column == 0 || column == last { 0.0 } else { 0.02 };
             [lip, DVec3::new(lip.x, lip.y + up, inner), bottom][row]
         });

@@ -5,15 +5,16 @@ use glam::{DVec2, DVec3, Vec3};
 use crate::{
     builtin::{car::Finishes, car_body as body},
     modelling::{
-        Part, SceneBuilder, builder,
+        Part, SceneBuilder, block, builder,
         curve::lerp,
         lathe::{lathe, sphere},
+        paint,
         part::sin_cos,
         profile::{c, s, sample},
         rounded::{axis_to_x, pitched, rounded},
         sweep,
     },
-    scene::Material,
+    scene::{Material, Texture},
 };
 
 /// Adds the fittings.
@@ -24,6 +25,7 @@ pub fn build(out: &mut SceneBuilder, finishes: &Finishes) {
     grille(out, finishes);
     mirrors(out, finishes);
     lines(out, finishes);
+    small_things(out, finishes);
 }
 
 fn both(right: Part) -> Part {
@@ -32,7 +34,13 @@ fn both(right: Part) -> Part {
 
 fn headlamps(out: &mut SceneBuilder, finishes: &Finishes) {
     let bulb = out.material(Material { emission: Vec3::new(1.0, 0.93, 0.78), ..builder::matte("bulb", [0.6; 3]) });
-    let centre = DVec3::new(1.925, 0.640, 0.575);
+    let (y, z, radius) = (0.655, 0.575, 0.094);
+    // The skin must lie behind all of the lens.
+    let x = (0..12)
+        .map(|i| sin_cos(std::f64::consts::TAU * f64::from(i) / 12.0))
+        .map(|(sin, cos)| body::reach_of_end(true, y + radius * sin, z + radius * cos))
+        .fold(f64::MIN, f64::max);
+    let centre = DVec3::new(x + 0.012, y, z);
     let lay = |part: Part| pitched(axis_to_x(part), 8.0).at(centre.x, centre.y, centre.z);
     let pod = [s(0.098, -0.34), s(0.114, -0.2), s(0.117, -0.06), s(0.113, 0.012), c(0.104, 0.014)];
     out.object("lamp housings", &both(lay(lathe(&sample(&pod, 0.1), 26))), finishes.paint);
@@ -103,12 +111,14 @@ fn grille(out: &mut SceneBuilder, finishes: &Finishes) {
             let (sin, cos) = sin_cos(std::f64::consts::TAU * f64::from(i) / 36.0);
             let power = |v: f64| libm::copysign(libm::pow(v.abs(), 0.7), v);
             let (z, y) = (width * power(cos), middle + height * power(sin));
-            DVec3::new(body::reach_of_end(true, y, z) + 0.006, y, z)
+            DVec3::new(body::reach_of_end(true, y, z) + 0.010, y, z)
         })
         .collect();
-    let inside = Part::grid(2, edge.len(), true, |row, column| {
-        let p = edge[column];
-        if row == 0 { DVec3::new(p.x - 0.004, p.y, p.z) } else { DVec3::new(2.10, middle, p.z * 0.6) }
+    // Rings from the edge to the middle, just before the skin.
+    let inside = Part::grid(4, edge.len(), true, |row, column| {
+        let k = 1.0 - row as f64 / 3.0;
+        let (y, z) = (lerp(middle, edge[column].y, k), edge[column].z * k);
+        DVec3::new(body::reach_of_end(true, y, z) + 0.011, y, z)
     });
     out.object("grille", &inside, finishes.black);
     out.extend(&sweep::ring(&edge, DVec3::X, DVec2::new(0.010, 0.016), 6), finishes.chrome);
@@ -117,7 +127,7 @@ fn grille(out: &mut SceneBuilder, finishes: &Finishes) {
         let path: Vec<DVec3> = (0..=12)
             .map(|k| {
                 let z = lerp(-0.33, 0.33, f64::from(k) / 12.0);
-                DVec3::new(body::reach_of_end(true, y, z) + 0.008, y, z)
+                DVec3::new(body::reach_of_end(true, y, z) + 0.020, y, z)
             })
             .collect();
         out.extend(&sweep::bar(&path, DVec3::Y, DVec2::splat(0.006), 6), finishes.chrome);
@@ -159,9 +169,72 @@ fn lines(out: &mut SceneBuilder, finishes: &Finishes) {
     out.object("bonnet gap", &both(on_skin(&bonnet, 0.0, 0.0035)), finishes.black);
     out.object(
         "waist strips",
-        &both(on_skin(&along((1.70, -0.02), (-1.62, -0.02), 30), 0.003, 0.007)),
+        &both(on_skin(&along((0.905, -0.02), (-0.805, -0.02), 20), 0.003, 0.007)),
         finishes.chrome,
     );
     let handle = along((-0.42, 0.30), (-0.58, 0.30), 6);
     out.object("door handles", &both(on_skin(&handle, 0.018, 0.010)), finishes.chrome);
+}
+
+/// Indicators, wipers, exhausts and number plates.
+fn small_things(out: &mut SceneBuilder, finishes: &Finishes) {
+    let amber = out.material(builder::polished("indicator", [0.75, 0.27, 0.02], 0.06, 200));
+    let (y, z) = (0.495, 0.60);
+    let lamp = rounded(DVec3::new(0.022, 0.026, 0.048), 0.8, 12).at(body::reach_of_end(true, y, z), y, z);
+    out.object("indicators", &both(lamp), amber);
+    let pipe = |z: f64| {
+        let end = sweep::circle(DVec3::new(body::TAIL + 0.02, 0.225, z), DVec3::X, 0.022, 12);
+        let rim = sweep::ring(&end, DVec3::X, DVec2::new(0.005, 0.005), 5);
+        axis_to_x(
+            lathe(
+                &[DVec2::new(0.0, 0.06), DVec2::new(0.021, 0.06), DVec2::new(0.023, 0.0), DVec2::new(0.023, 0.5)],
+                12,
+            )
+            .flipped(),
+        )
+        .at(body::TAIL + 0.02, 0.225, z)
+        .with(rim)
+    };
+    out.object("exhausts", &pipe(0.42).with(pipe(0.35)), finishes.chrome);
+    let wiper = |z: f64| {
+        let at = |along: f64, up: f64| {
+            DVec3::new(0.83 - 0.66 * up - 0.16 * (z + along) * (z + along), 0.838 + 0.46 * up, z + along)
+        };
+        sweep::bar(
+            &[at(0.0, 0.0), at(0.14, 0.045), at(0.36, 0.10)],
+            DVec3::new(0.5, 0.85, 0.0),
+            DVec2::new(0.008, 0.005),
+            4,
+        )
+    };
+    out.object("wipers", &wiper(-0.42).with(wiper(0.05)), finishes.dark);
+    let map = out.texture(plate());
+    let mut white = builder::polished("number plate", [1.0; 3], 0.04, 60);
+    white.diffuse_map = Some(map);
+    let white = out.material(white);
+    let (wide, high) = (DVec3::Z * 0.46, DVec3::Y * 0.11);
+    let back = DVec3::new(body::reach_of_end(false, 0.50, 0.0) - 0.035, 0.475, -0.23);
+    out.object("rear number plate", &block::rectangle(back, wide, high), white);
+}
+
+/// `RAY 1` in dark letters of five by seven cells on white.
+fn plate() -> Texture {
+    const GLYPHS: [[u8; 7]; 4] = [
+        [0b11110, 0b10001, 0b10001, 0b11110, 0b10100, 0b10010, 0b10001],
+        [0b01110, 0b10001, 0b10001, 0b11111, 0b10001, 0b10001, 0b10001],
+        [0b10001, 0b10001, 0b01010, 0b00100, 0b00100, 0b00100, 0b00100],
+        [0b00100, 0b01100, 0b00100, 0b00100, 0b00100, 0b00100, 0b01110],
+    ];
+    const PLACES: [f64; 4] = [4.0, 11.0, 18.0, 28.0];
+    paint::paint("number plate", 256, |u, v| {
+        let (x, y) = (u * 37.0, (1.0 - v) * 11.0 - 2.0);
+        let ink = GLYPHS.iter().zip(PLACES).any(|(rows, place)| {
+            let (column, row) = (libm::floor(x - place), libm::floor(y));
+            (0.0..5.0).contains(&column)
+                && (0.0..7.0).contains(&row)
+                && rows[row as usize] >> (4 - column as u32) & 1 == 1
+        });
+        let rim = u.min(1.0 - u) < 0.012 || v.min(1.0 - v) < 0.05;
+        if ink || rim { DVec3::splat(0.015) } else { DVec3::new(0.82, 0.81, 0.76) }
+    })
 }

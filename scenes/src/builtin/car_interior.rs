@@ -3,7 +3,7 @@
 use glam::{DVec2, DVec3};
 
 use crate::{
-    builtin::{car::Finishes, car_cabin},
+    builtin::{car::Finishes, car_shell::Shell},
     modelling::{
         Part, SceneBuilder,
         rounded::{pitched, rounded},
@@ -15,8 +15,8 @@ use crate::{
 const SEAT: f64 = 0.31;
 
 /// Adds the interior.
-pub fn build(out: &mut SceneBuilder, finishes: &Finishes) {
-    out.object("tub", &tub(), finishes.dark);
+pub fn build(out: &mut SceneBuilder, shell: &Shell, finishes: &Finishes) {
+    out.object("tub", &tub(shell), finishes.dark);
     for (name, z) in [("left seat", -SEAT), ("right seat", SEAT)] {
         out.object(name, &seat().at(-0.28, 0.0, z), finishes.leather);
     }
@@ -30,10 +30,10 @@ pub fn build(out: &mut SceneBuilder, finishes: &Finishes) {
 }
 
 /// Walls and floor inside the body.
-fn tub() -> Part {
+fn tub(shell: &Shell) -> Part {
     let columns = 40;
-    let rim = car_cabin::belt(columns, 0.065, 0.03);
-    let wide = car_cabin::belt(columns, 0.10, 0.0);
+    let rim = shell.belt(columns, 0.065, 0.03);
+    let wide = shell.belt(columns, 0.10, 0.0);
     Part::grid(4, columns, true, |row, column| match row {
         0 => DVec3::new(-0.4, 0.27, 0.0),
         1 => DVec3::new(wide[column].x * 0.96, 0.27, wide[column].z),

@@ -18,7 +18,7 @@ const COLUMNS: usize = 16;
 const RADIUS: f64 = 10.5;
 /// Radius of the wall behind them.
 const WALL: f64 = 13.6;
-const CYPRESSES: usize = 16;
+const CYPRESSES: usize = 22;
 
 /// Adds everything that is not the car.
 pub fn build(out: &mut SceneBuilder) {
@@ -26,6 +26,7 @@ pub fn build(out: &mut SceneBuilder) {
     colonnade(out);
     wall(out);
     cypresses(out);
+    hills(out);
 }
 
 fn ground(out: &mut SceneBuilder) {
@@ -73,7 +74,7 @@ fn colonnade(out: &mut SceneBuilder) {
         c(0.42, 3.70),
     ];
     let profile = sample(&knots, 1.3);
-    let column = lathe(&profile, 16);
+    let column = lathe(&profile, 15);
     let plinth = |y: f64| block::block(DVec3::new(-0.47, y, -0.47), DVec3::new(0.47, y + 0.16, 0.47));
     let whole = column.at(0.0, 0.14, 0.0).with(plinth(0.0)).with(plinth(3.82));
     for i in 0..COLUMNS {
@@ -107,7 +108,7 @@ fn wall(out: &mut SceneBuilder) {
     plaster.diffuse_map = Some(map);
     let plaster = out.material(plaster);
     let coping = out.material(builder::matte("coping", [0.58, 0.50, 0.40]));
-    let height = 1.9;
+    let height = 1.25;
     let mut face = lathe(&[DVec2::new(WALL, 0.0), DVec2::new(WALL, height)], 72).flipped();
     let girth = 30.0;
     for (i, uv) in face.uvs.iter_mut().enumerate() {
@@ -128,14 +129,15 @@ fn wall(out: &mut SceneBuilder) {
         face.triangles[slot / 3][slot % 3] = (face.positions.len() - 1) as u32;
     }
     out.object("wall", &face, plaster);
-    let top = [c(WALL + 0.5, 1.7), c(WALL + 0.5, 2.1), c(WALL - 0.12, 2.1), c(WALL - 0.12, 1.9), c(WALL + 0.01, 1.9)];
+    let top =
+        [c(WALL + 0.5, 1.1), c(WALL + 0.5, 1.42), c(WALL - 0.12, 1.42), c(WALL - 0.12, 1.25), c(WALL + 0.01, 1.25)];
     out.extend(&lathe(&sample(&top, 1.0), 72), coping);
 }
 
 /// Courses of dressed stone; one repeat is a pier's width and the whole height.
 fn ashlar() -> Texture {
     paint::paint("ashlar", 512, |u, v| {
-        let y = v * 4.0;
+        let y = v * 3.0;
         let x = u * 3.0 + if libm::floor(y) % 2.0 == 0.0 { 0.0 } else { 0.5 };
         let (fx, fy) = (x - libm::floor(x), y - libm::floor(y));
         let own = paint::noise(libm::floor(x).rem_euclid(3.0) * 3.7 + 0.5, libm::floor(y) * 4.9 + 0.5, 5);
@@ -144,6 +146,25 @@ fn ashlar() -> Texture {
         let joint = (fx.min(1.0 - fx) * 2.0).min(fy.min(1.0 - fy));
         stone * (0.55 + 0.45 * (joint / 0.05).clamp(0.0, 1.0))
     })
+}
+
+/// Wooded hills all round, far away.
+fn hills(out: &mut SceneBuilder) {
+    let map = out.texture(paint::paint("woods", 256, |u, v| {
+        let wood = paint::cloud(u * 60.0, v * 14.0, 4, 61);
+        // Higher is farther and bluer.
+        DVec3::new(0.105, 0.135, 0.085).lerp(DVec3::new(0.17, 0.21, 0.235), v) * (0.55 + 0.8 * wood)
+    }));
+    let mut woods = builder::matte("woods", [1.0; 3]);
+    woods.diffuse_map = Some(map);
+    let woods = out.material(woods);
+    let ring = lathe_with(3, 72, |row, _, column| {
+        let angle = std::f64::consts::TAU * column as f64 / 72.0;
+        let (sin, cos) = sin_cos(angle);
+        let crest = 1.0 + 11.0 * paint::cloud(3.0 + 2.2 * sin, 7.0 + 2.2 * cos, 3, 15);
+        DVec2::new(70.0 + 9.0 * row as f64, crest * [0.0, 0.62, 1.0][row])
+    });
+    out.object("hills", &ring.flipped(), woods);
 }
 
 fn cypresses(out: &mut SceneBuilder) {
@@ -159,8 +180,8 @@ fn cypresses(out: &mut SceneBuilder) {
         let height = 6.0 + 3.2 * random(1.0);
         let (sin, cos) = sin_cos(std::f64::consts::TAU * (i as f64 + 0.3 + 0.55 * random(2.0)) / CYPRESSES as f64);
         let radius = WALL + 2.4 + 2.2 * random(3.0);
-        let rows = 10;
-        let tree = lathe_with(rows, 13, |row, angle, column| {
+        let rows = 9;
+        let tree = lathe_with(rows, 11, |row, angle, column| {
             let h = row as f64 / (rows - 1) as f64;
             let ragged = 0.8 + 0.4 * paint::noise(column as f64 * 1.7 + 0.5, row as f64 * 1.3 + i as f64 * 9.1, 3);
             let width = 0.95 * libm::pow(h.max(0.0), 0.35) * libm::pow(1.0 - h, 0.62) * ragged;

@@ -6,6 +6,7 @@ mod car_cabin;
 mod car_details;
 mod car_interior;
 mod car_plaza;
+mod car_shell;
 mod car_wheel;
 mod chess;
 mod chessmen;

@@ -47,9 +47,10 @@ pub fn bell(x: f64, middle: f64, width: f64) -> f64 {
     libm::exp(-t * t)
 }
 
-/// Where the rising function `f` reaches `wanted` between `low` and `high`, by bisection.
+/// Where the rising function `f` reaches `wanted` between `low` and `high`, by bisection down to what
+/// single precision can tell.
 pub fn reach(mut low: f64, mut high: f64, wanted: f64, f: impl Fn(f64) -> f64) -> f64 {
-    for _ in 0..48 {
+    for _ in 0..27 {
         let middle = (low + high) / 2.0;
         if f(middle) < wanted { low = middle } else { high = middle }
     }
