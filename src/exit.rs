@@ -4,6 +4,7 @@ use std::process::ExitCode;
 
 use rayreel_formats::Error as TraceError;
 use rayreel_replay::ReplayError;
+use rayreel_replay::report::html::ReportError;
 use rayreel_scenes::SceneError;
 
 /// How a command ended.
@@ -42,7 +43,8 @@ pub fn of(error: &anyhow::Error) -> Exit {
         let scene = cause.downcast_ref().is_some_and(|e| {
             !matches!(e, SceneError::UnknownScene { .. } | SceneError::IsFolder { .. } | SceneError::Io { .. })
         });
-        scene || matches!(cause.downcast_ref(), Some(ReplayError::BadTile { .. }))
+        let report = cause.downcast_ref().is_some_and(ReportError::is_bad_data);
+        scene || report || matches!(cause.downcast_ref(), Some(ReplayError::BadTile { .. }))
     };
     if error.chain().any(bad_data) { Exit::BadData } else { Exit::Usage }
 }

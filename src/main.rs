@@ -12,6 +12,7 @@ mod progress;
 mod render;
 mod repair;
 mod replay;
+mod report;
 mod scenes;
 mod verify;
 
@@ -48,6 +49,7 @@ enum Command {
     Capture(capture::Args),
     Replay(replay::Args),
     Paper(paper::Args),
+    Report(report::Args),
     Presets(presets::Args),
     Info(info::Args),
     Verify(verify::Args),
@@ -69,6 +71,7 @@ fn main() -> ExitCode {
         Command::Capture(args) => capture::run(&args, quiet),
         Command::Replay(args) => replay::run(&args, quiet),
         Command::Paper(args) => paper::run(&args, quiet),
+        Command::Report(args) => report::run(&args),
         Command::Presets(args) => presets::run(&args),
         Command::Info(args) => info::run(&args),
         Command::Verify(args) => verify::run(&args, quiet),

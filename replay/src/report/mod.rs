@@ -5,6 +5,7 @@
 
 mod counters;
 mod format;
+pub mod html;
 pub mod keys;
 mod page;
 pub mod run;

@@ -1,0 +1,49 @@
+//! Every value of the machine, with how well it is known and where it is from.
+
+use super::super::parts::{Column, Section, how_to_read, table};
+use super::super::text::escape;
+use super::super::view::View;
+use crate::report::study::ConfigValue;
+
+/// The section.
+pub fn section(view: &View<'_>) -> Option<Section> {
+    let values = &view.study.config;
+    if values.is_empty() {
+        return None;
+    }
+    let columns = [Column::words("Key"), Column::number("Value"), Column::words("Class"), Column::words("Source")];
+    let row = |v: &ConfigValue| {
+        let unit = if v.unit.is_empty() { String::new() } else { format!(" <small>{}</small>", escape(&v.unit)) };
+        let class = format!("<span class=\"badge\">{}</span>", escape(&v.class));
+        (
+            String::new(),
+            vec![format!("<code>{}</code>", escape(&v.key)), escape(&v.value) + &unit, class, escape(&v.source)],
+        )
+    };
+    let rows: Vec<_> = values.iter().map(row).collect();
+    let machine = view.study.machine.as_deref().unwrap_or("the machine");
+    let html = format!(
+        "<details id=\"config-values\"><summary>{} values of {}</summary>\n<div class=\"search\" hidden><label>Search \
+         <input type=\"search\" id=\"config-search\" autocomplete=\"off\" placeholder=\"key, value, class or source\"></label> \
+         <output id=\"config-found\"></output></div>\n{}</details>\n",
+        values.len(),
+        escape(machine),
+        table(&format!("Configuration of {machine}"), &columns, &rows)
+    );
+    let read = "Each value says how well it is known: stated by the paper, taken from another source, derived, or chosen. The \
+                table can be searched.";
+    Section::new("config", "Configuration of the machine", counts(values) + &html + &how_to_read(read))
+}
+
+/// How many values are of each class.
+fn counts(values: &[ConfigValue]) -> String {
+    let mut classes: Vec<(&str, usize)> = Vec::new();
+    for value in values {
+        match classes.iter_mut().find(|(class, _)| *class == value.class) {
+            Some((_, n)) => *n += 1,
+            None => classes.push((&value.class, 1)),
+        }
+    }
+    let item = |(class, n): &(&str, usize)| format!("<li><span class=\"badge\">{}</span> {n}</li>", escape(class));
+    format!("<ul class=\"legend\">{}</ul>\n", classes.iter().map(item).collect::<String>())
+}

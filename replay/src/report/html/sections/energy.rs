@@ -1,0 +1,81 @@
+//! Energy by component.
+
+use super::super::charts::stacked::{Part, Row, stacked};
+use super::super::parts::{Section, by_mode, card, grid, how_to_read};
+use super::super::text::{digits, percent};
+use super::super::view::View;
+use crate::report::study::{Component, Point};
+
+/// Group, name for people, colour class.
+const GROUPS: [(&str, &str, &str); 3] =
+    [("ti", "T&I units", "e0"), ("srp", "SRPs", "e1"), ("memory", "L2 and DRAM", "e2")];
+
+/// The section.
+pub fn section(view: &View<'_>) -> Option<Section> {
+    if view.points.iter().all(|p| p.energy.is_empty()) {
+        return None;
+    }
+    let key = |(_, name, class): &(&str, &str, &str)| {
+        format!(
+            "<li><svg viewBox=\"0 0 16 16\" aria-hidden=\"true\"><rect x=\"2\" y=\"2\" width=\"12\" height=\"12\" class=\"{class}\"/></svg>{}</li>",
+            super::super::text::escape(name)
+        )
+    };
+    let mut html = format!("<ul class=\"legend\">{}</ul>\n", GROUPS.iter().map(key).collect::<String>());
+    html += &by_mode(view, |mode| {
+        grid(&view.scenes(mode).iter().map(|scene| chart(view, scene, mode)).collect::<String>())
+    });
+    html += &how_to_read(
+        "Energy of the whole GPU for the scene's frame, mJ; shades are the components of a group. Shorter is better. A component \
+         that stays long where rays are saved is what limits the gain.",
+    );
+    Section::new("energy", "Energy by component", html)
+}
+
+fn total(point: &Point) -> f64 {
+    point.energy.iter().map(|c| c.mj).sum()
+}
+
+fn chart(view: &View<'_>, scene: &str, mode: &str) -> String {
+    let points: Vec<&Point> = view.of(scene, mode).into_iter().filter(|p| !p.energy.is_empty()).collect();
+    let most = points.iter().map(|p| total(p)).fold(0.0, f64::max);
+    if points.is_empty() {
+        return String::new();
+    }
+    let row = |point: &&Point| Row::Bar {
+        name: point.policy.clone(),
+        parts: parts(point),
+        text: format!("{} mJ", digits(total(point))),
+    };
+    let text: Vec<String> = points.iter().map(|p| format!("{} {} mJ", p.policy, digits(total(p)))).collect();
+    let label = format!("Stacked bars, {scene}: energy by component. {}.", text.join("; "));
+    let rows: Vec<Row> = points.iter().map(row).collect();
+    card(scene, &stacked(&rows, most, |scale, tick| scale.label(tick), &label), "")
+}
+
+fn parts(point: &Point) -> Vec<Part> {
+    let all = total(point).max(f64::MIN_POSITIVE);
+    let mut parts = Vec::new();
+    let mut add = |own: Vec<&Component>, group: &str, class: &str| {
+        for (i, component) in own.iter().enumerate() {
+            parts.push(Part {
+                value: component.mj,
+                class: class.into(),
+                opacity: (1.0 - 0.13 * i as f64).max(0.3),
+                tip: format!(
+                    "{}\n{} ({group})\n{} mJ, {}",
+                    point.policy,
+                    component.component,
+                    digits(component.mj),
+                    percent(component.mj / all)
+                ),
+            });
+        }
+    };
+    for (group, name, class) in GROUPS {
+        add(point.energy.iter().filter(|c| c.group == group).collect(), name, class);
+    }
+    let known = |c: &&Component| GROUPS.iter().all(|(group, ..)| *group != c.group);
+    add(point.energy.iter().filter(known).collect(), "other", "e3");
+    parts
+}
