@@ -32,10 +32,12 @@ pub fn scene() -> Result<Scene, SceneError> {
     things::notebook(&mut out, &stock, DVec3::new(3.9, 0.0, 2.2), 24.0);
     things::bottles(&mut out, &stock);
     glassware(&mut out, &stock);
-    out.point_light([8.5, 13.5, 9.0], [0.62, 0.56, 0.46]);
-    out.point_light([-10.5, 12.5, 8.0], [0.26, 0.29, 0.34]);
-    out.point_light([-6.0, 11.0, -9.0], [0.34, 0.35, 0.36]);
-    out.sky([0.36, 0.50, 0.74], [0.82, 0.84, 0.84], [0.40, 0.38, 0.34], 0.42);
+    out.point_light([9.0, 13.5, 13.0], [0.74, 0.66, 0.52]);
+    out.point_light([-10.5, 12.5, 8.0], [0.20, 0.24, 0.30]);
+    out.point_light([-6.0, 11.0, -9.0], [0.36, 0.36, 0.36]);
+    // The horizon has the brightness of the walls: where the depth limit cuts a ray off behind several vessels, it shows
+    // the sky in that direction.
+    out.sky([0.20, 0.38, 0.72], [0.50, 0.65, 0.70], [0.36, 0.34, 0.30], 0.42);
     out.finish(path())
 }
 
@@ -70,7 +72,7 @@ fn path() -> Vec<Camera> {
         camera: Camera { eye: eye.into(), target: target.into(), up: Vec3::Y, vfov_deg },
     };
     let keys = [
-        key(0, [4.6, 3.7, 12.6], [-0.7, 1.75, 0.0], 27.0),
+        key(0, [4.6, 3.6, 12.8], [-0.55, 1.85, 0.0], 28.0),
         key(40, [-4.5, 3.2, 10.5], [-2.2, 1.6, 0.0], 27.0),
         key(80, [-9.0, 3.8, 9.0], [-3.0, 1.5, -1.0], 29.0),
         key(120, [1.0, 2.8, 9.0], [1.8, 1.5, -1.0], 29.0),

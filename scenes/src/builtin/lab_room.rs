@@ -24,6 +24,7 @@ pub fn room(out: &mut SceneBuilder) {
     floor_and_ceiling(out);
     walls(out);
     window(out);
+    outside(out);
     poster(out);
 }
 
@@ -124,6 +125,25 @@ fn window(out: &mut SceneBuilder) {
     out.extend(&beam(middle + 0.15, right - 0.13, height - 0.1, height + 0.1, -0.95), white);
     let sill = DVec3::new(left - 0.7, bottom - 0.31, BACK - 1.4);
     out.extend(&block::bevelled(sill, DVec3::new(right + 0.7, bottom + 0.12, BACK + 0.8), 0.06), white);
+}
+
+/// Hills and trees in the haze, as far as the window shows them: silhouettes that shine by themselves, because the lamps
+/// of the room do not reach them.
+fn outside(out: &mut SceneBuilder) {
+    let layers = [
+        ("far hills", -70.0, 4.2, 4.0, 0.05, [0.34, 0.48, 0.56]),
+        ("hills", -56.0, 2.9, 2.6, 0.11, [0.20, 0.33, 0.27]),
+        ("trees", -44.0, 1.3, 2.4, 0.55, [0.09, 0.17, 0.07]),
+    ];
+    for (i, (name, z, height, swing, pitch, colour)) in layers.into_iter().enumerate() {
+        let shine = out.material(Material { emission: colour.into(), ..builder::matte(name, [0.0; 3]) });
+        let ridge = Part::grid(2, 121, false, |row, column| {
+            let x = -75.0 + column as f64;
+            let crest = height + swing * (paint::cloud(x * pitch + 40.0, 0.5, 3, 61 + i as u32 * 7) - 0.5) * 2.0;
+            DVec3::new(x, if row == 0 { FLOOR } else { crest }, z)
+        });
+        out.object(name, &ridge, shine);
+    }
 }
 
 /// A chart of the elements, as colours.

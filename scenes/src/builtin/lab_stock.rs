@@ -27,6 +27,10 @@ pub struct Stock {
     pub enamel: u32,
     pub porcelain: u32,
     pub paper: u32,
+    /// The notebook's cover.
+    pub cloth: u32,
+    /// The pencil's paint.
+    pub paint: u32,
     pub gauze: u32,
     pub oak: u32,
     pub dark_oak: u32,
@@ -77,6 +81,8 @@ pub fn stock(out: &mut SceneBuilder) -> Stock {
         enamel: out.material(matte("enamel", [0.85, 0.85, 0.83])),
         porcelain: out.material(polished("porcelain", [0.70, 0.69, 0.66], 0.05, 240)),
         paper: out.material(matte("paper", [0.74, 0.72, 0.64])),
+        cloth: out.material(polished("cloth", [0.035, 0.075, 0.16], 0.03, 30)),
+        paint: out.material(polished("paint", [0.72, 0.42, 0.04], 0.05, 120)),
         gauze,
         oak,
         dark_oak,
@@ -104,9 +110,9 @@ fn bench_tiles() -> Texture {
         let cloud = paint::cloud(u * 20.0, v * 20.0, 4, 53);
         let joint = fx.min(1.0 - fx).min(fy).min(1.0 - fy);
         if joint < 0.014 {
-            return DVec3::new(0.26, 0.26, 0.25);
+            return DVec3::new(0.17, 0.165, 0.155);
         }
-        DVec3::new(0.60, 0.60, 0.57) * (0.84 + 0.12 * own + 0.10 * cloud)
+        DVec3::new(0.50, 0.495, 0.46) * (0.84 + 0.12 * own + 0.10 * cloud)
     })
 }
 

@@ -13,7 +13,7 @@ use crate::{
     modelling::{
         Part, SceneBuilder, block,
         lathe::lathe,
-        profile::{c, s, sample},
+        profile::{Knot, c, s, sample},
         tube,
         vessel::along,
     },
@@ -116,11 +116,14 @@ pub fn notebook(out: &mut SceneBuilder, stock: &Stock, at: DVec3, turn: f64) {
     let block_of = |inset: f64, y0: f64, y1: f64| {
         block::bevelled(DVec3::new(-1.05 + inset, y0, -0.75 + inset), DVec3::new(1.05, y1, 0.75 - inset), 0.012)
     };
-    out.object("notebook", &place(block_of(0.0, 0.004, 0.045)), stock.rubber);
+    out.object("notebook", &place(block_of(0.0, 0.004, 0.045)), stock.cloth);
     out.extend(&place(block_of(0.05, 0.046, 0.17)), stock.paper);
-    out.extend(&place(block_of(0.0, 0.172, 0.21)), stock.rubber);
-    let pencil = [DVec3::new(-0.75, 0.262, 0.35), DVec3::new(0.6, 0.262, -0.2)];
-    out.object("pencil", &place(tube::rod(&pencil, 0.05, 6)), stock.brass);
+    out.extend(&place(block_of(0.0, 0.172, 0.21)), stock.cloth);
+    let (tip, end) = (DVec3::new(-0.75, 0.262, 0.35), DVec3::new(0.6, 0.262, -0.2));
+    let pencil = |profile: &[Knot]| along(lathe(&sample(profile, 1.0), 6), tip, end).crease(20.0);
+    out.object("pencil", &place(pencil(&[c(0.0, 0.0), c(0.018, 0.07), c(0.0, 0.07)])), stock.iron);
+    out.extend(&place(pencil(&[c(0.018, 0.071), c(0.05, 0.21)])), stock.cork);
+    out.extend(&place(pencil(&[c(0.05, 0.211), c(0.05, 1.46), c(0.0, 1.46)])), stock.paint);
 }
 
 /// Bottles on the shelf, larger ones and flasks on the wall bench.
