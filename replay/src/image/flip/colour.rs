@@ -27,6 +27,10 @@ struct Tables {
     to_rgb: [[f32; 3]; 3],
     /// Compressed distance at the knee.
     knee: f32,
+    /// Its base-2 logarithm.
+    log_knee: f32,
+    /// That of the slope below the knee.
+    log_slope: f32,
     /// The largest compressed distance, of green and blue.
     largest: f32,
 }
@@ -40,11 +44,14 @@ static TABLES: LazyLock<Tables> = LazyLock::new(|| {
     let to_xyz = XYZ.map(|row| row.map(|v| v / row.iter().sum::<f64>()));
     let distance = hyab(hunt_lab_f64(to_xyz.map(|row| row[1])), hunt_lab_f64(to_xyz.map(|row| row[2])));
     let largest = libm::pow(distance, COMPRESSION);
+    let knee = KNEE * largest;
     Tables {
         linear: std::array::from_fn(linear),
         to_xyz: to_xyz.map(|row| row.map(|v| v as f32)),
         to_rgb: inverse(&to_xyz).map(|row| row.map(|v| v as f32)),
-        knee: (KNEE * largest) as f32,
+        knee: knee as f32,
+        log_knee: libm::log2(knee) as f32,
+        log_slope: libm::log2(KNEE_VALUE / knee) as f32,
         largest: largest as f32,
     }
 });
@@ -100,18 +107,20 @@ pub fn perceived([y, cx, cz]: [f32; 3]) -> [f32; 3] {
     hunt_lab(times(&tables.to_xyz, rgb.map(|v| v.clamp(0.0, 1.0))))
 }
 
-/// The colour difference of two perceived colours, 0 to 1.
+/// The base-2 logarithm of the colour difference (0 to 1) of two perceived colours; minus infinity for equal ones.
+///
+/// The difference is a power of the distance, and will be raised to another power: two logarithms and an exponential less than by
+/// `powf`, which would take half of the time of all that FLIP does.
 #[inline]
-pub fn difference(a: [f32; 3], b: [f32; 3]) -> f32 {
+pub fn log_difference(a: [f32; 3], b: [f32; 3]) -> f32 {
     let tables = &*TABLES;
     let [l, p, q] = [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
-    let compressed = libm::powf(l.abs() + (p * p + q * q).sqrt(), COMPRESSION as f32);
-    let (knee, value) = (tables.knee, KNEE_VALUE as f32);
-    if compressed < knee {
-        compressed * (value / knee)
-    } else {
-        value + (compressed - knee) / (tables.largest - knee) * (1.0 - value)
+    let log = COMPRESSION as f32 * libm::log2f(l.abs() + (p * p + q * q).sqrt());
+    if log < tables.log_knee {
+        return log + tables.log_slope;
     }
+    let share = (libm::exp2f(log) - tables.knee) / (tables.largest - tables.knee);
+    libm::log2f(KNEE_VALUE as f32 + share * (1.0 - KNEE_VALUE) as f32)
 }
 
 #[cfg(test)]
@@ -141,9 +150,9 @@ mod tests {
     #[test]
     fn green_and_blue_are_farthest() {
         let [green, blue, white, black] = [[0, 255, 0], [0, 0, 255], [255; 3], [0; 3]].map(|p| perceived(ycxcz(p).0));
-        assert!((difference(green, blue) - 1.0).abs() < 1.0e-6);
-        let other = difference(white, black);
+        assert!(log_difference(green, blue).abs() < 1.0e-6);
+        let other = libm::exp2f(log_difference(white, black));
         assert!(other < 1.0 && other > KNEE_VALUE as f32, "{other}");
-        assert_eq!(difference(green, green), 0.0);
+        assert_eq!(log_difference(green, green), f32::NEG_INFINITY);
     }
 }

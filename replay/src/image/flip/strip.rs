@@ -3,7 +3,7 @@
 //! Each value is a sum over taps in their order, whichever thread makes it; neighbouring values are independent, so the compiler
 //! works on several at a time without changing any.
 
-use super::colour::{difference, perceived, ycxcz};
+use super::colour::{log_difference, perceived, ycxcz};
 use super::filters::Filters;
 use crate::image::Srgb8;
 
@@ -132,13 +132,13 @@ impl Columns {
 /// The FLIP value of a pixel: a colour difference counts for more where there is a feature in one picture only.
 #[inline]
 fn value(a: &Columns, b: &Columns, x: usize) -> f32 {
-    let colour = difference(a.colour(x), b.colour(x));
-    if colour <= 0.0 {
+    let log_colour = log_difference(a.colour(x), b.colour(x));
+    if log_colour == f32::NEG_INFINITY {
         return 0.0;
     }
     let ([edge_a, point_a], [edge_b, point_b]) = (a.features(x), b.features(x));
     let difference = (edge_a - edge_b).abs().max((point_a - point_b).abs());
     let feature = (difference * std::f32::consts::FRAC_1_SQRT_2).sqrt();
     // Rounding may carry a largest difference past 1.
-    libm::powf(colour, 1.0 - feature).clamp(0.0, 1.0)
+    libm::exp2f(log_colour * (1.0 - feature)).clamp(0.0, 1.0)
 }
