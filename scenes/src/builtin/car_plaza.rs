@@ -4,7 +4,7 @@ use glam::{DVec2, DVec3};
 
 use crate::{
     modelling::{
-        Part, SceneBuilder, block, builder,
+        Part, SceneBuilder, backdrop, block, builder,
         lathe::{lathe, lathe_with},
         paint,
         part::sin_cos,
@@ -109,25 +109,7 @@ fn wall(out: &mut SceneBuilder) {
     let plaster = out.material(plaster);
     let coping = out.material(builder::matte("coping", [0.58, 0.50, 0.40]));
     let height = 1.25;
-    let mut face = lathe(&[DVec2::new(WALL, 0.0), DVec2::new(WALL, height)], 72).flipped();
-    let girth = 30.0;
-    for (i, uv) in face.uvs.iter_mut().enumerate() {
-        *uv = DVec2::new((i % 72) as f64 / 72.0 * girth, if i < 72 { 0.0 } else { 1.0 });
-    }
-    // The last column meets the first: its triangles need a texture coordinate past the end.
-    let seam: Vec<(usize, u32)> = face
-        .triangles
-        .iter()
-        .enumerate()
-        .filter(|(_, t)| t.iter().any(|v| v % 72 == 71) && t.iter().any(|v| v % 72 == 0))
-        .flat_map(|(i, t)| t.iter().enumerate().filter(|(_, v)| **v % 72 == 0).map(move |(k, _)| (i * 3 + k, 0)))
-        .collect();
-    for (slot, _) in seam {
-        let vertex = face.triangles[slot / 3][slot % 3] as usize;
-        face.positions.push(face.positions[vertex]);
-        face.uvs.push(DVec2::new(girth, face.uvs[vertex].y));
-        face.triangles[slot / 3][slot % 3] = (face.positions.len() - 1) as u32;
-    }
+    let face = backdrop::ring(WALL, [0.0, height], 72, DVec2::new(30.0, 1.0));
     out.object("wall", &face, plaster);
     let top =
         [c(WALL + 0.5, 1.1), c(WALL + 0.5, 1.42), c(WALL - 0.12, 1.42), c(WALL - 0.12, 1.25), c(WALL + 0.01, 1.25)];

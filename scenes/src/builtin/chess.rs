@@ -8,7 +8,7 @@ use crate::{
     camera,
     error::SceneError,
     modelling::{
-        Part, SceneBuilder, block, builder,
+        Part, SceneBuilder, backdrop, block, builder,
         lathe::lathe,
         paint,
         profile::{c, s, sample},
@@ -18,6 +18,11 @@ use crate::{
 
 /// Frames of the turn round the board.
 const FRAMES: u32 = 120;
+/// How deep the feet of the pieces stand in the board.
+const SUNK: f64 = 0.01;
+/// Radius of the room, and where its panelling starts and ends.
+const ROOM: f64 = 46.0;
+const PANELLING: [f64; 2] = [-20.0, 16.0];
 /// The pieces of the first rank, from the a-file.
 const RANK: [PieceKind; 8] = {
     use PieceKind::{Bishop, King, Knight, Queen, Rook};
@@ -27,6 +32,7 @@ const RANK: [PieceKind; 8] = {
 /// The scene with its orbit; frame 0 is the hero view.
 pub fn scene() -> Result<Scene, SceneError> {
     let mut out = SceneBuilder::new("chess");
+    room(&mut out);
     table(&mut out);
     board(&mut out);
     let glass = out.material(builder::glass("glass", [0.965, 0.985, 0.975], 1.5));
@@ -60,7 +66,8 @@ fn side(out: &mut SceneBuilder, name: &str, material: u32, front: f64) {
             } else {
                 -90.0 - inward
             };
-            let place = |part: &Part| part.clone().turned(turn).at(x, 0.0, rank * front);
+            // Glass on the very plane of the board would let rounding choose which of the two a ray meets first.
+            let place = |part: &Part| part.clone().turned(turn).at(x, -SUNK, rank * front);
             let mut parts = parts.iter();
             if let Some(first) = parts.next() {
                 out.object(&format!("{name} {} {letter}", kind.name()), &place(first), material);
@@ -120,6 +127,30 @@ fn frame_part() -> Part {
         let [x, z] = [[-r, r], [r, r], [r, -r], [-r, -r]][column];
         DVec3::new(x, y, z)
     })
+}
+
+/// The panelled wall of the room round the table.
+fn room(out: &mut SceneBuilder) {
+    let panels = out.texture(paint::paint("panelling", 512, |u, v| {
+        // One tall panel: its field stands back behind a moulding that is lit from above.
+        let (x, y) = (u.min(1.0 - u) - 0.13, v.min(1.0 - v) - 0.10);
+        let depth = x.min(y * 1.5) / 0.045;
+        let light = if depth <= 0.0 || depth >= 1.0 {
+            if depth <= 0.0 { 1.0 } else { 0.86 }
+        } else if y * 1.5 < x {
+            if v < 0.5 { 2.0 } else { 0.4 }
+        } else if u < 0.5 {
+            0.6
+        } else {
+            1.3
+        };
+        let worn = paint::cloud(u * 5.0, v * 9.0, 4, 23);
+        DVec3::new(0.031, 0.064, 0.055) * (light * (0.8 + 0.4 * worn))
+    }));
+    let mut wall = builder::matte("panelling", [1.0; 3]);
+    wall.diffuse_map = Some(panels);
+    let wall = out.material(wall);
+    out.object("wall", &backdrop::ring(ROOM, PANELLING, 72, DVec2::new(24.0, 3.0)), wall);
 }
 
 /// A round wooden table.

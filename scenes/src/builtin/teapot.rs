@@ -7,7 +7,7 @@ use crate::{
     camera,
     error::SceneError,
     modelling::{
-        Part, SceneBuilder, block, builder,
+        Part, SceneBuilder, backdrop, block, builder,
         lathe::{lathe, sphere},
         paint, patch,
         profile::{c, s, sample},
@@ -17,26 +17,30 @@ use crate::{
 
 /// Cells along each side of a patch.
 const PATCH_CELLS: usize = 13;
+/// How deep the tumbler stands in the table: on the very plane of the table top rounding would choose which of
+/// the two a ray meets first.
+const SUNK: f64 = 0.01;
 /// Frames of the turn round the table.
 const FRAMES: u32 = 120;
 
 /// The scene with its orbit; frame 0 is the hero view.
 pub fn scene() -> Result<Scene, SceneError> {
     let mut out = SceneBuilder::new("teapot");
+    garden(&mut out);
     table(&mut out);
     pot(&mut out);
     glass_of_tea(&mut out);
     sugar(&mut out);
     out.point_light([7.5, 10.0, 4.0], [0.92, 0.86, 0.76]);
     out.point_light([-8.0, 6.0, 7.5], [0.22, 0.26, 0.32]);
-    out.sky([0.14, 0.21, 0.38], [0.84, 0.72, 0.58], [0.24, 0.18, 0.14], 0.42);
+    out.sky([0.22, 0.36, 0.60], [0.70, 0.68, 0.62], [0.24, 0.18, 0.14], 0.42);
     let hero =
-        Camera { eye: Vec3::new(1.4, 5.0, 11.2), target: Vec3::new(0.75, 0.94, 0.0), up: Vec3::Y, vfov_deg: 27.0 };
+        Camera { eye: Vec3::new(1.4, 5.0, 11.2), target: Vec3::new(0.75, 0.84, 0.0), up: Vec3::Y, vfov_deg: 27.0 };
     out.finish(camera::orbit(hero, FRAMES, 0.6))
 }
 
 fn pot(out: &mut SceneBuilder) {
-    let glaze = out.material(builder::polished("glaze", [0.035, 0.235, 0.27], 0.07, 260));
+    let glaze = out.material(builder::polished("glaze", [0.035, 0.235, 0.27], 0.055, 260));
     let join = |patches: &[patch::Patch]| {
         patches.iter().map(|p| patch::tessellate(p, PATCH_CELLS, PATCH_CELLS)).fold(Part::default(), Part::with)
     };
@@ -53,8 +57,8 @@ fn pot(out: &mut SceneBuilder) {
 fn glass_of_tea(out: &mut SceneBuilder) {
     let glass = out.material(builder::glass("glass", [0.975, 0.985, 0.98], 1.5));
     let tea = out.material(builder::glass("tea", [0.93, 0.62, 0.24], 1.33));
-    out.object("tumbler", &tumbler().at(3.15, 0.0, 1.55), glass);
-    out.object("tea", &liquid().at(3.15, 0.0, 1.55), tea);
+    out.object("tumbler", &tumbler().at(3.15, -SUNK, 1.55), glass);
+    out.object("tea", &liquid().at(3.15, -SUNK, 1.55), tea);
     out.object("marble", &sphere(DVec3::new(1.28, 0.36, 2.9), 0.36, 24).crease(60.0), glass);
 }
 
@@ -102,6 +106,54 @@ fn table(out: &mut SceneBuilder) {
     out.object("table", &disc, top);
     let rim = [c(0.0, -0.6), c(7.6, -0.6), s(8.3, -0.42), s(8.42, -0.15), s(8.34, 0.02), c(8.2, 0.0)];
     out.extend(&lathe(&sample(&rim, 0.3), 64), edge);
+}
+
+/// A garden far out of focus, all round the table.
+fn garden(out: &mut SceneBuilder) {
+    let map = out.texture(paint::paint("garden", 512, bokeh()));
+    let mut green = builder::matte("garden", [1.0; 3]);
+    green.diffuse_map = Some(map);
+    let green = out.material(green);
+    out.object("garden", &backdrop::ring(42.0, [-16.0, 30.0], 48, DVec2::new(4.0, 1.0)), green);
+}
+
+/// A disc of light on the garden's texture: place and radius in scene units, colour, strength.
+struct Disc {
+    place: DVec2,
+    radius: f64,
+    colour: DVec3,
+    strength: f64,
+}
+
+/// Soft leaves with discs of light, repeating along `u`.
+fn bokeh() -> impl Fn(f64, f64) -> DVec3 {
+    // One repeat of the texture on the wall; discs must come out round.
+    let size = DVec2::new(66.0, 46.0);
+    let disc = |i: u32| {
+        let random = |k: u32| paint::noise(f64::from(i) * 5.0 + 0.5, f64::from(k) * 3.0 + 0.5, 27);
+        Disc {
+            place: DVec2::new(random(1), random(2)) * size,
+            radius: 0.45 + 1.4 * random(3) * random(3),
+            colour: DVec3::new(0.75, 0.72, 0.30).lerp(DVec3::new(0.42, 0.58, 0.22), random(4)),
+            strength: 0.10 + 0.35 * random(5),
+        }
+    };
+    let discs: Vec<Disc> = (0..230).map(disc).collect();
+    let (dark, pale) = (DVec3::new(0.030, 0.065, 0.028), DVec3::new(0.26, 0.34, 0.11));
+    move |u, v| {
+        // The last fifth passes over into what lies left of the beginning, so that the ends meet.
+        let leaves_at = |u: f64| paint::cloud(u * 14.0 + 40.0, v * 9.7, 3, 44);
+        let over = ((u - 0.8) / 0.2).clamp(0.0, 1.0);
+        let leaves = leaves_at(u) * (1.0 - over) + leaves_at(u - 1.0) * over;
+        let mut colour = dark.lerp(pale, ((leaves - 0.32) * 2.1 + 0.2 * (0.4 - v)).clamp(0.0, 1.0));
+        for disc in &discs {
+            let across = (u * size.x - disc.place.x).abs();
+            let away = DVec2::new(across.min(size.x - across), v * size.y - disc.place.y).length();
+            let inside = ((disc.radius - away) / 0.22).clamp(0.0, 1.0);
+            colour = colour.lerp(disc.colour, inside * disc.strength);
+        }
+        colour
+    }
 }
 
 /// Two by two tiles of pale and dark stone with joints; repeats.

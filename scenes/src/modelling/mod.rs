@@ -3,6 +3,7 @@
 //! Everything is computed in `f64` with `libm` and rounded once, so that the built-in scenes are
 //! the same bytes on every machine.
 
+pub mod backdrop;
 pub mod block;
 pub mod builder;
 pub mod curve;
