@@ -36,9 +36,9 @@ pub fn scene() -> Result<Scene, SceneError> {
     garden::wall(&mut out, &m);
     garden::meadow(&mut out, &m);
     garden::far_trees(&mut out, &m);
-    out.sun([-0.80, 0.46, 0.62], [1.38, 1.04, 0.68]);
+    out.sun([-0.88, 0.46, 0.46], [1.72, 1.30, 0.86]);
     out.sun([0.55, 0.80, 0.25], [0.07, 0.09, 0.14]);
-    out.sky([0.17, 0.33, 0.66], [0.88, 0.74, 0.58], [0.34, 0.27, 0.19], 0.42);
+    out.sky([0.16, 0.33, 0.68], [0.90, 0.76, 0.60], [0.34, 0.27, 0.19], 0.40);
     out.finish(path::cameras())
 }
 

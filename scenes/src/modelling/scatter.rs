@@ -114,7 +114,8 @@ impl Cluster {
         }
     }
 
-    /// A slim solid from `base` to `tip`, widest at `belly` (0 to 1 of its length), with `sides` sides.
+    /// A slim solid from `base` to `tip`, widest at `belly` (0 to 1 of its length), with `sides` sides;
+    /// with `belly` 0 a cone whose open foot belongs inside something else.
     /// `v` runs from 0 at the base to 1 at the tip.
     pub fn spindle(&mut self, base: DVec3, tip: DVec3, radius: f64, belly: f64, sides: usize) {
         let axis = (tip - base).normalize_or(DVec3::Y);
@@ -130,7 +131,9 @@ impl Cluster {
         for k in 0..sides {
             let (a, b) = (ring[k], ring[(k + 1) % sides]);
             self.facet(a, b, tip, DVec2::Y);
-            self.facet(b, a, base, DVec2::ZERO);
+            if belly > 0.0 {
+                self.facet(b, a, base, DVec2::ZERO);
+            }
         }
     }
 

@@ -6,7 +6,7 @@ use crate::{
     builtin::provence::{
         land::{self, FIELD, ground},
         materials::Materials,
-        plants,
+        path, plants,
     },
     modelling::{
         Part, SceneBuilder, block,
@@ -26,8 +26,9 @@ const BUSH: f64 = 0.72;
 pub fn lavender(out: &mut SceneBuilder, m: &Materials) {
     let mut rng = Rng::new(101);
     let near: Vec<Cluster> = (0..4).map(|i| plants::lavender(34, 110 + i)).collect();
-    let middle: Vec<Cluster> = (0..4).map(|i| plants::lavender(18, 120 + i)).collect();
-    let far: Vec<Cluster> = (0..3).map(|i| plants::lavender_clump(130 + i)).collect();
+    let middle: Vec<Cluster> = (0..4).map(|i| plants::lavender_far(28, 120 + i)).collect();
+    let far: Vec<Cluster> = (0..3).map(|i| plants::lavender_far(19, 130 + i)).collect();
+    let eyes = path::eyes();
     let [west, north, east, south] = FIELD;
     let rows = libm::floor((east - west - 1.6) / ROW) as usize;
     for row in 0..=rows {
@@ -38,10 +39,9 @@ pub fn lavender(out: &mut SceneBuilder, m: &Materials) {
             let z = north + 0.9 + i as f64 * BUSH + rng.between(-0.08, 0.08);
             let bx = x + rng.between(-0.07, 0.07);
             let (size, turn, shade) = (rng.between(0.85, 1.18), rng.between(0.0, 360.0), rng.unit());
-            let off = (bx + 8.0).abs();
             let pick = |set: &[Cluster]| (row * 7 + i * 3) % set.len();
-            let plant = match off {
-                d if d < 4.6 => &near[pick(&near)],
+            let plant = match path::distance(&eyes, bx, z) {
+                d if d < 4.5 => &near[pick(&near)],
                 d if d < 10.0 => &middle[pick(&middle)],
                 _ => &far[pick(&far)],
             };
@@ -104,11 +104,11 @@ pub fn olives(out: &mut SceneBuilder, m: &Materials) {
 /// Woods and hedges on the hills around.
 pub fn far_trees(out: &mut SceneBuilder, m: &Materials) {
     let mut rng = Rng::new(401);
-    let trees: Vec<Cluster> = (0..3).map(|i| plants::bush(100, DVec2::new(0.11, 0.42), 410 + i)).collect();
-    let slim = plants::cypress(26, 420);
+    let trees: Vec<Cluster> = (0..3).map(|i| plants::bush(130, 0.17, 410 + i)).collect();
+    let slim = plants::cypress(18, 420);
     let (mut woods, mut flames) = (Cluster::default(), Cluster::default());
     let mut placed = 0;
-    while placed < 330 {
+    while placed < 290 {
         let (sin, cos) = sin_cos(rng.between(0.0, std::f64::consts::TAU));
         let far = 62.0 + 300.0 * rng.unit() * rng.unit();
         let (x, z) = (sin * far, 10.0 + cos * far);
@@ -134,7 +134,7 @@ pub fn far_trees(out: &mut SceneBuilder, m: &Materials) {
 /// Grass by the road and round the yard, with poppies.
 pub fn meadow(out: &mut SceneBuilder, m: &Materials) {
     let mut rng = Rng::new(501);
-    let tufts: Vec<Cluster> = (0..4).map(|i| plants::grass(6, 510 + i)).collect();
+    let tufts: Vec<Cluster> = (0..4).map(|i| plants::grass(9, 510 + i)).collect();
     let poppies: Vec<(Cluster, Cluster)> = (0..3).map(|i| plants::poppy(520 + i)).collect();
     let (mut grass, mut stalks, mut cups) = (Cluster::default(), Cluster::default(), Cluster::default());
     let mut placed = 0;

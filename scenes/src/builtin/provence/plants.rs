@@ -1,6 +1,6 @@
 //! Single plants: lavender, cypress, olive, round trees and bushes, grass, poppies.
 
-use glam::{DVec2, DVec3};
+use glam::{DAffine3, DVec2, DVec3};
 
 use crate::modelling::{
     Part,
@@ -17,51 +17,59 @@ fn leaning(turn: f64, lean: f64) -> DVec3 {
     DVec3::new(ls * s, lc, ls * c)
 }
 
-/// A bush of lavender, 0.75 m high and wide: a low green dome that bristles with flower spikes.
+/// The leafy body of a bush of lavender.
+fn lavender_dome(out: &mut Cluster, seed: u32) {
+    let dome = lathe_with(4, 7, |row, angle, _| {
+        let (s, c) = sin_cos(std::f64::consts::FRAC_PI_2 * row as f64 / 3.0);
+        let lump = 1.0 + 0.12 * libm::sin(angle * 3.0 + f64::from(seed));
+        if row == 3 { DVec2::new(0.0, 0.38) } else { DVec2::new(0.31 * c * lump, 0.38 * s - 0.03) }
+    });
+    let dome = Cluster::of(&dome.crease(85.0)).with_uv(|p, _| DVec2::new(0.0, 0.12 + 0.75 * p.y));
+    out.stamp(&dome, &DAffine3::IDENTITY, DVec2::ZERO);
+}
+
+/// Root and tip of each spike of a bush of lavender, and the way it leans. A sunflower's order covers
+/// the dome evenly; the rest is chance.
+fn lavender_spikes(rng: &mut Rng, spikes: usize) -> Vec<(DVec3, DVec3, DVec3)> {
+    let spike = |i: usize| {
+        let share = (i as f64 + 0.5) / spikes as f64;
+        let lean = 1.2 * share.sqrt() + rng.between(-0.07, 0.07);
+        let way = leaning(i as f64 * 0.618_034 + rng.between(-0.03, 0.03), lean);
+        let reach = rng.between(0.56, 0.74) * (1.0 - 0.16 * share);
+        (way * (0.42 * reach), way * reach + DVec3::Y * 0.05, way)
+    };
+    (0..spikes).map(spike).collect()
+}
+
+/// A bush of lavender, 0.75 m high and wide: a low green dome that bristles with flower spikes on stalks.
 #[must_use]
 pub fn lavender(spikes: usize, seed: u32) -> Cluster {
     let mut rng = Rng::new(seed);
     let mut out = Cluster::default();
-    let dome = lathe_with(4, 7, |row, angle, _| {
-        let (s, c) = sin_cos(std::f64::consts::FRAC_PI_2 * row as f64 / 3.0);
-        let lump = 1.0 + 0.12 * libm::sin(angle * 3.0 + f64::from(seed));
-        if row == 3 { DVec2::new(0.0, 0.40) } else { DVec2::new(0.33 * c * lump, 0.40 * s - 0.03) }
-    });
-    let dome = Cluster::of(&dome.crease(85.0)).with_uv(|p, _| DVec2::new(0.0, 0.18 + 0.55 * p.y));
-    out.stamp(&dome, &glam::DAffine3::IDENTITY, DVec2::ZERO);
-    for i in 0..spikes {
-        // A sunflower's order covers the dome evenly; the rest is chance.
-        let share = (i as f64 + 0.5) / spikes as f64;
-        let lean = 1.15 * share.sqrt() + rng.between(-0.07, 0.07);
-        let way = leaning(i as f64 * 0.618_034 + rng.between(-0.03, 0.03), lean);
-        let reach = rng.between(0.56, 0.74) * (1.0 - 0.16 * share);
-        let (root, tip) = (way * (0.45 * reach), way * reach + DVec3::Y * 0.05);
+    lavender_dome(&mut out, seed);
+    for (root, tip, way) in lavender_spikes(&mut rng, spikes) {
         let from = root + (tip - root) * 0.22;
         let stalk = way.cross(DVec3::Y).normalize_or(DVec3::X) * 0.008;
-        out.polygon(
-            &[(root - stalk, DVec2::new(0.0, 0.1)), (root + stalk, DVec2::new(0.0, 0.1)), (from, DVec2::new(0.0, 0.3))],
-            way,
-        );
+        let low = DVec2::new(0.0, 0.1);
+        out.polygon(&[(root - stalk, low), (root + stalk, low), (from, DVec2::new(0.0, 0.3))], way);
         let mut ear = Cluster::default();
         ear.spindle(from, tip, 0.030, 0.42, 3);
-        let ear = ear.with_uv(|_, uv| DVec2::new(0.0, 0.52 + 0.44 * uv.y));
-        out.stamp(&ear, &glam::DAffine3::IDENTITY, DVec2::ZERO);
+        out.stamp(&ear.with_uv(|_, uv| DVec2::new(0.0, 0.52 + 0.44 * uv.y)), &DAffine3::IDENTITY, DVec2::ZERO);
     }
     out
 }
 
-/// A clump of lavender for far rows: lumps of the same colours without single flowers.
+/// The same bush for a distance: spikes are plain cones.
 #[must_use]
-pub fn lavender_clump(seed: u32) -> Cluster {
+pub fn lavender_far(spikes: usize, seed: u32) -> Cluster {
     let mut rng = Rng::new(seed);
     let mut out = Cluster::default();
-    for i in 0..12 {
-        let share = (f64::from(i) + 0.5) / 12.0;
-        let way = leaning(f64::from(i) * 0.618_034, 1.2 * share.sqrt());
-        let tip = way * rng.between(0.56, 0.72);
-        let mut lump = Cluster::default();
-        lump.spindle(way * 0.1, tip, 0.14, 0.55, 3);
-        out.stamp(&lump.with_uv(|_, uv| DVec2::new(0.0, 0.16 + 0.74 * uv.y)), &glam::DAffine3::IDENTITY, DVec2::ZERO);
+    lavender_dome(&mut out, seed);
+    let radius = 0.20 / (spikes as f64).sqrt();
+    for (root, tip, _) in lavender_spikes(&mut rng, spikes) {
+        let mut ear = Cluster::default();
+        ear.spindle(root + (tip - root) * 0.1, tip, radius, 0.0, 3);
+        out.stamp(&ear.with_uv(|_, uv| DVec2::new(0.0, 0.36 + 0.58 * uv.y)), &DAffine3::IDENTITY, DVec2::ZERO);
     }
     out
 }
@@ -83,7 +91,7 @@ pub fn cypress(sprays: usize, seed: u32) -> Cluster {
     });
     out.stamp(
         &Cluster::of(&body.crease(85.0)).with_uv(|_, _| DVec2::new(0.0, 0.12)),
-        &glam::DAffine3::IDENTITY,
+        &DAffine3::IDENTITY,
         DVec2::ZERO,
     );
     for i in 0..sprays {
@@ -101,7 +109,7 @@ pub fn cypress(sprays: usize, seed: u32) -> Cluster {
         let tone = rng.between(0.0, 0.35);
         out.stamp(
             &spray.with_uv(|_, uv| DVec2::new(0.0, 0.2 + 0.45 * uv.y + tone)),
-            &glam::DAffine3::IDENTITY,
+            &DAffine3::IDENTITY,
             DVec2::ZERO,
         );
     }
@@ -169,20 +177,33 @@ fn limb(out: &mut Cluster, a: DVec3, b: DVec3, from: f64, to: f64, seed: u32) {
     });
     out.stamp(
         &Cluster::of(&part.crease(70.0)).with_uv(|p, _| DVec2::new(p.x * 0.9 + p.z * 0.7, p.y * 0.8)),
-        &glam::DAffine3::IDENTITY,
+        &DAffine3::IDENTITY,
         DVec2::ZERO,
     );
 }
 
-/// A round tree or bush of radius 1 on the ground: lumps of leaves without trunk.
+/// A round tree or bush of radius 1 on the ground: dark lumps under leaves, without trunk.
 #[must_use]
-pub fn bush(leaves: usize, size: DVec2, seed: u32) -> Cluster {
+pub fn bush(leaves: usize, size: f64, seed: u32) -> Cluster {
     let mut rng = Rng::new(seed);
     let mut out = Cluster::default();
     for i in 0..5 {
-        let way = leaning(f64::from(i) * 0.618_034, 0.2 + 0.22 * f64::from(i));
-        let centre = way * 0.5 + DVec3::Y * 0.32;
-        crown(&mut out, &mut rng, centre, DVec3::new(0.52, 0.5, 0.52), leaves / 5, size);
+        let way = leaning(f64::from(i) * 0.618_034, 0.2 + 0.24 * f64::from(i));
+        let (centre, radius) = (way * 0.48 + DVec3::Y * 0.34, rng.between(0.42, 0.54));
+        let lump = lathe_with(4, 6, |row, _, _| {
+            let (s, c) = sin_cos(std::f64::consts::PI * (row as f64 / 3.0 - 0.5));
+            DVec2::new(if row == 0 || row == 3 { 0.0 } else { 0.86 * radius * c }, 0.86 * radius * s)
+        });
+        let lump = Cluster::of(&lump.crease(85.0)).with_uv(|p, _| DVec2::new(0.0, 0.2 + 0.2 * p.y));
+        out.stamp(&lump, &DAffine3::from_translation(centre), DVec2::ZERO);
+        for _ in 0..leaves / 5 {
+            let away = rng.direction();
+            let base = centre + away * (radius * rng.between(0.78, 1.0));
+            let way = (away + rng.direction() * 0.8).normalize_or(away) * (size * rng.between(0.7, 1.3));
+            let across = way.cross(away + rng.direction()).normalize_or(DVec3::X) * (0.42 * size);
+            let uv = DVec2::new(0.0, (0.5 + 0.3 * away.y + rng.between(-0.2, 0.2)).clamp(0.06, 0.94));
+            out.polygon(&[(base - across, uv), (base + across, uv), (base + way, uv)], away);
+        }
     }
     out
 }
@@ -193,23 +214,13 @@ pub fn grass(blades: usize, seed: u32) -> Cluster {
     let mut rng = Rng::new(seed);
     let mut out = Cluster::default();
     for i in 0..blades {
-        let way = leaning(i as f64 * 0.618_034 + rng.between(-0.1, 0.1), rng.between(0.1, 0.75));
-        let base = DVec3::new(rng.between(-0.12, 0.12), -0.03, rng.between(-0.12, 0.12));
-        let side = way.cross(DVec3::Y).normalize_or(DVec3::X) * 0.013;
-        let length = rng.between(0.2, 0.38);
-        let (knee, droop) = (base + way * (0.6 * length), DVec3::new(way.x, -0.1, way.z) * (0.35 * length));
-        let tip = knee + way * (0.4 * length) + droop;
+        let way = leaning(i as f64 * 0.618_034 + rng.between(-0.1, 0.1), rng.between(0.1, 0.9));
+        let base = DVec3::new(rng.between(-0.13, 0.13), -0.03, rng.between(-0.13, 0.13));
+        let side = leaning(rng.unit(), std::f64::consts::FRAC_PI_2) * 0.016;
+        let tip = base + way * rng.between(0.18, 0.36);
         let uv = |v: f64| DVec2::new(0.0, v);
-        out.polygon(
-            &[
-                (base - side, uv(0.1)),
-                (base + side, uv(0.1)),
-                (knee + side * 0.6, uv(0.5)),
-                (knee - side * 0.6, uv(0.5)),
-            ],
-            DVec3::Y,
-        );
-        out.polygon(&[(knee - side * 0.6, uv(0.5)), (knee + side * 0.6, uv(0.5)), (tip, uv(0.85))], DVec3::Y);
+        // Grass is lit like the ground it covers, not blade by blade.
+        out.polygon(&[(base - side, uv(0.15)), (base + side, uv(0.15)), (tip, uv(0.9))], DVec3::Y);
     }
     out
 }

@@ -11,7 +11,9 @@ use crate::{
 /// Half the side of the world.
 const WORLD: f64 = 900.0;
 /// Distance over which the world's texture is fine.
-const FINE: f64 = 30.0;
+const FINE: f64 = 90.0;
+/// How far from the farm the near ground reaches.
+const NEAR: f64 = 62.0;
 /// Middle of the fine part.
 const MIDDLE: DVec2 = DVec2::new(0.0, 25.0);
 
@@ -25,8 +27,13 @@ pub fn add(out: &mut SceneBuilder) {
     let mut soil = builder::matte("earth", [1.0; 3]);
     soil.diffuse_map = Some(map);
     let soil = out.material(soil);
-    let (land, field) = grid();
+    let map = out.texture(meadow());
+    let mut near = builder::matte("meadow", [1.0; 3]);
+    near.diffuse_map = Some(map);
+    let near = out.material(near);
+    let (land, meadow, field) = grid();
     out.object("land", &land, grass);
+    out.extend(&meadow, near);
     out.object("field", &field, soil);
     let map = out.texture(gravel());
     let mut road = builder::matte("road", [1.0; 3]);
@@ -58,8 +65,8 @@ fn lines(low: f64, high: f64, step: f64, dense: (f64, f64), fine: f64) -> Vec<f6
     all
 }
 
-/// The ground without the field, and the field. The pool is cut out along the middle of its rim.
-fn grid() -> (Part, Part) {
+/// The far ground, the near ground and the field. The pool is cut out along the middle of its rim.
+fn grid() -> (Part, Part, Part) {
     let [west, north, east, south] = FIELD;
     let mut xs = lines(west - 14.0, 48.5, 1.4, (1.0, 16.0), 0.625);
     let mut zs = lines(-36.0, south + 10.0, 1.4, (11.5, 21.5), 0.625);
@@ -95,10 +102,40 @@ fn grid() -> (Part, Part) {
     let (field_triangles, rest): (Vec<_>, Vec<_>) = land.triangles.iter().partition(|t| in_field(&land, t));
     let mut field = land.clone();
     field.triangles = field_triangles;
-    land.triangles = rest.into_iter().filter(|t| !cut(&land, t)).collect();
+    let is_near = |t: &[u32; 3]| t.iter().all(|v| from_farm(land.positions[*v as usize]) < NEAR);
+    let (near, far): (Vec<_>, Vec<_>) = rest.into_iter().filter(|t| !cut(&land, t)).partition(is_near);
+    let mut meadow = land.clone();
+    meadow.triangles = near;
+    meadow.uvs = meadow.positions.iter().map(|p| meadow_uv(p.x, p.z)).collect();
+    land.triangles = far;
     land.uvs = land.positions.iter().map(|p| world_uv(p.x, p.z)).collect();
     let field = Part { uvs: field.positions.iter().map(|p| DVec2::new(p.x / 6.4, -p.z / 6.4)).collect(), ..field };
-    (land.crease(80.0), field.crease(80.0))
+    (land.crease(80.0), meadow.crease(80.0), field.crease(80.0))
+}
+
+/// Distance from the middle of the farm, seen from above.
+fn from_farm(p: DVec3) -> f64 {
+    DVec2::new(p.x - 4.0, p.z - 26.0).length()
+}
+
+/// Texture coordinates of the meadow, bent so that its repetition makes no rows.
+fn meadow_uv(x: f64, z: f64) -> DVec2 {
+    let bend = |seed: u32| 5.0 * paint::noise(x / 13.0, z / 13.0, seed);
+    DVec2::new(x + bend(35), -z + bend(36)) / 11.0
+}
+
+/// Dry grass from near: tufts, bare patches, a little green; repeats.
+fn meadow() -> Texture {
+    paint::paint("meadow", 1024, |u, v| {
+        let (fine, patches) = (wrapped(u, v, 150.0, 37), wrapped(u, v, 9.0, 38));
+        let blend = wrapped(u, v, 40.0, 39);
+        let green = DVec3::new(0.17, 0.20, 0.065);
+        let dry = DVec3::new(0.40, 0.32, 0.15);
+        let bare = DVec3::new(0.42, 0.31, 0.20);
+        let grass = green + (dry - green) * land::smooth(0.30, 0.68, 0.5 * blend + 0.5 * patches);
+        let colour = grass + (bare - grass) * (0.8 * land::smooth(0.62, 0.74, 0.3 * blend + 0.7 * patches));
+        colour * (0.45 + 1.05 * fine)
+    })
 }
 
 /// Texture coordinates of the world's map: fine in the middle, coarse outside.
