@@ -1,5 +1,7 @@
 //! Procedural textures.
 
+use std::sync::LazyLock;
+
 use glam::DVec3;
 
 use crate::scene::Texture;
@@ -18,11 +20,16 @@ pub fn paint(name: &str, side: u32, colour: impl Fn(f64, f64) -> DVec3) -> Textu
     Texture { name: name.to_owned(), width: side, height: side, texels }
 }
 
-/// Linear to 8-bit sRGB.
+/// Linear to 8-bit sRGB, rounded to the nearest code: the number of codes' lower bounds that `linear` reaches.
+/// Three powers a texel would take longer than the rest of a scene.
 fn encode(linear: f64) -> u8 {
-    let c = linear.clamp(0.0, 1.0);
-    let encoded = if c <= 0.003_130_8 { c * 12.92 } else { 1.055 * libm::pow(c, 1.0 / 2.4) - 0.055 };
-    libm::round(encoded * 255.0) as u8
+    static BOUNDS: LazyLock<[f64; 255]> = LazyLock::new(|| std::array::from_fn(|i| decode((i as f64 + 0.5) / 255.0)));
+    BOUNDS.partition_point(|bound| *bound <= linear) as u8
+}
+
+/// sRGB to linear, both from 0 to 1.
+fn decode(encoded: f64) -> f64 {
+    if encoded <= 0.040_45 { encoded / 12.92 } else { libm::pow((encoded + 0.055) / 1.055, 2.4) }
 }
 
 /// Smooth noise between 0 and 1 with a cell size of one.
@@ -51,6 +58,26 @@ pub fn cloud(x: f64, y: f64, octaves: u32, seed: u32) -> f64 {
     sum / total
 }
 
+/// Clouds of three sizes that repeat over the unit square; the coarsest has `cells` cells to a side.
+#[must_use]
+pub fn wrapped(u: f64, v: f64, cells: u32, seed: u32) -> f64 {
+    let octave = |k: u32| repeating(u, v, cells << k, seed.wrapping_add(k));
+    (octave(0) * 0.5 + octave(1) * 0.25 + octave(2) * 0.125) / 0.875
+}
+
+/// Like [`noise`], with `period` cells over the unit square, the last beside the first.
+fn repeating(u: f64, v: f64, period: u32, seed: u32) -> f64 {
+    let (x, y) = (u * f64::from(period), v * f64::from(period));
+    let (fx, fy) = (libm::floor(x), libm::floor(y));
+    let smooth = |t: f64| t * t * (3.0 - 2.0 * t);
+    let (tx, ty) = (smooth(x - fx), smooth(y - fy));
+    let wrap = |cell: f64, step: i64| (cell as i64 + step).rem_euclid(i64::from(period)) as u32;
+    let at = |dx: i64, dy: i64| hash(wrap(fx, dx), wrap(fy, dy), seed);
+    let low = at(0, 0) + (at(1, 0) - at(0, 0)) * tx;
+    let high = at(0, 1) + (at(1, 1) - at(0, 1)) * tx;
+    low + (high - low) * ty
+}
+
 /// An integer hash as a number between 0 and 1.
 fn hash(x: u32, y: u32, seed: u32) -> f64 {
     let mut h = x.wrapping_mul(0x9E37_79B1) ^ y.wrapping_mul(0x85EB_CA77) ^ seed.wrapping_mul(0xC2B2_AE3D);
@@ -73,4 +100,20 @@ pub fn wood(u: f64, v: f64, planks: f64, dark: DVec3, pale: DVec3) -> DVec3 {
     let edge = within.min(1.0 - within);
     let joint = (edge / 0.012).clamp(0.0, 1.0) * 0.55 + 0.45;
     (dark + (pale - dark) * mix) * joint
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn encoding_is_the_srgb_curve_rounded() {
+        for i in -100..=20_100 {
+            let linear = f64::from(i) / 20_000.0;
+            let c = linear.clamp(0.0, 1.0);
+            let curve = if c <= 0.003_130_8 { c * 12.92 } else { 1.055 * libm::pow(c, 1.0 / 2.4) - 0.055 };
+            assert_eq!(encode(linear), libm::round(curve * 255.0) as u8, "{linear}");
+        }
+        assert_eq!([encode(f64::NEG_INFINITY), encode(f64::INFINITY), encode(f64::NAN)], [0, 255, 0]);
+    }
 }
