@@ -24,7 +24,7 @@ pub fn scene() -> Result<Scene, SceneError> {
     lab_furniture::furniture(&mut out, &stock);
     apparatus::distillation(&mut out, &stock, DVec3::new(-4.2, 0.0, -0.7));
     apparatus::titration(&mut out, &stock, DVec3::new(3.6, 0.0, -1.6));
-    apparatus::retort(&mut out, &stock, DVec3::new(8.0, 0.0, -0.9), 0.0);
+    apparatus::retort(&mut out, &stock, DVec3::new(7.2, 0.0, -0.9), -12.0);
     apparatus::rack(&mut out, &stock, DVec3::new(-2.0, 0.0, 1.9), 12.0);
     apparatus::hot_plate(&mut out, &stock, DVec3::new(-8.2, 0.0, 0.2), 18.0);
     things::microscope(&mut out, &stock, DVec3::new(7.2, 0.0, -11.6), 200.0);
@@ -49,14 +49,15 @@ fn glassware(out: &mut SceneBuilder, stock: &Stock) {
     };
     place("blue flask", &ware::erlenmeyer(1.55), 1.5, 1.3, 0.0, liquid(BLUE, 0.95));
     place("violet flask", &ware::erlenmeyer(1.15), 5.2, 0.3, 0.0, liquid(VIOLET, 0.62));
-    place("empty flask", &ware::erlenmeyer(1.3), -6.0, -1.9, 0.0, None);
+    // Under the end of the retort's neck.
+    place("empty flask", &ware::erlenmeyer(1.75), 11.82, 0.1, 0.0, None);
     place("red beaker", &ware::beaker(0.62, 1.5), 0.1, 2.4, 60.0, liquid(RED, 0.8));
     place("green beaker", &ware::beaker(0.82, 2.0), -5.9, 1.6, 110.0, liquid(GREEN, 1.15));
     place("clear beaker", &ware::beaker(0.5, 1.2), 2.6, 2.6, -40.0, liquid(CLEAR, 0.6));
     place("dish", &ware::dish(0.62), -4.2, 2.5, 0.0, liquid(PINK, 0.14));
     place("dish 2", &ware::dish(0.5), 5.4, 2.7, 0.0, liquid(BLUE, 0.12));
     for (name, x, z, height, kind, level) in
-        [("cylinder 1", -7.2, -1.6, 3.2, BLUE, 1.9), ("cylinder 2", 6.0, -1.5, 2.6, RED, 1.2)]
+        [("cylinder 1", -7.2, -1.6, 3.2, BLUE, 1.9), ("cylinder 2", 5.5, -1.5, 2.6, RED, 1.2)]
     {
         let vessel = ware::cylinder(0.32, height);
         vessel.build(out, name, stock.glass, liquid(kind, level), |p| p.at(x, GAP, z));
@@ -65,18 +66,19 @@ fn glassware(out: &mut SceneBuilder, stock: &Stock) {
     }
 }
 
-/// From the hero view to the left end of the island, past its front to the retort, and back.
+/// From the hero view to the left end of the island, past its front to the retort, and back for a look at the room.
 fn path() -> Vec<Camera> {
     let key = |frame, eye: [f32; 3], target: [f32; 3], vfov_deg| Keyframe {
         frame,
         camera: Camera { eye: eye.into(), target: target.into(), up: Vec3::Y, vfov_deg },
     };
     let keys = [
-        key(0, [4.6, 3.6, 12.8], [-0.55, 1.85, 0.0], 28.0),
+        key(0, [5.5, 3.8, 13.6], [0.85, 1.95, 0.0], 31.5),
         key(40, [-4.5, 3.2, 10.5], [-2.2, 1.6, 0.0], 27.0),
         key(80, [-9.0, 3.8, 9.0], [-3.0, 1.5, -1.0], 29.0),
         key(120, [1.0, 2.8, 9.0], [1.8, 1.5, -1.0], 29.0),
-        key(160, [9.0, 4.0, 9.6], [4.6, 1.6, -1.0], 28.0),
+        key(160, [9.6, 4.0, 10.8], [6.2, 2.1, -1.0], 29.0),
+        key(220, [14.5, 6.4, 19.5], [0.6, -0.6, -2.5], 33.0),
     ];
     camera::interpolate(&keys, Interpolation::CatmullRom)
 }

@@ -183,12 +183,11 @@ pub fn rack(out: &mut SceneBuilder, stock: &Stock, at: DVec3, turn: f64) {
 
 /// A board of `width` x `depth` with a round hole in its middle, cut like a slice of a longer one: no faces at its ends.
 fn drilled(width: f64, depth: f64, thick: f64, hole: f64) -> Part {
-    const SIDES: usize = 20;
+    // A multiple of eight: then points stand in the corners of the board, and its edges are straight.
+    const SIDES: usize = 24;
     let (w, d) = (width / 2.0, depth / 2.0);
     Part::grid(5, SIDES, true, |row, column| {
-        // Half a step, so that the corners of the board are met by points and its edges are straight.
         let (sin, cos) = sin_cos(std::f64::consts::TAU * column as f64 / SIDES as f64);
-        // A square has its corners at the odd eighths, where both are equally large.
         let scale = sin.abs().max(cos.abs());
         let (top, bottom) = (thick, 0.0);
         let edge = |y: f64| DVec3::new(sin / scale * w, y, cos / scale * d);

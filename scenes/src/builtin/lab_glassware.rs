@@ -135,7 +135,7 @@ pub fn stopper(radius: f64) -> Part {
         s(neck * 0.6, 0.07 + neck * 1.95),
         c(0.0, 0.07 + neck * 2.05),
     ];
-    lathe(&sample(&knots, neck * 0.9), 16).crease(50.0)
+    lathe(&sample(&knots, neck * 0.9), 14).crease(50.0)
 }
 
 /// A flat dish with vertical sides.

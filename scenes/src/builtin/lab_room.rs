@@ -150,16 +150,16 @@ fn outside(out: &mut SceneBuilder) {
 fn poster(out: &mut SceneBuilder) {
     let chart = textured(out, elements(), builder::matte("chart", [1.0; 3]));
     let frame = out.material(builder::polished("chart frame", [0.10, 0.06, 0.04], 0.04, 60));
-    let (low, high) = (DVec3::new(6.2, 7.4, BACK + 0.01), DVec3::new(15.4, 12.6, BACK + 0.14));
+    let (low, high) = (DVec3::new(6.2, 8.4, BACK + 0.01), DVec3::new(15.4, 13.6, BACK + 0.14));
     out.object("chart frame", &block::bevelled(low, high, 0.05), frame);
     let sheet =
-        block::rectangle(DVec3::new(6.4, 7.6, BACK + 0.146), DVec3::new(8.8, 0.0, 0.0), DVec3::new(0.0, 4.8, 0.0));
+        block::rectangle(DVec3::new(6.4, 8.6, BACK + 0.146), DVec3::new(8.8, 0.0, 0.0), DVec3::new(0.0, 4.8, 0.0));
     out.object("chart", &sheet, chart);
 }
 
 /// Floor: four by four tiles, sage and cream.
 fn floor_tiles() -> Texture {
-    paint::paint("floor tiles", 512, |u, v| {
+    paint::paint("floor tiles", 256, |u, v| {
         let (x, y) = (u * 4.0, v * 4.0);
         let (fx, fy) = (x - libm::floor(x), y - libm::floor(y));
         let sage = (libm::floor(x) + libm::floor(y)) % 2.0 != 0.0;
@@ -202,7 +202,7 @@ fn elements() -> Texture {
         DVec3::new(0.78, 0.66, 0.22),
         DVec3::new(0.42, 0.28, 0.58),
     ];
-    paint::paint("elements", 512, |u, v| {
+    paint::paint("elements", 256, |u, v| {
         let paper = DVec3::new(0.80, 0.78, 0.71);
         let (x, y) = ((u - 0.05) / 0.9 * 18.0, (0.82 - v) / 0.66 * 7.0);
         let heading = v > 0.87 && v < 0.93 && u > 0.3 && u < 0.7;

@@ -63,9 +63,9 @@ const LIQUIDS: [(&str, [f32; 3]); 8] = [
 /// Makes all materials.
 pub fn stock(out: &mut SceneBuilder) -> Stock {
     let chrome = mirror("chrome", [0.04, 0.04, 0.045], [0.80, 0.81, 0.83], 600);
-    let oak = wood(out, "oak", 2.0, [0.20, 0.10, 0.04], [0.46, 0.27, 0.13], 0.03);
-    let dark_oak = wood(out, "dark oak", 2.0, [0.10, 0.05, 0.02], [0.24, 0.13, 0.06], 0.03);
-    let teak = wood(out, "teak", 5.0, [0.10, 0.045, 0.018], [0.30, 0.155, 0.07], 0.045);
+    let oak = wood(out, "oak", 512, 2.0, [0.20, 0.10, 0.04], [0.46, 0.27, 0.13], 0.03);
+    let dark_oak = wood(out, "dark oak", 256, 2.0, [0.10, 0.05, 0.02], [0.24, 0.13, 0.06], 0.03);
+    let teak = wood(out, "teak", 512, 5.0, [0.10, 0.045, 0.018], [0.30, 0.155, 0.07], 0.045);
     let tiles = textured(out, bench_tiles(), polished("bench tiles", [1.0; 3], 0.055, 240));
     let gauze = textured(out, gauze(), matte("gauze", [1.0; 3]));
     Stock {
@@ -96,8 +96,8 @@ fn textured(out: &mut SceneBuilder, texture: Texture, material: Material) -> u32
     out.material(Material { diffuse_map: Some(map), ..material })
 }
 
-fn wood(out: &mut SceneBuilder, name: &str, planks: f64, dark: [f64; 3], pale: [f64; 3], f0: f32) -> u32 {
-    let texture = paint::paint(name, 512, |u, v| paint::wood(u, v, planks, dark.into(), pale.into()));
+fn wood(out: &mut SceneBuilder, name: &str, side: u32, planks: f64, dark: [f64; 3], pale: [f64; 3], f0: f32) -> u32 {
+    let texture = paint::paint(name, side, |u, v| paint::wood(u, v, planks, dark.into(), pale.into()));
     textured(out, texture, polished(name, [1.0; 3], f0, 80))
 }
 
