@@ -6,13 +6,14 @@ use glam::Vec3;
 use rayreel_scenes::{Optics, Scene, builtin, builtin_names};
 
 /// Triangle counts that the paper's scenes have; `cornell` only has to stay small.
-const COUNTS: [(&str, usize); 3] = [("teapot", 15_000), ("chess", 42_000), ("lab", 98_000)];
+const COUNTS: [(&str, usize); 4] = [("teapot", 15_000), ("chess", 42_000), ("car", 55_000), ("lab", 98_000)];
 
 /// Content hashes, the same on every machine.
-const HASHES: [(&str, &str); 3] = [
+const HASHES: [(&str, &str); 4] = [
     ("cornell", "4787d3825e3f7c394bd0ecddcc06882997850f728ecad76333ed163107ccce24"),
-    ("teapot", "329f9b35963ddacb571bfd48e7de74a204ff59cc153a309bd71f4290a066d150"),
-    ("chess", "bbc8e62b5f130eb5d12f9d1adcfa59df991d510ecdd50d8449e8abb3b454eb5f"),
+    ("teapot", "f9168be8130f9dd35b08eb42d6218710c6eca7ef22ff12dc7b3de323c02c38a0"),
+    ("chess", "a5528fcb14f46c65d7ba7318b35b15f1d74bf7f926c40b242f4365b451e1db37"),
+    ("car", "c711374efe0824cdde585dcde743330863d1051b0124f317e4343bd2dd76f0df"),
 ];
 
 fn scene(name: &str) -> Scene {
@@ -192,7 +193,7 @@ fn built_in_scenes_are_the_same_everywhere() {
 /// The pictures of frame A and of frame A plus one belong together: no jump in the path.
 #[test]
 fn orbits_are_closed_and_smooth() {
-    for name in ["teapot", "chess"] {
+    for name in ["teapot", "chess", "car"] {
         let cameras = scene(name).cameras;
         let steps: Vec<f32> =
             (0..cameras.len()).map(|i| (cameras[i].eye - cameras[(i + 1) % cameras.len()].eye).length()).collect();

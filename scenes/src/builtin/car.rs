@@ -15,14 +15,23 @@ const FRAMES: u32 = 120;
 
 /// Material numbers that several parts of the car share.
 pub struct Finishes {
+    /// Red under a clear coat.
     pub paint: u32,
+    /// Bumpers, strips, lips.
     pub chrome: u32,
+    /// Gaps, arches and floor.
     pub black: u32,
+    /// Tyres.
     pub rubber: u32,
+    /// Windows and lenses.
     pub glass: u32,
+    /// Seats and lining.
     pub leather: u32,
+    /// Rims and spokes.
     pub alloy: u32,
+    /// Brake discs.
     pub steel: u32,
+    /// Tub, dashboard and steering wheel.
     pub dark: u32,
 }
 
@@ -40,7 +49,7 @@ pub fn scene() -> Result<Scene, SceneError> {
     out.point_light([-14.0, 16.0, 20.0], [0.16, 0.19, 0.25]);
     out.sky([0.07, 0.19, 0.52], [0.66, 0.70, 0.74], [0.20, 0.17, 0.14], 0.46);
     let hero =
-        Camera { eye: Vec3::new(5.3, 1.22, 4.6), target: Vec3::new(0.1, 0.80, 0.0), up: Vec3::Y, vfov_deg: 25.0 };
+        Camera { eye: Vec3::new(5.3, 1.22, 4.6), target: Vec3::new(0.16, 0.76, 0.0), up: Vec3::Y, vfov_deg: 23.6 };
     out.finish(camera::orbit(hero, FRAMES, 0.5))
 }
 

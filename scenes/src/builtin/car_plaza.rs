@@ -18,7 +18,7 @@ const COLUMNS: usize = 16;
 const RADIUS: f64 = 10.5;
 /// Radius of the wall behind them.
 const WALL: f64 = 13.6;
-const CYPRESSES: usize = 22;
+const CYPRESSES: usize = 17;
 
 /// Adds everything that is not the car.
 pub fn build(out: &mut SceneBuilder) {
@@ -132,10 +132,13 @@ fn ashlar() -> Texture {
 
 /// Wooded hills all round, far away.
 fn hills(out: &mut SceneBuilder) {
-    let map = out.texture(paint::paint("woods", 256, |u, v| {
-        let wood = paint::cloud(u * 60.0, v * 14.0, 4, 61);
+    let map = out.texture(paint::paint("woods", 512, |u, v| {
+        let wood = paint::cloud(u * 170.0, v * 10.0, 3, 61);
+        let cleared = ((paint::cloud(u * 26.0, v * 3.0, 3, 62) - 0.52) * 14.0).clamp(0.0, 1.0);
+        let trees = DVec3::new(0.075, 0.105, 0.055) * (0.45 + 1.1 * wood);
+        let meadow = DVec3::new(0.27, 0.255, 0.13) * (0.8 + 0.3 * wood);
         // Higher is farther and bluer.
-        DVec3::new(0.105, 0.135, 0.085).lerp(DVec3::new(0.17, 0.21, 0.235), v) * (0.55 + 0.8 * wood)
+        trees.lerp(meadow, cleared).lerp(DVec3::new(0.20, 0.245, 0.285), 0.15 + 0.5 * v)
     }));
     let mut woods = builder::matte("woods", [1.0; 3]);
     woods.diffuse_map = Some(map);
@@ -162,10 +165,10 @@ fn cypresses(out: &mut SceneBuilder) {
         let height = 6.0 + 3.2 * random(1.0);
         let (sin, cos) = sin_cos(std::f64::consts::TAU * (i as f64 + 0.3 + 0.55 * random(2.0)) / CYPRESSES as f64);
         let radius = WALL + 2.4 + 2.2 * random(3.0);
-        let rows = 9;
-        let tree = lathe_with(rows, 11, |row, angle, column| {
+        let rows = 11;
+        let tree = lathe_with(rows, 10, |row, angle, column| {
             let h = row as f64 / (rows - 1) as f64;
-            let ragged = 0.8 + 0.4 * paint::noise(column as f64 * 1.7 + 0.5, row as f64 * 1.3 + i as f64 * 9.1, 3);
+            let ragged = 0.72 + 0.5 * paint::noise(column as f64 * 1.7 + 0.5, row as f64 * 1.3 + i as f64 * 9.1, 3);
             let width = 0.95 * libm::pow(h.max(0.0), 0.35) * libm::pow(1.0 - h, 0.62) * ragged;
             DVec2::new(if row == 0 || row + 1 == rows { 0.0 } else { width }, h * height + 0.02 * libm::sin(angle))
         });
