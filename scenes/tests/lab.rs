@@ -1,6 +1,6 @@
 //! The built-in scene `lab`: what is in it, sound triangles, filled vessels, a path through free air.
 
-use std::collections::BTreeMap;
+use std::{collections::BTreeMap, sync::LazyLock};
 
 use glam::{DVec3, Vec3};
 use rayreel_scenes::{
@@ -12,8 +12,13 @@ use rayreel_scenes::{
     },
 };
 
-fn lab() -> Scene {
-    builtin("lab").unwrap_or_else(|e| panic!("{e}"))
+/// Content hash, the same on every machine.
+const HASH: &str = "7f333733d2a1a290b4af0b595e0899cb4bc0021e5115cecb70e955503fb7712b";
+
+/// The scene, built once for all tests.
+fn lab() -> &'static Scene {
+    static LAB: LazyLock<Scene> = LazyLock::new(|| builtin("lab").unwrap_or_else(|e| panic!("{e}")));
+    &LAB
 }
 
 #[test]
@@ -37,9 +42,16 @@ fn there_is_what_a_laboratory_needs() {
     assert!(scene.textures.len() >= 6);
 }
 
+/// Recorded figures hang on these bytes: a change here is a change of the scene, on purpose or not.
+#[test]
+fn the_scene_is_the_same_everywhere() {
+    let hash: String = lab().content_hash().iter().map(|b| format!("{b:02x}")).collect();
+    assert_eq!(hash, HASH, "lab has changed");
+}
+
 #[test]
 fn every_triangle_has_an_area() {
-    let mesh = lab().mesh;
+    let mesh = &lab().mesh;
     for (i, t) in mesh.triangles.iter().enumerate() {
         let [a, b, c] = t.vertices.map(|v| mesh.positions[v as usize].as_dvec3());
         let area = (b - a).cross(c - a).length() / 2.0;
@@ -124,7 +136,7 @@ fn the_camera_flies_through_free_air() {
 
 #[test]
 fn the_path_is_smooth() {
-    let cameras = lab().cameras;
+    let cameras = &lab().cameras;
     let smooth = |get: fn(&rayreel_scenes::Camera) -> Vec3| {
         for (i, three) in cameras.windows(3).enumerate() {
             let (first, second) = (get(&three[1]) - get(&three[0]), get(&three[2]) - get(&three[1]));

@@ -25,7 +25,7 @@ pub const GAP: f64 = 0.006;
 pub fn distillation(out: &mut SceneBuilder, stock: &Stock, at: DVec3) {
     let here = |x: f64, y: f64, z: f64| at + DVec3::new(x, y, z);
     tripod(out, stock, at, 1.5, 0.85);
-    burner(out, stock, at, here(-1.6, 0.09, -2.9));
+    burner(out, stock, at, here(-1.6, 0.09, -2.95));
     let flask = ware::round_flask(0.86, 0.24, 2.75);
     let base = here(0.0, 1.5 + GAP, 0.0);
     flask.build(out, "still", stock.glass, Some((0.80, stock.liquids[ORANGE])), |p| p.at(base.x, base.y, base.z));
@@ -46,7 +46,7 @@ pub fn distillation(out: &mut SceneBuilder, stock: &Stock, at: DVec3) {
     let length = (to - from).length();
     out.object("condenser", &along(ware::condenser(length - 0.04), from + way * 0.02, to), stock.glass);
     out.object("sleeves 2", &sleeve(to + way * 0.02), stock.rubber);
-    let drop = [to + way * 0.04, to + way * 0.62, to + way * 0.62 + DVec3::new(0.12, -1.05, 0.0)];
+    let drop = [to + way * 0.04, to + way * 0.62, to + way * 0.62 + DVec3::new(0.15, -1.4, 0.0)];
     out.object("adapter", &tube::pipe(&tube::rounded(&drop, 0.5, 9), 0.105, 0.07, 18), stock.glass);
     hoses(out, stock, from, way, length);
     let middle = from + way * (length * 0.55);
@@ -69,10 +69,10 @@ fn hoses(out: &mut SceneBuilder, stock: &Stock, from: DVec3, way: DVec3, length:
             start + down * 0.5,
             start + DVec3::new(0.5, side * 0.5, -0.9),
             DVec3::new(start.x + 0.7, 0.08, -2.2),
-            DVec3::new(start.x + 1.3, 0.08, -3.1),
-            DVec3::new(start.x + 1.4, -1.6, -3.75),
+            DVec3::new(start.x + 1.3, 0.08, -3.62),
+            DVec3::new(start.x + 1.3, -1.6, -3.62),
         ];
-        out.object(name, &tube::rod(&tube::rounded(&path, 0.5, 6), 0.085, 12), stock.rubber);
+        out.object(name, &tube::rod(&tube::rounded(&path, 0.5, 5), 0.085, 12), stock.rubber);
     }
 }
 
@@ -162,7 +162,8 @@ pub fn rack(out: &mut SceneBuilder, stock: &Stock, at: DVec3, turn: f64) {
     let foot = block::bevelled(DVec3::new(-half - 0.3, 0.0, -0.5), DVec3::new(half + 0.3, 0.14, 0.5), 0.03);
     out.object("rack", &place(foot), stock.oak);
     for side in [-1.0, 1.0] {
-        let middle = side * (half + 0.15);
+        // A little over the ends of the boards.
+        let middle = side * (half + 0.07);
         let post = block::block(DVec3::new(middle - 0.08, 0.13, -0.36), DVec3::new(middle + 0.08, 1.5, 0.36));
         out.extend(&place(post), stock.oak);
     }
@@ -222,6 +223,7 @@ pub fn hot_plate(out: &mut SceneBuilder, stock: &Stock, at: DVec3, turn: f64) {
     let place = |p: Part| p.turned(turn + 40.0).at(at.x, at.y + 0.76 + GAP, at.z - 0.05);
     beaker.build(out, "hot beaker", stock.glass, Some((0.85, stock.liquids[CLEAR])), place);
     let rod = crate::modelling::vessel::glass_rod(2.3, 0.045, 14);
-    let foot = DVec3::new(at.x + 0.25, at.y + 0.90 + GAP, at.z - 0.05);
-    out.object("thermometer", &along(rod, foot + DVec3::Y * 0.95, foot + DVec3::new(-0.75, 2.3, -0.1)), stock.enamel);
+    // It stands in the water and leans on the rim.
+    let foot = DVec3::new(at.x + 0.38, at.y + 0.86, at.z - 0.05);
+    out.object("thermometer", &along(rod, foot, foot + DVec3::new(-0.95, 1.45, 0.0)), stock.enamel);
 }

@@ -93,7 +93,7 @@ pub fn tripod(out: &mut SceneBuilder, stock: &Stock, at: DVec3, height: f64, rad
     out.object("gauze", &place(gauze), stock.gauze);
 }
 
-/// A Bunsen burner and its hose, which runs along the bench to `end`.
+/// A Bunsen burner and its hose, which runs along the bench to `end`, beyond its edge, and hangs down there.
 pub fn burner(out: &mut SceneBuilder, stock: &Stock, at: DVec3, end: DVec3) {
     let place = |part: Part| part.at(at.x, at.y, at.z);
     let base =
@@ -119,6 +119,7 @@ pub fn burner(out: &mut SceneBuilder, stock: &Stock, at: DVec3, end: DVec3) {
         at + DVec3::new(-1.0, 0.09, -0.5),
         DVec3::new(end.x, 0.09, end.z + 1.6),
         end,
+        end - DVec3::Y * 1.6,
     ];
-    out.object("gas hose", &tube::rod(&tube::rounded(&hose, 0.6, 10), 0.08, 14), stock.rubber);
+    out.object("gas hose", &tube::rod(&tube::rounded(&hose, 0.5, 6), 0.08, 14), stock.rubber);
 }

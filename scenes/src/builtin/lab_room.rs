@@ -215,7 +215,7 @@ fn elements() -> Texture {
         let (column, row) = (libm::floor(x), libm::floor(y));
         let filled = match row as i32 {
             0 => column == 0.0 || column == 17.0,
-            1 | 2 => column < 2.0 || column > 11.0,
+            1 | 2 => !(2.0..=11.0).contains(&column),
             _ => true,
         };
         let (fx, fy) = (x - column, y - row);
