@@ -1,6 +1,6 @@
 //! The built-in scenes: sizes, closed glass, orientation, normals, hashes.
 
-use std::collections::BTreeMap;
+use std::{collections::BTreeMap, sync::LazyLock};
 
 use glam::Vec3;
 use rayreel_scenes::{Optics, Scene, builtin, builtin_names};
@@ -16,7 +16,17 @@ const HASHES: [(&str, &str); 4] = [
     ("car", "c711374efe0824cdde585dcde743330863d1051b0124f317e4343bd2dd76f0df"),
 ];
 
-fn scene(name: &str) -> Scene {
+/// A scene, generated once for all tests: the big ones take seconds in a debug build.
+fn scene(name: &str) -> &'static Scene {
+    static SCENES: LazyLock<BTreeMap<&str, LazyScene>> = LazyLock::new(|| {
+        builtin_names().iter().map(|name| (*name, LazyScene::new(Box::new(|| generate(name))))).collect()
+    });
+    SCENES.get(name).unwrap_or_else(|| panic!("no scene {name}"))
+}
+
+type LazyScene = LazyLock<Scene, Box<dyn FnOnce() -> Scene + Send>>;
+
+fn generate(name: &str) -> Scene {
     builtin(name).unwrap_or_else(|e| panic!("{name}: {e}"))
 }
 
@@ -33,17 +43,18 @@ fn triangle_counts_are_within_two_percent() {
 /// Triangles of connected solids, found by joining corners at the same place within an object;
 /// `which` picks materials. A vessel and what is in it are two objects and one solid.
 fn solids(scene: &Scene, which: impl Fn(Optics) -> bool) -> Vec<(String, Vec<[Vec3; 3]>)> {
+    let mut by_object: Vec<Vec<[Vec3; 3]>> = vec![Vec::new(); scene.objects.len()];
+    for t in scene.mesh.triangles.iter().filter(|t| which(scene.materials[t.material as usize].optics)) {
+        by_object[t.object as usize].push(t.vertices.map(|v| scene.mesh.positions[v as usize]));
+    }
     let mut groups: Vec<(String, Vec<[Vec3; 3]>)> = Vec::new();
     for (object, name) in scene.objects.iter().enumerate().filter(|(_, name)| !name.ends_with(": liquid")) {
         let liquid = format!("{name}: liquid");
         let liquid = scene.objects.iter().position(|other| *other == liquid).unwrap_or(object);
-        let triangles: Vec<[Vec3; 3]> = scene
-            .mesh
-            .triangles
-            .iter()
-            .filter(|t| [object, liquid].contains(&(t.object as usize)) && which(scene.materials[t.material as usize].optics))
-            .map(|t| t.vertices.map(|v| scene.mesh.positions[v as usize]))
-            .collect();
+        let mut triangles = std::mem::take(&mut by_object[object]);
+        if liquid != object {
+            triangles.append(&mut by_object[liquid]);
+        }
         let mut parent: Vec<usize> = (0..triangles.len()).collect();
         fn root(parent: &mut [usize], mut i: usize) -> usize {
             while parent[i] != i {
@@ -93,7 +104,7 @@ fn volume(triangles: &[[Vec3; 3]]) -> f64 {
 fn glass_is_closed_and_faces_outwards() {
     for name in builtin_names() {
         let scene = scene(name);
-        let glass = solids(&scene, |o| o == Optics::Dielectric);
+        let glass = solids(scene, |o| o == Optics::Dielectric);
         assert!(!glass.is_empty(), "{name} has no glass");
         for (object, triangles) in glass {
             assert_eq!(
@@ -110,7 +121,7 @@ fn glass_is_closed_and_faces_outwards() {
 #[test]
 fn chess_has_32_closed_pieces() {
     let scene = scene("chess");
-    let pieces = solids(&scene, |_| true);
+    let pieces = solids(scene, |_| true);
     let named = |side: &str| scene.objects.iter().filter(|n| n.starts_with(side)).count();
     assert_eq!((named("glass "), named("ebony "), named("square ")), (16, 16, 64));
     for (object, triangles) in pieces.iter().filter(|(n, _)| n.starts_with("ebony ") || n.starts_with("glass ")) {
@@ -123,7 +134,7 @@ fn chess_has_32_closed_pieces() {
 fn the_teapot_faces_outwards() {
     let scene = scene("teapot");
     let pot: Vec<_> =
-        solids(&scene, |o| o == Optics::FresnelMirror).into_iter().filter(|(n, _)| n == "teapot").collect();
+        solids(scene, |o| o == Optics::FresnelMirror).into_iter().filter(|(n, _)| n == "teapot").collect();
     assert!(pot.len() >= 4, "lid, body, handle and spout are solids of their own");
     for (_, triangles) in pot {
         // None of them is closed, so the volume is taken about their own middle.
@@ -152,7 +163,7 @@ fn each_scene_shows_shadows_reflections_and_refractions() {
 #[test]
 fn normals_agree_with_the_faces() {
     for name in builtin_names() {
-        let mesh = scene(name).mesh;
+        let mesh = &scene(name).mesh;
         for t in &mesh.triangles {
             let [a, b, c] = t.vertices.map(|v| mesh.positions[v as usize].as_dvec3());
             let face = (b - a).cross(c - a).normalize();
@@ -170,11 +181,11 @@ fn normals_agree_with_the_faces() {
 #[test]
 fn hashes_are_stable_and_see_one_vertex() {
     for name in builtin_names() {
-        let (first, mut second) = (scene(name), scene(name));
+        let (first, mut second) = (scene(name), generate(name));
         assert_eq!(first.content_hash(), second.content_hash(), "{name}");
         second.mesh.positions[7].x = f32::from_bits(second.mesh.positions[7].x.to_bits() ^ 1);
         assert_ne!(first.content_hash(), second.content_hash(), "{name}");
-        let mut renamed = scene(name);
+        let mut renamed = first.clone();
         renamed.name = "other".into();
         renamed.materials[0].name = "other".into();
         assert_eq!(first.content_hash(), renamed.content_hash(), "names are no content");
@@ -194,7 +205,7 @@ fn built_in_scenes_are_the_same_everywhere() {
 #[test]
 fn orbits_are_closed_and_smooth() {
     for name in ["teapot", "chess", "car"] {
-        let cameras = scene(name).cameras;
+        let cameras = &scene(name).cameras;
         let steps: Vec<f32> =
             (0..cameras.len()).map(|i| (cameras[i].eye - cameras[(i + 1) % cameras.len()].eye).length()).collect();
         let (low, high) = steps.iter().fold((f32::MAX, 0.0_f32), |(l, h), s| (l.min(*s), h.max(*s)));
