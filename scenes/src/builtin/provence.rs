@@ -4,11 +4,13 @@
 mod garden;
 mod house;
 mod land;
+mod masonry;
 mod materials;
 mod path;
 mod plants;
 mod roof;
 mod terrain;
+mod yard;
 
 use glam::DVec3;
 
@@ -29,16 +31,17 @@ pub fn scene() -> Result<Scene, SceneError> {
         house::add(&mut out, &m, &house, &mut rng);
     }
     out.object("chimneys", &house::chimney(DVec3::new(-5.6, 8.3, -1.0), 0.75), m.stone);
-    garden::pool(&mut out, &m);
+    masonry::pool(&mut out, &m);
+    yard::add(&mut out, &m);
     garden::lavender(&mut out, &m);
     garden::cypresses(&mut out, &m);
     garden::olives(&mut out, &m);
-    garden::wall(&mut out, &m);
+    masonry::wall(&mut out, &m);
     garden::meadow(&mut out, &m);
     garden::far_trees(&mut out, &m);
     out.sun([-0.88, 0.46, 0.46], [1.72, 1.30, 0.86]);
     out.sun([0.55, 0.80, 0.25], [0.07, 0.09, 0.14]);
-    out.sky([0.16, 0.33, 0.68], [0.90, 0.76, 0.60], [0.34, 0.27, 0.19], 0.40);
+    out.sky([0.10, 0.28, 0.74], [0.86, 0.75, 0.63], [0.34, 0.27, 0.19], 0.41);
     out.finish(path::cameras())
 }
 

@@ -1,4 +1,4 @@
-//! Where things grow and lie: the field, the grove, cypresses, grass, far trees, the wall, the pool.
+//! Where things grow: the field, the grove, cypresses, grass, far trees.
 
 use glam::{DVec2, DVec3};
 
@@ -9,10 +9,8 @@ use crate::{
         path, plants,
     },
     modelling::{
-        Part, SceneBuilder, block,
-        lathe::lathe,
+        SceneBuilder, paint,
         part::sin_cos,
-        profile::{c, s, sample},
         scatter::{Cluster, Rng, upright},
     },
 };
@@ -104,16 +102,17 @@ pub fn olives(out: &mut SceneBuilder, m: &Materials) {
 /// Woods and hedges on the hills around.
 pub fn far_trees(out: &mut SceneBuilder, m: &Materials) {
     let mut rng = Rng::new(401);
-    let trees: Vec<Cluster> = (0..3).map(|i| plants::bush(130, 0.17, 410 + i)).collect();
+    let trees: Vec<Cluster> = (0..3).map(|i| plants::bush(150, 0.20, 410 + i)).collect();
     let slim = plants::cypress(18, 420);
+    let eyes = path::eyes();
     let (mut woods, mut flames) = (Cluster::default(), Cluster::default());
     let mut placed = 0;
-    while placed < 290 {
+    while placed < 240 {
         let (sin, cos) = sin_cos(rng.between(0.0, std::f64::consts::TAU));
         let far = 62.0 + 300.0 * rng.unit() * rng.unit();
         let (x, z) = (sin * far, 10.0 + cos * far);
         let open = land::in_field(x, z, -4.0) || (x > 9.0 && x < 52.0 && z > 0.0 && z < 60.0);
-        if open || land::road_distance(x, z) < 6.0 || (z > 60.0 && x.abs() < 30.0) {
+        if open || land::road_distance(x, z) < 6.0 || path::distance(&eyes, x, z) < 40.0 {
             continue;
         }
         placed += 1;
@@ -131,6 +130,20 @@ pub fn far_trees(out: &mut SceneBuilder, m: &Materials) {
     out.cluster("far cypresses", &flames, m.cypress);
 }
 
+/// A place on the verge of the road.
+fn by_the_road(rng: &mut Rng) -> DVec2 {
+    let (p, d) = land::road(rng.between(0.12, 0.80));
+    let side = if rng.unit() < 0.5 { -1.0 } else { 1.0 };
+    let away = land::ROAD_HALF - 0.15 + 5.0 * rng.unit() * rng.unit();
+    p + DVec2::new(-d.y, d.x) * (side * away)
+}
+
+/// A place in the grass between house and field, off the road.
+fn in_the_yard(rng: &mut Rng) -> DVec2 {
+    let p = DVec2::new(rng.between(-20.0, 15.0), rng.between(5.0, 24.6));
+    if land::road_distance(p.x, p.y) < land::ROAD_HALF { by_the_road(rng) } else { p }
+}
+
 /// Grass by the road and round the yard, with poppies.
 pub fn meadow(out: &mut SceneBuilder, m: &Materials) {
     let mut rng = Rng::new(501);
@@ -138,12 +151,10 @@ pub fn meadow(out: &mut SceneBuilder, m: &Materials) {
     let poppies: Vec<(Cluster, Cluster)> = (0..3).map(|i| plants::poppy(520 + i)).collect();
     let (mut grass, mut stalks, mut cups) = (Cluster::default(), Cluster::default(), Cluster::default());
     let mut placed = 0;
-    while placed < 2300 {
-        let (p, d) = land::road(rng.between(0.12, 0.80));
-        let side = if rng.unit() < 0.5 { -1.0 } else { 1.0 };
-        let away = land::ROAD_HALF - 0.15 + 5.0 * rng.unit() * rng.unit();
-        let p = p + DVec2::new(-d.y, d.x) * (side * away);
-        if land::in_field(p.x, p.y, 0.4) || land::is_built(p.x, p.y) {
+    while placed < 3000 {
+        let p = if placed % 3 == 0 { in_the_yard(&mut rng) } else { by_the_road(&mut rng) };
+        let patchy = paint::noise(p.x / 2.3, p.y / 2.3, 530) > 0.42 || placed % 5 == 0;
+        if !patchy || land::in_field(p.x, p.y, 0.4) || land::is_built(p.x, p.y) {
             continue;
         }
         placed += 1;
@@ -160,146 +171,4 @@ pub fn meadow(out: &mut SceneBuilder, m: &Materials) {
     out.cluster("grass", &grass, m.grass);
     out.cluster("poppies", &cups, m.poppy);
     out.scatter(&stalks, m.leaf);
-}
-
-/// A rounded stone of size 1, rough by `seed`.
-fn stone(seed: u32) -> Cluster {
-    let mut rng = Rng::new(seed);
-    let half = DVec3::new(0.5, 0.5, 0.5);
-    let part = block::bevelled(-half, half, 0.13);
-    let bumps: Vec<DVec3> = part.positions.iter().map(|_| rng.direction() * 0.055).collect();
-    let mut part = part;
-    // The rows that fall together in a point must stay together.
-    for (i, p) in part.positions.iter_mut().enumerate() {
-        if i >= 8 && i < 32 {
-            *p += bumps[i];
-        }
-    }
-    Cluster::of(&part.crease(28.0)).with_uv(|p, _| DVec2::new(0.0, 0.5 + 0.3 * p.y))
-}
-
-/// The dry-stone wall between road and grove.
-pub fn wall(out: &mut SceneBuilder, m: &Materials) {
-    let mut rng = Rng::new(601);
-    let stones: Vec<Cluster> = (0..5).map(|i| stone(610 + i)).collect();
-    let mut wall = Cluster::default();
-    for course in 0..5 {
-        let mut t = 0.34;
-        while t < 0.605 {
-            let (p, d) = land::road(t);
-            let side = DVec2::new(-d.y, d.x);
-            let width = rng.between(0.34, 0.62);
-            let step = width / 135.0;
-            let off = land::ROAD_HALF + 1.25 + rng.between(-0.04, 0.04);
-            let at = p + side * off;
-            let tall = if course == 4 { 0.15 } else { 0.215 };
-            let y = 0.04 + f64::from(course) * 0.19 + rng.between(-0.012, 0.012);
-            let degrees = libm::atan2(d.x, d.y).to_degrees() + 90.0 + rng.between(-3.0, 3.0);
-            let depth = (0.62 - 0.05 * f64::from(course)) * rng.between(0.92, 1.08);
-            let scale = DVec3::new(width * 1.03, tall * rng.between(1.0, 1.1), depth);
-            wall.stamp(
-                &stones[rng.pick(stones.len())],
-                &upright(ground(at.x, at.y) + DVec3::Y * y, degrees, scale),
-                DVec2::new(rng.unit(), 0.0),
-            );
-            t += step;
-        }
-    }
-    out.cluster("wall", &wall, m.rock);
-}
-
-/// The pool: rim of stones, lined walls, pebbles, water, and a column in the middle.
-pub fn pool(out: &mut SceneBuilder, m: &Materials) {
-    let level = land::height(land::POOL.x, land::POOL.y);
-    let at = |turn: f64, offset: f64, y: f64| {
-        let p = land::pool_rim(turn, offset);
-        DVec3::new(p.x, level + y, p.y)
-    };
-    let rings = [(0.12, 0.10), (0.12, 0.17), (-0.14, 0.17), (-0.14, -0.9)];
-    let lining = Part::grid(rings.len(), 96, true, |row, column| {
-        let (offset, y) = rings[row];
-        at(column as f64 / 96.0, offset, y)
-    });
-    out.object("pool lining", &lining.crease(30.0).planar_uv(land::POOL, 5.0), m.dressed);
-    let floor = disc(
-        |turn, r| {
-            let p = land::POOL + (land::pool_rim(turn, -0.1) - land::POOL) * r;
-            DVec3::new(p.x, level - 0.85 + 0.12 * r * r, p.y)
-        },
-        8,
-        64,
-    );
-    out.object("pool floor", &floor.crease(80.0).planar_uv(land::POOL, 4.0), m.pebbles);
-    let mut rng = Rng::new(701);
-    let stones: Vec<Cluster> = (0..5).map(|i| stone(710 + i)).collect();
-    let mut rim = Cluster::default();
-    let count = 58;
-    for i in 0..count {
-        let turn = (f64::from(i) + 0.5) / f64::from(count);
-        let (here, next) = (at(turn - 0.5 / f64::from(count), 0.0, 0.0), at(turn + 0.5 / f64::from(count), 0.0, 0.0));
-        let along = next - here;
-        let degrees = libm::atan2(-along.z, along.x).to_degrees() + rng.between(-1.5, 1.5);
-        let scale = DVec3::new(along.length() * 0.99, 0.34 * rng.between(0.96, 1.04), 0.56 * rng.between(0.95, 1.05));
-        let place = upright((here + next) / 2.0 + DVec3::Y * 0.13, degrees, scale);
-        rim.stamp(&stones[rng.pick(stones.len())], &place, DVec2::new(rng.unit(), 0.0));
-    }
-    out.cluster("pool rim", &rim, m.rock);
-    out.object("water", &water(level + 0.07), m.water);
-    let knots = [
-        c(0.0, -0.95),
-        c(0.85, -0.95),
-        c(0.85, 0.22),
-        c(0.55, 0.30),
-        s(0.30, 0.45),
-        s(0.24, 1.0),
-        s(0.30, 1.30),
-        s(0.85, 1.55),
-        s(0.98, 1.66),
-        s(0.95, 1.72),
-        s(0.80, 1.66),
-        c(0.16, 1.56),
-        s(0.20, 1.75),
-        s(0.10, 2.05),
-        s(0.19, 2.22),
-        s(0.12, 2.36),
-        c(0.0, 2.42),
-    ];
-    let column = lathe(&sample(&knots, 0.12), 32).at(land::POOL.x, level, land::POOL.y);
-    out.object("fountain", &column.crease(35.0).planar_uv(land::POOL, 3.0), m.dressed);
-}
-
-/// A disc of rings, front up: `surface(turn, r)` with `r` from 0 to 1.
-fn disc(surface: impl Fn(f64, f64) -> DVec3, rings: usize, segments: usize) -> Part {
-    Part::grid(rings + 1, segments, true, |row, column| {
-        let r = 1.0 - row as f64 / rings as f64;
-        surface(if row == rings { 0.0 } else { column as f64 / segments as f64 }, r)
-    })
-}
-
-/// A closed body of water: slight waves above, its sides in the rim's stones, its bottom below the
-/// pool's floor.
-fn water(level: f64) -> Part {
-    const RINGS: usize = 22;
-    const SEGMENTS: usize = 88;
-    let wave = |p: DVec2| {
-        let away = (p - land::POOL).length();
-        0.006 * libm::sin(away * 5.2)
-            + 0.004 * libm::sin(p.x * 3.1 + p.y * 1.7)
-            + 0.003 * libm::sin(p.x * 1.3 - p.y * 4.3 + 0.8)
-    };
-    Part::grid(RINGS + 4, SEGMENTS, true, |row, column| {
-        let turn = column as f64 / SEGMENTS as f64;
-        let edge = land::pool_rim(turn, -0.02);
-        let flat = |p: DVec2, y: f64| DVec3::new(p.x, y, p.y);
-        match row {
-            0 => flat(land::POOL, level - 1.6),
-            1 => flat(edge, level - 1.6),
-            _ => {
-                let r = 1.0 - (row - 2) as f64 / (RINGS + 1) as f64;
-                let p = if row == RINGS + 3 { land::POOL } else { land::POOL + (edge - land::POOL) * r };
-                flat(p, level + wave(p))
-            }
-        }
-    })
-    .crease(40.0)
 }

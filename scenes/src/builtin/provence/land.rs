@@ -12,6 +12,8 @@ pub const POOL: DVec2 = DVec2::new(8.5, 16.5);
 pub const POOL_AXES: DVec2 = DVec2::new(6.2, 3.9);
 /// Field of lavender: west, north, east and south borders.
 pub const FIELD: [f64; 4] = [-34.0, 24.0, 9.0, 74.0];
+/// West and east end of the gravel court before the house.
+pub const COURT: [f64; 2] = [-9.3, 17.6];
 /// Half the width of the road.
 pub const ROAD_HALF: f64 = 1.55;
 /// The road's course from south to north.
@@ -47,7 +49,7 @@ pub fn height(x: f64, z: f64) -> f64 {
     let rise = 2.6 * smooth(14.0, 62.0, z) + 2.2 * smooth(20.0, 70.0, x);
     let far = DVec2::new(x, z - 10.0).length();
     let hills = smooth(70.0, 260.0, far) * (26.0 * wave(150.0, 23) + 9.0 * wave(61.0, 24) + 6.0);
-    let range = smooth(300.0, 820.0, far) * (70.0 + 150.0 * wave(330.0, 25) + 45.0 * wave(120.0, 26));
+    let range = smooth(300.0, 820.0, far) * (70.0 + 150.0 * wave(330.0, 25) + 30.0 * wave(150.0, 26));
     yard * rolling + rise + hills + range
 }
 
@@ -104,9 +106,16 @@ pub fn in_field(x: f64, z: f64, margin: f64) -> bool {
     x > west + margin && x < east - margin && z > north + margin && z < south - margin
 }
 
+/// The court's winding southern edge.
+#[must_use]
+pub fn court_edge(x: f64) -> f64 {
+    8.6 + 2.6 * smooth(-3.0, 6.0, x) + 0.9 * (paint::noise(x / 3.1, 2.5, 27) - 0.5)
+}
+
 /// Whether a place is built over: house, yard or pool.
 #[must_use]
 pub fn is_built(x: f64, z: f64) -> bool {
     let house = x > -17.5 && x < 11.5 && z > -9.0 && z < 9.5;
-    house || pool_radius(x, z) < 1.35
+    let court = x > COURT[0] && x < COURT[1] && z > 0.0 && z < court_edge(x) - 0.15;
+    house || court || pool_radius(x, z) < 1.45
 }

@@ -5,7 +5,7 @@ use glam::{DVec2, DVec3};
 use crate::{
     builtin::provence::land::smooth,
     modelling::{SceneBuilder, builder, paint},
-    scene::Texture,
+    scene::{Material, Texture},
 };
 
 /// Indices of the materials.
@@ -49,36 +49,34 @@ pub struct Materials {
     pub leaf: u32,
     /// Grass; `v` from root to tip.
     pub grass: u32,
+    /// Gravel of the court.
+    pub court: u32,
+    /// Flagstones.
+    pub paving: u32,
+    /// Pots.
+    pub terracotta: u32,
     /// Poppies.
     pub poppy: u32,
 }
 
 /// Makes all materials.
 pub fn add(out: &mut SceneBuilder) -> Materials {
-    let textured = |out: &mut SceneBuilder, texture: Texture| {
-        let map = out.texture(texture);
-        let mut material = builder::matte(&out_name(map), [1.0; 3]);
-        material.diffuse_map = Some(map);
-        material
-    };
-    let plain = |out: &mut SceneBuilder, name: &str, texture: Texture| {
-        let mut material = textured(out, texture);
-        material.name = name.to_owned();
-        out.material(material)
-    };
     Materials {
-        stone: plain(out, "rubble", rubble()),
-        dressed: plain(out, "dressed stone", speckled("dressed stone", [0.62, 0.53, 0.39], 0.35, 11)),
-        rock: plain(out, "field stone", palette("field stone", [0.50, 0.44, 0.35], [0.62, 0.57, 0.47], 0.35)),
-        mortar: plain(out, "mortar", speckled("mortar", [0.36, 0.20, 0.12], 0.4, 12)),
-        tile: plain(out, "tile", palette("tile", [0.52, 0.22, 0.11], [0.66, 0.38, 0.21], 0.55)),
-        lavender: plain(out, "lavender", lavender()),
-        cypress: plain(out, "cypress", palette("cypress", [0.030, 0.060, 0.022], [0.075, 0.115, 0.035], 0.4)),
-        olive: plain(out, "olive", palette("olive", [0.13, 0.17, 0.085], [0.33, 0.37, 0.24], 0.5)),
-        leaf: plain(out, "leaf", palette("leaf", [0.07, 0.11, 0.025], [0.19, 0.22, 0.06], 0.5)),
-        grass: plain(out, "grass", palette("grass", [0.17, 0.18, 0.05], [0.50, 0.42, 0.17], 0.5)),
-        bark: plain(out, "bark", speckled("bark", [0.20, 0.155, 0.115], 0.9, 13)),
-        pebbles: plain(out, "pebbles", speckled("pebbles", [0.42, 0.46, 0.40], 0.8, 14)),
+        stone: textured(out, "rubble", rubble()),
+        dressed: textured(out, "dressed stone", speckled("dressed stone", [0.62, 0.53, 0.39], 0.35, 11)),
+        rock: textured(out, "field stone", palette("field stone", [0.50, 0.44, 0.35], [0.62, 0.57, 0.47], 0.35)),
+        mortar: textured(out, "mortar", speckled("mortar", [0.36, 0.20, 0.12], 0.4, 12)),
+        tile: textured(out, "tile", palette("tile", [0.52, 0.22, 0.11], [0.66, 0.38, 0.21], 0.55)),
+        lavender: textured(out, "lavender", lavender()),
+        cypress: textured(out, "cypress", palette("cypress", [0.030, 0.060, 0.022], [0.075, 0.115, 0.035], 0.4)),
+        olive: textured(out, "olive", palette("olive", [0.13, 0.17, 0.085], [0.33, 0.37, 0.24], 0.5)),
+        leaf: textured(out, "leaf", palette("leaf", [0.07, 0.11, 0.025], [0.19, 0.22, 0.06], 0.5)),
+        grass: textured(out, "grass", palette("grass", [0.17, 0.18, 0.05], [0.50, 0.42, 0.17], 0.5)),
+        bark: textured(out, "bark", speckled("bark", [0.20, 0.155, 0.115], 0.9, 13)),
+        pebbles: textured(out, "pebbles", speckled("pebbles", [0.42, 0.46, 0.40], 0.8, 14)),
+        court: textured(out, "court", court()),
+        paving: textured(out, "paving", paving()),
+        terracotta: textured(out, "terracotta", speckled("terracotta", [0.50, 0.22, 0.12], 0.35, 15)),
         pane: out.material(builder::glass("pane", [0.97, 0.985, 0.98], 1.5)),
         water: out.material(builder::glass("water", [0.86, 0.95, 0.94], 1.33)),
         sash: out.material(builder::matte("sash", [0.62, 0.60, 0.55])),
@@ -90,8 +88,10 @@ pub fn add(out: &mut SceneBuilder) -> Materials {
     }
 }
 
-fn out_name(map: usize) -> String {
-    format!("map {map}")
+/// A dull material with a texture.
+pub fn textured(out: &mut SceneBuilder, name: &str, texture: Texture) -> u32 {
+    let map = out.texture(texture);
+    out.material(Material { diffuse_map: Some(map), ..builder::matte(name, [1.0; 3]) })
 }
 
 fn mix(a: DVec3, b: DVec3, t: f64) -> DVec3 {
@@ -128,6 +128,38 @@ fn speckled(name: &str, colour: [f64; 3], contrast: f64, seed: u32) -> Texture {
         let spot = paint::cloud(u * 40.0, v * 40.0, 3, seed);
         let broad = paint::cloud(u * 5.0, v * 5.0, 2, seed + 50);
         DVec3::from(colour) * (1.0 + contrast * (0.6 * spot + 0.4 * broad - 0.5))
+    })
+}
+
+/// Fine pale gravel; repeats.
+fn court() -> Texture {
+    paint::paint("court", 512, |u, v| {
+        let (fine, broad) = (paint::wrapped(u, v, 110, 16), paint::wrapped(u, v, 6, 17));
+        DVec3::new(0.60, 0.51, 0.38) * (0.55 + 0.62 * fine + 0.28 * broad)
+    })
+}
+
+/// Flagstones of uneven shape with earth between; repeats.
+fn paving() -> Texture {
+    const CELLS: f64 = 7.0;
+    paint::paint("paving", 512, |u, v| {
+        let p = DVec2::new(u, v) * CELLS;
+        let cell = DVec2::new(libm::floor(p.x), libm::floor(p.y));
+        // The nearest and the second nearest stone: the joint runs where they are equally far.
+        let (mut near, mut next, mut tone) = (f64::MAX, f64::MAX, 0.0);
+        for k in 0..25 {
+            let c = cell + DVec2::new(f64::from(k % 5) - 2.0, f64::from(k / 5) - 2.0);
+            let own = |seed: u32| paint::noise((c.x + CELLS) % CELLS * 3.0, (c.y + CELLS) % CELLS * 3.0, seed);
+            let away = (c + DVec2::new(own(18), own(19)) * 0.8 + 0.1 - p).length();
+            if away < near {
+                (next, near, tone) = (near, away, own(20));
+            } else {
+                next = next.min(away);
+            }
+        }
+        let grain = 0.75 + 0.5 * paint::wrapped(u, v, 70, 21);
+        let stone = mix(DVec3::new(0.46, 0.40, 0.31), DVec3::new(0.64, 0.57, 0.45), tone) * grain;
+        mix(DVec3::new(0.25, 0.21, 0.12), stone, smooth(0.04, 0.11, next - near))
     })
 }
 

@@ -89,11 +89,7 @@ pub fn cypress(sprays: usize, seed: u32) -> Cluster {
         let lump = 1.0 + 0.16 * (paint::noise(angle * 1.6, t * 9.0, seed) - 0.5);
         DVec2::new(if row == 0 || row == 12 { 0.0 } else { 0.86 * flame(t) * lump }, t)
     });
-    out.stamp(
-        &Cluster::of(&body.crease(85.0)).with_uv(|_, _| DVec2::new(0.0, 0.12)),
-        &DAffine3::IDENTITY,
-        DVec2::ZERO,
-    );
+    out.stamp(&Cluster::of(&body.crease(85.0)).with_uv(|_, _| DVec2::new(0.0, 0.12)), &DAffine3::IDENTITY, DVec2::ZERO);
     for i in 0..sprays {
         let share = (i as f64 + 0.5) / sprays as f64;
         // More of them where the flame is wide.
@@ -107,17 +103,13 @@ pub fn cypress(sprays: usize, seed: u32) -> Cluster {
         let mut spray = Cluster::default();
         spray.spindle(base - DVec3::Y * 0.012, tip, length * 0.22, 0.4, 3);
         let tone = rng.between(0.0, 0.35);
-        out.stamp(
-            &spray.with_uv(|_, uv| DVec2::new(0.0, 0.2 + 0.45 * uv.y + tone)),
-            &DAffine3::IDENTITY,
-            DVec2::ZERO,
-        );
+        out.stamp(&spray.with_uv(|_, uv| DVec2::new(0.0, 0.2 + 0.45 * uv.y + tone)), &DAffine3::IDENTITY, DVec2::ZERO);
     }
     out
 }
 
 /// A leaf from `base` along `way`: a slim diamond, lit by `normal`.
-fn leaf(out: &mut Cluster, base: DVec3, way: DVec3, across: DVec3, normal: DVec3, tone: f64) {
+pub fn leaf(out: &mut Cluster, base: DVec3, way: DVec3, across: DVec3, normal: DVec3, tone: f64) {
     let (middle, uv) = (base + way * 0.5, DVec2::new(0.0, tone));
     out.polygon(&[(base, uv), (middle + across, uv), (base + way, uv), (middle - across, uv)], normal);
 }
@@ -163,7 +155,7 @@ pub fn olive(leaves: usize, seed: u32) -> (Cluster, Cluster) {
 }
 
 /// A knotty branch from `a` to `b`.
-fn limb(out: &mut Cluster, a: DVec3, b: DVec3, from: f64, to: f64, seed: u32) {
+pub fn limb(out: &mut Cluster, a: DVec3, b: DVec3, from: f64, to: f64, seed: u32) {
     let axis = (b - a).normalize_or(DVec3::Y);
     let side = axis.cross(if axis.x.abs() < 0.8 { DVec3::X } else { DVec3::Z }).normalize_or(DVec3::Z);
     let across = axis.cross(side);
@@ -192,14 +184,14 @@ pub fn bush(leaves: usize, size: f64, seed: u32) -> Cluster {
         let (centre, radius) = (way * 0.48 + DVec3::Y * 0.34, rng.between(0.42, 0.54));
         let lump = lathe_with(4, 6, |row, _, _| {
             let (s, c) = sin_cos(std::f64::consts::PI * (row as f64 / 3.0 - 0.5));
-            DVec2::new(if row == 0 || row == 3 { 0.0 } else { 0.86 * radius * c }, 0.86 * radius * s)
+            DVec2::new(if row == 0 || row == 3 { 0.0 } else { 0.78 * radius * c }, 0.78 * radius * s)
         });
         let lump = Cluster::of(&lump.crease(85.0)).with_uv(|p, _| DVec2::new(0.0, 0.2 + 0.2 * p.y));
         out.stamp(&lump, &DAffine3::from_translation(centre), DVec2::ZERO);
         for _ in 0..leaves / 5 {
             let away = rng.direction();
-            let base = centre + away * (radius * rng.between(0.78, 1.0));
-            let way = (away + rng.direction() * 0.8).normalize_or(away) * (size * rng.between(0.7, 1.3));
+            let base = centre + away * (radius * rng.between(0.72, 0.98));
+            let way = (away + rng.direction() * 1.1).normalize_or(away) * (size * rng.between(0.7, 1.3));
             let across = way.cross(away + rng.direction()).normalize_or(DVec3::X) * (0.42 * size);
             let uv = DVec2::new(0.0, (0.5 + 0.3 * away.y + rng.between(-0.2, 0.2)).clamp(0.06, 0.94));
             out.polygon(&[(base - across, uv), (base + across, uv), (base + way, uv)], away);

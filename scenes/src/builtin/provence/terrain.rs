@@ -3,8 +3,11 @@
 use glam::{DVec2, DVec3};
 
 use crate::{
-    builtin::provence::land::{self, FIELD},
-    modelling::{Part, SceneBuilder, builder, paint},
+    builtin::provence::{
+        land::{self, FIELD},
+        materials::textured,
+    },
+    modelling::{Part, SceneBuilder, paint},
     scene::Texture,
 };
 
@@ -19,27 +22,15 @@ const MIDDLE: DVec2 = DVec2::new(0.0, 25.0);
 
 /// Adds ground and road.
 pub fn add(out: &mut SceneBuilder) {
-    let map = out.texture(world());
-    let mut grass = builder::matte("land", [1.0; 3]);
-    grass.diffuse_map = Some(map);
-    let grass = out.material(grass);
-    let map = out.texture(earth());
-    let mut soil = builder::matte("earth", [1.0; 3]);
-    soil.diffuse_map = Some(map);
-    let soil = out.material(soil);
-    let map = out.texture(meadow());
-    let mut near = builder::matte("meadow", [1.0; 3]);
-    near.diffuse_map = Some(map);
-    let near = out.material(near);
-    let (land, meadow, field) = grid();
-    out.object("land", &land, grass);
+    let land = textured(out, "land", world());
+    let near = textured(out, "meadow", meadow());
+    let soil = textured(out, "earth", earth());
+    let track = textured(out, "road", gravel());
+    let (far, meadow, field) = grid();
+    out.object("land", &far, land);
     out.extend(&meadow, near);
     out.object("field", &field, soil);
-    let map = out.texture(gravel());
-    let mut road = builder::matte("road", [1.0; 3]);
-    road.diffuse_map = Some(map);
-    let road = out.material(road);
-    out.object("road", &ribbon(), road);
+    out.object("road", &ribbon(), track);
 }
 
 /// Grid lines: `step` apart from `low` to `high`, `fine` apart in `dense`, growing outside.
@@ -53,7 +44,7 @@ fn lines(low: f64, high: f64, step: f64, dense: (f64, f64), fine: f64) -> Vec<f6
         let mut steps = Vec::new();
         let (mut at, mut stride) = (from, step);
         while at < WORLD {
-            stride *= 1.095;
+            stride *= 1.088;
             at += stride;
             steps.push(at);
         }
@@ -127,8 +118,8 @@ fn meadow_uv(x: f64, z: f64) -> DVec2 {
 /// Dry grass from near: tufts, bare patches, a little green; repeats.
 fn meadow() -> Texture {
     paint::paint("meadow", 1024, |u, v| {
-        let (fine, patches) = (wrapped(u, v, 150.0, 37), wrapped(u, v, 9.0, 38));
-        let blend = wrapped(u, v, 40.0, 39);
+        let (fine, patches) = (paint::wrapped(u, v, 150, 37), paint::wrapped(u, v, 9, 38));
+        let blend = paint::wrapped(u, v, 40, 39);
         let green = DVec3::new(0.17, 0.20, 0.065);
         let dry = DVec3::new(0.40, 0.32, 0.15);
         let bare = DVec3::new(0.42, 0.31, 0.20);
@@ -197,26 +188,18 @@ fn patchwork(p: DVec2) -> DVec3 {
 /// Stony brown earth; repeats.
 fn earth() -> Texture {
     paint::paint("earth", 512, |u, v| {
-        let base = DVec3::new(0.30, 0.19, 0.11) * (0.55 + 0.8 * wrapped(u, v, 24.0, 51));
-        let stone = wrapped(u, v, 70.0, 52);
+        let base = DVec3::new(0.30, 0.19, 0.11) * (0.55 + 0.8 * paint::wrapped(u, v, 24, 51));
+        let stone = paint::wrapped(u, v, 70, 52);
         let pale = land::smooth(0.68, 0.80, stone) * 0.6;
         base + (DVec3::new(0.48, 0.40, 0.30) - base) * pale
     })
 }
 
-/// Clouds that repeat over the unit square, from four blended copies.
-fn wrapped(u: f64, v: f64, cells: f64, seed: u32) -> f64 {
-    let at = |du: f64, dv: f64| paint::cloud((u - du) * cells, (v - dv) * cells, 3, seed);
-    let low = at(0.0, 0.0) * (1.0 - u) + at(1.0, 0.0) * u;
-    let high = at(0.0, 1.0) * (1.0 - u) + at(1.0, 1.0) * u;
-    low * (1.0 - v) + high * v
-}
-
 /// Pale gravel with two ruts and a grassy middle; `u` across, `v` along; repeats along.
 fn gravel() -> Texture {
     paint::paint("gravel", 512, |u, v| {
-        let grain = wrapped(u, v, 60.0, 61);
-        let patches = wrapped(u, v, 7.0, 62);
+        let grain = paint::wrapped(u, v, 60, 61);
+        let patches = paint::wrapped(u, v, 7, 62);
         let stone = DVec3::new(0.58, 0.48, 0.35) * (0.6 + 0.55 * grain + 0.25 * patches);
         let off = (u - 0.5).abs();
         let middle = 1.0 - land::smooth(0.02, 0.11, off + 0.10 * (patches - 0.5));
