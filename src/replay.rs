@@ -32,7 +32,8 @@ use crate::progress::Progress;
 pub struct Args {
     /// The trace.
     trace: PathBuf,
-    /// Preset (full, adaptive, adaptive-4, adaptive-8) or policy file (.toml).
+    /// Preset (full, paper-ss, paper-us, adaptive, adaptive-4, adaptive-8, multirate, quality, aggressive, foveated) or policy
+    /// file (.toml).
     #[arg(long, default_value = "adaptive", value_name = "NAME|FILE")]
     policy: String,
     /// Preset (see `rayreel presets list`) or machine file (.toml); none gives pictures and ray counts only, which is faster.
@@ -156,6 +157,7 @@ pub fn write_pictures(frame: &FrameReplay, samples: u32, out: &Path, prefix: &st
     if let Some(flip) = &frame.flip {
         files::write_png(&file("flip.png"), &errors::flip_picture(flip))?;
     }
-    let similarity = map::similarity_map_pixels(&frame.states, frame.block, samples);
-    files::write_png(&file("similarity.png"), &similarity)
+    let similarity = map::similarity_map_pixels(&frame.states, &frame.blocks, samples);
+    files::write_png(&file("similarity.png"), &similarity)?;
+    files::write_png(&file("rate.png"), &map::rate_map_pixels(&frame.states, &frame.blocks, samples))
 }

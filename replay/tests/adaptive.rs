@@ -35,6 +35,7 @@ fn assert_same<S: TileSource>(source: &S, frame: &FrameReplay, expected: &Outcom
                 SampleState::Reference => How::R,
                 SampleState::Traced => How::Traced,
                 SampleState::Interpolated => How::Interpolated,
+                SampleState::Partial => panic!("nothing is decided hit by hit here"),
             };
             assert_eq!(how, expected.how[i], "{what}: sample ({x}, {y})");
             resolver.add(x, y, expected.colours[i].into());

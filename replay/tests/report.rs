@@ -159,7 +159,7 @@ fn the_table_says_what_matters() {
 fn blocks_must_fill_tiles() {
     let error = replay(&source(), &policy(3, Refine::Direct, Apron::Share), [5], Options::default()).unwrap_err();
     let text = error.to_string();
-    assert!(text.contains("(2, 4, 8)") && text.contains("such as 30 or 33"), "{text}");
+    assert!(text.contains("(2, 4, 8, 16)") && text.contains("such as 30 or 33"), "{text}");
     let odd = Synthetic::new(Look::Flat, (9, 9), 1, 7, 0);
     let text = replay(&odd, &policy(8, Refine::Direct, Apron::Share), [5], Options::default()).unwrap_err().to_string();
     assert!(text.contains("none does") && text.contains("such as 8)"), "{text}");
@@ -220,12 +220,12 @@ fn the_map_reads_like_the_figure() {
     let flat = Synthetic::new(Look::Flat, (8, 8), 1, 8, 0);
     let frame =
         replay(&flat, &policy(4, Refine::Direct, Apron::Share), [5], Options::default()).unwrap().frames.remove(0);
-    let picture = map::similarity_map(&frame.states, frame.block);
+    let picture = map::similarity_map(&frame.states, &frame.blocks);
     assert!(picture.pixels.iter().all(|p| *p == map::YELLOW), "{picture:?}");
     // Full: nothing is similar.
     let frame = replay(&flat, &Policy::Full, [5], Options::default()).unwrap().frames.remove(0);
-    assert!(map::similarity_map(&frame.states, frame.block).pixels.iter().all(|p| *p == map::BLUE));
-    let small = map::similarity_map_pixels(&frame.states, frame.block, 2);
+    assert!(map::similarity_map(&frame.states, &frame.blocks).pixels.iter().all(|p| *p == map::BLUE));
+    let small = map::similarity_map_pixels(&frame.states, &frame.blocks, 2);
     assert_eq!((small.width, small.height, small.pixels[0]), (4, 4, map::BLUE));
 }
 
@@ -239,9 +239,9 @@ fn pictures_can_be_written() {
     for name in ["adaptive", "adaptive-8"] {
         let policy = NamedPolicy::load(name, &[]).unwrap();
         let frame = replay(&source, &policy.policy, [5], Options::default()).unwrap().frames.remove(0);
-        let map = map::similarity_map(&frame.states, frame.block);
+        let map = map::similarity_map(&frame.states, &frame.blocks);
         files::write_png(&folder.join(format!("{name}-map.png")), &map).unwrap();
-        let pixels = map::similarity_map_pixels(&frame.states, frame.block, 2);
+        let pixels = map::similarity_map_pixels(&frame.states, &frame.blocks, 2);
         files::write_png(&folder.join(format!("{name}-map-pixels.png")), &pixels).unwrap();
         files::write_png(&folder.join(format!("{name}.png")), &srgb::encode(&frame.image)).unwrap();
         files::write_exr(&folder.join(format!("{name}.exr")), &frame.image).unwrap();

@@ -74,7 +74,7 @@ fn assert_linked(work: &TileWork) {
             assert_eq!((work.rays[shadow].kind, work.rays[shadow].depth), (RayKind::Shadow, ray.depth));
         }
     }
-    for &primary in work.waves.iter().flat_map(|wave| &wave.primaries) {
+    for &primary in work.waves.iter().flat_map(|wave| &wave.starts) {
         named[primary as usize] += 1;
         assert_eq!(work.rays[primary as usize].kind, RayKind::Primary);
     }
@@ -87,12 +87,12 @@ fn assert_waves(work: &TileWork, frame: &FrameReplay) -> u32 {
     let mut outside = 0;
     for (number, wave) in work.waves.iter().enumerate() {
         let mut last = None;
-        for &primary in &wave.primaries {
+        for &primary in &wave.starts {
             let (x, y) = (work.rays[primary as usize].x, work.rays[primary as usize].y);
             assert_ne!(frame.states.state(x, y), SampleState::Interpolated);
             assert_eq!(usize::from(frame.states.wave(x, y)), number);
             if x < rect.x + rect.width && y < rect.y + rect.height {
-                assert!(last < Some((y, x)) && outside_is_last(work, wave.primaries.as_slice(), primary));
+                assert!(last < Some((y, x)) && outside_is_last(work, wave.starts.as_slice(), primary));
                 last = Some((y, x));
             } else {
                 outside += 1;
@@ -127,7 +127,7 @@ fn rays_and_waves_are_those_of_the_policy() {
                 assert_linked(work);
                 assert_eq!(assert_waves(work, &frame), work.apron_samples);
                 interpolated += work.waves.iter().map(|w| u64::from(w.interpolated)).sum::<u64>();
-                let primaries: u64 = work.waves.iter().map(|w| w.primaries.len() as u64).sum();
+                let primaries: u64 = work.waves.iter().map(|w| w.starts.len() as u64).sum();
                 assert_eq!(primaries, counts.samples_traced + counts.samples_apron);
                 rays += work.rays.len() as u64;
             }

@@ -11,8 +11,10 @@ use super::counts::{Counts, RayCounts, TileStats};
 use crate::error::{ReplayError, Result};
 use crate::machine::work::build::{Builder, Built, Part};
 use crate::policy::Apron;
-use crate::policy::adaptive::Rules;
-use crate::policy::view::{Point, SampleState, TileView};
+use crate::policy::adaptive::{Rules, TileRules};
+use crate::policy::rate::Rates;
+use crate::policy::tree::Forest;
+use crate::policy::view::{SampleState, TileView};
 use crate::source::{PathSource, TileSource};
 
 /// The tiles of one row, left to right.
@@ -22,10 +24,24 @@ pub(super) struct Band {
     recorded: Vec<Tile>,
 }
 
+/// How the tiles of a frame are sampled.
+#[derive(Clone, Copy)]
+pub(super) struct How<'a> {
+    pub rules: &'a Rules,
+    pub rates: &'a Rates,
+}
+
+impl<'a> How<'a> {
+    /// The rules for a tile.
+    pub fn tile(&self, view: &TileView) -> TileRules<'a> {
+        self.rules.tile(self.rates.tile(view.index()))
+    }
+}
+
 /// A source of tiles, with or without paths.
 pub(super) struct Reader<'a, S: ?Sized, R> {
     pub source: &'a S,
-    pub rules: &'a Rules,
+    pub how: How<'a>,
     pub camera: &'a Camera,
     pub frame: u32,
     /// Reads a tile of the frame.
@@ -48,15 +64,16 @@ impl Band {
         S: TileSource + ?Sized,
         R: Fn(u32) -> rayreel_formats::Result<Tile> + Sync,
     {
-        let &Reader { source, rules, camera, frame, keep, .. } = reader;
+        let &Reader { source, how, camera, frame, keep, .. } = reader;
         let columns = source.meta().tile_grid().0;
-        let read = |index| -> Result<(TileView, Vec<Point>, Option<Tile>)> {
+        let read = |index| -> Result<(TileView, Forest, Option<Tile>)> {
             let tile = (reader.read)(index).map_err(|e| ReplayError::Trace {
                 what: format!("tile {index}"),
                 frame,
                 source: Box::new(e),
             })?;
-            let mut view = TileView::new(source, camera, (frame, index), &tile)?;
+            let mut view = TileView::new(source, camera, (frame, index), &tile, how.rules.deep())?;
+            let rules = how.tile(&view);
             rules.trace_references(&mut view);
             let first = rules.first_column(&view);
             Ok((view, first, keep.then_some(tile)))
@@ -70,21 +87,21 @@ impl Band {
             recorded.extend(tile);
         }
         tiles.par_iter_mut().enumerate().for_each(|(i, view)| {
-            rules.step_x(view, borders.get(i + 1).map(Vec::as_slice));
+            how.tile(view).step_x(view, borders.get(i + 1));
         });
         Ok(Self { tiles, recorded })
     }
 
     /// Decides the other samples; `below` is the next band, already open.
-    pub fn close(&mut self, rules: &Rules, below: Option<&Self>) -> Vec<TileStats> {
+    pub fn close(&mut self, how: How<'_>, below: Option<&Self>) -> Vec<TileStats> {
         self.tiles.par_iter_mut().enumerate().for_each(|(i, view)| {
-            let closing = below.map(|band| first_row(&band.tiles[i]));
-            rules.step_y(view, closing.as_deref());
+            let closing = below.map(|band| TileRules::first_row(&band.tiles[i]));
+            how.tile(view).step_y(view, closing.as_ref());
         });
-        (0..self.tiles.len()).into_par_iter().map(|i| self.stats(rules, below, i)).collect()
+        (0..self.tiles.len()).into_par_iter().map(|i| self.stats(how, below, i)).collect()
     }
 
-    fn stats(&self, rules: &Rules, below: Option<&Self>, i: usize) -> TileStats {
+    fn stats(&self, how: How<'_>, below: Option<&Self>, i: usize) -> TileStats {
         let view = &self.tiles[i];
         let rect = view.rect();
         let mut counts =
@@ -94,8 +111,8 @@ impl Band {
                 count(&mut counts, view, x, y);
             }
         }
-        if rules.apron == Apron::Retrace {
-            for rays in self.apron(rules, below, i) {
+        if how.rules.apron == Apron::Retrace {
+            for rays in self.apron(how, below, i) {
                 counts.samples_apron += 1;
                 counts.rays_apron += rays;
             }
@@ -104,8 +121,8 @@ impl Band {
     }
 
     /// The rays of the samples outside tile `i` that its steps read as traced.
-    fn apron(&self, rules: &Rules, below: Option<&Self>, i: usize) -> Vec<RayCounts> {
-        let outside = self.outside(rules, below, i);
+    fn apron(&self, how: How<'_>, below: Option<&Self>, i: usize) -> Vec<RayCounts> {
+        let outside = self.outside(how, below, i);
         let rays = |(band, j, samples): (&Self, usize, Vec<(u32, u32)>)| -> Vec<RayCounts> {
             samples.into_iter().filter_map(|(x, y)| band.tiles[j].traced_rays(x, y)).collect()
         };
@@ -114,12 +131,16 @@ impl Band {
 
     /// The samples outside tile `i` that its steps read, with the band and tile that they are in: the R-rows of the closing
     /// column, the closing row, and the corner of both.
-    fn outside<'a>(&'a self, rules: &Rules, below: Option<&'a Self>, i: usize) -> Vec<Outside<'a>> {
+    fn outside<'a>(&'a self, how: How<'_>, below: Option<&'a Self>, i: usize) -> Vec<Outside<'a>> {
         let rect = self.tiles[i].rect();
         let (right, bottom) = (rect.x + rect.width, rect.y + rect.height);
         let mut list = Vec::new();
         if i + 1 < self.tiles.len() {
-            list.push((self, i + 1, rules.lattice.rows(rect.y, bottom).map(|y| (right, y)).collect()));
+            list.push((
+                self,
+                i + 1,
+                how.tile(&self.tiles[i]).lattice.rows(rect.y, bottom).map(|y| (right, y)).collect(),
+            ));
         }
         if let Some(band) = below {
             list.push((band, i, (rect.x..right).map(|x| (x, bottom)).collect()));
@@ -134,29 +155,29 @@ impl Band {
     ///
     /// # Errors
     /// A path that does not lead through the tree: that of the first tile.
-    pub fn work<S>(&mut self, builder: &Builder<'_, S>, rules: &Rules, nearby: &Nearby<'_>) -> Result<Vec<Built>>
+    pub fn work<S>(&mut self, builder: &Builder<'_, S>, how: How<'_>, nearby: &Nearby<'_>) -> Result<Vec<Built>>
     where
         S: PathSource + ?Sized,
     {
         // Aprons first: they copy from neighbours whose steps are moved away below.
-        let aprons = (0..self.tiles.len()).into_par_iter().map(|i| self.apron_part(builder, rules, nearby.below, i));
+        let aprons = (0..self.tiles.len()).into_par_iter().map(|i| self.apron_part(builder, how, nearby.below, i));
         let aprons: Vec<_> = aprons.collect();
         let tiles = self.recorded.par_iter_mut().zip(&self.tiles).zip(aprons).enumerate();
         let built = tiles.map(|(i, ((tile, view), apron))| {
-            let border = border_samples(rules, view, (i > 0, nearby.above));
+            let border = border_samples(how, view, (i > 0, nearby.above));
             builder.own(view, tile)?.join(apron?, tile, border)
         });
         built.collect::<Vec<_>>().into_iter().collect()
     }
 
     /// What tile `i` does for its apron: nothing if that is shared. The closing row repeats its X step.
-    fn apron_part<S>(&self, builder: &Builder<'_, S>, rules: &Rules, below: Option<&Self>, i: usize) -> Result<Part>
+    fn apron_part<S>(&self, builder: &Builder<'_, S>, how: How<'_>, below: Option<&Self>, i: usize) -> Result<Part>
     where
         S: PathSource + ?Sized,
     {
         let mut part = Part::default();
-        if rules.apron == Apron::Retrace {
-            for (band, j, samples) in self.outside(rules, below, i) {
+        if how.rules.apron == Apron::Retrace {
+            for (band, j, samples) in self.outside(how, below, i) {
                 builder.apron(&mut part, &band.tiles[j], &band.recorded[j], &samples)?;
             }
             if let Some(band) = below {
@@ -172,21 +193,16 @@ type Outside<'a> = (&'a Band, usize, Vec<(u32, u32)>);
 
 /// How many samples of a tile are read by the tiles to its `left` and `above`: the R-samples of its first column and its
 /// whole first row. None if each tile traces them again, or if blocks of one sample leave nothing to test.
-fn border_samples(rules: &Rules, view: &TileView, (left, above): (bool, bool)) -> u32 {
-    if rules.apron == Apron::Retrace || rules.lattice.block == 1 {
+fn border_samples(how: How<'_>, view: &TileView, (left, above): (bool, bool)) -> u32 {
+    let lattice = how.tile(view).lattice;
+    if how.rules.apron == Apron::Retrace || lattice.block == 1 {
         return 0;
     }
     let rect = view.rect();
-    let column = if left { rules.lattice.rows(rect.y, rect.y + rect.height).count() as u32 } else { 0 };
+    let column = if left { lattice.rows(rect.y, rect.y + rect.height).count() as u32 } else { 0 };
     let row = if above { rect.width } else { 0 };
     // The corner is in both.
     column + row - u32::from(left && above)
-}
-
-/// The first row of a tile: the closing row of the tile above.
-fn first_row(view: &TileView) -> Vec<Point> {
-    let rect = view.rect();
-    (rect.x..rect.x + rect.width).map(|x| view.point(x, rect.y)).collect()
 }
 
 fn count(counts: &mut Counts, view: &TileView, x: u32, y: u32) {
@@ -197,6 +213,10 @@ fn count(counts: &mut Counts, view: &TileView, x: u32, y: u32) {
             counts.samples_traced += 1;
         }
         Some((SampleState::Traced, _)) => counts.samples_traced += 1,
+        Some((SampleState::Partial, _)) => {
+            counts.samples_partial += 1;
+            counts.samples_traced += 1;
+        }
         Some((SampleState::Interpolated, _)) => counts.samples_interpolated += 1,
         None => unreachable!("the steps of a policy decide every sample"),
     }

@@ -73,8 +73,10 @@ pub struct Counts {
     pub samples_full: u64,
     /// R-samples.
     pub samples_reference: u64,
-    /// Samples that were traced, R-samples included, apron samples not.
+    /// Samples of which rays were traced, R-samples included, apron samples not.
     pub samples_traced: u64,
+    /// The traced samples of which some hits were interpolated.
+    pub samples_partial: u64,
     /// Samples that were interpolated.
     pub samples_interpolated: u64,
     /// Samples of other tiles that were traced again.
@@ -112,6 +114,7 @@ impl Add for Counts {
             samples_full: self.samples_full + o.samples_full,
             samples_reference: self.samples_reference + o.samples_reference,
             samples_traced: self.samples_traced + o.samples_traced,
+            samples_partial: self.samples_partial + o.samples_partial,
             samples_interpolated: self.samples_interpolated + o.samples_interpolated,
             samples_apron: self.samples_apron + o.samples_apron,
             rays_full: self.rays_full + o.rays_full,

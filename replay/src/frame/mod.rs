@@ -22,10 +22,11 @@ use crate::machine::work::stream::{Output, ahead};
 use crate::machine::work::topology::Topology;
 use crate::policy::Policy;
 use crate::policy::adaptive::Rules;
+use crate::policy::rate::Pacer;
 use crate::source::{PathSource, TileSource};
-use band::{Band, Nearby, Reader};
+use band::{Band, How, Nearby, Reader};
 use counts::{FrameStats, TileStats};
-use states::StateMap;
+use states::{Blocks, StateMap};
 
 /// What a replay also makes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -53,8 +54,8 @@ pub struct FrameReplay {
     pub flip: Option<FlipMap>,
     /// What became of each sample.
     pub states: StateMap,
-    /// Block edge of the policy in samples; 1 for `full`.
-    pub block: u32,
+    /// Block edge of each tile in samples; 1 for `full`.
+    pub blocks: Blocks,
     /// Counts and quality.
     pub stats: FrameStats,
 }
@@ -77,6 +78,7 @@ impl Replay {
 pub struct Replayer<'a, S: ?Sized> {
     source: &'a S,
     rules: Rules,
+    pacer: Pacer,
     options: Options,
     comparer: Comparer,
 }
@@ -93,8 +95,9 @@ impl<'a, S: TileSource + ?Sized> Replayer<'a, S> {
             return Err(ReplayError::Nothing { what: "the sample grid of the trace is empty" });
         }
         let rules = Rules::new(policy, (width, height))?;
-        check_tile(meta.tile, rules.lattice.block)?;
-        Ok(Self { source, rules, options, comparer: Comparer::new(meta) })
+        check_tile(meta.tile, &Pacer::blocks(policy))?;
+        let pacer = Pacer::new(policy, meta);
+        Ok(Self { source, rules, pacer, options, comparer: Comparer::new(meta) })
     }
 
     /// What is replayed.
@@ -110,14 +113,16 @@ impl<'a, S: TileSource + ?Sized> Replayer<'a, S> {
         let (source, rules, camera) = (self.source, &self.rules, self.camera(frame)?);
         let mut canvas = Canvas::new(source, self.options);
         let read = |index| source.tile(frame, index);
-        let reader = Reader { source, rules, camera: &camera, frame, read, keep: false };
+        let rates = self.pacer.rates(frame, &camera);
+        let how = How { rules, rates: &rates };
+        let reader = Reader { source, how, camera: &camera, frame, read, keep: false };
         bands(&reader, |mut band, below| {
-            let stats = band.close(rules, below);
+            let stats = band.close(how, below);
             canvas.add(&band, stats);
             Ok(())
         })?;
-        let block = rules.lattice.block;
-        canvas.finish(frame, block, &mut self.comparer)
+        self.pacer.learn(frame, &camera, &rates, &canvas.tiles);
+        canvas.finish(frame, Blocks::new(rates.blocks(), source.meta()), &mut self.comparer)
     }
 
     fn camera(&self, frame: u32) -> Result<Camera> {
@@ -151,13 +156,15 @@ impl<S: PathSource + ?Sized> Replayer<'_, S> {
         let (source, rules, camera) = (self.source, &self.rules, self.camera(frame)?);
         let mut canvas = Canvas::new(source, self.options);
         let read = |index| source.tile_with_paths(frame, index);
-        let reader = Reader { source, rules, camera: &camera, frame, read, keep: true };
+        let rates = self.pacer.rates(frame, &camera);
+        let how = How { rules, rates: &rates };
+        let reader = Reader { source, how, camera: &camera, frame, read, keep: true };
         let builder = Builder { source, tree };
         let produce = |output: &Output<'_, (Band, Vec<TileStats>, Vec<Built>)>| {
             let mut above = false;
             bands(&reader, |mut band, below| {
-                let stats = band.close(rules, below);
-                let built = band.work(&builder, rules, &Nearby { below, above })?;
+                let stats = band.close(how, below);
+                let built = band.work(&builder, how, &Nearby { below, above })?;
                 above = true;
                 output.put((band, stats, built))
             })
@@ -171,8 +178,8 @@ impl<S: PathSource + ?Sized> Replayer<'_, S> {
                 consume(tile.work)
             })
         })?;
-        let block = rules.lattice.block;
-        Ok((canvas.finish(frame, block, &mut self.comparer)?, paths))
+        self.pacer.learn(frame, &camera, &rates, &canvas.tiles);
+        Ok((canvas.finish(frame, Blocks::new(rates.blocks(), source.meta()), &mut self.comparer)?, paths))
     }
 }
 
@@ -235,12 +242,11 @@ pub fn replay_each<S: TileSource + ?Sized>(
     Ok(stats)
 }
 
-/// Tiles must begin at R-samples.
-fn check_tile(tile: u32, block: u32) -> Result<()> {
-    if tile.is_multiple_of(block) {
-        return Ok(());
-    }
-    let blocks: Vec<_> = [2, 3, 4, 8].into_iter().filter(|&b| tile.is_multiple_of(b)).map(|b| b.to_string()).collect();
+/// Tiles must begin at R-samples of every block that they may have.
+fn check_tile(tile: u32, blocks: &[u32]) -> Result<()> {
+    let Some(&block) = blocks.iter().find(|b| !tile.is_multiple_of(**b)) else { return Ok(()) };
+    let fit = |b: &u32| tile.is_multiple_of(*b);
+    let blocks: Vec<_> = [2, 3, 4, 8, 16].into_iter().filter(fit).map(|b| b.to_string()).collect();
     let below = tile / block * block;
     let tiles: Vec<_> = [below, below + block].into_iter().filter(|&t| t > 0).map(|t| t.to_string()).collect();
     let blocks = if blocks.is_empty() { "none does".into() } else { blocks.join(", ") };
@@ -274,7 +280,7 @@ impl Canvas {
             for view in &band.tiles {
                 let rect = view.rect();
                 for x in rect.x..rect.x + rect.width {
-                    self.image.add(x, y, view.point(x, y).colour);
+                    self.image.add(x, y, view.tree(x, y)[0].colour);
                     if let Some(state) = view.state(x, y) {
                         self.states.set(x, y, state);
                     }
@@ -287,7 +293,7 @@ impl Canvas {
         self.tiles.extend(stats);
     }
 
-    fn finish(self, frame: u32, block: u32, comparer: &mut Comparer) -> Result<FrameReplay> {
+    fn finish(self, frame: u32, blocks: Blocks, comparer: &mut Comparer) -> Result<FrameReplay> {
         let image = self.image.finish();
         let reference = self.reference.map(Resolver::finish);
         let compared = reference.as_ref().map(|full| comparer.compare(frame, &image, full)).transpose()?;
@@ -297,6 +303,6 @@ impl Canvas {
             None => (None, Vec::new(), None),
         };
         let stats = FrameStats { frame, counts, tiles: self.tiles, quality, tile_errors };
-        Ok(FrameReplay { frame, image, reference, flip, states: self.states, block, stats })
+        Ok(FrameReplay { frame, image, reference, flip, states: self.states, blocks, stats })
     }
 }

@@ -1,5 +1,7 @@
 //! What became of each sample of a frame.
 
+use rayreel_formats::scene::Meta;
+
 use crate::policy::view::SampleState;
 
 /// State and wave of every sample of a frame, row by row.
@@ -46,5 +48,46 @@ impl StateMap {
     fn offset(&self, x: u32, y: u32) -> usize {
         assert!(x < self.width && y < self.height, "sample ({x}, {y}) is outside the frame");
         y as usize * self.width as usize + x as usize
+    }
+}
+
+/// The block edge of each tile of a frame.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Blocks {
+    /// Tiles in a row.
+    columns: u32,
+    /// Tile edge, samples.
+    tile: u32,
+    blocks: Vec<u32>,
+}
+
+impl Blocks {
+    /// The blocks of the tiles of a frame of `meta`, in tile order.
+    ///
+    /// # Panics
+    /// When there is not one a tile.
+    pub fn new(blocks: Vec<u32>, meta: &Meta) -> Self {
+        assert_eq!(blocks.len(), meta.tile_count() as usize, "one block a tile");
+        Self { columns: meta.tile_grid().0, tile: meta.tile, blocks }
+    }
+
+    /// The same block for all samples.
+    pub fn uniform(block: u32) -> Self {
+        Self { columns: 1, tile: u32::MAX, blocks: vec![block] }
+    }
+
+    /// The block at sample (`x`, `y`).
+    pub fn at(&self, x: u32, y: u32) -> u32 {
+        self.blocks[((y / self.tile) * self.columns + x / self.tile) as usize]
+    }
+
+    /// Tile edge in samples, for a frame `width` samples wide.
+    pub fn tile_edge(&self, width: u32) -> u32 {
+        self.tile.min(width.max(1))
+    }
+
+    /// The blocks in tile order.
+    pub fn tiles(&self) -> &[u32] {
+        &self.blocks
     }
 }

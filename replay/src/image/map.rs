@@ -1,7 +1,7 @@
 //! The similarity map, as the paper's Figure 4: yellow where samples were similar and interpolated, blue where they were not
 //! and had to be traced.
 
-use crate::frame::states::StateMap;
+use crate::frame::states::{Blocks, StateMap};
 use crate::image::Srgb8;
 use crate::policy::view::SampleState;
 
@@ -9,10 +9,12 @@ use crate::policy::view::SampleState;
 pub const YELLOW: [u8; 3] = [250, 215, 50];
 /// Dissimilar: traced.
 pub const BLUE: [u8; 3] = [25, 60, 170];
+/// In part: some hits of the ray tree were interpolated.
+pub const GREEN: [u8; 3] = [80, 160, 120];
 
 /// The map at sample resolution. I-samples show what became of them; an R-sample takes the mean of the I-samples of its
 /// block, so that the lattice of always-traced samples does not veil the picture. A block without I-samples is blue.
-pub fn similarity_map(states: &StateMap, block: u32) -> Srgb8 {
+pub fn similarity_map(states: &StateMap, blocks: &Blocks) -> Srgb8 {
     let (width, height) = (states.width, states.height);
     let mut pixels = Vec::with_capacity(width as usize * height as usize);
     for y in 0..height {
@@ -20,7 +22,8 @@ pub fn similarity_map(states: &StateMap, block: u32) -> Srgb8 {
             pixels.push(match states.state(x, y) {
                 SampleState::Interpolated => YELLOW,
                 SampleState::Traced => BLUE,
-                SampleState::Reference => blend(states, block, x, y),
+                SampleState::Partial => GREEN,
+                SampleState::Reference => blend(states, blocks.at(x, y), x, y),
             });
         }
     }
@@ -34,8 +37,13 @@ fn blend(states: &StateMap, block: u32, x: u32, y: u32) -> [u8; 3] {
     for y in top..(top + block).min(states.height) {
         for x in left..(left + block).min(states.width) {
             let state = states.state(x, y);
-            similar += u32::from(state == SampleState::Interpolated);
-            all += u32::from(state != SampleState::Reference);
+            // A partial sample counts half.
+            similar += match state {
+                SampleState::Interpolated => 2,
+                SampleState::Partial => 1,
+                _ => 0,
+            };
+            all += 2 * u32::from(state != SampleState::Reference);
         }
     }
     if all == 0 {
@@ -46,8 +54,8 @@ fn blend(states: &StateMap, block: u32, x: u32, y: u32) -> [u8; 3] {
 }
 
 /// The map at pixel resolution: the mean of the `samples` x `samples` map values of each pixel.
-pub fn similarity_map_pixels(states: &StateMap, block: u32, samples: u32) -> Srgb8 {
-    let map = similarity_map(states, block);
+pub fn similarity_map_pixels(states: &StateMap, blocks: &Blocks, samples: u32) -> Srgb8 {
+    let map = similarity_map(states, blocks);
     let (width, height) = (map.width / samples, map.height / samples);
     let mut pixels = Vec::with_capacity(width as usize * height as usize);
     for y in 0..height {
@@ -62,4 +70,39 @@ pub fn similarity_map_pixels(states: &StateMap, block: u32, samples: u32) -> Srg
         }
     }
     Srgb8 { width, height, pixels }
+}
+
+/// The rate map at pixel resolution: traced samples per sample of each tile-sized block of the picture, from dark blue (none)
+/// over green to light yellow (all), by the square root, so that low rates can be told apart.
+pub fn rate_map_pixels(states: &StateMap, blocks: &Blocks, samples: u32) -> Srgb8 {
+    let (width, height) = (states.width / samples, states.height / samples);
+    let columns = states.width.div_ceil(blocks.tile_edge(states.width));
+    let edge = blocks.tile_edge(states.width);
+    let mut colours = Vec::new();
+    for top in (0..states.height).step_by(edge as usize) {
+        for left in (0..states.width).step_by(edge as usize) {
+            let (right, bottom) = ((left + edge).min(states.width), (top + edge).min(states.height));
+            let traced = (top..bottom)
+                .flat_map(|y| (left..right).map(move |x| (x, y)))
+                .filter(|&(x, y)| states.state(x, y) != SampleState::Interpolated)
+                .count();
+            let rate = traced as f64 / (f64::from(right - left) * f64::from(bottom - top));
+            colours.push(ramp(rate.sqrt()));
+        }
+    }
+    let pixel = |i: u32| {
+        let (x, y) = (i % width * samples, i / width * samples);
+        colours[((y / edge) * columns + x / edge) as usize]
+    };
+    Srgb8 { width, height, pixels: (0..width * height).map(pixel).collect() }
+}
+
+/// A colour between dark blue at 0 and light yellow at 1: five points of the viridis map, linear between them.
+fn ramp(v: f64) -> [u8; 3] {
+    const STOPS: [[f64; 3]; 5] =
+        [[68.0, 1.0, 84.0], [59.0, 82.0, 139.0], [33.0, 145.0, 140.0], [94.0, 201.0, 98.0], [253.0, 231.0, 37.0]];
+    let place = v.clamp(0.0, 1.0) * 4.0;
+    let i = (place.floor() as usize).min(3);
+    let s = place - i as f64;
+    std::array::from_fn(|c| (STOPS[i][c] + (STOPS[i + 1][c] - STOPS[i][c]) * s + 0.5) as u8)
 }

@@ -1,23 +1,40 @@
-//! The steps of the adaptive policy on one tile; `full` is the same with blocks of one sample.
+//! The steps of the adaptive policies on one tile; `full` is the same with blocks of one sample.
 //!
 //! A tile needs of its neighbours: for the X step the R-samples on its closing column, for the Y step its closing row after
-//! that row's own X step.
+//! that row's own X step. Where the tile to the left has smaller blocks, a tile traces the samples of its first column that
+//! close its neighbour's R-rows too.
 
-use super::interpolate::interpolate;
+use super::correct::correct;
+use super::interpolate::nearer;
 use super::lattice::Lattice;
-use super::similarity::Tests;
-use super::view::{Point, SampleState, TileView};
-use super::{Apron, Limit, Policy, Refine, Similarity};
+use super::rate::TileRate;
+use super::reuse::Rebuild;
+use super::similarity::{Compared, Tests};
+use super::tree::{Forest, Node, interpolate_tree};
+use super::view::{SampleState, TileView};
+use super::{Apron, Correct, Limit, Policy, Refine, Similarity};
 use crate::error::Result;
 
 /// A policy prepared for frames of one size.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Rules {
-    /// Where the R-samples stand.
-    pub lattice: Lattice,
+    size: (u32, u32),
     /// Who pays for the far border of a tile.
     pub apron: Apron,
     refine: Refine,
+    secondary: bool,
+    similarity: Similarity,
+    correct: Correct,
+}
+
+/// The rules for one tile.
+#[derive(Clone, Copy, Debug)]
+pub struct TileRules<'a> {
+    rules: &'a Rules,
+    /// Where the R-samples stand.
+    pub lattice: Lattice,
+    /// Where the tile to the left has its R-rows.
+    left: Lattice,
     tests: Tests,
 }
 
@@ -26,69 +43,100 @@ impl Rules {
     ///
     /// # Errors
     /// When a value of the policy is out of range.
-    pub fn new(policy: &Policy, (width, height): (u32, u32)) -> Result<Self> {
+    pub fn new(policy: &Policy, size: (u32, u32)) -> Result<Self> {
         policy.check()?;
-        let lattice = |block| Lattice { width, height, block };
+        let rules = |apron, refine, secondary, similarity: &Similarity, correct: &Correct| Self {
+            size,
+            apron,
+            refine,
+            secondary,
+            similarity: similarity.clone(),
+            correct: correct.clone(),
+        };
         Ok(match policy {
-            Policy::Full => {
-                // Blocks of one sample leave nothing to test.
-                let off = Limit::Off;
-                let none = Similarity { object_id: true, normal_deg: off, shadow: true, position: off, plane: off };
-                Self { lattice: lattice(1), apron: Apron::Share, refine: Refine::Direct, tests: Tests::new(&none) }
-            }
-            Policy::Adaptive(own) => Self {
-                lattice: lattice(own.block),
-                apron: own.apron,
-                refine: own.refine,
-                tests: Tests::new(&own.similarity),
-            },
+            // Blocks of one sample leave nothing to test, and nothing to correct.
+            Policy::Full => rules(Apron::Share, Refine::Direct, false, &Similarity::NONE, &Correct::NONE),
+            Policy::Adaptive(own) => rules(own.apron, own.refine, own.secondary, &own.similarity, &own.correct),
+            Policy::Multirate(own) => rules(Apron::Share, own.refine, own.secondary, &own.similarity, &own.correct),
+            Policy::Foveated(own) => rules(Apron::Share, own.refine, own.secondary, &own.similarity, &own.correct),
         })
     }
 
+    /// True when the policy looks at more than primary hits.
+    pub fn deep(&self) -> bool {
+        self.secondary || self.similarity.secondary
+    }
+
+    /// The rules for a tile of rate `rate`.
+    pub fn tile(&self, rate: TileRate) -> TileRules<'_> {
+        let lattice = |block| Lattice { width: self.size.0, height: self.size.1, block };
+        let tests = Tests::new(&self.similarity, rate.relax);
+        TileRules { rules: self, lattice: lattice(rate.block), left: lattice(rate.left), tests }
+    }
+}
+
+impl TileRules<'_> {
     /// Traces the R-samples of the tile: wave 0.
     pub fn trace_references(&self, view: &mut TileView) {
         let rect = view.rect();
-        for y in self.lattice.rows(rect.y, rect.y + rect.height) {
-            for x in self.lattice.columns(rect.x, rect.x + rect.width) {
-                view.trace(x, y, SampleState::Reference, 0);
+        for y in rect.y..rect.y + rect.height {
+            if self.lattice.is_row(y) {
+                for x in self.lattice.columns(rect.x, rect.x + rect.width) {
+                    view.trace(x, y, SampleState::Reference, 0);
+                }
+            } else if rect.x > 0 && self.left.is_row(y) {
+                view.trace(rect.x, y, SampleState::Reference, 0);
             }
         }
     }
 
-    /// The R-samples of the tile's first column, top to bottom: the closing column of the tile to its left.
-    pub fn first_column(&self, view: &TileView) -> Vec<Point> {
+    /// The samples of the tile's first column that close the R-rows of the tile to its left, top to bottom.
+    pub fn first_column(&self, view: &TileView) -> Forest {
         let rect = view.rect();
-        self.lattice.rows(rect.y, rect.y + rect.height).map(|y| view.point(rect.x, y)).collect()
+        let mut column = Forest::default();
+        self.left.rows(rect.y, rect.y + rect.height).for_each(|y| column.push(view.tree(rect.x, y)));
+        column
     }
 
-    /// The X step: decides all samples on the R-rows of the tile. `closing` holds the R-samples of the closing column, if
-    /// there is a tile to the right.
-    pub fn step_x(&self, view: &mut TileView, closing: Option<&[Point]>) {
+    /// The tile's first row, which closes the tile above.
+    pub fn first_row(view: &TileView) -> Forest {
+        let rect = view.rect();
+        let mut row = Forest::default();
+        (rect.x..rect.x + rect.width).for_each(|x| row.push(view.tree(x, rect.y)));
+        row
+    }
+
+    /// The X step: decides all samples on the R-rows of the tile. `closing` holds the samples of the closing column on these
+    /// rows, if there is a tile to the right.
+    pub fn step_x(&self, view: &mut TileView, closing: Option<&Forest>) {
         let rect = view.rect();
         for (i, y) in self.lattice.rows(rect.y, rect.y + rect.height).enumerate() {
-            let own = self.lattice.columns(rect.x, rect.x + rect.width).map(|x| (x, view.point(x, y)));
-            let mut ends: Vec<_> = own.collect();
-            ends.extend(closing.map(|points| (rect.x + rect.width, points[i])));
-            let mut line = Line { rules: self, view, axis: Axis::X(y), wave: 1 };
-            ends.windows(2).for_each(|pair| line.decide(pair[0], pair[1]));
+            let mut ends: Vec<_> = self.lattice.columns(rect.x, rect.x + rect.width).collect();
+            ends.extend(closing.map(|_| rect.x + rect.width));
+            let far = closing.map(|column| column.tree(i));
+            let mut line = Line { rules: self, view, axis: Axis::X(y), wave: 1, far };
+            ends.windows(2).for_each(|pair| line.decide(pair[0], pair[1], f64::INFINITY));
         }
     }
 
     /// The Y step: decides the rest of the tile. `closing` holds the closing row, if there is a tile below.
-    pub fn step_y(&self, view: &mut TileView, closing: Option<&[Point]>) {
+    pub fn step_y(&self, view: &mut TileView, closing: Option<&Forest>) {
         let rect = view.rect();
+        let bottom = rect.y + rect.height;
         for x in rect.x..rect.x + rect.width {
-            let own = self.lattice.rows(rect.y, rect.y + rect.height).map(|y| (y, view.point(x, y)));
-            let mut ends: Vec<_> = own.collect();
-            ends.extend(closing.map(|points| (rect.y + rect.height, points[(x - rect.x) as usize])));
-            let mut line = Line { rules: self, view, axis: Axis::Y(x), wave: 1 + self.levels() };
-            ends.windows(2).for_each(|pair| line.decide(pair[0], pair[1]));
+            // Beside the R-rows, whatever the tile to the left needed of the first column.
+            let mut ends: Vec<_> = (rect.y..bottom).filter(|&y| view.state(x, y).is_some()).collect();
+            ends.extend(closing.map(|_| bottom));
+            let far = closing.map(|row| row.tree((x - rect.x) as usize));
+            let mut line = Line { rules: self, view, axis: Axis::Y(x), wave: 1 + self.levels(), far };
+            ends.windows(2).for_each(|pair| line.decide(pair[0], pair[1], f64::INFINITY));
         }
+        correct(view, &self.rules.correct, &self.tests, 1 + 2 * self.levels());
     }
 
     /// Waves that one step may take.
     fn levels(&self) -> u8 {
-        match self.refine {
+        match self.rules.refine {
             Refine::Direct => 1,
             Refine::Hierarchical => self.lattice.block.next_power_of_two().trailing_zeros() as u8,
         }
@@ -104,47 +152,110 @@ enum Axis {
 
 /// A row or column of a tile between known samples.
 struct Line<'a> {
-    rules: &'a Rules,
+    rules: &'a TileRules<'a>,
     view: &'a mut TileView,
     axis: Axis,
     /// The wave of the first test.
     wave: u8,
+    /// The sample past the end of the tile.
+    far: Option<&'a [Node]>,
 }
 
 impl Line<'_> {
-    /// Decides the samples between two known ones.
-    fn decide(&mut self, (a, from): (u32, Point), (b, to): (u32, Point)) {
+    /// Decides the samples between two known ones. `foreseen` is how far off the prediction of the traced one of them was.
+    fn decide(&mut self, a: u32, b: u32, foreseen: f64) {
         if b - a < 2 {
             return;
         }
-        self.view.tested(self.at(a + 1), self.wave);
-        if self.rules.tests.similar(&from, &to) {
-            for i in a + 1..b {
-                let (x, y) = self.at(i);
-                self.view.interpolate(x, y, interpolate(&from, &to, i - a, b - a), self.wave);
-            }
-            return;
-        }
-        match self.rules.refine {
-            Refine::Direct => {
-                for i in a + 1..b {
-                    self.trace(i);
-                }
-            }
+        let mut compared = Compared::default();
+        let similar = self.rules.tests.similar(self.tree(a), self.tree(b), b - a, foreseen, &mut compared);
+        self.view.tested(self.at(a + 1), self.wave, compared.pairs);
+        match self.rules.rules.refine {
+            _ if similar => (a + 1..b).for_each(|i| self.interpolate(a, b, i)),
+            Refine::Direct => (a + 1..b).for_each(|i| self.trace(a, b, i)),
             Refine::Hierarchical => {
                 let middle = a.midpoint(b);
-                let point = self.trace(middle);
+                let expected = self.rules.tests.predict.then(|| self.expected_colour(a, b, middle));
+                self.trace(a, b, middle);
+                let foreseen = expected.map_or(f64::INFINITY, |colour| self.miss(middle, colour));
                 self.wave += 1;
-                self.decide((a, from), (middle, point));
-                self.decide((middle, point), (b, to));
+                self.decide(a, middle, foreseen);
+                self.decide(middle, b, foreseen);
                 self.wave -= 1;
             }
         }
     }
 
-    fn trace(&mut self, i: u32) -> Point {
+    /// Interpolates sample `i` between `a` and `b`.
+    fn interpolate(&mut self, a: u32, b: u32, i: u32) {
+        let (swap, s) = nearer(i - a, b - a);
+        let (near, far) = if swap { (b, a) } else { (a, b) };
+        let mut tree = Vec::new();
+        match self.axis {
+            Axis::X(_) => interpolate_tree(self.tree(near), self.tree(far), s, &mut tree),
+            // Nothing is interpolated from it any more: its primary hit is enough.
+            Axis::Y(_) => {
+                let alone =
+                    |tree: &[Node]| Node { local: tree[0].colour, reflect: None, refract: None, len: 1, ..tree[0] };
+                interpolate_tree(&[alone(self.tree(near))], &[alone(self.tree(far))], s, &mut tree);
+            }
+        }
         let (x, y) = self.at(i);
-        self.view.trace(x, y, SampleState::Traced, self.wave)
+        self.view.interpolate(x, y, &tree, self.wave);
+    }
+
+    /// Traces sample `i` between `a` and `b`: whole, or what of it cannot be interpolated.
+    fn trace(&mut self, a: u32, b: u32, i: u32) {
+        let (x, y) = self.at(i);
+        if !self.rules.rules.secondary {
+            return self.view.trace(x, y, SampleState::Traced, self.wave);
+        }
+        let (swap, s) = nearer(i - a, b - a);
+        let (near, far) = if swap { (b, a) } else { (a, b) };
+        let (near, far) = (self.tree(near).to_vec(), self.tree(far).to_vec());
+        let totals = (near[0].colour, far[0].colour);
+        let (tests, gap, mut pairs) = (&self.rules.tests, b - a, 0);
+        self.view.rebuild(x, y, self.wave, |tracer, out| {
+            let compared = Compared::default();
+            let mut rebuild = Rebuild { tests, tracer, out, gap, s, totals, compared, interpolated: 0 };
+            rebuild.build(&near, &far);
+            pairs = rebuild.compared.pairs;
+            rebuild.interpolated
+        });
+        self.view.tested((x, y), self.wave, pairs);
+    }
+
+    /// The colour that sample `i` would have by interpolation.
+    fn expected_colour(&self, a: u32, b: u32, i: u32) -> rayreel_formats::math::Vec3 {
+        let (swap, s) = nearer(i - a, b - a);
+        let (near, far) = if swap { (b, a) } else { (a, b) };
+        super::interpolate::mix(self.tree(near)[0].colour, self.tree(far)[0].colour, s)
+    }
+
+    /// How far `colour` is off the colour of sample `i`; infinite if that was not traced whole.
+    fn miss(&self, i: u32, colour: rayreel_formats::math::Vec3) -> f64 {
+        let (x, y) = self.at(i);
+        if !matches!(self.view.state(x, y), Some((SampleState::Traced, _))) {
+            return f64::INFINITY;
+        }
+        let both = (colour, self.tree(i)[0].colour);
+        super::similarity::difference(both, both)
+    }
+
+    /// The tree of sample `i` of the line.
+    fn tree(&self, i: u32) -> &[Node] {
+        let rect = self.view.rect();
+        let end = match self.axis {
+            Axis::X(_) => rect.x + rect.width,
+            Axis::Y(_) => rect.y + rect.height,
+        };
+        match self.far {
+            Some(far) if i == end => far,
+            _ => {
+                let (x, y) = self.at(i);
+                self.view.tree(x, y)
+            }
+        }
     }
 
     fn at(&self, i: u32) -> (u32, u32) {
@@ -153,4 +264,25 @@ impl Line<'_> {
             Axis::Y(x) => (x, i),
         }
     }
+}
+
+impl Similarity {
+    /// No test.
+    const NONE: Self = Self {
+        object_id: false,
+        normal_deg: Limit::Off,
+        shadow: false,
+        position: Limit::Off,
+        plane: Limit::Off,
+        texture: Limit::Off,
+        colour: Limit::Off,
+        predict: false,
+        secondary: false,
+        unlike: Limit::Off,
+    };
+}
+
+impl Correct {
+    /// No correction.
+    const NONE: Self = Self { passes: 0, colour: Limit::Off };
 }

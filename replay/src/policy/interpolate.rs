@@ -5,22 +5,20 @@
 
 use rayreel_formats::math::Vec3;
 
-use super::view::{Point, SurfacePoint};
+use super::view::SurfacePoint;
 
-/// The sample `step` of `gap` samples after `a`, towards `b`. Colour, position and `t` are linear, the normal is linear and
-/// renormalised; object and shadows are those of the nearer end (both ends agree where they are tested). `a` and `b` are both
-/// hits or both misses; otherwise the nearer end decides what the sample is.
-pub fn interpolate(a: &Point, b: &Point, step: u32, gap: u32) -> Point {
-    let (near, far, distance) = if 2 * step <= gap { (a, b, step) } else { (b, a, gap - step) };
-    let s = distance as f32 / gap as f32;
-    let surface = match (&near.surface, &far.surface) {
-        (Some(near), Some(far)) => Some(surface(near, far, s)),
-        (near, _) => *near,
-    };
-    Point { colour: mix(near.colour, far.colour, s), surface }
+/// The nearer of two ends for the sample `step` of `gap` samples after the first, and the share of the other one: whether the
+/// ends change places, and `distance / gap`.
+#[inline]
+pub fn nearer(step: u32, gap: u32) -> (bool, f32) {
+    let swap = 2 * step > gap;
+    let distance = if swap { gap - step } else { step };
+    (swap, distance as f32 / gap as f32)
 }
 
-fn surface(near: &SurfacePoint, far: &SurfacePoint, s: f32) -> SurfacePoint {
+/// The hit `s` of the way from `near` to `far`. Position and `t` are linear, the normal is linear and renormalised; object and
+/// shadows are those of the nearer end (both ends agree where they are tested).
+pub fn surface(near: &SurfacePoint, far: &SurfacePoint, s: f32) -> SurfacePoint {
     let normal = mix(near.normal, far.normal, s);
     let length = normal.length();
     SurfacePoint {
@@ -33,28 +31,45 @@ fn surface(near: &SurfacePoint, far: &SurfacePoint, s: f32) -> SurfacePoint {
     }
 }
 
+/// The value `s` of the way from `near` to `far`.
 #[inline]
-fn mix(near: Vec3, far: Vec3, s: f32) -> Vec3 {
+pub fn mix(near: Vec3, far: Vec3, s: f32) -> Vec3 {
     near + (far - near) * s
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::tree::{Node, interpolate_tree};
     use super::*;
     use proptest::prelude::*;
     use rayreel_formats::math::vec3;
     use rayreel_formats::tile::Shadows;
 
-    fn point(colour: [f32; 3], normal: [f32; 3], t: f32, object: u32) -> Point {
+    fn point(colour: [f32; 3], normal: [f32; 3], t: f32, object: u32) -> Node {
         let normal = Vec3::from(normal).normalized();
         let position = vec3(t, -t, 2.0 * t);
-        Point {
-            colour: colour.into(),
+        Node {
             surface: Some(SurfacePoint { object, shadows: Shadows(object), normal, position, t }),
+            local: colour.into(),
+            colour: colour.into(),
+            reflect: None,
+            refract: None,
+            own_rays: 1,
+            rays: 1,
+            len: 1,
         }
     }
 
-    fn any_point() -> impl Strategy<Value = Point> {
+    /// The sample `step` of `gap` samples after `a`.
+    fn interpolate(a: &Node, b: &Node, step: u32, gap: u32) -> Node {
+        let (swap, s) = nearer(step, gap);
+        let (near, far) = if swap { (b, a) } else { (a, b) };
+        let mut tree = Vec::new();
+        interpolate_tree(std::slice::from_ref(near), std::slice::from_ref(far), s, &mut tree);
+        tree[0]
+    }
+
+    fn any_point() -> impl Strategy<Value = Node> {
         let colour = prop::array::uniform3(0.0f32..1000.0);
         let normal = prop::array::uniform3(0.1f32..1.0);
         (colour, normal, 0.01f32..1.0e4, 0u32..3).prop_map(|(c, n, t, object)| point(c, n, t, object))

@@ -14,6 +14,12 @@ pub const PRESETS: &[(&str, &str)] = &[
     ("adaptive", include_str!("../presets/adaptive.toml")),
     ("adaptive-4", include_str!("../presets/adaptive-4.toml")),
     ("adaptive-8", include_str!("../presets/adaptive-8.toml")),
+    ("paper-ss", include_str!("../presets/paper-ss.toml")),
+    ("paper-us", include_str!("../presets/paper-us.toml")),
+    ("multirate", include_str!("../presets/multirate.toml")),
+    ("quality", include_str!("../presets/quality.toml")),
+    ("aggressive", include_str!("../presets/aggressive.toml")),
+    ("foveated", include_str!("../presets/foveated.toml")),
 ];
 
 /// A policy and what results call it.

@@ -9,17 +9,27 @@
 //!   which both halves are tested again ([`Refine::Hierarchical`]).
 //! - **Y step**, down each column, the same between two neighbouring rows of R-samples, whose samples are all known by now.
 //!
-//! The result depends on the frame alone, not on its tiles; these matter for accounting ([`Apron`]). A policy sees only what
-//! it has traced: [`view::TileView`] gives out nothing else. `full` is the same with blocks of one sample.
+//!
+//! Then, if it is on, **correction** ([`correct`]): interpolated samples that a traced neighbour contradicts are traced too.
+//! With `secondary` an I-sample need not be traced whole: each hit of its ray tree is decided by itself ([`reuse`]).
+//!
+//! The block is the same for all tiles (`adaptive`), follows each tile's similarity in the frame before (`multirate`), or the
+//! distance from a gaze point (`foveated`): [`rate`]. But for these and for correction, the result depends on the frame alone
+//! and not on its tiles; they matter for accounting ([`Apron`]). A policy sees only what it has traced: [`view::TileView`]
+//! gives out nothing else. `full` is the same with blocks of one sample.
 //!
 //! Not here: which tiles are in memory when (see [`crate::frame`]).
 
 pub mod adaptive;
+pub mod correct;
 pub mod interpolate;
 pub mod lattice;
 mod load;
+pub mod rate;
+pub mod reuse;
 pub mod schema;
 pub mod similarity;
+pub mod tree;
 pub mod view;
 
 use serde::{Deserialize, Serialize};
@@ -34,6 +44,10 @@ pub enum Policy {
     Full,
     /// Similar samples are interpolated.
     Adaptive(Adaptive),
+    /// The same, with the block of each tile chosen by its similarity in the frame before.
+    Multirate(Multirate),
+    /// The same, with larger blocks away from where the eye looks.
+    Foveated(Foveated),
 }
 
 impl Policy {
@@ -42,6 +56,8 @@ impl Policy {
         match self {
             Self::Full => "full",
             Self::Adaptive(_) => "adaptive",
+            Self::Multirate(_) => "multirate",
+            Self::Foveated(_) => "foveated",
         }
     }
 }
@@ -56,8 +72,83 @@ pub struct Adaptive {
     pub refine: Refine,
     /// Who pays for the samples on the far border of a tile.
     pub apron: Apron,
+    /// Each hit of a ray tree is decided by itself.
+    pub secondary: bool,
     /// When two samples are similar.
     pub similarity: Similarity,
+    /// What is traced after all.
+    pub correct: Correct,
+}
+
+/// The values of [`Policy::Multirate`]: as [`Adaptive`], with shared aprons, and a block of its own for each tile.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Multirate {
+    /// Block of all tiles in a first frame and after a cut.
+    pub start: u32,
+    /// Smallest block.
+    pub finest: u32,
+    /// Largest block.
+    pub coarsest: u32,
+    /// A tile asks for the next larger block at this similarity ratio or above.
+    pub raise: f64,
+    /// A tile asks for the next smaller block at this similarity ratio or below.
+    pub lower: f64,
+    /// In odd frames `raise` is this much higher and `lower` this much lower, so that a ratio near a threshold does not
+    /// switch the block to and fro (paper, section 3: "we can switch the threshold values").
+    pub alternate: f64,
+    /// Frames in a row that must ask for the same change before it is made.
+    pub hold: u32,
+    /// A camera that turns by more than this between frames is a cut, degrees.
+    pub cut_deg: f64,
+    /// A mean change of the tiles' similarity ratios above this is a cut too, seen one frame later.
+    pub cut_change: f64,
+    /// What happens between dissimilar samples.
+    pub refine: Refine,
+    /// Each hit of a ray tree is decided by itself.
+    pub secondary: bool,
+    /// When two samples are similar.
+    pub similarity: Similarity,
+    /// What is traced after all.
+    pub correct: Correct,
+}
+
+/// The values of [`Policy::Foveated`]: as [`Adaptive`], with shared aprons, and the block by distance from the gaze point.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Foveated {
+    /// Where the eye looks, fraction of the picture's width.
+    pub gaze_x: f64,
+    /// Where the eye looks, fraction of the picture's height.
+    pub gaze_y: f64,
+    /// Tiles nearer than this have the smallest block, fraction of the picture's height.
+    pub inner: f64,
+    /// Tiles farther than this have the largest block, fraction of the picture's height.
+    pub outer: f64,
+    /// Smallest block.
+    pub finest: u32,
+    /// Largest block.
+    pub coarsest: u32,
+    /// Factor on the colour limit from `outer` on; it grows linearly from 1 at `inner`.
+    pub relax: f64,
+    /// What happens between dissimilar samples.
+    pub refine: Refine,
+    /// Each hit of a ray tree is decided by itself.
+    pub secondary: bool,
+    /// When two samples are similar.
+    pub similarity: Similarity,
+    /// What is traced after all.
+    pub correct: Correct,
+}
+
+/// Which interpolated samples are traced after all (after Kim et al. 2016).
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Correct {
+    /// Most passes over a tile; 0 switches correction off.
+    pub passes: u32,
+    /// Attributes that contradict count only where the display colours differ by more than this; off: always.
+    pub colour: Limit,
 }
 
 /// What happens between two dissimilar samples.
@@ -80,7 +171,7 @@ pub enum Apron {
     Retrace,
 }
 
-/// When two samples are similar: every test that is on must pass. Tests look at the primary hits only.
+/// When two samples are similar: every test that is on must pass.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Similarity {
@@ -94,6 +185,18 @@ pub struct Similarity {
     pub position: Limit,
     /// Largest distance of the second hit point from the tangent plane of the first, as a fraction of the shorter ray length.
     pub plane: Limit,
+    /// Largest difference of the hits' local colours as displayed: where object, normal and shadows agree, texture is what
+    /// is left to differ.
+    pub texture: Limit,
+    /// Largest difference of the samples' colours as displayed, across a gap of two samples and for a sample of three rays
+    /// ([`similarity::Tests::colour_limit`] has the rule).
+    pub colour: Limit,
+    /// A traced middle sample that was predicted within the colour limit passes the colour test for both its halves.
+    pub predict: bool,
+    /// The tests are made on the secondary hits too.
+    pub secondary: bool,
+    /// Secondary hits may be unlike where the colours differ by less than this fraction of the colour limit.
+    pub unlike: Limit,
 }
 
 /// A threshold that can be off.

@@ -14,6 +14,10 @@ pub enum Rule {
     Integer(&'static [i64]),
     /// True or false.
     Flag,
+    /// An integer in this range, both ends included.
+    Range(i64, i64),
+    /// A number from 0 to this.
+    Number(f64),
     /// A number from 0 to this, or "off".
     Limit(f64),
 }
@@ -34,15 +38,47 @@ const fn key(name: &'static str, rule: Rule, doc: &'static str) -> Key {
 }
 
 /// Kinds of policies.
-pub const KINDS: &[&str] = &["full", "adaptive"];
+pub const KINDS: &[&str] = &["full", "adaptive", "multirate", "foveated"];
 
-const FULL: &[Key] = &[key("kind", Rule::Word(KINDS), "kind of the policy")];
+const KIND: Key = key("kind", Rule::Word(KINDS), "kind of the policy");
+
+const FULL: &[Key] = &[KIND];
+
+/// Block edges of tiles with blocks of their own: each divides the next.
+const NESTED: Rule = Rule::Integer(&[2, 4, 8, 16]);
 
 const ADAPTIVE: &[Key] = &[
-    key("kind", Rule::Word(KINDS), "kind of the policy"),
-    key("block", Rule::Integer(&[2, 3, 4, 8]), "block edge in samples: one R-sample per block"),
-    key("refine", Rule::Word(&["direct", "hierarchical"]), "between dissimilar samples: trace all, or halve the gap"),
+    key("block", Rule::Integer(&[2, 3, 4, 8, 16]), "block edge in samples: one R-sample per block"),
     key("apron", Rule::Word(&["share", "retrace"]), "the far border of a tile: shared with its owner, or traced again"),
+];
+
+const MULTIRATE: &[Key] = &[
+    key("start", NESTED, "block edge of a first frame and after a cut, samples"),
+    key("finest", NESTED, "smallest block edge, samples"),
+    key("coarsest", NESTED, "largest block edge, samples"),
+    key("raise", Rule::Number(1.0), "a tile asks for a larger block at this similarity ratio or above"),
+    key("lower", Rule::Number(1.0), "a tile asks for a smaller block at this similarity ratio or below"),
+    key("alternate", Rule::Number(1.0), "in odd frames raise is this much higher and lower this much lower"),
+    key("hold", Rule::Integer(&[1, 2, 3, 4, 5, 6, 7, 8]), "frames in a row that must ask for a change"),
+    key("cut_deg", Rule::Number(180.0), "a camera that turns by more than this is a cut, degrees"),
+    key("cut_change", Rule::Number(1.0), "a mean change of the similarity ratios above this is a cut"),
+];
+
+const FOVEATED: &[Key] = &[
+    key("gaze_x", Rule::Number(1.0), "where the eye looks, fraction of the width"),
+    key("gaze_y", Rule::Number(1.0), "where the eye looks, fraction of the height"),
+    key("inner", Rule::Number(4.0), "up to here blocks are the smallest, fraction of the height"),
+    key("outer", Rule::Number(4.0), "from here on blocks are the largest, fraction of the height"),
+    key("finest", NESTED, "smallest block edge, samples"),
+    key("coarsest", NESTED, "largest block edge, samples"),
+    key("relax", Rule::Number(100.0), "factor on the colour limit from the outer radius on"),
+];
+
+/// The keys that all policies with blocks have.
+const SAMPLING: &[Key] = &[
+    KIND,
+    key("refine", Rule::Word(&["direct", "hierarchical"]), "between dissimilar samples: trace all, or halve the gap"),
+    key("secondary", Rule::Flag, "each hit of a ray tree is interpolated or traced by itself"),
     key("similarity.object_id", Rule::Flag, "the objects must be the same"),
     key("similarity.normal_deg", Rule::Limit(180.0), "largest angle between the shading normals, degrees"),
     key("similarity.shadow", Rule::Flag, "the shadow rays must have found the same"),
@@ -52,15 +88,29 @@ const ADAPTIVE: &[Key] = &[
         Rule::Limit(1.0),
         "largest distance from the first tangent plane, fraction of the shorter ray",
     ),
+    key("similarity.texture", Rule::Limit(2.0), "largest difference of the hits' local colours as displayed"),
+    key(
+        "similarity.colour",
+        Rule::Limit(2.0),
+        "largest difference of the colours as displayed, gap of 2, 3 rays a sample",
+    ),
+    key("similarity.predict", Rule::Flag, "halves of a well predicted gap pass the colour test"),
+    key("similarity.secondary", Rule::Flag, "the tests are made on secondary hits too"),
+    key("similarity.unlike", Rule::Limit(1.0), "secondary hits may be unlike below this fraction of the colour limit"),
+    key("correct.passes", Rule::Range(0, 64), "most passes of post-correction; 0 is off"),
+    key("correct.colour", Rule::Limit(2.0), "contradictions count where the colours as displayed differ by more"),
 ];
 
 /// The keys of a kind of policy; `None` if there is no such kind.
-pub fn keys(kind: &str) -> Option<&'static [Key]> {
-    match kind {
-        "full" => Some(FULL),
-        "adaptive" => Some(ADAPTIVE),
-        _ => None,
-    }
+pub fn keys(kind: &str) -> Option<Vec<Key>> {
+    let own = match kind {
+        "full" => return Some(FULL.to_vec()),
+        "adaptive" => ADAPTIVE,
+        "multirate" => MULTIRATE,
+        "foveated" => FOVEATED,
+        _ => return None,
+    };
+    Some([&SAMPLING[..1], own, &SAMPLING[1..]].concat())
 }
 
 impl Rule {
@@ -75,6 +125,8 @@ impl Rule {
             Self::Word(words) => value.as_str().is_some_and(|word| words.contains(&word)),
             Self::Integer(allowed) => value.as_integer().is_some_and(|i| allowed.contains(&i)),
             Self::Flag => value.is_bool(),
+            Self::Range(least, most) => value.as_integer().is_some_and(|i| (*least..=*most).contains(&i)),
+            Self::Number(max) => number.is_some_and(|v| (0.0..=*max).contains(&v)),
             Self::Limit(max) => number.is_some_and(|v| (0.0..=*max).contains(&v)) || value.as_str() == Some("off"),
         }
     }
@@ -86,6 +138,8 @@ impl Rule {
             Self::Word(words) => or(words.iter().map(|w| format!("{w:?}")).collect()),
             Self::Integer(allowed) => or(allowed.iter().map(ToString::to_string).collect()),
             Self::Flag => "true or false".into(),
+            Self::Range(least, most) => format!("an integer from {least} to {most}"),
+            Self::Number(max) => format!("a number from 0 to {max}"),
             Self::Limit(max) => format!("a number from 0 to {max}, or \"off\""),
         }
     }
@@ -106,6 +160,26 @@ pub fn check(table: &Table, origin: &str) -> Result<()> {
         };
         if !key.rule.allows(value) {
             return Err(bad_value(origin, &name, value, key.rule.describe()));
+        }
+    }
+    check_order(table, origin)
+}
+
+/// Checks what one key alone cannot show: that ranges are not empty.
+fn check_order(table: &Table, origin: &str) -> Result<()> {
+    let number = |name: &str| match table.get(name) {
+        Some(Value::Integer(i)) => Some(*i as f64),
+        Some(Value::Float(f)) => Some(*f),
+        _ => None,
+    };
+    let ordered =
+        [("finest", "coarsest"), ("finest", "start"), ("start", "coarsest"), ("lower", "raise"), ("inner", "outer")];
+    for (small, large) in ordered {
+        if let (Some(low), Some(high)) = (number(small), number(large))
+            && low > high
+        {
+            let value = table.get(small).cloned().unwrap_or(Value::Float(low));
+            return Err(bad_value(origin, small, &value, format!("a value up to that of {large}, which is {high}")));
         }
     }
     Ok(())
@@ -130,7 +204,8 @@ fn bad_value(origin: &str, key: &str, value: &Value, allowed: String) -> ReplayE
 
 /// A scalar where a table of keys belongs (`similarity = 3`) is a bad value; all else is an unknown key.
 fn unknown_key(origin: &str, name: &str, kind: &str, value: &Value) -> ReplayError {
-    let names: Vec<_> = keys(kind).unwrap_or_default().iter().map(|k| k.name).collect();
+    let keys = keys(kind).unwrap_or_default();
+    let names: Vec<_> = keys.iter().map(|k| k.name).collect();
     let inside = format!("{name}.");
     let below: Vec<_> = names.iter().filter_map(|n| n.strip_prefix(inside.as_str())).collect();
     if !below.is_empty() {
@@ -194,7 +269,8 @@ mod tests {
 
     #[test]
     fn near_names_are_found_by_their_last_part() {
-        let names: Vec<_> = ADAPTIVE.iter().map(|k| k.name).collect();
+        let keys = keys("adaptive").unwrap();
+        let names: Vec<_> = keys.iter().map(|k| k.name).collect();
         assert_eq!(near("normal_degs", &names), "did you mean similarity.normal_deg?");
         assert_eq!(near("blok", &names), "did you mean block?");
         assert!(near("antialiasing", &names).starts_with("there are kind, block"));

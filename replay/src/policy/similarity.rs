@@ -2,10 +2,16 @@
 //!
 //! Tests run in f64 on the stored f32 values, with `+ - * / sqrt` only; the one cosine is computed once, by the libm crate, so
 //! it is the same on every machine.
+//!
+//! **Colour as displayed.** Colours are linear, but eyes and PSNR judge them on a curve that is close to a square root. The
+//! difference that a contribution makes in a sample of colour `c` is taken as its share of `sqrt(c)`: see [`difference`].
+//!
+//! **The colour limit** is not one number for all: see [`Tests::colour_limit`].
 
 use rayreel_formats::math::Vec3;
 
-use super::view::{Point, SurfacePoint};
+use super::tree::{Node, children};
+use super::view::SurfacePoint;
 use super::{Limit, Similarity};
 
 /// The tests of a policy, ready to run.
@@ -17,11 +23,24 @@ pub struct Tests {
     normal_cos: Option<f64>,
     position: Option<f64>,
     plane: Option<f64>,
+    texture: Option<f64>,
+    colour: Option<f64>,
+    /// A well predicted middle sample passes the colour test for its halves.
+    pub predict: bool,
+    secondary: bool,
+    unlike: f64,
+}
+
+/// Two trees that are compared, and how many pairs of hits that took.
+#[derive(Debug, Default)]
+pub struct Compared {
+    /// Pairs of hits that were looked at: what a similarity kernel is busy with.
+    pub pairs: u32,
 }
 
 impl Tests {
-    /// Prepares the tests of `similarity`.
-    pub fn new(similarity: &Similarity) -> Self {
+    /// Prepares the tests of `similarity`, with the colour limit multiplied by `relax`.
+    pub fn new(similarity: &Similarity, relax: f64) -> Self {
         let cosine = |limit: Limit| limit.value().map(|degrees| libm::cos(degrees.to_radians()));
         Self {
             object_id: similarity.object_id,
@@ -29,29 +48,157 @@ impl Tests {
             normal_cos: cosine(similarity.normal_deg),
             position: similarity.position.value(),
             plane: similarity.plane.value(),
+            texture: similarity.texture.value(),
+            colour: similarity.colour.value().map(|limit| limit * relax),
+            predict: similarity.predict,
+            secondary: similarity.secondary,
+            unlike: similarity.unlike.value().unwrap_or(0.0),
         }
     }
 
-    /// True when all tests that are on pass. `a` is the sample with the lower coordinate. Two misses are similar, a hit and a
-    /// miss never are.
-    pub fn similar(&self, a: &Point, b: &Point) -> bool {
+    /// The largest colour difference that passes across a gap of `gap` samples whose ends cost `rays` rays each; `None` if
+    /// colours are not tested.
+    ///
+    /// It weighs error against rays. An edge of contrast `d` somewhere between the ends leaves an error that grows with `d^2`
+    /// and with the number of samples between them; finding it costs the rays of a few samples. Both are in balance where
+    /// `d^2 * gap^2` is in proportion to the rays of a sample, so the limit is `colour * (2 / gap) * sqrt(rays / 3)`: stricter
+    /// across wide gaps, more lenient where samples are expensive. Three rays are a primary ray, its shadow ray and a half of
+    /// a mirror's: the mean of plain scenes.
+    pub fn colour_limit(&self, gap: u32, rays: u32) -> Option<f64> {
+        let limit = self.colour?;
+        Some(limit * (2.0 / f64::from(gap)) * (f64::from(rays) / 3.0).sqrt())
+    }
+
+    /// True when all tests that are on pass for two samples `gap` apart. `a` is the one with the lower coordinate. Without a
+    /// colour test two misses are similar; a hit and a miss never are. `foreseen` is the colour difference that stands for
+    /// the ends' own if it is smaller: how far off the prediction of the sample between their outer neighbours was.
+    pub fn similar(&self, a: &[Node], b: &[Node], gap: u32, foreseen: f64, compared: &mut Compared) -> bool {
+        compared.pairs += 1;
+        if !self.alike_hits(&a[0], &b[0]) {
+            return false;
+        }
+        let mut margin = 0.0;
+        if let Some(limit) = self.colour_limit(gap, rays_of(a, b)) {
+            let totals = (a[0].colour, b[0].colour);
+            let own = difference(totals, totals);
+            let colour = if foreseen < own { foreseen } else { own };
+            // A NaN is never within a limit.
+            if !within(colour, limit) {
+                return false;
+            }
+            margin = limit * self.unlike - colour;
+        }
+        !self.secondary || margin > 0.0 || self.alike_below(a, b, compared)
+    }
+
+    /// As [`Tests::similar`] for two subtrees below similar hits, whose contributions reach the samples with weights
+    /// `weights`; the samples' whole colours are `totals`.
+    pub fn similar_below(
+        &self,
+        (a, b): (&[Node], &[Node]),
+        weights: (Vec3, Vec3),
+        totals: (Vec3, Vec3),
+        gap: u32,
+        compared: &mut Compared,
+    ) -> bool {
+        compared.pairs += 1;
+        let mut margin = 0.0;
+        if let Some(limit) = self.colour_limit(gap, rays_of(a, b)) {
+            let shares = (weights.0.times(a[0].colour), weights.1.times(b[0].colour));
+            let colour = difference(shares, totals);
+            if !within(colour, limit) {
+                return false;
+            }
+            margin = limit * self.unlike - colour;
+        }
+        margin > 0.0 || self.alike_hits(&a[0], &b[0]) && self.alike_below(a, b, compared)
+    }
+
+    /// True when the hits themselves are alike in their attributes.
+    pub fn alike_hits(&self, a: &Node, b: &Node) -> bool {
         match (&a.surface, &b.surface) {
             (None, None) => true,
-            (Some(a), Some(b)) => self.similar_surfaces(a, b),
+            (Some(x), Some(y)) => {
+                self.alike_surfaces(x, y)
+                    && self.texture.is_none_or(|limit| {
+                        let locals = (a.local, b.local);
+                        within(difference(locals, locals), limit)
+                    })
+            }
             _ => false,
         }
     }
 
-    fn similar_surfaces(&self, a: &SurfacePoint, b: &SurfacePoint) -> bool {
+    /// True when two hits are on one object and their normals are similar: what they reflect and refract is between theirs,
+    /// whatever light falls on them.
+    pub fn one_surface(&self, a: &Node, b: &Node) -> bool {
+        match (&a.surface, &b.surface) {
+            (Some(x), Some(y)) => {
+                x.object == y.object && self.normal_cos.is_none_or(|cosine| within_angle(x.normal, y.normal, cosine))
+            }
+            _ => false,
+        }
+    }
+
+    /// True when the local colours of two hits may stand for what is between them.
+    pub fn alike_locals(&self, (a, b): (&Node, &Node), weights: (Vec3, Vec3), totals: (Vec3, Vec3), gap: u32) -> bool {
+        self.colour_limit(gap, a.own_rays.midpoint(b.own_rays)).is_none_or(|limit| {
+            let shares = (weights.0.times(a.local), weights.1.times(b.local));
+            within(difference(shares, totals), limit)
+        })
+    }
+
+    /// True when all hits below `a[0]` and `b[0]` are alike.
+    fn alike_below(&self, a: &[Node], b: &[Node], compared: &mut Compared) -> bool {
+        a[0].branches_as(&b[0])
+            && children(a).zip(children(b)).all(|((_, a), (_, b))| {
+                compared.pairs += 1;
+                self.alike_hits(&a[0], &b[0]) && self.alike_below(a, b, compared)
+            })
+    }
+
+    fn alike_surfaces(&self, a: &SurfacePoint, b: &SurfacePoint) -> bool {
         if self.object_id && a.object != b.object || self.shadow && a.shadows != b.shadows {
             return false;
         }
-        let between = difference(b.position, a.position);
+        let between = offset(b.position, a.position);
         let reach = f64::from(if b.t < a.t { b.t } else { a.t });
         self.normal_cos.is_none_or(|cosine| within_angle(a.normal, b.normal, cosine))
             && self.position.is_none_or(|limit| dot(between, between).sqrt() <= limit * reach)
             && self.plane.is_none_or(|limit| dot(between, wide(a.normal)).abs() <= limit * reach)
     }
+}
+
+/// Mean rays of two trees.
+fn rays_of(a: &[Node], b: &[Node]) -> u32 {
+    a[0].rays.midpoint(b[0].rays)
+}
+
+/// `value <= limit`, and false for a NaN.
+fn within(value: f64, limit: f64) -> bool {
+    value <= limit
+}
+
+/// What is added to the square roots of both colours, so that dark colours are not judged more strictly than a display shows
+/// them: near black sRGB is linear, and there a square root would be infinitely steep.
+const DARK: f64 = 0.06;
+
+/// How much two contributions differ as displayed, when they are parts of samples of the colours `totals`: the root mean
+/// square over the channels of `|a - b| / (sqrt(total a) + sqrt(total b) + DARK)`, which for whole samples is the difference of
+/// the square roots of their colours. Colours above 1 are displayed as 1.
+pub fn difference(shares: (Vec3, Vec3), totals: (Vec3, Vec3)) -> f64 {
+    let ([a, b], [ta, tb]) = ([wide(shares.0), wide(shares.1)], [wide(totals.0), wide(totals.1)]);
+    let mut sum = 0.0;
+    for channel in 0..3 {
+        let (ta, tb) = (ta[channel], tb[channel]);
+        if ta >= 1.0 && tb >= 1.0 {
+            continue;
+        }
+        let display = |v: f64| if v < 1.0 { if v > 0.0 { v.sqrt() } else { 0.0 } } else { 1.0 };
+        let part = (a[channel] - b[channel]) / (display(ta) + display(tb) + DARK);
+        sum += part * part;
+    }
+    (sum / 3.0).sqrt()
 }
 
 /// True when the angle between `a` and `b` has at least this cosine. Lengths are divided out, since a unit vector of f32 is
@@ -65,7 +212,7 @@ fn wide(v: Vec3) -> [f64; 3] {
     v.to_array().map(f64::from)
 }
 
-fn difference(a: Vec3, b: Vec3) -> [f64; 3] {
+fn offset(a: Vec3, b: Vec3) -> [f64; 3] {
     let (a, b) = (wide(a), wide(b));
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
@@ -87,12 +234,31 @@ mod tests {
 
     fn off() -> Similarity {
         let off = Limit::Off;
-        Similarity { object_id: false, normal_deg: off, shadow: false, position: off, plane: off }
+        Similarity {
+            object_id: false,
+            normal_deg: off,
+            shadow: false,
+            position: off,
+            plane: off,
+            texture: off,
+            colour: off,
+            predict: false,
+            secondary: false,
+            unlike: off,
+        }
+    }
+
+    fn node(surface: Option<SurfacePoint>, colour: Vec3) -> Node {
+        Node { surface, local: colour, colour, reflect: None, refract: None, own_rays: 3, rays: 3, len: 1 }
+    }
+
+    fn pass(rules: &Similarity, a: &Node, b: &Node, gap: u32) -> bool {
+        let slice = std::slice::from_ref;
+        Tests::new(rules, 1.0).similar(slice(a), slice(b), gap, f64::INFINITY, &mut Compared::default())
     }
 
     fn similar(rules: &Similarity, a: SurfacePoint, b: SurfacePoint) -> bool {
-        let point = |s| Point { colour: Vec3::ZERO, surface: Some(s) };
-        Tests::new(rules).similar(&point(a), &point(b))
+        pass(rules, &node(Some(a), Vec3::ZERO), &node(Some(b), Vec3::ZERO), 2)
     }
 
     #[test]
@@ -135,9 +301,52 @@ mod tests {
 
     #[test]
     fn sky_is_like_sky_only() {
-        let sky = Point { colour: Vec3::ZERO, surface: None };
-        let hit = Point { colour: Vec3::ZERO, surface: Some(surface()) };
-        let tests = Tests::new(&off());
-        assert!(tests.similar(&sky, &sky) && !tests.similar(&sky, &hit) && !tests.similar(&hit, &sky));
+        let (sky, hit) = (node(None, Vec3::ZERO), node(Some(surface()), Vec3::ZERO));
+        let similar = |a, b| pass(&off(), a, b, 2);
+        assert!(similar(&sky, &sky) && !similar(&sky, &hit) && !similar(&hit, &sky));
+    }
+
+    /// Square roots 0.5 and 0.6, so a difference of 0.11 / (1.1 + DARK).
+    #[test]
+    fn colours_are_compared_as_displayed() {
+        let grey = |v: f32| vec3(v, v, v);
+        let (a, b) = (grey(0.25), grey(0.36));
+        let expected = 0.11 / (1.1 + DARK);
+        assert!((difference((a, b), (a, b)) - expected).abs() < 1.0e-7);
+        assert_eq!(difference((grey(2.0), grey(7.0)), (grey(2.0), grey(7.0))), 0.0, "both are displayed as white");
+        let limit = |v| Similarity { colour: Limit::At(v), ..off() };
+        let (a, b) = (node(Some(surface()), a), node(Some(surface()), b));
+        assert!(pass(&limit(expected + 1.0e-6), &a, &b, 2) && !pass(&limit(expected - 1.0e-6), &a, &b, 2));
+        assert!(pass(&limit(2.0 * expected + 1.0e-6), &a, &b, 4), "half the limit across twice the gap");
+        assert!(!pass(&limit(2.0 * expected - 1.0e-6), &a, &b, 4));
+        let dear = |n: &Node| Node { rays: 12, ..*n };
+        assert!(
+            pass(&limit(expected / 2.0 + 1.0e-6), &dear(&a), &dear(&b), 2),
+            "twice the limit for four times the rays"
+        );
+        assert!(!pass(&limit(expected / 2.0 - 1.0e-6), &dear(&a), &dear(&b), 2));
+        let broken = Node { colour: grey(f32::NAN), ..b };
+        assert!(!pass(&limit(1.0), &a, &broken, 2), "a NaN is like nothing");
+    }
+
+    #[test]
+    fn secondary_hits_are_compared_where_colours_do_not_excuse_them() {
+        let weight = Some(vec3(0.5, 0.5, 0.5));
+        let tree = |object| {
+            let child = node(Some(SurfacePoint { object, ..surface() }), Vec3::ZERO);
+            [Node { reflect: weight, len: 2, rays: 6, ..node(Some(surface()), Vec3::ZERO) }, child]
+        };
+        let (a, b) = (tree(5), tree(6));
+        let run = |rules: &Similarity| {
+            let mut compared = Compared::default();
+            let like = Tests::new(rules, 1.0).similar(&a, &b, 2, f64::INFINITY, &mut compared);
+            (like, compared.pairs)
+        };
+        let ids = Similarity { object_id: true, ..off() };
+        assert_eq!(run(&ids), (true, 1), "primary hits only");
+        assert_eq!(run(&Similarity { secondary: true, ..ids.clone() }), (false, 2));
+        assert_eq!(run(&Similarity { secondary: true, ..off() }), (true, 2));
+        let excused = Similarity { secondary: true, colour: Limit::At(0.1), unlike: Limit::At(0.5), ..ids };
+        assert_eq!(run(&excused), (true, 1));
     }
 }

@@ -1,31 +1,19 @@
-//! What a policy may see: the samples it has traced, and those interpolated from them.
+//! What a policy may see: the hits it has traced, and what was interpolated from them.
 //!
-//! The recorded samples of a tile are private to this module. The only way to one is [`TileView::trace`], which marks the
-//! sample as traced and counts its rays, so a policy cannot use a value that hardware would not have had.
+//! The recorded samples of a tile are private to this module. The only ways to one are [`TileView::trace`] and [`Tracer`],
+//! which mark the hits as traced and count their rays, so a policy cannot use a value that hardware would not have had.
 
 use rayreel_formats::math::Vec3;
 use rayreel_formats::rays;
 use rayreel_formats::scene::{Camera, Rect};
 use rayreel_formats::tile::{Hit, RayNode, Shadows, Tile, composite};
 
+use super::tree::{Forest, Node, finish};
 use crate::error::{ReplayError, Result};
 use crate::frame::counts::RayCounts;
 use crate::source::TileSource;
 
-/// A sample as the tile buffer holds it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Point {
-    /// Linear RGB.
-    pub colour: Vec3,
-    /// The primary hit; `None` for the sky.
-    pub surface: Option<SurfacePoint>,
-}
-
-impl Point {
-    const BLACK: Self = Self { colour: Vec3::ZERO, surface: None };
-}
-
-/// The primary hit of a sample.
+/// Where a closest-hit ray met a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SurfacePoint {
     /// Object number.
@@ -34,9 +22,9 @@ pub struct SurfacePoint {
     pub shadows: Shadows,
     /// Unit shading normal as stored, not turned towards the ray.
     pub normal: Vec3,
-    /// Hit point, scene units.
+    /// Hit point of a primary ray, scene units; zero for other rays, whose positions no test looks at.
     pub position: Vec3,
-    /// Length of the primary ray, scene units.
+    /// Length of the ray, scene units.
     pub t: f32,
 }
 
@@ -47,6 +35,8 @@ pub enum SampleState {
     Reference,
     /// An I-sample that was traced.
     Traced,
+    /// An I-sample of which some rays were traced and some hits interpolated.
+    Partial,
     /// An I-sample that was interpolated.
     Interpolated,
 }
@@ -54,17 +44,25 @@ pub enum SampleState {
 /// What was done in one wave beside tracing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct WaveCounts {
-    /// Similarity tests.
+    /// Similarity tests: pairs of hits that were compared.
     pub tests: u32,
-    /// Samples that were interpolated.
+    /// Hits that were interpolated; one for a sample of which nothing was traced.
     pub interpolated: u32,
 }
 
-/// One recorded sample.
-#[derive(Clone, Copy, Debug)]
+/// What was recorded of a tile, as trees: sample `i` has the hits `first[i]..first[i + 1]`.
+#[derive(Clone, Debug, Default)]
 struct Recorded {
-    point: Point,
-    rays: RayCounts,
+    first: Vec<u32>,
+    nodes: Vec<Node>,
+    /// Per hit the rays by kind.
+    rays: Vec<RayCounts>,
+}
+
+impl Recorded {
+    fn range(&self, sample: usize) -> std::ops::Range<usize> {
+        self.first[sample] as usize..self.first[sample + 1] as usize
+    }
 }
 
 /// A tile in the hands of a policy. Coordinates are those of the frame's sample grid.
@@ -72,18 +70,56 @@ struct Recorded {
 pub struct TileView {
     index: u32,
     rect: Rect,
-    recorded: Vec<Recorded>,
-    points: Vec<Point>,
+    /// Trees have all their hits; else each sample is one.
+    deep: bool,
+    recorded: Recorded,
+    /// Per recorded hit whether its rays were traced.
+    traced: Vec<bool>,
+    known: Forest,
     /// State and wave of the samples that are known.
-    known: Vec<Option<(SampleState, u8)>>,
+    states: Vec<Option<(SampleState, u8)>>,
     /// Per wave what was done beside tracing.
     waves: Vec<WaveCounts>,
     /// The part of `waves` on the first row: the tile above does it again if it does not share (`Apron::Retrace`).
     first_row: Vec<WaveCounts>,
 }
 
+/// The recorded ray tree of one sample, of which hits may be traced one by one.
+#[derive(Debug)]
+pub struct Tracer<'a> {
+    nodes: &'a [Node],
+    traced: &'a mut [bool],
+}
+
+impl Tracer<'_> {
+    /// Traces hit `node` and its shadow rays.
+    pub fn hit(&mut self, node: usize) -> Node {
+        self.traced[node] = true;
+        self.nodes[node]
+    }
+
+    /// Traces hit `node` and everything below it.
+    pub fn subtree(&mut self, node: usize) -> &[Node] {
+        let range = node..node + self.nodes[node].len as usize;
+        self.traced[range.clone()].fill(true);
+        &self.nodes[range]
+    }
+
+    /// Whether recorded rays stand for the children of `like` below hit `node`: the recorded sample branches in the same
+    /// way. This looks at the shape of the record only: without a stand-in a policy has to trace more.
+    pub fn stands_in(&self, node: usize, like: &Node) -> bool {
+        self.nodes[node].branches_as(like)
+    }
+
+    /// Hits of the subtree at `node`.
+    pub fn len(&self, node: usize) -> usize {
+        self.nodes[node].len as usize
+    }
+}
+
 impl TileView {
-    /// A view of a recorded tile in which nothing is traced yet.
+    /// A view of a recorded tile in which nothing is traced yet. With `deep` it shows whole ray trees, else primary hits
+    /// with the colour of all.
     ///
     /// # Errors
     /// When the tile's columns do not fit its rectangle.
@@ -92,12 +128,14 @@ impl TileView {
         camera: &Camera,
         (frame, index): (u32, u32),
         tile: &Tile,
+        deep: bool,
     ) -> Result<Self> {
         let rect = source.meta().tile_rect(index);
         check(tile, rect).map_err(|detail| ReplayError::BadTile { frame, tile: index, detail })?;
-        let recorded: Vec<_> = (0..rect.len()).map(|i| record(source, camera, tile, rect, i)).collect();
-        let (points, known) = (vec![Point::BLACK; rect.len()], vec![None; rect.len()]);
-        Ok(Self { index, rect, recorded, points, known, waves: Vec::new(), first_row: Vec::new() })
+        let recorded = if deep { record_trees(source, camera, tile, rect) } else { record(source, camera, tile, rect) };
+        let (traced, states) = (vec![false; recorded.nodes.len()], vec![None; rect.len()]);
+        let (waves, first_row) = (Vec::new(), Vec::new());
+        Ok(Self { index, rect, deep, recorded, traced, known: Forest::new(rect.len()), states, waves, first_row })
     }
 
     /// Tile number in the frame.
@@ -110,28 +148,66 @@ impl TileView {
         self.rect
     }
 
-    /// Traces sample (`x`, `y`) in wave `wave` and returns what the rays brought.
+    /// Traces sample (`x`, `y`) whole in wave `wave`.
     ///
     /// # Panics
     /// When the sample is outside the tile, or known already: a policy never pays twice.
-    pub fn trace(&mut self, x: u32, y: u32, state: SampleState, wave: u8) -> Point {
-        let point = self.recorded[self.offset(x, y)].point;
-        self.put(x, y, point, state, wave);
-        point
+    pub fn trace(&mut self, x: u32, y: u32, state: SampleState, wave: u8) {
+        let i = self.decide(x, y, state, wave);
+        let range = self.recorded.range(i);
+        self.traced[range.clone()].fill(true);
+        self.known.set(i, &self.recorded.nodes[range]);
     }
 
-    /// Gives sample (`x`, `y`) an interpolated value.
+    /// Traces a sample that was interpolated after all.
+    ///
+    /// # Panics
+    /// When the sample is outside the tile, or not interpolated.
+    pub fn correct(&mut self, x: u32, y: u32, wave: u8) {
+        let i = self.offset(x, y);
+        assert!(
+            matches!(self.states[i], Some((SampleState::Interpolated, _))),
+            "only interpolated samples are corrected"
+        );
+        self.states[i] = None;
+        self.trace(x, y, SampleState::Traced, wave);
+    }
+
+    /// Gives sample (`x`, `y`) an interpolated tree.
     ///
     /// # Panics
     /// As [`TileView::trace`].
-    pub fn interpolate(&mut self, x: u32, y: u32, point: Point, wave: u8) {
-        self.put(x, y, point, SampleState::Interpolated, wave);
+    pub fn interpolate(&mut self, x: u32, y: u32, tree: &[Node], wave: u8) {
+        let i = self.decide(x, y, SampleState::Interpolated, wave);
+        self.known.set(i, tree);
         self.count(y, wave, |counts| counts.interpolated += 1);
     }
 
-    /// Notes a similarity test in wave `wave` that decides about sample (`x`, `y`) and others.
-    pub fn tested(&mut self, (_, y): (u32, u32), wave: u8) {
-        self.count(y, wave, |counts| counts.tests += 1);
+    /// Builds sample (`x`, `y`) from hits that are traced and hits that are interpolated: `build` appends its tree, hit by
+    /// hit, and gives the number of interpolated hits.
+    ///
+    /// # Panics
+    /// As [`TileView::trace`].
+    pub fn rebuild(&mut self, x: u32, y: u32, wave: u8, build: impl FnOnce(&mut Tracer<'_>, &mut Vec<Node>) -> u32) {
+        let i = self.offset(x, y);
+        let range = self.recorded.range(i);
+        let mut tree = Vec::with_capacity(range.len());
+        let (nodes, traced) = (&self.recorded.nodes[range.clone()], &mut self.traced[range.clone()]);
+        let interpolated = build(&mut Tracer { nodes, traced }, &mut tree);
+        let traced = self.traced[range.clone()].iter().filter(|t| **t).count();
+        let state = match (traced, interpolated) {
+            (0, _) => SampleState::Interpolated,
+            (_, 0) => SampleState::Traced,
+            _ => SampleState::Partial,
+        };
+        let i = self.decide(x, y, state, wave);
+        self.known.set(i, &tree);
+        self.count(y, wave, |counts| counts.interpolated += interpolated);
+    }
+
+    /// Notes `tests` similarity tests in wave `wave` that decide about sample (`x`, `y`) and others.
+    pub fn tested(&mut self, (_, y): (u32, u32), wave: u8, tests: u32) {
+        self.count(y, wave, |counts| counts.tests += tests);
     }
 
     /// Per wave what was done beside tracing; waves that are not there did nothing.
@@ -144,14 +220,14 @@ impl TileView {
         &self.first_row
     }
 
-    /// The value of a sample that was traced or interpolated.
+    /// The tree of a sample that was traced or interpolated.
     ///
     /// # Panics
     /// When the sample is outside the tile, or not known yet.
-    pub fn point(&self, x: u32, y: u32) -> Point {
+    pub fn tree(&self, x: u32, y: u32) -> &[Node] {
         let i = self.offset(x, y);
-        assert!(self.known[i].is_some(), "a policy read sample ({x}, {y}) before it was known");
-        self.points[i]
+        assert!(self.states[i].is_some(), "a policy read sample ({x}, {y}) before it was known");
+        self.known.tree(i)
     }
 
     /// State of a sample and the wave that brought it; `None` while it is not known.
@@ -159,27 +235,39 @@ impl TileView {
     /// # Panics
     /// When the sample is outside the tile.
     pub fn state(&self, x: u32, y: u32) -> Option<(SampleState, u8)> {
-        self.known[self.offset(x, y)]
+        self.states[self.offset(x, y)]
     }
 
-    /// The rays that were traced for a sample; `None` if it was not traced.
+    /// The rays that were traced for a sample; `None` if none was.
     ///
     /// # Panics
     /// When the sample is outside the tile.
     pub fn traced_rays(&self, x: u32, y: u32) -> Option<RayCounts> {
-        let i = self.offset(x, y);
-        matches!(self.known[i], Some((SampleState::Reference | SampleState::Traced, _))).then(|| self.recorded[i].rays)
+        let range = self.recorded.range(self.offset(x, y));
+        let rays = range.filter(|&node| self.traced[node]).map(|node| self.recorded.rays[node]);
+        rays.fold(None, |sum, rays| Some(sum.unwrap_or_default() + rays))
+    }
+
+    /// Whether the rays of the `node`-th recorded hit of a sample were traced.
+    pub(crate) fn traces_hit(&self, sample: usize, node: usize) -> bool {
+        self.traced[self.recorded.range(sample).start + if self.deep { node } else { 0 }]
+    }
+
+    /// Hits that a tile buffer holds beyond one a sample.
+    pub(crate) fn secondary_hits(&self) -> u32 {
+        self.known.secondary_hits()
     }
 
     /// The rays of all recorded samples. Not for policies: it is what tracing everything costs.
     pub(crate) fn recorded_rays(&self) -> RayCounts {
-        self.recorded.iter().map(|r| r.rays).sum()
+        self.recorded.rays.iter().copied().sum()
     }
 
     /// The recorded colours of row `y`. Not for policies: it is the picture that they are compared with.
     pub(crate) fn recorded_row(&self, y: u32) -> impl Iterator<Item = Vec3> {
         let start = self.offset(self.rect.x, y);
-        self.recorded[start..start + self.rect.width as usize].iter().map(|r| r.point.colour)
+        let first = &self.recorded.first[start..start + self.rect.width as usize];
+        first.iter().map(|&node| self.recorded.nodes[node as usize].colour)
     }
 
     fn count(&mut self, y: u32, wave: u8, add: impl Fn(&mut WaveCounts)) {
@@ -196,11 +284,12 @@ impl TileView {
         }
     }
 
-    fn put(&mut self, x: u32, y: u32, point: Point, state: SampleState, wave: u8) {
+    /// Gives a sample its state; its place in the tile.
+    fn decide(&mut self, x: u32, y: u32, state: SampleState, wave: u8) -> usize {
         let i = self.offset(x, y);
-        assert!(self.known[i].is_none(), "a policy decided sample ({x}, {y}) twice");
-        self.points[i] = point;
-        self.known[i] = Some((state, wave));
+        assert!(self.states[i].is_none(), "a policy decided sample ({x}, {y}) twice");
+        self.states[i] = Some((state, wave));
+        i
     }
 
     fn offset(&self, x: u32, y: u32) -> usize {
@@ -225,20 +314,80 @@ fn check(tile: &Tile, rect: Rect) -> Result<(), String> {
     if first.windows(2).any(|w| w[0] >= w[1]) || first.last().is_none_or(|&n| n as usize != nodes) {
         return Err("a sample has no primary ray".into());
     }
-    Ok(())
+    (0..rect.len()).try_for_each(|sample| check_shape(&tile.tree.nodes[tile.tree.sample(sample)]))
 }
 
-fn record<S: TileSource + ?Sized>(source: &S, camera: &Camera, tile: &Tile, rect: Rect, sample: usize) -> Recorded {
-    let range = tile.tree.sample(sample);
-    let nodes = &tile.tree.nodes[range.clone()];
-    let x = rect.x + sample as u32 % rect.width;
-    let y = rect.y + sample as u32 / rect.width;
-    let surface = nodes[0].hit.then(|| surface(source, camera, &nodes[0], &tile.hits[range.start], (x, y)));
-    let colour = composite(nodes, &tile.radiance[range]);
-    Recorded { point: Point { colour, surface }, rays: RayCounts::of(nodes) }
+/// Checks that the children that hits announce are there, each once, and nothing else.
+fn check_shape(nodes: &[RayNode]) -> Result<(), String> {
+    let mut open = 1u32;
+    for (i, node) in nodes.iter().enumerate() {
+        if open == 0 {
+            return Err(format!("a ray tree of {} hits ends after {i}", nodes.len()));
+        }
+        open += u32::from(node.reflect) + u32::from(node.refract);
+        open -= 1;
+    }
+    if open == 0 { Ok(()) } else { Err(format!("a ray tree of {} hits lacks {open}", nodes.len())) }
 }
 
-fn surface<S: TileSource + ?Sized>(
+/// Each sample as one hit with the colour and the rays of all.
+fn record<S: TileSource + ?Sized>(source: &S, camera: &Camera, tile: &Tile, rect: Rect) -> Recorded {
+    let mut recorded = Recorded { first: vec![0], ..Recorded::default() };
+    for sample in 0..rect.len() {
+        let range = tile.tree.sample(sample);
+        let nodes = &tile.tree.nodes[range.clone()];
+        let (x, y) = place(rect, sample);
+        let surface = nodes[0].hit.then(|| primary(source, camera, &nodes[0], &tile.hits[range.start], (x, y)));
+        let colour = composite(nodes, &tile.radiance[range]);
+        let rays = RayCounts::of(nodes);
+        let total = rays.total() as u32;
+        let (local, reflect, refract) = (colour, None, None);
+        recorded.nodes.push(Node { surface, local, colour, reflect, refract, own_rays: total, rays: total, len: 1 });
+        recorded.rays.push(rays);
+        recorded.first.push(recorded.nodes.len() as u32);
+    }
+    recorded
+}
+
+/// Each sample with all its hits.
+fn record_trees<S: TileSource + ?Sized>(source: &S, camera: &Camera, tile: &Tile, rect: Rect) -> Recorded {
+    let black = Vec3::ZERO;
+    let mut nodes = Vec::with_capacity(tile.tree.nodes.len());
+    for sample in 0..rect.len() {
+        for i in tile.tree.sample(sample) {
+            let (node, hit, radiance) = (&tile.tree.nodes[i], &tile.hits[i], &tile.radiance[i]);
+            let surface = match (node.hit, i == tile.tree.first[sample] as usize) {
+                (false, _) => None,
+                (true, true) => Some(primary(source, camera, node, hit, place(rect, sample))),
+                (true, false) => Some(secondary(source, node, hit)),
+            };
+            let (reflect, refract) = (radiance.reflect.to_vec3(), radiance.refract.to_vec3());
+            nodes.push(Node {
+                surface,
+                local: radiance.local.to_vec3(),
+                colour: black,
+                reflect: node.reflect.then_some(reflect),
+                refract: node.refract.then_some(refract),
+                own_rays: 1 + node.shadows.count(),
+                rays: 0,
+                len: 1,
+            });
+        }
+        // Children stand behind their parents: from the end, a hit finds its subtrees finished.
+        let range = tile.tree.sample(sample);
+        for i in range.clone().rev() {
+            finish(&mut nodes[i..range.end]);
+        }
+    }
+    let rays = tile.tree.nodes.iter().map(|node| RayCounts::of(std::slice::from_ref(node))).collect();
+    Recorded { first: tile.tree.first.clone(), nodes, rays }
+}
+
+fn place(rect: Rect, sample: usize) -> (u32, u32) {
+    (rect.x + sample as u32 % rect.width, rect.y + sample as u32 / rect.width)
+}
+
+fn primary<S: TileSource + ?Sized>(
     source: &S,
     camera: &Camera,
     node: &RayNode,
@@ -246,11 +395,15 @@ fn surface<S: TileSource + ?Sized>(
     (x, y): (u32, u32),
 ) -> SurfacePoint {
     let ray = rays::primary(camera, x, y);
+    SurfacePoint { position: ray.origin + ray.direction * hit.t, ..secondary(source, node, hit) }
+}
+
+fn secondary<S: TileSource + ?Sized>(source: &S, node: &RayNode, hit: &Hit) -> SurfacePoint {
     SurfacePoint {
         object: source.object_of(hit.triangle),
         shadows: node.shadows,
         normal: hit.normal.decode(),
-        position: ray.origin + ray.direction * hit.t,
+        position: Vec3::ZERO,
         t: hit.t,
     }
 }

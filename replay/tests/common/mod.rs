@@ -3,9 +3,10 @@
 
 pub mod poison;
 pub mod reference;
+pub mod study;
 pub mod synthetic;
 
-use rayreel_replay::policy::{Adaptive, Apron, Limit, Policy, Refine, Similarity};
+use rayreel_replay::policy::{Adaptive, Apron, Correct, Limit, Policy, Refine, Similarity};
 
 /// What the paper evaluated, with these switches.
 pub fn adaptive(block: u32, refine: Refine, apron: Apron) -> Adaptive {
@@ -15,8 +16,14 @@ pub fn adaptive(block: u32, refine: Refine, apron: Apron) -> Adaptive {
         shadow: true,
         position: Limit::Off,
         plane: Limit::Off,
+        texture: Limit::Off,
+        colour: Limit::Off,
+        predict: false,
+        secondary: false,
+        unlike: Limit::Off,
     };
-    Adaptive { block, refine, apron, similarity }
+    let correct = Correct { passes: 0, colour: Limit::Off };
+    Adaptive { block, refine, apron, secondary: false, similarity, correct }
 }
 
 /// The same as a policy.

@@ -282,7 +282,7 @@ fn branches(kernel: KernelId, rays: &[u32], slot: &Slot) -> u64 {
             rays.iter().enumerate().filter(first).count() as u64
         }
         KernelId::Similarity => {
-            let both = slot.wave().is_some_and(|w| w.interpolated > 0 && !w.primaries.is_empty());
+            let both = slot.wave().is_some_and(|w| w.interpolated > 0 && !w.starts.is_empty());
             1 + u64::from(both)
         }
         _ => 1,

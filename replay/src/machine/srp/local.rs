@@ -45,7 +45,8 @@ impl TileBuffer {
         if self.external || bytes == 0 {
             return 0;
         }
-        let samples = work.rect.len() as u64 + u64::from(work.apron_samples);
+        // A secondary hit that tests look at takes as much as a sample.
+        let samples = work.rect.len() as u64 + u64::from(work.apron_samples) + u64::from(work.secondary_hits);
         (samples * bytes).saturating_sub(self.share_bytes).div_ceil(bytes)
     }
 
@@ -61,11 +62,7 @@ impl TileBuffer {
 
     /// Bytes of the external buffer that a wave writes when it is done.
     pub fn wave_written_bytes(&self, wave: &Wave) -> u64 {
-        if self.external {
-            wave.primaries.len() as u64 * u64::from(self.fields.total() - self.fields.colour)
-        } else {
-            0
-        }
+        if self.external { wave.starts.len() as u64 * u64::from(self.fields.total() - self.fields.colour) } else { 0 }
     }
 
     /// Counts the accesses of `items` items; `primary` tells whether they are those of primary rays.

@@ -1,11 +1,11 @@
 //! A tile slot: from the first wave to the pixels in the framebuffer.
 //!
 //! ```text
-//! free -> [reads of the wave -> tests -> interpolations and primaries] per wave -> border and spill traffic -> resolve -> store -> free
+//! free -> [reads of the wave -> tests -> interpolations and started rays] per wave -> border and spill traffic -> resolve -> store -> free
 //! ```
 //!
 //! A step begins when the one before is completely done: no item queued or running, no ray out, no transfer of this tile under
-//! way. So a wave begins when the one before is done (paper: tests see what was traced before). Primaries are queued in the
+//! way. So a wave begins when the one before is done (paper: tests see what was traced before). Started rays are queued in the
 //! order of the wave. Slots do not wait for one another: with two tiles in flight SRP and T&I unit overlap.
 //!
 //! Store: the pixels of the tile, row by row, into a row-major framebuffer of one frame. Border samples: `sample.total()` bytes
@@ -23,6 +23,7 @@ use crate::machine::memory::Route;
 use crate::machine::work::layout::{Layout, Region};
 use crate::machine::work::{TileWork, Wave};
 use rayreel_formats::scene::Rect;
+use rayreel_formats::tile::RayKind;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Phase {
@@ -80,6 +81,7 @@ impl Slot {
             rect: Rect { x: 0, y: 0, width: 0, height: 0 },
             apron_samples: 0,
             border_samples: 0,
+            secondary_hits: 0,
             rays: Vec::new(),
             ops: Vec::new(),
             waves: Vec::new(),
@@ -169,13 +171,16 @@ impl Slot {
         let interpolated = self.wave().map_or(0, |w| w.interpolated);
         self.queue(KernelId::Interpolate, interpolated, outside);
         let Some(wave) = self.work.waves.get(self.wave) else { return };
-        self.pending += wave.primaries.len() as u32;
-        match &mut outside.raster {
-            Some(raster) => {
-                self.rays_out += wave.primaries.len() as u32;
-                wave.primaries.iter().for_each(|&ray| raster.add(RayRef { slot: id, ray }));
+        self.pending += wave.starts.len() as u32;
+        for &ray in &wave.starts {
+            match &mut outside.raster {
+                // A rasteriser sees what the eye sees; rays from interpolated hits are traced.
+                Some(raster) if self.work.rays[ray as usize].kind == RayKind::Primary => {
+                    self.rays_out += 1;
+                    raster.add(RayRef { slot: id, ray });
+                }
+                _ => self.queues.push_ray(KernelId::Raygen, ray),
             }
-            None => wave.primaries.iter().for_each(|&ray| self.queues.push_ray(KernelId::Raygen, ray)),
         }
     }
 

@@ -29,6 +29,7 @@ pub(crate) struct Part {
     waves: Vec<Wave>,
     paths: PathCounts,
     samples: u32,
+    secondary_hits: u32,
     ops: Vec<Op>,
 }
 
@@ -49,6 +50,7 @@ impl<S: PathSource + ?Sized> Builder<'_, S> {
         let samples = (rect.y..rect.y + rect.height).flat_map(|y| (rect.x..rect.x + rect.width).map(move |x| (x, y)));
         self.samples(&mut part, view, tile, samples)?;
         part.count(view.waves());
+        part.secondary_hits = view.secondary_hits();
         Ok(part)
     }
 
@@ -72,33 +74,46 @@ impl<S: PathSource + ?Sized> Builder<'_, S> {
             return Err(bad(tile, detail));
         }
         for (x, y) in samples {
-            let Some((SampleState::Reference | SampleState::Traced, wave)) = view.state(x, y) else { continue };
+            let Some((state, wave)) = view.state(x, y) else { continue };
+            if state == SampleState::Interpolated {
+                continue;
+            }
             let sample = (y - rect.y) as usize * rect.width as usize + (x - rect.x) as usize;
-            let primary = part.rays.len() as u32;
-            part.wave(wave).primaries.push(primary);
             part.samples += 1;
-            self.sample(part, tile, &index, sample, (x, y))?;
+            let traces = |node| view.traces_hit(sample, node);
+            self.sample(part, tile, &index, (sample, wave, traces), (x, y))?;
         }
         Ok(())
     }
 
-    /// Appends the ray tree of a sample.
-    fn sample(&self, part: &mut Part, tile: &Tile, index: &[u32], sample: usize, at: (u32, u32)) -> Result<()> {
-        let mut parents = [NO_RAY; DEPTHS];
+    /// Appends those rays of a sample's tree that `traces` tells of, by hit. A ray whose parent was not traced (a primary ray,
+    /// or the child of an interpolated hit) is one that the SRP starts.
+    fn sample(
+        &self,
+        part: &mut Part,
+        tile: &Tile,
+        index: &[u32],
+        (sample, wave, traces): (usize, u8, impl Fn(usize) -> bool),
+        at: (u32, u32),
+    ) -> Result<()> {
+        // Per depth the last hit: its ray if it was traced, what it is, and whether its children were announced.
+        let mut line = Line { above: [None; DEPTHS] };
         let nodes = tile.tree.sample(sample);
-        let first = part.rays.len();
-        for node in nodes.clone() {
+        for (i, node) in nodes.clone().enumerate() {
             let own = &tile.tree.nodes[node];
-            let ray = part.rays.len() as u32;
-            link(&mut part.rays, &mut parents, own, ray, node == nodes.start).map_err(|detail| bad(tile, detail))?;
-            self.rays(part, tile, node, index[node], at)?;
+            let parent = line.parent(own, i == 0).map_err(|detail| bad(tile, detail))?;
+            let ray = traces(i).then_some(part.rays.len() as u32);
+            if let Some(ray) = ray {
+                match parent.map(|up| &mut part.rays[up as usize]) {
+                    Some(up) if own.class.kind() == RayKind::Reflection => up.reflect = ray,
+                    Some(up) => up.refract = ray,
+                    None => part.wave(wave).starts.push(ray),
+                }
+                self.rays(part, tile, node, index[node], at)?;
+            }
+            line.note(own, ray).map_err(|()| lacking(tile, at))?;
         }
-        let children = tile.tree.nodes[nodes].iter().map(|n| usize::from(n.reflect) + usize::from(n.refract));
-        let linked = |ray: &RayWork| usize::from(ray.reflect != NO_RAY) + usize::from(ray.refract != NO_RAY);
-        if children.sum::<usize>() != part.rays[first..].iter().map(linked).sum::<usize>() {
-            return Err(bad(tile, format!("sample {at:?} lacks a ray that was spawned")));
-        }
-        Ok(())
+        line.finish().map_err(|()| lacking(tile, at))
     }
 
     /// Appends the ray of a node and the shadow rays of its hit.
@@ -157,35 +172,56 @@ impl<S: PathSource + ?Sized> Builder<'_, S> {
     }
 }
 
-/// Notes ray `ray` as child of its parent.
-fn link(
-    rays: &mut [RayWork],
-    parents: &mut [u32; DEPTHS],
-    node: &RayNode,
-    ray: u32,
-    primary: bool,
-) -> Result<(), String> {
-    let class = node.class;
-    if (class.0 == 1) != primary || class.0 == 0 {
-        return Err(format!(
-            "ray class {} where a {} ray belongs",
-            class.0,
-            if primary { "primary" } else { "secondary" }
-        ));
-    }
-    let depth = class.depth() as usize;
-    if let Some(parent) = class.parent() {
-        let slot = rays.get_mut(parents[parent.depth() as usize] as usize);
-        let slot = slot.map(|up| if class.0.is_multiple_of(2) { &mut up.reflect } else { &mut up.refract });
-        match slot {
-            Some(child) if *child == NO_RAY => *child = ray,
-            _ => return Err(format!("ray class {} has no parent", class.0)),
+/// The last hit of each depth on the way down a ray tree.
+struct Line {
+    above: [Option<Above>; DEPTHS],
+}
+
+/// A hit whose children may be still to come.
+#[derive(Clone, Copy)]
+struct Above {
+    class: u16,
+    /// Its ray in the work, if that is traced.
+    ray: Option<u32>,
+    reflect: bool,
+    refract: bool,
+}
+
+impl Line {
+    /// The ray that spawned `node`, if it is traced. The hit above must be there and have announced the child.
+    fn parent(&mut self, node: &RayNode, primary: bool) -> Result<Option<u32>, String> {
+        let class = node.class;
+        if (class.0 == 1) != primary || class.0 == 0 {
+            let wanted = if primary { "primary" } else { "secondary" };
+            return Err(format!("ray class {} where a {wanted} ray belongs", class.0));
+        }
+        let Some(parent) = class.parent() else { return Ok(None) };
+        let slot = self.above[parent.depth() as usize].as_mut().filter(|above| above.class == parent.0);
+        let reflects = class.kind() == RayKind::Reflection;
+        let open = slot.map(|above| (above.ray, if reflects { &mut above.reflect } else { &mut above.refract }));
+        match open {
+            Some((ray, awaited)) if *awaited => {
+                *awaited = false;
+                Ok(ray)
+            }
+            _ => Err(format!("ray class {} has no parent", class.0)),
         }
     }
-    parents[depth] = ray;
-    // What is deeper belongs to another subtree from here on.
-    parents[depth + 1..].fill(NO_RAY);
-    Ok(())
+
+    /// Takes note of `node`; an error if a child of the hit that was last at its depth did not come.
+    fn note(&mut self, node: &RayNode, ray: Option<u32>) -> Result<(), ()> {
+        let above = Above { class: node.class.0, ray, reflect: node.reflect, refract: node.refract };
+        match self.above[node.class.depth() as usize].replace(above) {
+            Some(old) if old.reflect || old.refract => Err(()),
+            _ => Ok(()),
+        }
+    }
+
+    /// An error if a child that was announced did not come.
+    fn finish(&self) -> Result<(), ()> {
+        let awaited = self.above.iter().flatten().any(|above| above.reflect || above.refract);
+        if awaited { Err(()) } else { Ok(()) }
+    }
 }
 
 impl Part {
@@ -227,7 +263,7 @@ impl Part {
             let own = self.wave(number);
             own.tests += wave.tests;
             own.interpolated += wave.interpolated;
-            own.primaries.extend(wave.primaries.into_iter().map(moved));
+            own.starts.extend(wave.starts.into_iter().map(moved));
         }
         while self.waves.last().is_some_and(|wave| *wave == Wave::default()) {
             self.waves.pop();
@@ -240,12 +276,17 @@ impl Part {
             rect: tile.rect,
             apron_samples: apron.samples,
             border_samples,
+            secondary_hits: self.secondary_hits,
             rays: self.rays,
             ops: self.ops,
             waves: self.waves,
         };
         Ok(Built { work, paths })
     }
+}
+
+fn lacking(tile: &Tile, at: (u32, u32)) -> ReplayError {
+    bad(tile, format!("sample {at:?} lacks a ray that was spawned"))
 }
 
 fn bad(tile: &Tile, detail: String) -> ReplayError {

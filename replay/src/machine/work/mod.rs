@@ -53,12 +53,13 @@ pub struct RayWork {
 /// One wave of a tile.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Wave {
-    /// Similarity tests made before anything of this wave is traced or interpolated.
+    /// Similarity tests (pairs of hits) made before anything of this wave is traced or interpolated.
     pub tests: u32,
-    /// Samples interpolated.
+    /// Hits interpolated; one for a sample of which nothing is traced.
     pub interpolated: u32,
-    /// The primary rays that are traced, as indices into [`TileWork::rays`], row by row.
-    pub primaries: Vec<u32>,
+    /// The rays that the SRP starts, as indices into [`TileWork::rays`], row by row: primary rays, and rays of any kind that
+    /// leave an interpolated hit. All others are spawned by a hit that comes back.
+    pub starts: Vec<u32>,
 }
 
 /// The work of one tile.
@@ -74,6 +75,8 @@ pub struct TileWork {
     pub apron_samples: u32,
     /// Samples at its borders whose attributes are kept for a neighbouring tile.
     pub border_samples: u32,
+    /// Secondary hits that its similarity tests look at, kept beside the samples.
+    pub secondary_hits: u32,
     /// The traced rays: each sample's in ray order (closest-hit ray, its shadow rays, then its children's subtrees).
     pub rays: Vec<RayWork>,
     /// The operations of all rays: every ray's are a valid path through the tree.

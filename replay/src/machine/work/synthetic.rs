@@ -132,9 +132,10 @@ pub fn tile_of(frame: u32, tile: u32, paths: &[Path]) -> TileWork {
         rect: Rect { x: 0, y: 0, width, height },
         apron_samples: 0,
         border_samples: 0,
+        secondary_hits: 0,
         rays: Vec::new(),
         ops: Vec::new(),
-        waves: vec![Wave { tests: 0, interpolated: 0, primaries: (0..paths.len() as u32).collect() }],
+        waves: vec![Wave { tests: 0, interpolated: 0, starts: (0..paths.len() as u32).collect() }],
     };
     for (i, path) in (0..).zip(paths) {
         let ray = push_ray(&mut work, path, RayKind::Primary);
@@ -171,7 +172,7 @@ pub fn random_tile(tree: &Topology, tile: u32, samples: u32, max_depth: u8, rand
     for sample in 0..samples {
         let at = (sample % work.rect.width, sample / work.rect.width, 0);
         let primary = random_tree(&mut work, tree, RayKind::Primary, at, max_depth, random);
-        work.waves[0].primaries.push(primary);
+        work.waves[0].starts.push(primary);
     }
     work
 }

@@ -66,7 +66,7 @@ fn inspector_sorts_and_naive_pays_for_all() {
         let mut s = srp(config);
         let mut work = super::mocks::empty(0, 2, 2);
         let primaries = (0..16).map(|i| sample(&mut work, Some(i % 2), 0, false)).collect();
-        work.waves.push(Wave { primaries, ..Wave::default() });
+        work.waves.push(Wave { starts: primaries, ..Wave::default() });
         run(&mut s, vec![work], &mut Unit::new(64, 10), &mut Mem::new(64, 10), true);
         let shade = s.stats().kernels[KernelId::Shade as usize];
         (shade.batches, shade.cycles, s.stats().activity.inspector)

@@ -12,9 +12,9 @@ use crate::machine::work::layout::Region;
 fn two_waves() -> crate::machine::work::TileWork {
     let mut work = empty(0, 4, 4);
     let first = (0..4).map(|_| sample(&mut work, Some(1), 1, true)).collect();
-    work.waves.push(Wave { primaries: first, ..Wave::default() });
+    work.waves.push(Wave { starts: first, ..Wave::default() });
     let second = vec![sample(&mut work, None, 0, false)];
-    work.waves.push(Wave { tests: 3, interpolated: 2, primaries: second });
+    work.waves.push(Wave { tests: 3, interpolated: 2, starts: second });
     work
 }
 
@@ -22,7 +22,7 @@ fn two_waves() -> crate::machine::work::TileWork {
 fn a_wave_waits_for_the_one_before() {
     let (mut s, mut unit, mut memory) = (srp(&machine()), Unit::new(64, 100), Mem::new(64, 10));
     let work = two_waves();
-    let second = work.waves[1].primaries[0];
+    let second = work.waves[1].starts[0];
     run(&mut s, vec![work], &mut unit, &mut memory, true);
     assert_eq!(unit.pushed.len(), 13);
     let (at, last) = unit.pushed[12];

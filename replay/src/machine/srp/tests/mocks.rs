@@ -185,6 +185,7 @@ pub fn empty(tile: u32, width: u32, height: u32) -> TileWork {
         rect: Rect { x: tile * width, y: 0, width, height },
         apron_samples: 0,
         border_samples: 0,
+        secondary_hits: 0,
         rays: Vec::new(),
         ops: Vec::new(),
         waves: Vec::new(),
@@ -195,7 +196,7 @@ pub fn empty(tile: u32, width: u32, height: u32) -> TileWork {
 pub fn uniform(tile: u32, n: usize, material: Option<u32>, shadows: u8) -> TileWork {
     let mut work = empty(tile, 2, 2);
     let primaries = (0..n).map(|_| sample(&mut work, material, shadows, false)).collect();
-    work.waves.push(Wave { primaries, ..Wave::default() });
+    work.waves.push(Wave { starts: primaries, ..Wave::default() });
     work
 }
 
@@ -211,7 +212,7 @@ pub fn mixed(tile: u32, n: usize, seed: u64) -> TileWork {
                 sample(&mut work, material, (r >> 16) as u8 % 3, r >> 24 & 1 == 1)
             })
             .collect();
-        work.waves.push(Wave { tests: wave * 40, interpolated: wave * 30, primaries });
+        work.waves.push(Wave { tests: wave * 40, interpolated: wave * 30, starts: primaries });
     }
     work
 }

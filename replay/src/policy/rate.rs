@@ -1,0 +1,190 @@
+//! The block of each tile: fixed, by distance from the gaze, or by what the frame before found.
+//!
+//! **Feedback** (paper, section 3: "the per-tile similarity ratio can be referenced from the previous frame, and this value is
+//! compared with the predefined thresholds"). A tile whose similarity ratio (interpolated per I-sample) was at `raise` or above
+//! asks for a block twice as large, one at `lower` or below for half; between them is the band in which nothing changes. A
+//! change is made when `hold` frames in a row asked for it. In odd frames both thresholds lie `alternate` further out, so that
+//! a tile whose ratio sits on one does not follow it in every frame, and neighbours of like ratio change in different frames.
+//!
+//! **First frame and cuts.** Without a frame before, all tiles have the block `start`. The same holds after a cut: a frame
+//! whose number does not follow the last one's, a camera that turned by more than `cut_deg`, or (seen one frame late) ratios
+//! that changed by more than `cut_change` in the mean.
+
+use rayreel_formats::math::Vec3;
+use rayreel_formats::scene::{Camera, Meta};
+
+use super::{Foveated, Multirate, Policy};
+use crate::frame::counts::TileStats;
+
+/// What a tile is sampled with.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TileRate {
+    /// Block edge, samples.
+    pub block: u32,
+    /// Block edge of the tile to the left; its own for the first of a row.
+    pub left: u32,
+    /// Factor on the colour limit.
+    pub relax: f64,
+}
+
+/// The rates of a frame's tiles.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Rates {
+    columns: u32,
+    /// Per tile block edge and factor on the colour limit.
+    tiles: Vec<(u32, f64)>,
+}
+
+impl Rates {
+    /// The rate of tile `tile`.
+    pub fn tile(&self, tile: u32) -> TileRate {
+        let (block, relax) = self.tiles[tile as usize];
+        let left = if tile.is_multiple_of(self.columns) { block } else { self.tiles[tile as usize - 1].0 };
+        TileRate { block, left, relax }
+    }
+
+    /// The blocks, tile by tile.
+    pub fn blocks(&self) -> Vec<u32> {
+        self.tiles.iter().map(|t| t.0).collect()
+    }
+}
+
+/// Chooses the rates of one frame after the other.
+#[derive(Clone, Debug)]
+pub struct Pacer {
+    columns: u32,
+    rows: u32,
+    tile: u32,
+    grid: (u32, u32),
+    policy: Policy,
+    history: Option<History>,
+}
+
+/// What the last frame left.
+#[derive(Clone, Debug)]
+struct History {
+    frame: u32,
+    forward: Vec3,
+    tiles: Vec<Memory>,
+    /// The ratios changed so much that they say nothing about the next frame.
+    cut: bool,
+}
+
+/// What is known of a tile.
+#[derive(Clone, Copy, Debug)]
+struct Memory {
+    block: u32,
+    ratio: Option<f64>,
+    /// Frames in a row that asked for a larger (positive) or smaller (negative) block.
+    asked: i32,
+}
+
+impl Pacer {
+    /// Prepares `policy` for the tiles of a trace.
+    pub fn new(policy: &Policy, meta: &Meta) -> Self {
+        let (columns, rows) = meta.tile_grid();
+        Self { columns, rows, tile: meta.tile, grid: meta.grid(), policy: policy.clone(), history: None }
+    }
+
+    /// The blocks that a tile may have, smallest first.
+    pub fn blocks(policy: &Policy) -> Vec<u32> {
+        let range = |finest: u32, coarsest: u32| {
+            std::iter::successors(Some(finest), |b| Some(b * 2)).take_while(|b| *b <= coarsest).collect()
+        };
+        match policy {
+            Policy::Full => vec![1],
+            Policy::Adaptive(own) => vec![own.block],
+            Policy::Multirate(own) => range(own.finest, own.coarsest),
+            Policy::Foveated(own) => range(own.finest, own.coarsest),
+        }
+    }
+
+    /// The rates of `frame`.
+    pub fn rates(&self, frame: u32, camera: &Camera) -> Rates {
+        let count = (self.columns * self.rows) as usize;
+        let tiles = match &self.policy {
+            Policy::Full => vec![(1, 1.0); count],
+            Policy::Adaptive(own) => vec![(own.block, 1.0); count],
+            Policy::Foveated(own) => (0..self.columns * self.rows).map(|tile| self.foveated(own, tile)).collect(),
+            Policy::Multirate(own) => match &self.history {
+                Some(history) if !self.is_cut(own, history, frame, camera) => {
+                    history.tiles.iter().map(|memory| (memory.block, 1.0)).collect()
+                }
+                _ => vec![(own.start, 1.0); count],
+            },
+        };
+        Rates { columns: self.columns, tiles }
+    }
+
+    /// Takes note of what the tiles of `frame` were like under `rates`.
+    pub fn learn(&mut self, frame: u32, camera: &Camera, rates: &Rates, stats: &[TileStats]) {
+        let Policy::Multirate(own) = &self.policy else { return };
+        let fresh = rates.tiles.iter().map(|&(block, _)| Memory { block, ratio: None, asked: 0 }).collect();
+        let known = self.history.take().filter(|history| !self.is_cut(own, history, frame, camera));
+        let mut tiles: Vec<Memory> = known.map_or(fresh, |history| history.tiles);
+        let (mut change, mut compared) = (0.0, 0u32);
+        for (memory, stats) in tiles.iter_mut().zip(stats) {
+            let ratio = stats.counts.similarity_ratio();
+            if let (Some(old), Some(new)) = (memory.ratio, ratio) {
+                change += (new - old).abs();
+                compared += 1;
+            }
+            memory.ratio = ratio;
+            memory.follow(own, frame);
+        }
+        let cut = compared > 0 && change / f64::from(compared) > own.cut_change;
+        self.history = Some(History { frame, forward: self.forward(camera), tiles, cut });
+    }
+
+    fn is_cut(&self, own: &Multirate, history: &History, frame: u32, camera: &Camera) -> bool {
+        let (a, b) = (history.forward, self.forward(camera));
+        let cosine = libm::cos(own.cut_deg.to_radians());
+        history.cut || history.frame.checked_add(1) != Some(frame) || f64::from(a.dot(b)) < cosine
+    }
+
+    /// The direction of the middle of the picture.
+    fn forward(&self, camera: &Camera) -> Vec3 {
+        let (w, h) = self.grid;
+        ((camera.corner + camera.right * (w as f32 * 0.5)) + camera.down * (h as f32 * 0.5)).normalized()
+    }
+
+    /// Block and relaxation of a tile by the distance of its middle from the gaze point.
+    fn foveated(&self, own: &Foveated, tile: u32) -> (u32, f64) {
+        let (w, h) = (f64::from(self.grid.0), f64::from(self.grid.1));
+        let middle = |index: u32, size: f64| {
+            let start = f64::from(index * self.tile);
+            (start + (start + f64::from(self.tile)).min(size)) * 0.5
+        };
+        let x = (middle(tile % self.columns, w) - own.gaze_x * w) / h;
+        let y = (middle(tile / self.columns, h) - own.gaze_y * h) / h;
+        let distance = (x * x + y * y).sqrt();
+        // 0 up to the inner radius, 1 from the outer one on.
+        let way = if own.outer > own.inner { (distance - own.inner) / (own.outer - own.inner) } else { 1.0 };
+        let way = if distance <= own.inner { 0.0 } else { way.clamp(0.0, 1.0) };
+        let steps = (own.coarsest / own.finest).trailing_zeros();
+        // The largest block from the outer radius on, the others in rings of equal width inside.
+        let ring = ((way * f64::from(steps)).floor() as u32).min(steps);
+        (own.finest << ring, 1.0 + (own.relax - 1.0) * way)
+    }
+}
+
+impl Memory {
+    /// Lets the tile change its block if enough frames asked for it.
+    fn follow(&mut self, own: &Multirate, frame: u32) {
+        let shift = if frame % 2 == 1 { own.alternate } else { 0.0 };
+        let asks = match self.ratio {
+            Some(ratio) if ratio >= own.raise + shift && self.block < own.coarsest => 1,
+            Some(ratio) if ratio <= own.lower - shift && self.block > own.finest => -1,
+            _ => 0,
+        };
+        self.asked = if asks == 0 || self.asked.signum() == -asks { asks } else { self.asked + asks };
+        if self.asked.unsigned_abs() >= own.hold {
+            self.block = if asks > 0 { self.block * 2 } else { self.block / 2 };
+            self.asked = 0;
+        }
+    }
+}
+
+#[cfg(test)]
+#[path = "rate_tests.rs"]
+mod tests;

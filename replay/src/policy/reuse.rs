@@ -1,0 +1,111 @@
+//! An I-sample whose ray tree is decided hit by hit (`secondary = true`).
+//!
+//! Where two samples are alike at a hit but not below it, only what differs is traced:
+//!
+//! - a **subtree** whose contributions pass the tests is interpolated whole, no ray is traced for it;
+//! - a **primary hit** that passes is interpolated (no primary ray, no shadow rays), and those of its children that fail are
+//!   traced from it;
+//! - a hit that fails is traced; if all three hits (both ends and the traced one) are on one object with similar normals and
+//!   branch alike, its children are again decided one by one, else the whole subtree is traced.
+//!
+//! **The stand-in.** Hardware would shoot the child of an interpolated hit from the interpolated position along the direction
+//! that follows from the interpolated normal. A replay traces nothing, so the recorded child of the sample itself stands for
+//! that ray: its path, its hit and its colour. Both rays leave one surface between two hits of one object whose normals are
+//! `a` or less apart. If the surface bends evenly between them, the interpolated normal is off by less than 0.05 degrees at
+//! `a` = 20 degrees (linear against circular interpolation), and the interpolated point lies below the surface by at most
+//! `a / 8` of the distance between the hits. On any surface whose normals stay within `a` of both ends', the normal is off by
+//! at most `a`, and a mirrored direction by `2 a`. Only primary hits are interpolated above traced ones, so the error does
+//! not add up over bounces. Where the recorded sample does not branch as the ends do there is no stand-in, and the hit is
+//! traced: a policy pays more then, never less. POLICIES.md has what the approximation does to pictures, measured.
+
+use rayreel_formats::math::Vec3;
+
+use super::similarity::{Compared, Tests};
+use super::tree::{Node, finish, interpolate_node, interpolate_tree};
+use super::view::Tracer;
+
+/// A sample between two others, to be built.
+#[derive(Debug)]
+pub struct Rebuild<'a, 't> {
+    /// The tests.
+    pub tests: &'a Tests,
+    /// The recorded sample.
+    pub tracer: &'a mut Tracer<'t>,
+    /// The tree that is built.
+    pub out: &'a mut Vec<Node>,
+    /// Samples from one end to the other.
+    pub gap: u32,
+    /// Share of the farther end.
+    pub s: f32,
+    /// Colours of both ends, the nearer first.
+    pub totals: (Vec3, Vec3),
+    /// Pairs of hits compared.
+    pub compared: Compared,
+    /// Hits interpolated.
+    pub interpolated: u32,
+}
+
+/// A place in the three trees: both ends, the nearer first, and the number of the recorded hit.
+#[derive(Clone, Copy)]
+struct Place<'a> {
+    near: &'a [Node],
+    far: &'a [Node],
+    recorded: usize,
+    /// What a unit of colour here adds to either end.
+    weights: (Vec3, Vec3),
+    primary: bool,
+}
+
+impl Rebuild<'_, '_> {
+    /// Builds the tree between `near` and `far`, which are not similar as a whole.
+    pub fn build(&mut self, near: &[Node], far: &[Node]) {
+        self.hit(Place { near, far, recorded: 0, weights: (Vec3::ONE, Vec3::ONE), primary: true });
+    }
+
+    /// Appends the hit at `place` and everything below it.
+    fn hit(&mut self, place: Place<'_>) {
+        let Place { near, far, recorded, weights, primary } = place;
+        if !primary && self.tests.similar_below((near, far), weights, self.totals, self.gap, &mut self.compared) {
+            interpolate_tree(near, far, self.s, self.out);
+            self.interpolated += 1;
+            return;
+        }
+        let (a, b) = (&near[0], &far[0]);
+        let branches = near.len() > 1 && a.branches_as(b) && self.tracer.stands_in(recorded, a);
+        let at = self.out.len();
+        let alike = branches && primary && self.tests.alike_hits(a, b);
+        if alike && self.tests.alike_locals((a, b), weights, self.totals, self.gap) {
+            self.out.push(interpolate_node(a, b, self.s));
+            self.interpolated += 1;
+        } else {
+            let own = self.tracer.hit(recorded);
+            if !branches || !self.on_one_surface(a, b, &own) {
+                let subtree = self.tracer.subtree(recorded);
+                self.out.extend_from_slice(subtree);
+                return;
+            }
+            self.out.push(own);
+        }
+        self.children(place);
+        finish(&mut self.out[at..]);
+    }
+
+    /// Appends the children of the hit at `place`, which branches alike in all three trees.
+    fn children(&mut self, place: Place<'_>) {
+        let (a, b) = (&place.near[0], &place.far[0]);
+        let (mut i, mut j, mut k) = (1, 1, place.recorded + 1);
+        for weights in [a.reflect.zip(b.reflect), a.refract.zip(b.refract)].into_iter().flatten() {
+            let weights = (place.weights.0.times(weights.0), place.weights.1.times(weights.1));
+            let (near, far) = (&place.near[i..], &place.far[j..]);
+            let (near, far) = (&near[..near[0].len as usize], &far[..far[0].len as usize]);
+            self.hit(Place { near, far, recorded: k, weights, primary: false });
+            (i, j, k) = (i + near.len(), j + far.len(), k + self.tracer.len(k));
+        }
+    }
+
+    /// True when a traced hit is of one surface with both ends, so that its children are between theirs.
+    fn on_one_surface(&mut self, a: &Node, b: &Node, own: &Node) -> bool {
+        self.compared.pairs += 2;
+        self.tests.one_surface(a, own) && self.tests.one_surface(own, b)
+    }
+}
