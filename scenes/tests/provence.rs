@@ -21,7 +21,7 @@ fn height_over([a, b, c]: &[Vec3; 3], p: Vec2) -> Option<f32> {
     let whole = (flat(*b) - flat(*a)).perp_dot(flat(*c) - flat(*a));
     let u = (p - flat(*a)).perp_dot(flat(*c) - flat(*a)) / whole;
     let v = (flat(*b) - flat(*a)).perp_dot(p - flat(*a)) / whole;
-    (u >= 0.0 && v >= 0.0 && u + v <= 1.0).then(|| a.y + (b.y - a.y) * u + (c.y - a.y) * v)
+    (u >= 0.0 && v >= 0.0 && u + v <= 1.0).then_some(a.y + (b.y - a.y) * u + (c.y - a.y) * v)
 }
 
 #[test]

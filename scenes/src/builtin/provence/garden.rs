@@ -107,7 +107,7 @@ pub fn far_trees(out: &mut SceneBuilder, m: &Materials) {
     let eyes = path::eyes();
     let (mut woods, mut flames) = (Cluster::default(), Cluster::default());
     let mut placed = 0;
-    while placed < 240 {
+    while placed < 225 {
         let (sin, cos) = sin_cos(rng.between(0.0, std::f64::consts::TAU));
         let far = 62.0 + 300.0 * rng.unit() * rng.unit();
         let (x, z) = (sin * far, 10.0 + cos * far);

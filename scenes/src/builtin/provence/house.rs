@@ -14,6 +14,9 @@ use crate::{
 /// How deep a window or door stands back in the wall.
 const REVEAL: f64 = 0.28;
 
+/// Sine and cosine of the 45 degrees at which slats hang, so that they shed rain.
+const SLANT: f64 = std::f64::consts::FRAC_1_SQRT_2;
+
 /// What closes an opening.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Closing {
@@ -96,7 +99,7 @@ pub fn add(out: &mut SceneBuilder, m: &Materials, house: &House, rng: &mut Rng) 
 
 /// Brings a part of the front wall (x along the wall, the wall's face at z = 0) to one of the sides.
 fn turned(side: usize, part: Part, size: DVec3) -> Part {
-    let depth = if side % 2 == 0 { size.z } else { size.x };
+    let depth = if side.is_multiple_of(2) { size.z } else { size.x };
     part.at(0.0, 0.0, depth / 2.0).turned(90.0 * side as f64)
 }
 
@@ -105,9 +108,9 @@ fn walls(house: &House) -> Part {
     let size = house.size;
     let mut part = Part::default();
     for (side, openings) in house.openings.iter().enumerate() {
-        let width = if side % 2 == 0 { size.x } else { size.z };
+        let width = if side.is_multiple_of(2) { size.x } else { size.z };
         let mut wall = wall(width, size.y, openings);
-        if side % 2 == 1 {
+        if !side.is_multiple_of(2) {
             let gable = Part {
                 positions: [(-width / 2.0, 0.0), (width / 2.0, 0.0), (0.0, house.rise)]
                     .map(|(x, y)| DVec3::new(x, size.y + y, 0.0))
@@ -173,7 +176,7 @@ fn quoins(x: f64, height: f64) -> Part {
     let courses = libm::floor(height / 0.36) as usize;
     let rise = height / courses as f64;
     for i in 0..courses {
-        let (along, depth) = if i % 2 == 0 { (0.52, 0.30) } else { (0.30, 0.52) };
+        let (along, depth) = if i.is_multiple_of(2) { (0.52, 0.30) } else { (0.30, 0.52) };
         let inward = -x.signum();
         let (a, b) = (x - inward * 0.035, x + inward * along);
         let low = DVec3::new(a.min(b), i as f64 * rise + 0.012, -depth);
@@ -266,8 +269,7 @@ fn shutter(hinge: f64, way: f64, low: f64, high: f64, width: f64) -> Part {
         let y = low + 0.09 + pitch * (i as f64 + 0.5);
         let slat =
             block(DVec3::new(at(0.13).min(at(0.87)), -0.008, -0.03), DVec3::new(at(0.13).max(at(0.87)), 0.008, 0.03));
-        // Slats hang at 45 degrees, so that they shed rain.
-        part = part.with(slat.map(|p| DVec3::new(p.x, y + 0.7071 * (p.y - p.z), 0.072 + 0.7071 * (p.y + p.z) * 0.8)));
+        part = part.with(slat.map(|p| DVec3::new(p.x, y + (p.y - p.z) * SLANT, 0.072 + (p.y + p.z) * 0.8 * SLANT)));
     }
     part
 }

@@ -27,34 +27,48 @@ fn stone(seed: u32) -> Cluster {
     Cluster::of(&part.crease(28.0)).with_uv(|p, _| DVec2::new(0.0, 0.5 + 0.3 * p.y))
 }
 
-/// The dry-stone wall between road and grove.
+/// Where the wall begins and ends along the road.
+const WALL: (f64, f64) = (0.34, 0.605);
+/// Distance of the wall's middle from the middle of the road.
+const WALL_OFF: f64 = land::ROAD_HALF + 1.25;
+
+/// The dry-stone wall between road and grove: five courses of stones on an earthen core.
 pub fn wall(out: &mut SceneBuilder, m: &Materials) {
     let mut rng = Rng::new(601);
     let stones: Vec<Cluster> = (0..5).map(|i| stone(610 + i)).collect();
-    let mut wall = Cluster::default();
+    let mut wall = wall_core();
     for course in 0..5 {
-        let mut t = 0.34;
-        while t < 0.605 {
+        let mut t = WALL.0;
+        while t < WALL.1 {
             let (p, d) = land::road(t);
-            let side = DVec2::new(-d.y, d.x);
+            let at = p + DVec2::new(-d.y, d.x) * (WALL_OFF + rng.between(-0.04, 0.04));
             let width = rng.between(0.34, 0.62);
-            let step = width / 135.0;
-            let off = land::ROAD_HALF + 1.25 + rng.between(-0.04, 0.04);
-            let at = p + side * off;
-            let tall = if course == 4 { 0.15 } else { 0.215 };
+            let tall = if course == 4 { 0.15 } else { 0.225 };
             let y = 0.04 + f64::from(course) * 0.19 + rng.between(-0.012, 0.012);
             let degrees = libm::atan2(d.x, d.y).to_degrees() + 90.0 + rng.between(-3.0, 3.0);
             let depth = (0.62 - 0.05 * f64::from(course)) * rng.between(0.92, 1.08);
-            let scale = DVec3::new(width * 1.03, tall * rng.between(1.0, 1.1), depth);
-            wall.stamp(
-                &stones[rng.pick(stones.len())],
-                &upright(ground(at.x, at.y) + DVec3::Y * y, degrees, scale),
-                DVec2::new(rng.unit(), 0.0),
-            );
-            t += step;
+            let scale = DVec3::new(width * 1.05, tall * rng.between(1.0, 1.1), depth);
+            let place = upright(ground(at.x, at.y) + DVec3::Y * y, degrees, scale);
+            wall.stamp(&stones[rng.pick(stones.len())], &place, DVec2::new(rng.unit(), 0.0));
+            // The road's parameter is no length: a small step tells how fast it runs here.
+            let speed = (land::road(t + 1e-3).0 - p).length() / 1e-3;
+            t += width / speed;
         }
     }
     out.cluster("wall", &wall, m.rock);
+}
+
+/// What fills the wall between its stones, so that no light shows through.
+fn wall_core() -> Cluster {
+    const PIECES: usize = 70;
+    let section = [(0.17, -0.2), (0.17, 0.74), (-0.17, 0.74), (-0.17, -0.2)];
+    let part = Part::grid(PIECES + 1, section.len(), false, |row, column| {
+        let (p, d) = land::road(WALL.0 + (WALL.1 - WALL.0) * row as f64 / PIECES as f64);
+        let (off, y) = section[column];
+        let at = p + DVec2::new(-d.y, d.x) * (WALL_OFF - off);
+        ground(at.x, at.y) + DVec3::Y * y
+    });
+    Cluster::of(&part.crease(40.0)).with_uv(|_, _| DVec2::new(0.3, 0.02))
 }
 
 /// The pool: lined walls, pebbles, rim of stones, water, and a fountain in the middle.

@@ -114,7 +114,7 @@ fn lavender() -> Texture {
     paint::paint("lavender", 64, |u, v| {
         let shade = 0.78 + 0.44 * paint::noise(u * 16.0, 0.5, 73);
         let red = 1.0 + 0.35 * (paint::noise(u * 16.0, 7.5, 74) - 0.5);
-        let stalk = DVec3::new(0.17, 0.20, 0.09);
+        let stalk = DVec3::new(0.13, 0.165, 0.075);
         let deep = DVec3::new(0.20, 0.10, 0.42);
         let pale = DVec3::new(0.47, 0.31, 0.75);
         let flower = mix(deep, pale, smooth(0.55, 0.95, v));

@@ -24,7 +24,7 @@ fn lavender_dome(out: &mut Cluster, seed: u32) {
         let lump = 1.0 + 0.12 * libm::sin(angle * 3.0 + f64::from(seed));
         if row == 3 { DVec2::new(0.0, 0.38) } else { DVec2::new(0.31 * c * lump, 0.38 * s - 0.03) }
     });
-    let dome = Cluster::of(&dome.crease(85.0)).with_uv(|p, _| DVec2::new(0.0, 0.12 + 0.75 * p.y));
+    let dome = Cluster::of(&dome.crease(85.0)).with_uv(|p, _| DVec2::new(0.0, 0.08 + 0.95 * p.y));
     out.stamp(&dome, &DAffine3::IDENTITY, DVec2::ZERO);
 }
 
