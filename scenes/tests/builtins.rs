@@ -13,7 +13,7 @@ const HASHES: [(&str, &str); 4] = [
     ("cornell", "4787d3825e3f7c394bd0ecddcc06882997850f728ecad76333ed163107ccce24"),
     ("teapot", "f9168be8130f9dd35b08eb42d6218710c6eca7ef22ff12dc7b3de323c02c38a0"),
     ("chess", "a5528fcb14f46c65d7ba7318b35b15f1d74bf7f926c40b242f4365b451e1db37"),
-    ("car", "c711374efe0824cdde585dcde743330863d1051b0124f317e4343bd2dd76f0df"),
+    ("car", "fcd6adcbcace82b7b94fae6ce3c1f2c5a15ca8265e7e46065fc62c7ee792847a"),
 ];
 
 /// A scene, generated once for all tests: the big ones take seconds in a debug build.

@@ -149,7 +149,7 @@ fn hills(out: &mut SceneBuilder) {
         let crest = 1.0 + 11.0 * paint::cloud(3.0 + 2.2 * sin, 7.0 + 2.2 * cos, 3, 15);
         DVec2::new(70.0 + 9.0 * row as f64, crest * [0.0, 0.62, 1.0][row])
     });
-    out.object("hills", &ring.flipped(), woods);
+    out.object("hills", &there_and_back(ring.flipped()), woods);
 }
 
 fn cypresses(out: &mut SceneBuilder) {
@@ -172,6 +172,16 @@ fn cypresses(out: &mut SceneBuilder) {
             let width = 0.95 * libm::pow(h.max(0.0), 0.35) * libm::pow(1.0 - h, 0.62) * ragged;
             DVec2::new(if row == 0 || row + 1 == rows { 0.0 } else { width }, h * height + 0.02 * libm::sin(angle))
         });
-        out.object(&format!("cypress {i}"), &tree.crease(70.0).at(radius * sin, 0.0, radius * cos), green);
+        out.object(
+            &format!("cypress {i}"),
+            &there_and_back(tree).crease(70.0).at(radius * sin, 0.0, radius * cos),
+            green,
+        );
     }
+}
+
+/// Lets a texture run half way round a turned part and back, so that it has no seam.
+fn there_and_back(mut part: Part) -> Part {
+    part.uvs.iter_mut().for_each(|uv| uv.x = 1.0 - (1.0 - 2.0 * uv.x).abs());
+    part
 }
