@@ -8,6 +8,7 @@ mod common;
 #[path = "../../replay/tests/common/mod.rs"]
 mod replay_common;
 
+mod browser;
 mod damage;
 mod determinism;
 mod every_scene;
@@ -20,4 +21,5 @@ mod paper;
 mod policies;
 mod repair;
 mod replay_json;
+mod report;
 mod tamper;

@@ -8,6 +8,7 @@ use crate::report::study::Study;
 
 const STYLE: &str = include_str!("style.css");
 const SCRIPT: &str = include_str!("script.js");
+const VIEWER: &str = include_str!("viewer.js");
 
 /// Nothing is loaded from anywhere, whatever a study may hold.
 const POLICY: &str = "default-src 'none'; img-src data:; style-src 'unsafe-inline'; script-src 'unsafe-inline'; \
@@ -30,7 +31,7 @@ pub fn page(study: &Study, pictures: &Pictures) -> String {
          <a class=\"skip\" href=\"#main\">Skip to the results</a>\n{head}\
          <div class=\"layout\">\n<nav aria-label=\"Contents\"><ul>\n{contents}</ul></nav>\n\
          <main id=\"main\">\n{body}</main>\n</div>\n{foot}\
-         <div id=\"tip\" role=\"status\" hidden></div>\n<script>\n{SCRIPT}</script>\n</body>\n</html>\n",
+         <div id=\"tip\" role=\"status\" hidden></div>\n<script>\n{SCRIPT}</script>\n<script>\n{VIEWER}</script>\n</body>\n</html>\n",
         title = escape(title),
         head = head(study, title),
         foot = foot(study, pictures),

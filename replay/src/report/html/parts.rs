@@ -72,10 +72,28 @@ pub fn table(caption: &str, columns: &[Column], rows: &[(String, Vec<String>)]) 
     };
     let (head, body): (String, String) = (columns.iter().map(head).collect(), rows.iter().map(row).collect());
     format!(
-        "<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"{label}\"><table><caption>{label}</caption>\
+        "<div class=\"scroll{many}\" tabindex=\"0\" role=\"region\" aria-label=\"{label}\"><table><caption>{label}</caption>\
          <thead><tr>{head}</tr></thead>\n<tbody>\n{body}</tbody></table></div>\n",
-        label = escape(caption)
+        label = escape(caption),
+        // Wide ones get smaller type on paper.
+        many = if columns.len() > 11 { " many" } else { "" }
     )
+}
+
+/// An entry of a legend: a square of a colour class, and what it stands for.
+pub fn key(class: &str, name: &str) -> String {
+    let square = format!("<rect x=\"2\" y=\"2\" width=\"12\" height=\"12\" class=\"{class}\"/>");
+    symbol(&square, name)
+}
+
+/// An entry of a legend: a drawing of 16 by 16 units, and what it stands for.
+pub fn symbol(svg: &str, name: &str) -> String {
+    format!("<li><svg viewBox=\"0 0 16 16\" aria-hidden=\"true\">{svg}</svg>{}</li>", escape(name))
+}
+
+/// A legend of entries.
+pub fn legend(html: &str) -> String {
+    format!("<ul class=\"legend\">{html}</ul>\n")
 }
 
 /// Something to unfold.

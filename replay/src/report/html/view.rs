@@ -1,7 +1,7 @@
 //! The study as the sections see it: found by scene, mode and policy, and each policy with one look on the whole page.
 
 use super::charts::svg::marker;
-use super::text::escape;
+use super::parts::{legend, symbol};
 use crate::report::study::{GainBand, Point, Study};
 
 /// Colours that policies take in turn; with the shapes (another number of them) 42 policies look different.
@@ -121,15 +121,11 @@ impl<'a> View<'a> {
 
     /// A legend of some policies.
     pub fn legend(&self, policies: &[&str]) -> String {
-        let key = |policy: &&str| {
+        let entry = |policy: &&str| {
             let look = self.look(policy);
-            let (shape, class) = (marker(look.shape, 8.0, 8.0), look.class());
-            let svg = format!(
-                "<svg viewBox=\"0 0 16 16\" aria-hidden=\"true\"><path d=\"{shape}\" class=\"{class}\"/></svg>"
-            );
-            format!("<li>{svg}{}</li>", escape(policy))
+            symbol(&format!("<path d=\"{}\" class=\"{}\"/>", marker(look.shape, 8.0, 8.0), look.class()), policy)
         };
-        format!("<ul class=\"legend\">{}</ul>\n", policies.iter().map(key).collect::<String>())
+        legend(&policies.iter().map(entry).collect::<String>())
     }
 
     /// The policy that does what the paper evaluated in a mode.

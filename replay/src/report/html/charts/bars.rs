@@ -35,7 +35,8 @@ pub fn grouped(groups: &[Group], label: &str) -> String {
         g.bars.iter().filter_map(|b| b.value).chain([least, most.unwrap_or(least)])
     });
     let [_, most] = extent(values).unwrap_or([0.0, 1.0]);
-    let y = Scale::nice([0.0, most.max(1.0) * 1.06], 5, [bottom, top]);
+    // Room above the highest bar for its number.
+    let y = Scale::exact([0.0, most.max(1.0) * 1.09], 6, [bottom, top]);
     let mut svg = Svg::new(WIDTH, HEIGHT);
     for tick in y.ticks() {
         svg.line([left, y.at(tick)], [right, y.at(tick)], "grid");
@@ -57,7 +58,7 @@ fn factor_tick(scale: &Scale, tick: f64) -> String {
 /// One group in its slot: left end and width.
 fn upright(svg: &mut Svg, group: &Group, [start, slot]: [f64; 2], y: &Scale, bottom: f64) {
     // The last place is the paper's bracket.
-    let places = group.bars.len() as f64 + 0.6;
+    let places = group.bars.len() as f64 + 0.8;
     let (pad, middle) = (slot * 0.08, start + slot / 2.0);
     let width = ((slot - 2.0 * pad) / places).min(24.0);
     let first = middle - width * places / 2.0;
@@ -67,7 +68,8 @@ fn upright(svg: &mut Svg, group: &Group, [start, slot]: [f64; 2], y: &Scale, bot
         svg.mark([x + 0.75, y.at(value), width - 1.5, bottom - y.at(value)], bar.class, 1.0, &bar.tip);
         if i + 1 == group.bars.len() {
             let text = factor(value).trim_end_matches('×').to_owned();
-            svg.text(x + width / 2.0, y.at(value) - 4.0, "value m", &text);
+            // Over the gap that the low bar of power leaves, and clear of the bracket at the right.
+            svg.text(x + width + 1.0, y.at(value) - 4.0, "value e", &text);
         }
     }
     if let Some(band) = group.band {

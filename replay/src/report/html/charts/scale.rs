@@ -60,7 +60,7 @@ impl Scale {
     }
 }
 
-/// The least of 1, 2, 2.5 and 5 times a power of ten that is `raw` or more.
+/// The least of 1, 2 and 5 times a power of ten that is `raw` or more.
 fn round_step(raw: f64) -> f64 {
     if !(raw > 0.0 && raw.is_finite()) {
         return 1.0;
@@ -73,7 +73,7 @@ fn round_step(raw: f64) -> f64 {
     while power * 10.0 <= raw {
         power *= 10.0;
     }
-    [1.0, 2.0, 2.5, 5.0].into_iter().map(|m| m * power).find(|&step| step >= raw * (1.0 - 1e-9)).unwrap_or(power * 10.0)
+    [1.0, 2.0, 5.0].into_iter().map(|m| m * power).find(|&step| step >= raw * (1.0 - 1e-9)).unwrap_or(power * 10.0)
 }
 
 /// Least and most of some values; nothing without values.
@@ -97,7 +97,7 @@ mod tests {
         assert_eq!(Scale::nice([0.0, 0.07], 4, [0.0, 1.0]).label(0.02), "0.02");
         let millions = Scale::nice([0.0, 9.1e6], 4, [0.0, 1.0]);
         let labels: Vec<String> = millions.ticks().into_iter().map(|tick| millions.label(tick)).collect();
-        assert_eq!(labels, ["0", "2.5M", "5.0M", "7.5M", "10.0M"]);
+        assert_eq!(labels, ["0", "5M", "10M"]);
     }
 
     #[test]

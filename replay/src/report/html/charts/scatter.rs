@@ -46,7 +46,7 @@ pub fn scatter(dots: &[Dot], names: [&str; 2], label: &str) -> String {
     let best = frontier(dots);
     let identical = dots.iter().any(|d| d.x.is_none());
     let [left, top, bottom] = [36.0, 24.0, HEIGHT - 38.0];
-    let right = if identical { WIDTH - 46.0 } else { WIDTH - 10.0 };
+    let right = if identical { WIDTH - 58.0 } else { WIDTH - 10.0 };
     let [low, high] = extent(dots.iter().filter_map(|d| d.x)).unwrap_or([30.0, 50.0]);
     let pad = ((high - low) * 0.04).max(0.5);
     let x = Scale::nice([low - pad, high + pad], 5, [left, right]);
@@ -84,7 +84,7 @@ fn axes(svg: &mut Svg, x: &Scale, y: &Scale, identical: bool, [x_name, y_name]: 
         svg.text(x.at(tick), bottom + 15.0, "tick m", &x.label(tick));
     }
     if identical {
-        svg.rect([right + 6.0, top, end - right - 6.0, bottom - top], "apart");
+        svg.rect([end - 36.0, top, 36.0, bottom - top], "apart");
         svg.text(WIDTH - 22.0, bottom + 15.0, "tick m", "same");
     }
     svg.line([left, y.at(1.0)], [end, y.at(1.0)], "one");

@@ -2,7 +2,7 @@
 
 use super::super::parts::{Column, Section, how_to_read, table};
 use super::super::text::{escape, factor, fixed, or_dash, percent, psnr};
-use super::super::view::{View, mode_name};
+use super::super::view::View;
 use crate::report::study::Ablation;
 
 /// The section.
@@ -46,7 +46,7 @@ fn group_table(group: &str, all: &[&Ablation]) -> String {
         let note = if own.note.is_empty() { String::new() } else { format!("<small>{}</small>", escape(&own.note)) };
         let cells = vec![
             format!("{}{note}", escape(&own.name)),
-            format!("{} <small>{}</small>", escape(&own.scene), escape(&mode_name(&own.mode).to_lowercase())),
+            format!("{} <small>{}</small>", escape(&own.scene), escape(&own.mode.replace('x', "×"))),
             escape(&own.policy),
             percent(own.rays_traced as f64 / own.rays_full.max(1) as f64),
             or_dash(own.cycles, |v| {
@@ -58,7 +58,7 @@ fn group_table(group: &str, all: &[&Ablation]) -> String {
         ];
         rows.push((if own.base { "strong".into() } else { String::new() }, cells));
     }
-    format!("<h3>{}</h3>\n", escape(group)) + &table(&format!("Ablation: {group}"), &columns, &rows)
+    table(&capitalised(group), &columns, &rows)
 }
 
 fn times(value: f64, base: Option<f64>) -> String {
@@ -69,4 +69,10 @@ fn difference(value: Option<f64>, base: Option<f64>) -> String {
     let (Some(value), Some(base)) = (value, base) else { return String::new() };
     let sign = if value > base { "+" } else { "" };
     format!(" <small>({sign}{})</small>", fixed(value - base, 2))
+}
+
+/// The text with a capital first letter.
+fn capitalised(text: &str) -> String {
+    let mut rest = text.chars();
+    rest.next().map_or_else(String::new, |first| first.to_uppercase().chain(rest).collect())
 }

@@ -1,6 +1,6 @@
 //! Every value of the machine, with how well it is known and where it is from.
 
-use super::super::parts::{Column, Section, how_to_read, table};
+use super::super::parts::{Column, Section, how_to_read, legend, table};
 use super::super::text::escape;
 use super::super::view::View;
 use crate::report::study::ConfigValue;
@@ -30,8 +30,10 @@ pub fn section(view: &View<'_>) -> Option<Section> {
         escape(machine),
         table(&format!("Configuration of {machine}"), &columns, &rows)
     );
-    let read = "Each value says how well it is known: stated by the paper, taken from another source, derived, or chosen. The \
-                table can be searched.";
+    let read = "The class says how far a value can be trusted. paper: stated by the paper that is modelled; source: read in \
+                another public source; memory: recalled from a publication that could not be read again; estimate: estimated, with \
+                the derivation given; computed: computed from cited sources; choice: a modelling choice; anything else was set by \
+                the user.";
     Section::new("config", "Configuration of the machine", counts(values) + &html + &how_to_read(read))
 }
 
@@ -45,5 +47,5 @@ fn counts(values: &[ConfigValue]) -> String {
         }
     }
     let item = |(class, n): &(&str, usize)| format!("<li><span class=\"badge\">{}</span> {n}</li>", escape(class));
-    format!("<ul class=\"legend\">{}</ul>\n", classes.iter().map(item).collect::<String>())
+    legend(&classes.iter().map(item).collect::<String>())
 }

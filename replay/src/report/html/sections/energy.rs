@@ -1,9 +1,9 @@
 //! Energy by component.
 
 use super::super::charts::stacked::{Part, Row, stacked};
-use super::super::parts::{Section, by_mode, card, grid, how_to_read};
-use super::super::text::{digits, percent};
-use super::super::view::View;
+use super::super::parts::{Column, Section, by_mode, card, details, grid, how_to_read, key, legend, table};
+use super::super::text::{digits, escape, fixed, or_dash, percent};
+use super::super::view::{View, mode_name};
 use crate::report::study::{Component, Point};
 
 /// Group, name for people, colour class.
@@ -15,13 +15,7 @@ pub fn section(view: &View<'_>) -> Option<Section> {
     if view.points.iter().all(|p| p.energy.is_empty()) {
         return None;
     }
-    let key = |(_, name, class): &(&str, &str, &str)| {
-        format!(
-            "<li><svg viewBox=\"0 0 16 16\" aria-hidden=\"true\"><rect x=\"2\" y=\"2\" width=\"12\" height=\"12\" class=\"{class}\"/></svg>{}</li>",
-            super::super::text::escape(name)
-        )
-    };
-    let mut html = format!("<ul class=\"legend\">{}</ul>\n", GROUPS.iter().map(key).collect::<String>());
+    let mut html = legend(&GROUPS.iter().map(|(_, name, class)| key(class, name)).collect::<String>());
     html += &by_mode(view, |mode| {
         grid(&view.scenes(mode).iter().map(|scene| chart(view, scene, mode)).collect::<String>())
     });
@@ -29,6 +23,7 @@ pub fn section(view: &View<'_>) -> Option<Section> {
         "Energy of the whole GPU for the scene's frame, mJ; shades are the components of a group. Shorter is better. A component \
          that stays long where rays are saved is what limits the gain.",
     );
+    html += &details("Numbers: every component", &by_mode(view, |mode| numbers(view, mode)));
     Section::new("energy", "Energy by component", html)
 }
 
@@ -78,4 +73,24 @@ fn parts(point: &Point) -> Vec<Part> {
     let known = |c: &&Component| GROUPS.iter().all(|(group, ..)| *group != c.group);
     add(point.energy.iter().filter(known).collect(), "other", "e3");
     parts
+}
+
+fn numbers(view: &View<'_>, mode: &str) -> String {
+    let points =
+        || view.scenes(mode).into_iter().flat_map(|scene| view.of(scene, mode)).filter(|p| !p.energy.is_empty());
+    let mut names: Vec<&str> = Vec::new();
+    for component in points().flat_map(|p| &p.energy) {
+        if !names.contains(&component.component.as_str()) {
+            names.push(&component.component);
+        }
+    }
+    let mut columns = vec![Column::words("Scene"), Column::words("Policy"), Column::number("All")];
+    columns.extend(names.iter().map(|name| Column::number(name)));
+    let row = |point: &Point| {
+        let mut cells = vec![escape(&point.scene), escape(&point.policy), fixed(total(point), 3)];
+        let of = |name: &&str| point.energy.iter().find(|c| c.component == *name);
+        cells.extend(names.iter().map(|name| or_dash(of(name), |c| fixed(c.mj, 3))));
+        (String::new(), cells)
+    };
+    table(&format!("{}: energy, mJ", mode_name(mode)), &columns, &points().map(row).collect::<Vec<_>>())
 }

@@ -1,7 +1,7 @@
 //! The paper's Figure 7: performance, power and performance per watt of its own policies, T&I units alone.
 
 use super::super::charts::bars::{Bar, Group, grouped};
-use super::super::parts::{Column, Section, by_mode, card, details, how_to_read, table};
+use super::super::parts::{Column, Section, by_mode, card, details, how_to_read, key, legend, symbol, table};
 use super::super::text::{escape, factor, or_dash};
 use super::super::view::{View, geometric_mean, mode_name, mode_reference};
 use crate::report::study::{Gain, Point};
@@ -22,15 +22,9 @@ pub fn section(view: &View<'_>) -> Option<Section> {
     if charts.is_empty() {
         return None;
     }
-    let key = |(name, class): &(&str, &str)| {
-        format!(
-            "<li><svg viewBox=\"0 0 16 16\" aria-hidden=\"true\"><rect x=\"2\" y=\"2\" width=\"12\" height=\"12\" class=\"{class}\"/></svg>{name}</li>"
-        )
-    };
-    let bracket = "<li><svg viewBox=\"0 0 16 16\" aria-hidden=\"true\"><path d=\"M4 2h8M8 2v12M4 14h8\" class=\"paper\"/></svg>\
-                   the paper's performance per watt</li>";
-    let legend: String = BARS.iter().map(key).collect();
-    let mut html = format!("<ul class=\"legend\">{legend}{bracket}</ul>\n<div class=\"grid two\">\n{charts}</div>\n");
+    let bars: String = BARS.iter().map(|(name, class)| key(class, name)).collect();
+    let bracket = symbol("<path d=\"M4 2h8M8 2v12M4 14h8\" class=\"paper\"/>", "the paper's performance per watt");
+    let mut html = legend(&(bars + &bracket)) + &format!("<div class=\"grid two\">\n{charts}</div>\n");
     html += &how_to_read(
         "Each bar is the adaptive policy relative to tracing every sample in the same scene and mode; the line at 1× is the \
          reference. Bars of performance and performance per watt should be high, power near 1×. Brackets show what the paper \

@@ -1,8 +1,8 @@
 //! Where the SRP's cycles go: what similarity tests and interpolation cost.
 
 use super::super::charts::stacked::{Part, Row, stacked};
-use super::super::parts::{Section, by_mode, card, grid, how_to_read};
-use super::super::text::{count, escape, percent};
+use super::super::parts::{Section, by_mode, card, grid, how_to_read, key, legend};
+use super::super::text::{count, percent};
 use super::super::view::View;
 use crate::report::study::{Kernel, Point};
 
@@ -14,14 +14,8 @@ pub fn section(view: &View<'_>) -> Option<Section> {
     if view.points.iter().all(|p| p.srp.is_empty()) {
         return None;
     }
-    let key = |(name, class): (&str, &str)| {
-        format!(
-            "<li><svg viewBox=\"0 0 16 16\" aria-hidden=\"true\"><rect x=\"2\" y=\"2\" width=\"12\" height=\"12\" class=\"{class}\"/></svg>{}</li>",
-            escape(name)
-        )
-    };
-    let legend: String = OWN.into_iter().chain([("other kernels", "k2")]).map(key).collect();
-    let mut html = format!("<ul class=\"legend\">{legend}</ul>\n");
+    let keys = OWN.into_iter().chain([("other kernels", "k2")]).map(|(name, class)| key(class, name));
+    let mut html = legend(&keys.collect::<String>());
     html += &by_mode(view, |mode| {
         grid(&view.scenes(mode).iter().map(|scene| chart(view, scene, mode)).collect::<String>())
     });

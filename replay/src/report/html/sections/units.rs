@@ -1,8 +1,8 @@
 //! What the units did with their cycles.
 
 use super::super::charts::stacked::{Part, Row, stacked};
-use super::super::parts::{Section, by_mode, card, grid, how_to_read};
-use super::super::text::{escape, percent};
+use super::super::parts::{Section, by_mode, card, grid, how_to_read, key, legend};
+use super::super::text::percent;
 use super::super::view::View;
 use crate::report::study::{Point, Unit};
 
@@ -25,14 +25,9 @@ pub fn section(view: &View<'_>) -> Option<Section> {
     }
     let used =
         |state: &str| view.points.iter().flat_map(|p| &p.units).flat_map(|u| &u.shares).any(|s| s.state == state);
-    let key = |(state, class, what): &(&str, &str, &str)| {
-        format!(
-            "<li><svg viewBox=\"0 0 16 16\" aria-hidden=\"true\"><rect x=\"2\" y=\"2\" width=\"12\" height=\"12\" class=\"{class}\"/></svg>{state}: {}</li>",
-            escape(what)
-        )
-    };
-    let legend: String = STATES.iter().filter(|(state, ..)| used(state)).map(key).collect();
-    let mut html = format!("<ul class=\"legend\">{legend}</ul>\n");
+    let known = STATES.iter().filter(|(state, ..)| used(state));
+    let keys = known.map(|(state, class, what)| key(class, &format!("{state}: {what}")));
+    let mut html = legend(&keys.collect::<String>());
     html += &by_mode(view, |mode| {
         grid(&view.scenes(mode).iter().map(|scene| chart(view, scene, mode)).collect::<String>())
     });
