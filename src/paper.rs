@@ -1,48 +1,70 @@
-//! `rayreel paper`: the paper's experiment on the built-in scenes.
+//! `rayreel paper`: the paper's experiment on the built-in scenes, and what goes beyond it.
+//!
+//! All that is wanted is planned first, each capture and each replay once; then what the cache does not hold is done, and the
+//! study is put together from what it holds.
 
+mod ablations;
+mod animation;
+mod cache;
+mod execute;
 mod jobs;
+mod plan;
+mod points;
+mod policies;
+mod record;
+mod reference;
+mod rows;
+mod study;
 mod table;
+mod traces;
 
-use std::path::{Path, PathBuf};
-use std::time::Instant;
+use std::path::PathBuf;
+use std::sync::Arc;
 
 use anyhow::{Context, Result};
-use rayreel_formats::Limits;
-use rayreel_formats::scene::Meta;
-use rayreel_formats::trace::{Codec, Trace};
 use rayreel_replay::NamedPolicy;
-use rayreel_replay::image::files;
+use rayreel_replay::image::files::write_atomically;
 use rayreel_replay::machine::config::NamedMachine;
-use rayreel_tracer::capture::{self, Outcome, Output};
-use serde_json::Value;
+use rayreel_replay::report::{html, study as contract};
 
-use self::jobs::Job;
-use self::table::{MODES, Pair, Row, Runs, json_row, table};
-use crate::common::{GridArgs, build, load_scene, meta, print, si};
+use self::cache::Cache;
+use self::plan::{Plan, Stage};
+use self::policies::Entry;
+use crate::common::{load_scene, print};
 use crate::exit::Exit;
-use crate::progress::{self, Progress};
+use crate::progress;
 
-/// Reproduce the paper's experiment on the built-in scenes.
+/// Picture size by default, pixels.
+const SIZE: (u32, u32) = (256, 128);
+
+/// The paper's.
+const SIZE_FULL: (u32, u32) = (2048, 1024);
+
+/// Reproduce the paper's experiment, and what it left as future work, on the built-in scenes.
 ///
-/// Captures what is missing into the cache folder, simulates full and adaptive sampling in both modes (supersampling: 2x2 samples
-/// a pixel, undersampling: one) on a machine, prints tables beside the paper's figures and writes the pictures. Performance, power
-/// and performance per watt are those of adaptive relative to full: of the T&I units alone, as in the paper's Figure 7 (the SRP
-/// takes no time), and of the whole GPU. A second run captures nothing.
+/// Captures what is missing into the cache folder; simulates every policy in both modes (supersampling: 2x2 samples a pixel,
+/// undersampling: one) on a machine; replays an animation; changes one choice at a time; prints tables beside the paper's figures
+/// and writes study.json, the pictures and the page that `rayreel report` makes of them. Performance, power and performance per
+/// watt are relative to full sampling: of the T&I units alone, as in the paper's Figure 7 (the SRP takes no time), and of the whole
+/// GPU. Every result is kept in the cache folder: a run that was killed goes on where it was, a second run computes nothing.
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// Image size in pixels; the paper's is 2048x1024, which takes twenty times as long as the default.
-    #[arg(long, default_value = "512x256", value_name = "WxH", value_parser = crate::common::size)]
-    size: (u32, u32),
-    /// Scenes; all built-in ones if none is named.
+    /// Image size in pixels; 256x128 by default, the paper's 2048x1024 with --full.
+    #[arg(long, value_name = "WxH", value_parser = crate::common::size)]
+    size: Option<(u32, u32)>,
+    /// Everything at the paper's size, and all frames of the animation: hours.
+    #[arg(long)]
+    full: bool,
+    /// Scenes; the paper's five if none is named.
     #[arg(long = "scene", value_name = "NAME")]
     scenes: Vec<String>,
     /// Machine preset or file (.toml); none replays for pictures and ray counts only.
     #[arg(long, default_value = "sgrt-ti2", value_name = "NAME|FILE")]
     machine: String,
-    /// Folder for traces.
+    /// Folder for traces and results.
     #[arg(long, default_value = "rayreel-cache", value_name = "DIR")]
     cache: PathBuf,
-    /// Folder for pictures and paper.json.
+    /// Folder for study.json, report.html, paper.json and pictures.
     #[arg(long, default_value = "rayreel-out", value_name = "DIR")]
     out: PathBuf,
     /// Print JSON instead of the tables.
@@ -50,144 +72,109 @@ pub struct Args {
     json: bool,
 }
 
+/// What the experiment is made of.
+struct Setup<'a> {
+    stages: &'a [Stage],
+    policies: Vec<(&'static Entry, Arc<NamedPolicy>)>,
+    machines: Option<Machines>,
+    size: (u32, u32),
+    full: bool,
+    /// The command line that repeats it.
+    command: String,
+}
+
+/// The machine asked for, and the same with an SRP that takes no time.
+struct Machines {
+    spec: String,
+    whole: Arc<NamedMachine>,
+    alone: Arc<NamedMachine>,
+}
+
+/// What is planned.
+struct Experiment {
+    points: Vec<points::Planned>,
+    animation: Option<animation::Planned>,
+    ablations: Vec<ablations::Planned>,
+}
+
 pub fn run(args: &Args, quiet: bool) -> Result<Exit> {
-    let machines = Machines::load(args)?;
+    let machines = machines(&args.machine)?;
     for folder in [&args.cache, &args.out] {
         std::fs::create_dir_all(folder).with_context(|| format!("cannot create folder {}", folder.display()))?;
     }
     progress::stop_on_signal();
-    let names = rayreel_scenes::builtin_names();
-    let scenes: Vec<String> =
-        if args.scenes.is_empty() { names.iter().map(|n| (*n).to_string()).collect() } else { args.scenes.clone() };
-    let mut traces = Vec::new();
-    for name in &scenes {
-        for (mode, (_, samples)) in MODES.iter().enumerate() {
-            let Some(trace) = captured(args, name, *samples, quiet)? else { return Ok(interrupted()) };
-            traces.push((mode, trace));
-        }
-    }
-    let Some(rows) = rows(args, &traces, &machines, quiet)? else { return Ok(interrupted()) };
-    let value = Value::Array(rows.iter().map(json_row).collect());
-    let file = args.out.join("paper.json");
-    files::write_atomically(&file, format!("{value:#}\n").as_bytes())?;
-    let text = || table(args.size, &rows) + &format!("\npictures and paper.json: {}\n", args.out.display());
-    print(&if args.json { format!("{value:#}\n") } else { text() })?;
+    let stages = stages(args)?;
+    let policies = policies::load()?.into_iter().map(|(entry, named)| (entry, Arc::new(named))).collect();
+    let size = args.size.unwrap_or(if args.full { SIZE_FULL } else { SIZE });
+    let setup = Setup { stages: &stages, policies, machines, size, full: args.full, command: command(args, size) };
+    let cache = Cache::open(&args.cache)?;
+    let mut plan = Plan::new(&stages, &cache, args.cache.clone());
+    let experiment = Experiment {
+        points: points::plan(&setup, &mut plan),
+        animation: animation::plan(&setup, &mut plan),
+        ablations: ablations::plan(&setup, &mut plan)?,
+    };
+    let Some(records) = execute::execute(&plan, &cache, &args.out, quiet)? else {
+        eprintln!("interrupted: run the same command again to go on");
+        return Ok(Exit::Interrupted);
+    };
+    finish(args, &setup, &experiment, &records)
+}
+
+/// Writes and prints the results.
+fn finish(args: &Args, setup: &Setup<'_>, experiment: &Experiment, records: &[record::Record]) -> Result<Exit> {
+    let study = study::study(setup, experiment, records)?;
+    let json = serde_json::to_string_pretty(&study)? + "\n";
+    write_atomically(&args.out.join(contract::FILE), json.as_bytes())?;
+    let rows = format!("{:#}\n", rows::rows(&study));
+    write_atomically(&args.out.join("paper.json"), rows.as_bytes())?;
+    html::write(&args.out, &args.out.join("report.html"))?;
+    let text = || table::table(&study) + &format!("\nthe page: {}\n", args.out.join("report.html").display());
+    print(&if args.json { rows } else { text() })?;
     Ok(Exit::Done)
 }
 
-fn interrupted() -> Exit {
-    eprintln!("interrupted: run the same command again to go on");
-    Exit::Interrupted
-}
-
-/// The machine asked for, and the same with an SRP that takes no time; none without a machine.
-struct Machines(Option<[NamedMachine; 2]>);
-
-impl Machines {
-    fn load(args: &Args) -> Result<Self> {
-        if args.machine == "none" {
-            return Ok(Self(None));
-        }
-        let alone = NamedMachine::load(&args.machine, &["srp.ideal=true".into()])?;
-        Ok(Self(Some([NamedMachine::load(&args.machine, &[])?, alone])))
-    }
-}
-
-/// Replays and simulates all scenes in both modes; nothing when interrupted.
-fn rows(
-    args: &Args,
-    traces: &[(usize, (PathBuf, Trace))],
-    machines: &Machines,
-    quiet: bool,
-) -> Result<Option<Vec<Row>>> {
-    let [full, adaptive] = [NamedPolicy::load("full", &[])?, NamedPolicy::load("adaptive", &[])?];
-    let names: Vec<String> = traces.iter().map(|(_, (_, trace))| file_name(&trace.meta().scene)).collect();
-    let mut jobs = Vec::new();
-    for ((mode, (path, trace)), name) in traces.iter().zip(&names) {
-        let folder = args.out.join(format!("{name}-{}", MODES[*mode].0));
-        std::fs::create_dir_all(&folder).with_context(|| format!("cannot create folder {}", folder.display()))?;
-        let bytes = jobs::file_bytes(path);
-        let job = |policy, machine, pictures| Job { name, trace, bytes, policy, machine, pictures };
-        let machine = machines.0.as_ref();
-        jobs.push(job(&adaptive, machine.map(|m| &m[0]), Some(folder)));
-        if let Some([whole, alone]) = machine {
-            jobs.extend([
-                job(&full, Some(whole), None),
-                job(&full, Some(alone), None),
-                job(&adaptive, Some(alone), None),
-            ]);
+fn stages(args: &Args) -> Result<Vec<Stage>> {
+    let names: Vec<&str> = if args.scenes.is_empty() {
+        reference::scenes().collect()
+    } else {
+        args.scenes.iter().map(String::as_str).collect()
+    };
+    let mut stages: Vec<Stage> = Vec::new();
+    for name in names {
+        let stage = Stage::new(load_scene(name)?);
+        if !stages.iter().any(|known| known.name == stage.name) {
+            stages.push(stage);
         }
     }
-    let Some(reports) = jobs::run_all(&jobs, rayon::current_num_threads(), quiet)? else { return Ok(None) };
-    drop(jobs);
-    let mut reports = reports.into_iter();
-    let mut rows = Vec::new();
-    for ((mode, _), scene) in traces.iter().zip(names) {
-        let Some(adaptive) = reports.next() else { break };
-        let mut runs = None;
-        if machines.0.is_some()
-            && let (Some(full), Some(first), Some(second)) = (reports.next(), reports.next(), reports.next())
-        {
-            runs = Some(Runs { full, alone: Pair { full: first, adaptive: second } });
-        }
-        rows.push(Row { scene, mode: *mode, adaptive, runs });
-    }
-    Ok(Some(rows))
+    Ok(stages)
 }
 
-/// The trace of a scene with its path, from the cache or captured; `None` when interrupted.
-fn captured(args: &Args, name: &str, samples: u32, quiet: bool) -> Result<Option<(PathBuf, Trace)>> {
-    let scene = load_scene(name)?;
-    let grid = GridArgs { size: args.size, samples, depth: rayreel_tracer::Settings::default().max_depth };
-    let wanted = meta(&scene, &grid, 32, 0, 1);
-    let (w, h) = args.size;
-    let path = args.cache.join(format!("{}-{w}x{h}-{samples}x{samples}.rtrace", file_name(&scene.name)));
-    if let Some(trace) = cached(&path, &wanted) {
-        return Ok(Some((path, trace)));
+fn machines(spec: &str) -> Result<Option<Machines>> {
+    if spec == "none" {
+        return Ok(None);
     }
-    let built = build(&scene)?;
-    let what = format!("capture {} {samples}x{samples}", scene.name);
-    let mut bar = Progress::new(&what, u64::from(wanted.tile_count()), quiet);
-    let start = Instant::now();
-    let output = Output { path: path.clone(), codec: Codec::Context, level: 9, resume: is_resumable(&path, &wanted)? };
-    let outcome = capture::capture(&scene, &built, &wanted, &output, |now| {
-        bar.set(now.tiles, || format!("{}rays/s", si(now.rays as f64 / start.elapsed().as_secs_f64())));
-        !progress::stopped()
-    })?;
-    bar.finish();
-    match outcome {
-        Outcome::Finished(_) => {
-            let trace = Trace::open(&path, Limits::default())?;
-            Ok(Some((path, trace)))
-        }
-        Outcome::Interrupted(_) => Ok(None),
-    }
+    let load = |overrides: &[String]| NamedMachine::load(spec, overrides).map(Arc::new);
+    Ok(Some(Machines { spec: spec.into(), whole: load(&[])?, alone: load(&["srp.ideal=true".into()])? }))
 }
 
-/// A scene's name as part of a file name: a scene file may call it anything.
-fn file_name(scene: &str) -> String {
-    let plain = |c: char| if c.is_alphanumeric() || "-_.".contains(c) { c } else { '_' };
-    scene.chars().map(plain).collect()
-}
-
-/// The trace at `path`, if it is whole and of this very capture.
-fn cached(path: &Path, wanted: &Meta) -> Option<Trace> {
-    let trace = Trace::open(path, Limits::default()).ok()?;
-    (trace.meta() == wanted && trace.missing_tiles().is_empty()).then_some(trace)
-}
-
-/// Whether there is a partial capture to go on with; one of other settings is dropped, since the cache is ours.
-fn is_resumable(path: &Path, wanted: &Meta) -> Result<bool> {
-    use rayreel_formats::container::{ChunkId, Writer};
-    let Some(resumed) = Writer::resume(path, &Limits::default())? else { return Ok(false) };
-    let record = resumed.writer.chunks().iter().find(|c| c.id == ChunkId::META).copied();
-    let same = record
-        .and_then(|r| resumed.read(&r).ok())
-        .and_then(|bytes| rayreel_formats::payload::metadata::decode_meta(&bytes, &Limits::default()).ok());
-    drop(resumed.writer);
-    if same.as_ref() == Some(wanted) {
-        return Ok(true);
+/// The command line without what does not change the results.
+fn command(args: &Args, (w, h): (u32, u32)) -> String {
+    let mut text = "rayreel paper".to_owned();
+    if args.full {
+        text += " --full";
     }
-    Writer::discard(path)?;
-    Ok(false)
+    text += &format!(" --size {w}x{h}");
+    args.scenes.iter().for_each(|name| text += &format!(" --scene {name}"));
+    if args.machine != "sgrt-ti2" {
+        text += &format!(" --machine {}", args.machine);
+    }
+    text
+}
+
+impl Experiment {
+    /// How many points have pictures.
+    fn shown(&self) -> usize {
+        self.points.iter().filter(|point| point.is_shown()).count()
+    }
 }

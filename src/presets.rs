@@ -81,6 +81,23 @@ fn list(as_json: bool) -> Result<()> {
     print(&text)
 }
 
+/// What a policy preset does, in one sentence.
+pub fn policy_summary(preset: &str) -> String {
+    let text = policy::PRESETS.iter().find(|(name, _)| *name == preset).map_or("", |(_, text)| text);
+    first_sentence(&comment(text)).to_owned()
+}
+
+/// Every value of a policy, as a policy file.
+pub fn policy_values(policy: &Policy) -> Result<String> {
+    let own = serde_json::to_value(policy)?;
+    Ok(keys(policy).iter().map(|key| format!("{} = {}\n", key.name, value_of(&own, key))).collect())
+}
+
+/// The value of a key.
+fn value_of<'a>(own: &'a Value, key: &schema::Key) -> &'a Value {
+    key.name.split('.').try_fold(own, |value, part| value.get(part)).unwrap_or(&Value::Null)
+}
+
 /// The comment at the head of a policy preset.
 fn comment(text: &str) -> String {
     let lines = text.lines().map_while(|line| line.strip_prefix('#'));
@@ -138,13 +155,12 @@ fn show_policy(policy: &NamedPolicy, as_json: bool) -> Result<()> {
         return print_json(&json!({"name": policy.name, "policy": own}));
     }
     let mut text = format!("# {}\n", policy.name);
-    for key in keys(&policy.policy) {
-        let value = key.name.split('.').try_fold(&own, |value, part| value.get(part)).unwrap_or(&Value::Null);
-        text += &format!("{:<40}  # {}\n", format!("{} = {value}", key.name), key.doc);
+    for key in &keys(&policy.policy) {
+        text += &format!("{:<40}  # {}\n", format!("{} = {}", key.name, value_of(&own, key)), key.doc);
     }
     print(&text)
 }
 
-fn keys(policy: &Policy) -> &'static [schema::Key] {
+fn keys(policy: &Policy) -> Vec<schema::Key> {
     schema::keys(policy.kind()).unwrap_or_default()
 }

@@ -1,111 +1,103 @@
-//! The simulations of the experiment, several at a time, their results in a fixed order.
+//! One replay, and many of them at a time.
 
-use std::path::{Path, PathBuf};
 use std::sync::Mutex;
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
-use anyhow::{Result, anyhow};
+use anyhow::Result;
 use rayreel_formats::scene::{Camera, Meta};
 use rayreel_formats::tile::Tile;
 use rayreel_formats::trace::Trace;
-use rayreel_replay::machine::config::NamedMachine;
+use rayreel_replay::image::{errors, files, map, srgb};
 use rayreel_replay::machine::probes::Watch;
-use rayreel_replay::machine::simulate::simulate_each;
+use rayreel_replay::machine::simulate::{MachineFrame, MachineRun, simulate};
 use rayreel_replay::machine::work::topology::Topology;
-use rayreel_replay::report::{Origin, Report};
-use rayreel_replay::{NamedPolicy, Options, PathSource, Replayer, TileSource, replay_each};
+use rayreel_replay::{FrameReplay, Options, PathSource, Replayer, TileSource};
 
-use crate::progress::{self, Progress};
-use crate::replay::write_pictures;
+use super::cache::Entry;
+use super::plan::{Job, Kind};
+use super::record::{Frame, Record};
+use crate::progress;
 
-/// One simulation.
-pub struct Job<'a> {
-    /// Name in reports.
-    pub name: &'a str,
-    /// The trace.
-    pub trace: &'a Trace,
-    /// Size of its file: how long the simulation takes is roughly in proportion to it.
-    pub bytes: u64,
-    /// The policy.
-    pub policy: &'a NamedPolicy,
-    /// The machine, if there is one.
-    pub machine: Option<&'a NamedMachine>,
-    /// Where pictures go, if they are wanted.
-    pub pictures: Option<PathBuf>,
-}
-
-impl Job<'_> {
-    /// Expected work: adaptive traces roughly a third.
-    fn weight(&self) -> u64 {
-        if self.policy.name == "full" { 3 * self.bytes } else { self.bytes }.max(1)
+impl Job {
+    /// Expected work on `samples` samples a frame: measured, a machine takes some twenty times as long as a replay without one,
+    /// and an adaptive policy traces less than half.
+    pub fn weight(&self, samples: u64, frames: u32) -> u64 {
+        let machine = if self.policy.policy.kind() == "full" { 24 } else { 10 };
+        samples * (u64::from(frames) + machine * self.simulated.len() as u64)
     }
 
-    fn run(&self, done: impl FnMut(u64)) -> Result<Report> {
-        let (meta, source) = (self.trace.meta(), Stoppable(self.trace));
-        let frames = meta.frame_numbers();
-        let options = Options { reference: self.pictures.is_some() };
-        let sink = |frame: rayreel_replay::FrameReplay| match &self.pictures {
-            Some(folder) => write_pictures(&frame, meta.samples, folder, ""),
-            None => Ok(()),
-        };
-        let origin = Origin { trace: self.name.into(), trace_digest: None };
-        let Some(machine) = self.machine else {
-            let stats = replay_each(&source, &self.policy.policy, frames, options, sink)?;
-            return Ok(Report::new(&origin, self.policy, meta, &stats));
-        };
-        let mut replayer = Replayer::new(&source, &self.policy.policy, options)?;
-        let named = (machine.name.as_str(), &machine.config);
-        let (stats, runs) = simulate_each(&mut replayer, frames, named, &mut Watch::new(done), sink)?;
-        Ok(Report::new(&origin, self.policy, meta, &stats).with_machine(machine, &runs))
+    /// Replays all frames of the trace. `tell` is told how much is done, and how much there is.
+    ///
+    /// # Errors
+    /// A policy that does not fit the trace or the machine; a trace that cannot be read.
+    pub fn run(&self, trace: &Trace, mut tell: impl FnMut(u64, u64)) -> Result<Entry> {
+        let (meta, source) = (trace.meta(), Stoppable(trace));
+        let mut replayer = Replayer::new(&source, &self.policy.policy, Options { reference: self.compared })?;
+        let tree = (!self.simulated.is_empty()).then(|| source.topology());
+        let mut entry =
+            Entry { record: Record { frames: Vec::new() }, pictures: vec![Vec::new(); self.pictures.len()] };
+        let tiles = u64::from(meta.tile_count());
+        for (i, frame) in (0..).zip(meta.frame_numbers()) {
+            let machine = self.machine.as_ref().filter(|_| self.simulated.contains(&frame));
+            let (replay, run) = match (machine, &tree) {
+                (Some(machine), Some(tree)) => {
+                    let mut watch = Watch::new(|own| tell(i * tiles + own, u64::from(meta.frames) * tiles));
+                    let named = (machine.name.as_str(), &machine.config);
+                    let MachineFrame { replay, stats, energy, paths } =
+                        simulate(&mut replayer, frame, tree, named, &mut watch)?;
+                    (replay, Some((&**machine, MachineRun { stats, energy, paths })))
+                }
+                _ => (replayer.frame(frame)?, None),
+            };
+            let run = run.as_ref().map(|(machine, run)| (*machine, run));
+            entry.record.frames.push(Frame::new(&self.policy, meta, &replay.stats, run, self.tiles));
+            for (picture, bytes) in self.pictures.iter().zip(&mut entry.pictures) {
+                if picture.frame == frame {
+                    *bytes = png(&replay, picture.kind, meta)?;
+                }
+            }
+            tell((i + 1) * tiles, u64::from(meta.frames) * tiles);
+        }
+        Ok(entry)
     }
 }
 
-/// Runs all jobs, `threads` at a time; their reports in their order. Nothing when interrupted.
+/// A picture of a frame as a PNG file; empty if the replay has none of the kind.
+fn png(frame: &FrameReplay, kind: Kind, meta: &Meta) -> rayreel_replay::Result<Vec<u8>> {
+    let reference = || frame.reference.as_ref().map(srgb::encode);
+    let picture = match kind {
+        Kind::Result => Some(srgb::encode(&frame.image)),
+        Kind::Reference => reference(),
+        Kind::Error => reference().map(|full| errors::amplified(&srgb::encode(&frame.image), &full)).transpose()?,
+        Kind::Similarity => Some(map::similarity_map_pixels(&frame.states, &frame.blocks, meta.samples)),
+        Kind::Rate => Some(map::rate_map_pixels(&frame.states, &frame.blocks, meta.samples)),
+    };
+    picture.map_or(Ok(Vec::new()), |picture| files::png(&picture))
+}
+
+/// Runs `work` on each of `items`, `threads` at a time, in their order. After an error, or when interrupted, no other is begun.
 ///
 /// # Errors
-/// The first error in the order of the jobs.
-pub fn run_all(jobs: &[Job<'_>], threads: usize, quiet: bool) -> Result<Option<Vec<Report>>> {
-    let total = jobs.iter().map(Job::weight).sum();
-    let bar = Mutex::new((Progress::new("simulate", total, quiet), vec![0; jobs.len()]));
-    let reports: Vec<_> = jobs.iter().map(|_| Mutex::new(None)).collect();
-    // The longest first, so that none is left over at the end.
-    let mut order: Vec<usize> = (0..jobs.len()).collect();
-    order.sort_by_key(|&i| (std::cmp::Reverse(jobs[i].weight()), i));
-    let next = AtomicUsize::new(0);
-    let work = || {
-        while let Some(&i) = order.get(next.fetch_add(1, Ordering::Relaxed)) {
-            let job = &jobs[i];
-            let tell = |part: u64, whole: u64| {
-                let Ok(mut bar) = bar.lock() else { return };
-                bar.1[i] = u128::from(job.weight()) * u128::from(part) / u128::from(whole.max(1));
-                let done = bar.1.iter().sum::<u128>();
-                bar.0.set(done as u64, || format!("{} under {}", job.name, job.policy.name));
-            };
-            let tiles = u64::from(job.trace.meta().tile_count());
-            let report = job.run(|done| tell(done, tiles));
-            tell(1, 1);
-            let failed = report.is_err();
-            if let Ok(mut slot) = reports[i].lock() {
-                *slot = Some(report);
-            }
-            if failed {
-                next.store(jobs.len(), Ordering::Relaxed);
+/// The first error in the order of the items.
+pub fn pool<T: Sync>(items: &[T], threads: usize, work: impl Fn(&T) -> Result<()> + Sync) -> Result<()> {
+    let (next, failed) = (AtomicUsize::new(0), AtomicBool::new(false));
+    let results: Vec<Mutex<Result<()>>> = items.iter().map(|_| Mutex::new(Ok(()))).collect();
+    let run = || {
+        while !failed.load(Ordering::Relaxed) && !progress::stopped() {
+            let i = next.fetch_add(1, Ordering::Relaxed);
+            let (Some(item), Some(result)) = (items.get(i), results.get(i)) else { return };
+            let own = work(item);
+            failed.fetch_or(own.is_err(), Ordering::Relaxed);
+            if let Ok(mut result) = result.lock() {
+                *result = own;
             }
         }
     };
     std::thread::scope(|scope| {
-        (1..threads.min(jobs.len())).for_each(|_| drop(scope.spawn(work)));
-        work();
+        (1..threads.min(items.len())).for_each(|_| drop(scope.spawn(run)));
+        run();
     });
-    if let Ok((bar, _)) = bar.into_inner() {
-        bar.finish();
-    }
-    if progress::stopped() {
-        return Ok(None);
-    }
-    let found: Vec<_> = reports.into_iter().filter_map(|slot| slot.into_inner().ok().flatten()).collect();
-    let reports: Vec<Report> = found.into_iter().collect::<Result<_>>()?;
-    if reports.len() == jobs.len() { Ok(Some(reports)) } else { Err(anyhow!("a simulation gave no result")) }
+    results.into_iter().try_for_each(|result| result.into_inner().unwrap_or(Ok(())))
 }
 
 /// A trace that cannot be read any more once a signal asked to stop, so that simulations end soon.
@@ -149,9 +141,4 @@ impl PathSource for Stoppable<'_> {
         self.checked()?;
         self.0.tile_with_paths(frame, index)
     }
-}
-
-/// Size of a file; 0 if it cannot be asked for.
-pub fn file_bytes(path: &Path) -> u64 {
-    std::fs::metadata(path).map_or(0, |meta| meta.len())
 }

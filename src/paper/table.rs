@@ -1,216 +1,86 @@
-//! The experiment's results: for people and for programs, beside the paper's.
+//! The results for people, beside the paper's.
 
 use std::fmt::Write as _;
 
-use rayreel_replay::machine::srp::KernelId;
-use rayreel_replay::report::Report;
-use rayreel_replay::report::run::{Cost, RunFigures};
-use serde_json::{Value, json};
+use rayreel_replay::report::study::{Ablation, Gain, Point, Study, Track};
 
-/// The two ways of the paper to use the adaptive policy: name, samples per pixel and axis.
-pub const MODES: [(&str, u32); 2] = [("supersampling", 2), ("undersampling", 1)];
+use super::policies::MODES;
 
-/// PSNR in the paper's Table 1, dB: scene, supersampling, undersampling. The scenes here are our own; only their kind and
-/// triangle count are the paper's.
-const PAPER_PSNR: [(&str, [f64; 2]); 2] = [("teapot", [48.99, 42.13]), ("chess", [28.53, 34.73])];
-
-/// Performance per watt over full in the paper's Figure 7, T&I units alone: scene, least, most. For the scenes that are not
-/// smooth the paper states a least value only.
-const PAPER_GAIN: [(&str, f64, Option<f64>); 5] = [
-    ("teapot", 2.43, Some(2.98)),
-    ("car", 2.43, Some(2.98)),
-    ("chess", 1.53, None),
-    ("lab", 1.53, None),
-    ("provence", 1.53, None),
-];
-
-/// Power over full in the paper, mean of all scenes, T&I units alone.
-const PAPER_POWER: f64 = 1.09;
-
-/// SRP cycles in the paper: similarity test, interpolation.
-const PAPER_SRP: [f64; 2] = [0.05, 0.06];
-
-/// Full and adaptive on one machine.
-pub struct Pair {
-    /// Every sample traced.
-    pub full: Report,
-    /// The adaptive policy.
-    pub adaptive: Report,
-}
-
-/// One scene in one mode.
-pub struct Row {
-    /// Scene, as a file name.
-    pub scene: String,
-    /// Index into [`MODES`].
-    pub mode: usize,
-    /// The adaptive policy with its picture compared.
-    pub adaptive: Report,
-    /// The machine, and the machine with an SRP that takes no time.
-    pub runs: Option<Runs>,
-}
-
-/// What was simulated.
-pub struct Runs {
-    /// The whole machine: `full`; `adaptive` is the row's.
-    pub full: Report,
-    /// The T&I units alone, as in the paper's Figure 7.
-    pub alone: Pair,
-}
-
-/// Adaptive relative to full.
-#[derive(Clone, Copy)]
-struct Gain {
-    performance: f64,
-    power: f64,
-    efficiency: f64,
-}
-
-impl Gain {
-    /// Of the machine's part that `cost` chooses; nothing where nothing was simulated.
-    fn new(full: &RunFigures, adaptive: &RunFigures, cost: fn(&RunFigures) -> Option<Cost>) -> Option<Self> {
-        let (full_cost, adaptive_cost) = (cost(full)?, cost(adaptive)?);
-        Some(Self {
-            performance: adaptive.fps? / full.fps?,
-            power: adaptive_cost.power_w? / full_cost.power_w?,
-            efficiency: adaptive_cost.perf_per_watt? / full_cost.perf_per_watt?,
-        })
+/// Everything that is printed.
+pub fn table(study: &Study) -> String {
+    let (w, h) = (study.width, study.height);
+    let mut text =
+        format!("the paper's policies against full, {w}x{h} pixels; the paper's PSNR is for its own models\n\n");
+    text += &quality(study);
+    if let Some(machine) = &study.machine {
+        text += &gains(study, machine);
     }
-
-    fn json(gain: Option<Self>) -> Value {
-        gain.map_or(
-            Value::Null,
-            |g| json!({ "performance": g.performance, "power": g.power, "perf_per_watt": g.efficiency }),
-        )
-    }
+    text += &all(study);
+    text += &animation(&study.tracks);
+    text += &ablations(&study.ablations);
+    text += "\nnotes\n";
+    study.notes.iter().for_each(|note| text += &format!("- {note}\n"));
+    text
 }
 
-impl Runs {
-    fn alone(&self) -> Option<Gain> {
-        Gain::new(&self.alone.full.run, &self.alone.adaptive.run, |run| Some(run.ti))
-    }
-
-    fn gpu(&self, adaptive: &Report) -> Option<Gain> {
-        Gain::new(&self.full.run, &adaptive.run, |run| run.gpu)
-    }
+/// The points of the policies that the paper evaluated.
+fn evaluated(study: &Study) -> impl Iterator<Item = &Point> {
+    let own = |p: &&Point| study.references.policies.iter().any(|own| own.mode == p.mode && own.policy == p.policy);
+    study.points.iter().filter(own)
 }
 
-/// Busy cycles of the SRPs, and those of similarity test and interpolation among them.
-fn srp_cycles(report: &Report) -> Option<(u64, [u64; 2])> {
-    let (_, run) = report.machine_run.as_ref()?;
-    let (mut busy, mut own) = (0, [0; 2]);
-    for srp in run.stats.cores.iter().map(|core| &core.srp) {
-        busy += srp.activity.busy_cycles();
-        own[0] += srp.kernels[KernelId::Similarity as usize].cycles;
-        own[1] += srp.kernels[KernelId::Interpolate as usize].cycles;
-    }
-    Some((busy, own))
-}
-
-fn paper_psnr(row: &Row) -> Option<f64> {
-    PAPER_PSNR.iter().find(|(name, _)| *name == row.scene).map(|(_, psnr)| psnr[row.mode])
-}
-
-fn paper_gain(row: &Row) -> Option<(f64, Option<f64>)> {
-    PAPER_GAIN.iter().find(|(name, ..)| *name == row.scene).map(|&(_, least, most)| (least, most))
-}
-
-/// A row for programs.
-pub fn json_row(row: &Row) -> Value {
-    let sum = &row.adaptive.sum;
-    let mut value = json!({
-        "scene": row.scene,
-        "mode": MODES[row.mode].0,
-        "policy": row.adaptive.policy,
-        "machine": row.adaptive.machine,
-        "rays_full": sum.rays_full,
-        "rays_traced": sum.rays_traced,
-        "ray_ratio": ray_ratio(&row.adaptive),
-        "similarity_ratio": sum.similarity_ratio,
-        "psnr_db": sum.psnr_db,
-        "ssim": sum.ssim,
-        "paper_psnr_db": paper_psnr(row),
-        "ti_alone": null,
-        "gpu": null,
-        "srp": null,
-    });
-    let Some(runs) = &row.runs else { return value };
-    let paper = paper_gain(row).map(|(least, most)| json!({ "least": least, "most": most }));
-    value["ti_alone"] = json!({
-        "full": runs.alone.full.run,
-        "adaptive": runs.alone.adaptive.run,
-        "gain": Gain::json(runs.alone()),
-        "paper_perf_per_watt": paper,
-        "paper_power": PAPER_POWER,
-    });
-    value["gpu"] = json!({
-        "full": runs.full.run,
-        "adaptive": row.adaptive.run,
-        "gain": Gain::json(runs.gpu(&row.adaptive)),
-    });
-    if let Some((busy, [similarity, interpolation])) = srp_cycles(&row.adaptive) {
-        value["srp"] = json!({
-            "busy_cycles": busy,
-            "similarity_cycles": similarity,
-            "interpolation_cycles": interpolation,
-            "similarity_share": share(similarity, busy),
-            "interpolation_share": share(interpolation, busy),
-            "paper_similarity_share": PAPER_SRP[0],
-            "paper_interpolation_share": PAPER_SRP[1],
-        });
-    }
-    value
-}
-
-fn ray_ratio(adaptive: &Report) -> f64 {
-    adaptive.sum.rays_full as f64 / adaptive.sum.rays_traced as f64
-}
-
-fn share(part: u64, whole: u64) -> Option<f64> {
-    (whole > 0).then(|| part as f64 / whole as f64)
+fn word(mode: &str) -> &str {
+    MODES.iter().find(|own| own.name == mode).map_or(mode, |own| own.word)
 }
 
 fn or_dash(value: Option<f64>, digits: usize) -> String {
     value.map_or("-".to_string(), |v| format!("{v:.digits$}"))
 }
 
-/// All rows for people.
-pub fn table(size: (u32, u32), rows: &[Row]) -> String {
-    let (w, h) = size;
-    let mut text =
-        format!("adaptive sampling against full, {w}x{h} pixels; the paper's PSNR is for its own models\n\n");
-    text += &format!(
+/// PSNR; of identical pictures there is none.
+fn psnr(point: &Point) -> String {
+    match point.quality {
+        Some(quality) => quality.psnr_db.map_or("same".into(), |v| format!("{v:.2}")),
+        None => "-".into(),
+    }
+}
+
+fn ray_ratio(point: &Point) -> f64 {
+    point.rays_full as f64 / point.rays_traced.max(1) as f64
+}
+
+fn quality(study: &Study) -> String {
+    let mut text = format!(
         "{:<10} {:<14} {:>13} {:>13} {:>10} {:>8} {:>9} {:>9} {:>7}\n",
-        "scene", "mode", "rays, full", "rays, adapt.", "ray ratio", "similar", "PSNR dB", "paper dB", "SSIM"
+        "scene", "mode", "rays, full", "rays, traced", "ray ratio", "rate %", "PSNR dB", "paper dB", "SSIM"
     );
-    for row in rows {
-        let sum = &row.adaptive.sum;
+    for p in evaluated(study) {
+        let paper = study.references.psnr.iter().find(|own| own.scene == p.scene && own.mode == p.mode);
         let _ = writeln!(
             text,
-            "{:<10} {:<14} {:>13} {:>13} {:>10.2} {:>8} {:>9} {:>9} {:>7}",
-            row.scene,
-            MODES[row.mode].0,
-            sum.rays_full,
-            sum.rays_traced,
-            ray_ratio(&row.adaptive),
-            or_dash(sum.similarity_ratio.map(|r| r * 100.0), 1) + " %",
-            or_dash(sum.psnr_db, 2),
-            or_dash(paper_psnr(row), 2),
-            or_dash(sum.ssim, 4),
+            "{:<10} {:<14} {:>13} {:>13} {:>10.2} {:>8.1} {:>9} {:>9} {:>7}",
+            p.scene,
+            word(&p.mode),
+            p.rays_full,
+            p.rays_traced,
+            ray_ratio(p),
+            p.mean_rate * 100.0,
+            psnr(p),
+            or_dash(paper.map(|own| own.psnr_db), 2),
+            or_dash(p.quality.and_then(|q| q.ssim), 4),
         );
-    }
-    if let Some(machine) = rows.first().and_then(|row| row.runs.as_ref().and(row.adaptive.machine.as_ref())) {
-        text += &gains(machine, rows);
-        text += &speeds(machine, rows);
     }
     text
 }
 
-/// Adaptive relative to full.
-fn gains(machine: &str, rows: &[Row]) -> String {
-    let mut text = format!(
-        "\nadaptive relative to full on {machine}; T&I alone is as in the paper's Figure 7: its SRP takes no time\n\n"
-    );
+fn factors(gain: Option<Gain>) -> [String; 3] {
+    [gain.map(|g| g.performance), gain.map(|g| g.power), gain.map(|g| g.perf_per_watt)].map(|v| or_dash(v, 2))
+}
+
+/// The paper's policies relative to full.
+fn gains(study: &Study, machine: &str) -> String {
+    let mut text =
+        format!("\nrelative to full on {machine}; T&I alone is as in the paper's Figure 7: its SRP takes no time\n\n");
     let _ =
         writeln!(text, "{:<25} {:-^34}   {:-^20}   {:-^19}", "", " T&I units alone ", " whole GPU ", " % of SRP busy ");
     let _ = writeln!(
@@ -218,57 +88,209 @@ fn gains(machine: &str, rows: &[Row]) -> String {
         "{:<10} {:<14} {:>6} {:>6} {:>7} {:>12}   {:>6} {:>6} {:>6}   {:>9} {:>9}",
         "scene", "mode", "perf", "power", "perf/W", "paper", "perf", "power", "perf/W", "similar.", "interp."
     );
-    for row in rows {
-        let Some(runs) = &row.runs else { continue };
-        let [alone, gpu] = [runs.alone(), runs.gpu(&row.adaptive)].map(|gain| {
-            [gain.map(|g| g.performance), gain.map(|g| g.power), gain.map(|g| g.efficiency)].map(|v| or_dash(v, 2))
+    for p in evaluated(study) {
+        let [alone, gpu] = [p.ti_gain, p.gpu_gain].map(factors);
+        let band = study.references.gains.iter().find(|band| band.scene == p.scene);
+        let paper = band.map_or("-".into(), |b| match b.most {
+            Some(most) => format!("{} to {most}", b.least),
+            None => format!(">= {}", b.least),
         });
-        let paper = match paper_gain(row) {
-            Some((least, Some(most))) => format!("{least} to {most}"),
-            Some((least, None)) => format!(">= {least}"),
-            None => "-".into(),
-        };
-        let srp = srp_cycles(&row.adaptive);
-        let srp = [0, 1].map(|i| or_dash(srp.and_then(|(busy, own)| share(own[i], busy)).map(|s| s * 100.0), 1));
+        let share = |name: &str| p.srp.iter().find(|k| k.kernel == name).map(|k| k.share * 100.0);
         let _ = writeln!(
             text,
             "{:<10} {:<14} {:>6} {:>6} {:>7} {paper:>12}   {:>6} {:>6} {:>6}   {:>9} {:>9}",
-            row.scene, MODES[row.mode].0, alone[0], alone[1], alone[2], gpu[0], gpu[1], gpu[2], srp[0], srp[1]
+            p.scene,
+            word(&p.mode),
+            alone[0],
+            alone[1],
+            alone[2],
+            gpu[0],
+            gpu[1],
+            gpu[2],
+            or_dash(share("similarity"), 1),
+            or_dash(share("interpolate"), 1)
         );
     }
+    let paper = |name: &str| study.references.srp.iter().find(|k| k.kernel == name).map(|k| k.share * 100.0);
     let _ = writeln!(
         text,
         "{:<25} {:>6} {:>6} {:>7} {:>12}   {:>6} {:>6} {:>6}   {:>9} {:>9}",
         "the paper, mean",
         "",
-        PAPER_POWER,
+        or_dash(study.references.power, 2),
         "",
         "",
         "",
         "",
         "",
-        format!("{:.0}", PAPER_SRP[0] * 100.0),
-        format!("{:.0}", PAPER_SRP[1] * 100.0)
+        or_dash(paper("similarity"), 0),
+        or_dash(paper("interpolate"), 0)
     );
     text
 }
 
-/// How fast it is, and at what power.
-fn speeds(machine: &str, rows: &[Row]) -> String {
-    let mut text = format!("\nwhole GPU, {machine}\n\n");
-    let _ = writeln!(text, "{:<25} {:-^31}   {:-^31}", "", " full ", " adaptive ");
-    let _ = writeln!(
-        text,
-        "{:<10} {:<14} {:>9} {:>9} {:>11}   {:>9} {:>9} {:>11}",
-        "scene", "mode", "frames/s", "Mrays/s", "power W", "frames/s", "Mrays/s", "power W"
-    );
-    for row in rows {
-        let Some(runs) = &row.runs else { continue };
-        let [full, adaptive] = [&runs.full.run, &row.adaptive.run].map(|run| {
-            let power = or_dash(run.gpu.and_then(|gpu| gpu.power_w), 2);
-            format!("{:>9} {:>9} {power:>11}", or_dash(run.fps, 1), or_dash(run.mrays_per_s, 1))
-        });
-        let _ = writeln!(text, "{:<10} {:<14} {full}   {adaptive}", row.scene, MODES[row.mode].0);
+/// All policies in both modes.
+fn all(study: &Study) -> String {
+    let mut text = String::new();
+    for mode in &MODES {
+        let _ = writeln!(
+            text,
+            "\nevery policy, {}; gains over full {}, T&I alone and whole GPU{}\n",
+            mode.word,
+            mode.name,
+            if mode.samples == 1 { ", and of the T&I alone over full 2x2" } else { "" }
+        );
+        let _ = writeln!(
+            text,
+            "{:<12} {:<10} {:>9} {:>8} {:>7} {:>7} {:>9} {:>7}  {:>10} {:>10} {:>10}",
+            "policy",
+            "scene",
+            "ray ratio",
+            "PSNR dB",
+            "SSIM",
+            "FLIP",
+            "worst dB",
+            "rate %",
+            "T&I perf/W",
+            "GPU perf/W",
+            "over 2x2"
+        );
+        for policy in study.policies.iter().filter(|p| p.name != "full") {
+            let own: Vec<&Point> =
+                study.points.iter().filter(|p| p.mode == mode.name && p.policy == policy.name).collect();
+            own.iter().for_each(|point| text += &line(point, mode.samples == 1));
+            if own.len() > 1 {
+                text += &mean(&policy.name, &own, mode.samples == 1);
+            }
+        }
     }
     text
+}
+
+fn line(p: &Point, over: bool) -> String {
+    let watt = |gain: Option<Gain>| or_dash(gain.map(|g| g.perf_per_watt), 2);
+    let quality = p.quality.unwrap_or_default();
+    format!(
+        "{:<12} {:<10} {:>9.2} {:>8} {:>7} {:>7} {:>9} {:>7.1}  {:>10} {:>10} {:>10}\n",
+        p.policy,
+        p.scene,
+        ray_ratio(p),
+        psnr(p),
+        or_dash(quality.ssim, 4),
+        or_dash(quality.flip, 4),
+        or_dash(quality.worst_tile_psnr_db, 2),
+        p.mean_rate * 100.0,
+        watt(p.ti_gain),
+        watt(p.gpu_gain),
+        if over { watt(p.fsaa_gain) } else { String::new() }
+    )
+}
+
+/// Geometric means over the scenes.
+fn mean(policy: &str, points: &[&Point], over: bool) -> String {
+    let mean = |values: Vec<Option<f64>>| or_dash(geometric_mean(values), 2);
+    let watt = |gain: fn(&Point) -> Option<Gain>| {
+        mean(points.iter().map(|point| gain(point).map(|g| g.perf_per_watt)).collect())
+    };
+    format!(
+        "{policy:<12} {:<10} {:>9} {:>8} {:>7} {:>7} {:>9} {:>7}  {:>10} {:>10} {:>10}\n",
+        "(geo mean)",
+        mean(points.iter().map(|point| Some(ray_ratio(point))).collect()),
+        "",
+        "",
+        "",
+        "",
+        "",
+        watt(|p| p.ti_gain),
+        watt(|p| p.gpu_gain),
+        if over { watt(|p| p.fsaa_gain) } else { String::new() }
+    )
+}
+
+/// Nothing where a value is missing. The product is of a few factors near one, and its root is found by halving: the
+/// platform's logarithm would not give the same digits everywhere.
+fn geometric_mean(values: Vec<Option<f64>>) -> Option<f64> {
+    let values: Vec<f64> = values.into_iter().collect::<Option<_>>()?;
+    let (mut low, mut high) =
+        (values.iter().copied().fold(f64::INFINITY, f64::min), values.iter().copied().fold(0.0, f64::max));
+    for _ in 0..64 {
+        let middle = 0.5 * (low + high);
+        if values.iter().map(|v| v / middle).product::<f64>() > 1.0 { low = middle } else { high = middle }
+    }
+    Some(0.5 * (low + high))
+}
+
+/// The animation: sums over its frames.
+fn animation(tracks: &[Track]) -> String {
+    let Some(first) = tracks.first() else { return String::new() };
+    let mut text =
+        format!("\nthe animation of {}, {} frames, {}\n\n", first.scene, first.frames.len(), word(&first.mode));
+    let _ = writeln!(
+        text,
+        "{:<12} {:>9} {:>7} {:>8} {:>9} {:>14}",
+        "policy", "ray ratio", "rate %", "PSNR dB", "flicker", "T&I mJ a frame"
+    );
+    for track in tracks {
+        let frames = &track.frames;
+        let sum = |of: fn(&rayreel_replay::report::study::TrackFrame) -> u64| frames.iter().map(of).sum::<u64>() as f64;
+        let energy: Vec<f64> = frames.iter().filter_map(|f| f.energy_mj).collect();
+        let energy = (!energy.is_empty()).then(|| energy.iter().sum::<f64>() / energy.len() as f64);
+        let rate = frames.iter().map(|f| f.mean_rate).sum::<f64>() / frames.len().max(1) as f64;
+        let _ = writeln!(
+            text,
+            "{:<12} {:>9.2} {:>7.1} {:>8} {:>9} {:>14}",
+            track.policy,
+            sum(|f| f.rays_full) / sum(|f| f.rays_traced).max(1.0),
+            rate * 100.0,
+            or_dash(track.psnr_db, 2),
+            or_dash(track.flicker, 3),
+            or_dash(energy, 3)
+        );
+    }
+    text
+}
+
+/// The ablations, each relative to the unchanged one of its group.
+fn ablations(all: &[Ablation]) -> String {
+    if all.is_empty() {
+        return String::new();
+    }
+    let mut text = "\none choice changed at a time, whole GPU; factors over the first of each group\n".to_owned();
+    let mut group = "";
+    for own in all {
+        if own.group != group {
+            group = &own.group;
+            let _ = writeln!(
+                text,
+                "\n{:<24} {:<10} {:>9} {:>8} {:>10} {:>10} {:>10}",
+                group, "scene", "ray ratio", "PSNR dB", "cycles", "power", "perf/W"
+            );
+        }
+        let base = all.iter().find(|b| b.base && b.group == own.group && b.scene == own.scene);
+        let over = |of: fn(&Ablation) -> Option<f64>| or_dash(base.and_then(|b| Some(of(own)? / of(b)?)), 3);
+        let _ = writeln!(
+            text,
+            "{:<24} {:<10} {:>9.2} {:>8} {:>10} {:>10} {:>10}",
+            own.name,
+            own.scene,
+            own.rays_full as f64 / own.rays_traced.max(1) as f64,
+            or_dash(own.psnr_db, 2),
+            over(|a| a.cycles.map(|c| c as f64)),
+            over(|a| a.power_w),
+            over(|a| a.perf_per_watt)
+        );
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::geometric_mean;
+
+    #[test]
+    fn the_geometric_mean() {
+        assert!((geometric_mean(vec![Some(2.0), Some(8.0)]).unwrap() - 4.0).abs() < 1e-12);
+        assert!((geometric_mean(vec![Some(3.0)]).unwrap() - 3.0).abs() < 1e-12);
+        assert_eq!(geometric_mean(vec![Some(2.0), None]), None);
+    }
 }

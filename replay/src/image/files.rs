@@ -68,11 +68,27 @@ pub fn write_exr(path: &Path, image: &Image) -> Result<()> {
 /// # Errors
 /// When the file cannot be written.
 pub fn write_png(path: &Path, image: &Srgb8) -> Result<()> {
-    let mut bytes = Vec::new();
-    PngEncoder::new_with_quality(&mut bytes, CompressionType::Default, FilterType::Adaptive)
-        .write_image(image.bytes(), image.width, image.height, ExtendedColorType::Rgb8)
-        .map_err(|e| ReplayError::output(path, "encode", io::Error::other(e)))?;
+    let bytes = encode(image).map_err(|e| ReplayError::output(path, "encode", io::Error::other(e)))?;
     write_atomically(path, &bytes)
+}
+
+/// The bytes of a PNG file.
+///
+/// # Errors
+/// When the picture has no pixels.
+pub fn png(image: &Srgb8) -> Result<Vec<u8>> {
+    encode(image).map_err(|e| ReplayError::Usage { detail: format!("a picture cannot be written as PNG: {e}") })
+}
+
+fn encode(image: &Srgb8) -> image::ImageResult<Vec<u8>> {
+    let mut bytes = Vec::new();
+    PngEncoder::new_with_quality(&mut bytes, CompressionType::Default, FilterType::Adaptive).write_image(
+        image.bytes(),
+        image.width,
+        image.height,
+        ExtendedColorType::Rgb8,
+    )?;
+    Ok(bytes)
 }
 
 /// Reads the first RGB layer of an EXR file.

@@ -1,0 +1,239 @@
+//! The animation: runs of consecutive frames of a camera path, and maps of the paper's frames.
+//!
+//! A run begins a frame or two early, so that a policy with feedback has a frame before it; these frames do not count.
+
+use std::sync::Arc;
+
+use rayreel_replay::image::psnr::{SquaredError, decibels};
+use rayreel_replay::report::study::{Map, Track, TrackFrame};
+
+use super::Setup;
+use super::plan::{Grid, Job, Kind, Picture, Plan, TILE};
+use super::policies::MODES;
+use super::record::{Frame, Record};
+
+/// The frames of the paper's Figure 4, from 1.
+pub const PAPER_FRAMES: [u32; 6] = [1, 150, 340, 400, 600, 700];
+
+/// The scene that the paper animates.
+const SCENE: &str = "provence";
+
+/// Frames of a run that count, by default.
+const COUNTED: u32 = 3;
+
+/// Frames before them, by default.
+const EARLY: u32 = 1;
+
+/// The same for the whole path: a run is what is on disk at once.
+const COUNTED_FULL: u32 = 20;
+const EARLY_FULL: u32 = 2;
+
+/// A run of frames, from 0.
+#[derive(Clone, Debug, PartialEq, Eq)]
+struct Stretch {
+    /// The first that is replayed.
+    first: u32,
+    /// The first that counts.
+    counted: u32,
+    /// The one after the last.
+    end: u32,
+}
+
+impl Stretch {
+    fn new(counted: u32, end: u32, early: u32) -> Self {
+        Self { first: counted.saturating_sub(early), counted, end }
+    }
+
+    /// The frames that a machine simulates: the paper's, or else the last one.
+    fn simulated(&self, full: bool) -> Vec<u32> {
+        let mut frames = self.mapped();
+        if full || frames.is_empty() {
+            frames.push(self.end - 1);
+        }
+        frames.dedup();
+        frames
+    }
+
+    /// The frames of which there are maps.
+    fn mapped(&self) -> Vec<u32> {
+        PAPER_FRAMES.iter().map(|frame| frame - 1).filter(|frame| (self.counted..self.end).contains(frame)).collect()
+    }
+}
+
+/// The runs over a path of `length` frames: all of it, or a few frames that end at each of the paper's.
+fn stretches(length: u32, full: bool) -> Vec<Stretch> {
+    if full {
+        let starts = (0..length).step_by(COUNTED_FULL as usize);
+        return starts.map(|start| Stretch::new(start, (start + COUNTED_FULL).min(length), EARLY_FULL)).collect();
+    }
+    let around = |frame: &u32| {
+        let end = (*frame).max(COUNTED).min(length);
+        Stretch::new(end.saturating_sub(COUNTED), end, EARLY)
+    };
+    PAPER_FRAMES.iter().filter(|frame| **frame <= length).map(around).collect()
+}
+
+/// An animation that is planned.
+pub struct Planned {
+    scene: usize,
+    runs: Vec<Stretch>,
+    tracks: Vec<(usize, Vec<usize>)>,
+}
+
+/// Plans the animation of the paper's scene, or of the first that moves; nothing if none does.
+pub fn plan(setup: &Setup<'_>, plan: &mut Plan<'_>) -> Option<Planned> {
+    let moves = |scene: &usize| setup.stages[*scene].scene.cameras.len() > 1;
+    let all = || (0..setup.stages.len()).filter(moves);
+    let scene = all().find(|scene| setup.stages[*scene].name == SCENE).or_else(|| all().next())?;
+    let length = setup.stages[scene].scene.cameras.len() as u32;
+    let runs = stretches(length, setup.full);
+    let mut tracks: Vec<(usize, Vec<usize>)> = Vec::new();
+    for (i, run) in runs.iter().enumerate() {
+        let frames = (run.first, run.end - run.first);
+        let grid = Grid { scene, size: setup.size, samples: MODES[0].samples, tile: TILE, frames };
+        let shot = plan.shot(&grid, if setup.full { i + 1 } else { 0 }, !setup.full);
+        for (policy, (entry, named)) in setup.policies.iter().enumerate().filter(|(_, (entry, _))| entry.animated) {
+            let machine = setup.machines.as_ref().map(|m| Arc::clone(&m.alone));
+            let simulated = if machine.is_some() { run.simulated(setup.full) } else { Vec::new() };
+            let pictures = if entry.mapped { pictures(setup, scene, policy, run) } else { Vec::new() };
+            let named = Arc::clone(named);
+            let job = Job { shot, policy: named, machine, simulated, compared: true, tiles: false, pictures };
+            let job = plan.job(job);
+            match tracks.iter_mut().find(|(known, _)| *known == policy) {
+                Some((_, jobs)) => jobs.push(job),
+                None => tracks.push((policy, vec![job])),
+            }
+        }
+    }
+    Some(Planned { scene, runs, tracks })
+}
+
+/// Where a map lies.
+fn file(setup: &Setup<'_>, scene: usize, policy: usize, frame: u32, what: &str) -> String {
+    let (scene, policy) = (&setup.stages[scene].name, setup.policies[policy].0.name);
+    format!("{scene}-frames/{:04}-{policy}-{what}.png", frame + 1)
+}
+
+fn pictures(setup: &Setup<'_>, scene: usize, policy: usize, run: &Stretch) -> Vec<Picture> {
+    let mut all = Vec::new();
+    for frame in run.mapped() {
+        let mut add = |kind, what| all.push(Picture { frame, kind, file: file(setup, scene, policy, frame, what) });
+        add(Kind::Result, "picture");
+        add(Kind::Similarity, "similarity");
+        if setup.has_rates(policy) {
+            add(Kind::Rate, "rate");
+        }
+    }
+    all
+}
+
+impl Planned {
+    /// The frames of a track that count.
+    fn frames<'a>(&'a self, jobs: &'a [usize], records: &'a [Record]) -> impl Iterator<Item = &'a Frame> {
+        let own = |(run, job): (&'a Stretch, &usize)| {
+            records[*job].frames.iter().filter(|frame| (run.counted..run.end).contains(&frame.frame))
+        };
+        self.runs.iter().zip(jobs).flat_map(own)
+    }
+
+    /// How many frames count, and of how many.
+    pub fn extent(&self, setup: &Setup<'_>) -> (usize, usize) {
+        let counted = self.runs.iter().map(|run| (run.end - run.counted) as usize).sum();
+        (counted, setup.stages[self.scene].scene.cameras.len())
+    }
+
+    /// How many frames a machine simulates.
+    pub fn simulated(&self, setup: &Setup<'_>) -> usize {
+        self.runs.iter().map(|run| run.simulated(setup.full).len()).sum()
+    }
+
+    /// Name of the scene.
+    pub fn scene<'a>(&self, setup: &'a Setup<'_>) -> &'a str {
+        &setup.stages[self.scene].name
+    }
+
+    /// The figures over the frames.
+    pub fn tracks(&self, setup: &Setup<'_>, records: &[Record]) -> Vec<Track> {
+        let track = |(policy, jobs): &(usize, Vec<usize>)| {
+            let frames: Vec<&Frame> = self.frames(jobs, records).collect();
+            Track {
+                scene: self.scene(setup).into(),
+                policy: setup.policies[*policy].1.name.clone(),
+                mode: MODES[0].name.into(),
+                frames: frames.iter().map(|frame| track_frame(frame)).collect(),
+                flicker: squared(frames.iter().filter_map(|f| f.flicker)).map(SquaredError::rms),
+                psnr_db: squared(frames.iter().filter_map(|f| f.error)).and_then(|sum| decibels(sum.sum, sum.values)),
+            }
+        };
+        self.tracks.iter().map(track).collect()
+    }
+
+    /// The maps of the paper's frames.
+    pub fn maps(&self, setup: &Setup<'_>, records: &[Record]) -> Vec<Map> {
+        let mut maps = Vec::new();
+        for (policy, jobs) in self.tracks.iter().filter(|(policy, _)| setup.policies[*policy].0.mapped) {
+            for frame in self.frames(jobs, records).filter(|f| self.runs.iter().any(|r| r.mapped().contains(&f.frame)))
+            {
+                let file = |what| file(setup, self.scene, *policy, frame.frame, what);
+                maps.push(Map {
+                    scene: self.scene(setup).into(),
+                    policy: setup.policies[*policy].1.name.clone(),
+                    frame: frame.frame + 1,
+                    similarity: file("similarity"),
+                    rate: setup.has_rates(*policy).then(|| file("rate")),
+                    picture: Some(file("picture")),
+                    similarity_ratio: frame.similarity_ratio,
+                    mean_rate: frame.mean_rate(),
+                    paper_ratio: None,
+                });
+            }
+        }
+        maps
+    }
+}
+
+fn squared(parts: impl Iterator<Item = (u64, u64)>) -> Option<SquaredError> {
+    parts.map(|(sum, values)| SquaredError { sum, values }).reduce(|a, b| a + b)
+}
+
+fn track_frame(frame: &Frame) -> TrackFrame {
+    let cost = frame.machine.as_ref().and_then(|machine| machine.ti);
+    TrackFrame {
+        frame: frame.frame + 1,
+        rays_full: frame.rays_full,
+        rays_traced: frame.rays_traced,
+        power_w: cost.map(|c| c.power_w),
+        time_ms: cost.map(|c| c.time_ms),
+        energy_mj: cost.map(|c| c.energy_mj),
+        psnr_db: frame.quality.and_then(|q| q.psnr_db),
+        mean_rate: frame.mean_rate(),
+        similarity_ratio: frame.similarity_ratio,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn by_default_a_run_ends_at_each_of_the_papers_frames() {
+        let runs = stretches(700, false);
+        assert_eq!(runs.len(), PAPER_FRAMES.len());
+        assert_eq!(runs[0], Stretch { first: 0, counted: 0, end: COUNTED });
+        assert_eq!(runs[5], Stretch { first: 700 - COUNTED - EARLY, counted: 700 - COUNTED, end: 700 });
+        let mapped: Vec<u32> = runs.iter().flat_map(Stretch::mapped).collect();
+        assert_eq!(mapped, PAPER_FRAMES.map(|frame| frame - 1));
+        // A short path has what there is of it.
+        assert_eq!(stretches(2, false), [Stretch { first: 0, counted: 0, end: 2 }]);
+    }
+
+    #[test]
+    fn the_whole_path_is_counted_once() {
+        let runs = stretches(700, true);
+        let counted: Vec<u32> = runs.iter().flat_map(|run| run.counted..run.end).collect();
+        assert_eq!(counted, (0..700).collect::<Vec<_>>());
+        assert!(runs[1..].iter().all(|run| run.first + EARLY_FULL == run.counted));
+        assert_eq!(runs.iter().flat_map(Stretch::mapped).count(), PAPER_FRAMES.len());
+        assert!(runs.iter().all(|run| run.simulated(true).contains(&(run.end - 1))));
+    }
+}

@@ -1,0 +1,46 @@
+//! What the paper states: Lee et al. 2016, Table 1, Figure 7 and the text around them.
+
+use rayreel_replay::report::study::{GainBand, ModePolicy, PaperKernel, PaperPsnr, References};
+
+use super::policies::{MODES, PAPER};
+
+/// The paper's scenes: name here, triangles, PSNR of Table 1 in dB (supersampling, undersampling), least and most performance
+/// per watt over full in Figure 7 (T&I units alone). For the scenes that are not smooth the paper states a least value only.
+const SCENES: [(&str, u64, [f64; 2], f64, Option<f64>); 5] = [
+    ("teapot", 15_000, [48.99, 42.13], 2.43, Some(2.98)),
+    ("chess", 42_000, [28.53, 34.73], 1.53, None),
+    ("car", 55_000, [34.11, 41.68], 2.43, Some(2.98)),
+    ("lab", 98_000, [36.28, 42.60], 1.53, None),
+    ("provence", 600_000, [30.50, 37.71], 1.53, None),
+];
+
+/// Power over full, mean of all scenes, T&I units alone.
+const POWER: f64 = 1.09;
+
+/// SRP cycles by kernel.
+const SRP: [(&str, f64); 2] = [("similarity", 0.05), ("interpolate", 0.06)];
+
+/// The names of the paper's scenes.
+pub fn scenes() -> impl Iterator<Item = &'static str> {
+    SCENES.iter().map(|(name, ..)| *name)
+}
+
+/// Triangles of the paper's scene of this kind.
+pub fn triangles(scene: &str) -> Option<u64> {
+    SCENES.iter().find(|(name, ..)| *name == scene).map(|(_, triangles, ..)| *triangles)
+}
+
+/// All that is stated.
+pub fn references() -> References {
+    let mut all = References { power: Some(POWER), ..References::default() };
+    for (i, mode) in MODES.iter().enumerate() {
+        all.policies.push(ModePolicy { mode: mode.name.into(), policy: PAPER[i].into() });
+        for (scene, _, psnr, ..) in SCENES {
+            all.psnr.push(PaperPsnr { scene: scene.into(), mode: mode.name.into(), psnr_db: psnr[i] });
+        }
+    }
+    all.gains =
+        SCENES.iter().map(|&(scene, _, _, least, most)| GainBand { scene: scene.into(), least, most }).collect();
+    all.srp = SRP.iter().map(|&(kernel, share)| PaperKernel { kernel: kernel.into(), share }).collect();
+    all
+}

@@ -1,0 +1,113 @@
+//! The whole experiment as a study.
+
+use anyhow::Result;
+use rayreel_replay::machine::config::schema::KEYS;
+use rayreel_replay::machine::config::{NamedMachine, Sourced};
+use rayreel_replay::report::study::{ConfigValue, ModeRays, Policy, SCHEMA, Scene, Study};
+
+use super::policies::MODES;
+use super::record::Record;
+use super::{Experiment, Setup, ablations, animation, points, reference};
+use crate::common::TOOL;
+use crate::presets;
+
+/// Makes the study.
+///
+/// # Errors
+/// Never for policies that were loaded.
+pub fn study(setup: &Setup<'_>, experiment: &Experiment, records: &[Record]) -> Result<Study> {
+    let animation = experiment.animation.as_ref();
+    Ok(Study {
+        schema: SCHEMA,
+        tool: TOOL.into(),
+        title: "Adaptive multi-rate ray sampling, after Lee et al. 2016".into(),
+        command: setup.command.clone(),
+        machine: setup.machines.as_ref().map(|m| m.whole.name.clone()),
+        width: setup.size.0,
+        height: setup.size.1,
+        notes: notes(setup, experiment),
+        headline_policy: None,
+        scenes: (0..setup.stages.len()).map(|scene| scene_of(setup, experiment, records, scene)).collect(),
+        policies: policies(setup)?,
+        points: points::points(setup, &experiment.points, records),
+        references: reference::references(),
+        maps: animation.map(|own| own.maps(setup, records)).unwrap_or_default(),
+        tracks: animation.map(|own| own.tracks(setup, records)).unwrap_or_default(),
+        ablations: ablations::ablations(setup, &experiment.ablations, records),
+        viewer: points::viewer(setup, &experiment.points, records),
+        config: setup.machines.as_ref().map(|m| config(&m.whole)).unwrap_or_default(),
+    })
+}
+
+fn scene_of(setup: &Setup<'_>, experiment: &Experiment, records: &[Record], scene: usize) -> Scene {
+    let stage = &setup.stages[scene];
+    let rays = points::rays_full(&experiment.points, records, scene);
+    Scene {
+        name: stage.name.clone(),
+        triangles: stage.scene.mesh.triangles.len() as u64,
+        paper_triangles: reference::triangles(&stage.name),
+        lights: stage.scene.lights.len() as u32,
+        frame: 1,
+        rays_full: rays.iter().map(|(mode, rays)| ModeRays { mode: MODES[*mode].name.into(), rays: *rays }).collect(),
+    }
+}
+
+fn policies(setup: &Setup<'_>) -> Result<Vec<Policy>> {
+    let policy = |(entry, named): &(&super::policies::Entry, std::sync::Arc<rayreel_replay::NamedPolicy>)| {
+        Ok(Policy {
+            name: named.name.clone(),
+            summary: presets::policy_summary(entry.name),
+            config_toml: presets::policy_values(&named.policy)?,
+        })
+    };
+    setup.policies.iter().map(policy).collect()
+}
+
+fn config(machine: &NamedMachine) -> Vec<ConfigValue> {
+    let value = |v: &Sourced| ConfigValue {
+        key: v.key.into(),
+        value: KEYS.iter().find(|k| k.name == v.key).map_or_else(|| v.value.to_string(), |k| k.rule.show(&v.value)),
+        unit: String::new(),
+        class: v.class.name().into(),
+        source: v.source.clone(),
+    };
+    machine.values.iter().map(value).collect()
+}
+
+/// What a reader has to know, above all what was left out.
+fn notes(setup: &Setup<'_>, experiment: &Experiment) -> Vec<String> {
+    let (w, h) = setup.size;
+    let mut notes = Vec::new();
+    if setup.size != super::SIZE_FULL {
+        let (width, height) = super::SIZE_FULL;
+        notes.push(format!(
+            "Pictures have {w}x{h} pixels; the paper's have {width}x{height}, where neighbouring samples are more alike and all \
+             gains are larger: rayreel paper --full."
+        ));
+    }
+    notes.push(
+        "The paper's models are not public: these scenes are of the same kind and triangle count, no more. It does not state its \
+         angle between normals; ours is 10 degrees."
+            .into(),
+    );
+    if setup.machines.is_none() {
+        notes.push("No machine: rays and pictures only.".into());
+    }
+    if let Some(animation) = &experiment.animation {
+        let (counted, all) = animation.extent(setup);
+        notes.push(format!(
+            "The animation of {} counts {counted} of {all} frames, of each run of consecutive frames the last ones; {} of them \
+             are simulated on the machine (T&I units alone), the others give rays, rates and pictures. Maps are those of frames {}.",
+            animation.scene(setup),
+            if setup.machines.is_some() { animation.simulated(setup) } else { 0 },
+            animation::PAPER_FRAMES.map(|frame| frame.to_string()).join(", "),
+        ));
+    }
+    if let Some((width, height)) = ablations::smaller(setup.size) {
+        notes.push(format!("The ablations are of {width}x{height} pixels."));
+    }
+    if experiment.points.len() > experiment.shown() {
+        notes.push("The image viewer holds the pictures of some of the policies.".into());
+    }
+    notes
+}
