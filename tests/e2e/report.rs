@@ -219,7 +219,7 @@ fn charts(page: &Page<'_>) {
     let hidden =
         |mode: &str| format!("[...document.querySelectorAll('.mode[data-mode=\"{mode}\"]')].every(e => e.hidden)");
     page.holds(&hidden("1x1"));
-    page.click(".modes button:nth-child(2)");
+    page.click("#policies > .modes button:nth-child(2)");
     page.holds(&hidden("2x2"));
     page.click("#config-values summary");
     page.click("#config-search");
