@@ -53,8 +53,8 @@ pub struct Materials {
     pub court: u32,
     /// Flagstones.
     pub paving: u32,
-    /// Pots.
-    pub terracotta: u32,
+    /// Glazed pots.
+    pub pot: u32,
     /// Poppies.
     pub poppy: u32,
 }
@@ -76,7 +76,7 @@ pub fn add(out: &mut SceneBuilder) -> Materials {
         pebbles: textured(out, "pebbles", speckled("pebbles", [0.42, 0.46, 0.40], 0.8, 14)),
         court: textured(out, "court", court()),
         paving: textured(out, "paving", paving()),
-        terracotta: textured(out, "terracotta", speckled("terracotta", [0.50, 0.22, 0.12], 0.35, 15)),
+        pot: glazed(out),
         pane: out.material(builder::glass("pane", [0.97, 0.985, 0.98], 1.5)),
         water: out.material(builder::glass("water", [0.86, 0.95, 0.94], 1.33)),
         sash: out.material(builder::matte("sash", [0.62, 0.60, 0.55])),
@@ -96,6 +96,16 @@ pub fn textured(out: &mut SceneBuilder, name: &str, texture: Texture) -> u32 {
 
 fn mix(a: DVec3, b: DVec3, t: f64) -> DVec3 {
     a + (b - a) * t.clamp(0.0, 1.0)
+}
+
+/// Pottery under a honey glaze that runs in green streaks, as in Anduze.
+fn glazed(out: &mut SceneBuilder) -> u32 {
+    let map = out.texture(paint::paint("glaze", 256, |u, v| {
+        let streak = paint::noise(u * 24.0, v * 2.0, 22);
+        let honey = DVec3::new(0.52, 0.24, 0.06) * (0.75 + 0.5 * paint::wrapped(u, v, 20, 23));
+        mix(honey, DVec3::new(0.16, 0.22, 0.06), 0.8 * smooth(0.55, 0.85, streak))
+    }));
+    out.material(Material { diffuse_map: Some(map), ..builder::polished("glaze", [1.0; 3], 0.06, 180) })
 }
 
 /// Colours to pick from: `u` picks a shade at random, `v` runs from `low` to `high`.

@@ -53,7 +53,7 @@ fn paving() -> Part {
     part.crease(80.0)
 }
 
-/// Terracotta pots with lavender by the doors and round the pool, box bushes along the walls.
+/// Glazed pots with lavender by the doors and round the pool, box bushes along the walls.
 fn pots(out: &mut SceneBuilder, m: &Materials) {
     let knots = [
         c(0.0, 0.0),
@@ -75,7 +75,7 @@ fn pots(out: &mut SceneBuilder, m: &Materials) {
     let pool = [0.13, 0.39, 0.63, 0.88].map(|turn| land::pool_rim(turn, 1.05)).map(|p| (p.x, p.y));
     for (i, (x, z)) in doors.into_iter().chain(pool).enumerate() {
         let at = ground(x, z) + DVec3::Y * 0.04;
-        out.object(&format!("pot {i}"), &pot.clone().at(at.x, at.y, at.z), m.terracotta);
+        out.object(&format!("pot {i}"), &pot.clone().at(at.x, at.y, at.z), m.pot);
         let mut bush = Cluster::default();
         let place = upright(at + DVec3::Y * 0.40, rng.between(0.0, 360.0), DVec3::splat(0.92));
         bush.stamp(&flowers, &place, DVec2::new(rng.unit(), 0.0));
