@@ -6,14 +6,16 @@ use glam::Vec3;
 use rayreel_scenes::{Optics, Scene, builtin, builtin_names};
 
 /// Triangle counts that the paper's scenes have; `cornell` only has to stay small.
-const COUNTS: [(&str, usize); 4] = [("teapot", 15_000), ("chess", 42_000), ("car", 55_000), ("lab", 98_000)];
+const COUNTS: [(&str, usize); 5] =
+    [("teapot", 15_000), ("chess", 42_000), ("car", 55_000), ("lab", 98_000), ("provence", 600_000)];
 
 /// Content hashes, the same on every machine.
-const HASHES: [(&str, &str); 4] = [
+const HASHES: [(&str, &str); 5] = [
     ("cornell", "4787d3825e3f7c394bd0ecddcc06882997850f728ecad76333ed163107ccce24"),
     ("teapot", "f9168be8130f9dd35b08eb42d6218710c6eca7ef22ff12dc7b3de323c02c38a0"),
     ("chess", "a5528fcb14f46c65d7ba7318b35b15f1d74bf7f926c40b242f4365b451e1db37"),
     ("car", "fcd6adcbcace82b7b94fae6ce3c1f2c5a15ca8265e7e46065fc62c7ee792847a"),
+    ("provence", "d35220f6d8605e3e21f491238cfff5ed32095bb5eafcc470ba3f4f3a701d8a89"),
 ];
 
 /// A scene, generated once for all tests: the big ones take seconds in a debug build.
