@@ -3,6 +3,7 @@
 
 mod garden;
 mod house;
+mod joinery;
 mod land;
 mod masonry;
 mod materials;
