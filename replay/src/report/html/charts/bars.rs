@@ -112,7 +112,7 @@ pub fn rows(rows: &[Row], most: f64, zone: Option<(f64, Option<f64>)>, label: &s
     let (height, left) = (top + ROW * rows.len() as f64 + 22.0, name_width(rows.iter().map(|r| r.name.as_str())));
     let bottom = height - 22.0;
     let behind = rows.iter().map(|r| text_width(&r.text)).fold(0.0, f64::max) + 8.0;
-    let x = Scale::exact([0.0, most.max(1.0)], 4, [left, WIDTH - behind]);
+    let x = Scale::exact([0.0, most.max(1.0)], 6, [left, WIDTH - behind]);
     let mut svg = Svg::new(WIDTH, height);
     if let Some((least, end)) = zone {
         let (a, b) = (x.at(least), end.map_or(WIDTH - behind, |m| x.at(m)));

@@ -16,6 +16,7 @@ pub struct Scale {
 impl Scale {
     /// From `low` to `high`, both moved outwards to a tick; about `ticks` of them.
     pub fn nice([low, high]: [f64; 2], ticks: u32, range: [f64; 2]) -> Self {
+        let (low, high) = (bounded(low), bounded(high));
         let (low, high) = if high > low { (low, high) } else { (low, low + low.abs().max(1.0)) };
         let step = round_step((high - low) / f64::from(ticks.max(1)));
         Self { domain: [(low / step).floor() * step, (high / step).ceil() * step], range, step }
@@ -23,7 +24,8 @@ impl Scale {
 
     /// From exactly `low` to `high`; ticks stand at round numbers between.
     pub fn exact([low, high]: [f64; 2], ticks: u32, range: [f64; 2]) -> Self {
-        let high = if high > low { high } else { low + 1.0 };
+        let (low, high) = (bounded(low), bounded(high));
+        let high = if high > low { high } else { low + low.abs().max(1.0) };
         Self { domain: [low, high], range, step: round_step((high - low) / f64::from(ticks.max(1))) }
     }
 
@@ -58,6 +60,11 @@ impl Scale {
         let places = (0..4).find(whole).unwrap_or(3);
         if tick == 0.0 { "0".into() } else { fixed(tick * scale, places) + prefix }
     }
+}
+
+/// A value with which sums and products stay finite.
+fn bounded(value: f64) -> f64 {
+    value.clamp(-1e100, 1e100)
 }
 
 /// The least of 1, 2 and 5 times a power of ten that is `raw` or more.

@@ -41,7 +41,7 @@ pub fn stacked(rows: &[Row], most: f64, tick: impl Fn(&Scale, f64) -> String, la
     let texts = rows.iter().map(|row| if let Row::Bar { text, .. } = row { text_width(text) } else { 0.0 });
     let (left, behind) = (name_width(names), texts.fold(0.0, f64::max) + 10.0);
     let bottom = 4.0 + ROW * rows.len() as f64;
-    let x = Scale::exact([0.0, if most > 0.0 { most } else { 1.0 }], 4, [left, WIDTH - behind]);
+    let x = Scale::exact([0.0, if most > 0.0 { most } else { 1.0 }], 5, [left, WIDTH - behind]);
     let mut svg = Svg::new(WIDTH, bottom + 22.0);
     for value in x.ticks() {
         svg.line([x.at(value), 2.0], [x.at(value), bottom], "grid");

@@ -46,7 +46,9 @@ pub fn section(view: &View<'_>) -> Option<Section> {
 }
 
 fn chart(view: &View<'_>, scene: &str, tracks: &[&Track], (title, unit, value, zero): &Figure) -> String {
-    let mut frames: Vec<u32> = tracks.iter().flat_map(|t| t.frames.iter().map(|f| f.frame)).collect();
+    // Frames without any value are left out: where only some are simulated, the line goes from one to the next.
+    let known = tracks.iter().flat_map(|t| t.frames.iter().filter(|f| value(f).is_some()).map(|f| f.frame));
+    let mut frames: Vec<u32> = known.collect();
     frames.sort_unstable();
     frames.dedup();
     let line = |track: &&Track| {
@@ -83,8 +85,8 @@ fn totals(scene: &str, tracks: &[&Track]) -> String {
     let row = |track: &&Track| {
         let (full, traced) =
             track.frames.iter().fold((0, 0), |(full, traced), f| (full + f.rays_full, traced + f.rays_traced));
-        let energy: Option<Vec<f64>> = track.frames.iter().map(|f| f.energy_mj).collect();
-        let energy = energy.filter(|e| !e.is_empty()).map(|e| e.iter().sum::<f64>() / e.len() as f64);
+        let energy: Vec<f64> = track.frames.iter().filter_map(|f| f.energy_mj).collect();
+        let energy = Some(energy).filter(|e| !e.is_empty()).map(|e| e.iter().sum::<f64>() / e.len() as f64);
         let cells = vec![
             escape(&track.policy),
             track.frames.len().to_string(),

@@ -4,19 +4,30 @@ use super::super::charts::stacked::{Part, Row, stacked};
 use super::super::parts::{Section, by_mode, card, grid, how_to_read, key, legend};
 use super::super::text::percent;
 use super::super::view::View;
-use crate::report::study::{Point, Unit};
+use crate::report::study::{Point, StateShare, Unit};
 
 /// States that are known, with their colour class and what they mean; any other is grey.
-const STATES: [(&str, &str, &str); 8] = [
+const STATES: [(&str, &str, &str); 11] = [
     ("busy", "s0", "works"),
     ("bypass", "s1", "passes operations whose data had missed"),
     ("fetch", "s2", "waits for the L1's latency or port"),
     ("memory", "s3", "waits for L2 or DRAM"),
     ("mshr", "s4", "no room for another miss"),
     ("blocked", "s5", "the stage behind is full"),
+    ("output", "s5", "the queue of rays to the T&I unit is full"),
+    ("unit", "s6", "waits for rays in the T&I unit"),
+    ("transfer", "s4", "waits for a tile's transfers"),
     ("starved", "s6", "rays are here, but none needs this stage"),
     ("idle", "s7", "no ray"),
 ];
+
+/// What an SRP works on: its kernels, and the step that sorts items by branch before them.
+const KERNELS: [&str; 8] = ["raygen", "shade", "miss", "update", "similarity", "interpolate", "resolve", "inspector"];
+
+/// Share of the cycles in which the unit works.
+fn busy(unit: &Unit) -> f64 {
+    unit.shares.iter().filter(|s| s.state == "busy" || KERNELS.contains(&s.state.as_str())).map(|s| s.share).sum()
+}
 
 /// The section.
 pub fn section(view: &View<'_>) -> Option<Section> {
@@ -32,7 +43,7 @@ pub fn section(view: &View<'_>) -> Option<Section> {
         grid(&view.scenes(mode).iter().map(|scene| chart(view, scene, mode)).collect::<String>())
     });
     html += &how_to_read(
-        "Each bar is all cycles of one kind of unit; the number is the busy share. Full sampling stands beside the paper's policy \
+        "Each bar is all cycles of one kind of unit; the number is the share in which it works (of an SRP, all its kernels). Full sampling stands beside the paper's policy \
          and the one of the summary: if the T&I units were held up by the SRP, their idle part would grow.",
     );
     Section::new("units", "Utilisation of the units", html)
@@ -57,7 +68,7 @@ fn chart(view: &View<'_>, scene: &str, mode: &str) -> String {
         rows.push(Row::Head(name.to_owned()));
         for point in &points {
             let Some(unit) = point.units.iter().find(|u| u.unit == name) else { continue };
-            let busy = unit.shares.iter().find(|s| s.state == "busy").map_or(0.0, |s| s.share);
+            let busy = busy(unit);
             text.push(format!("{name} under {} {}", point.policy, percent(busy)));
             rows.push(Row::Bar { name: point.policy.clone(), parts: parts(unit, &point.policy), text: percent(busy) });
         }
@@ -70,15 +81,18 @@ fn chart(view: &View<'_>, scene: &str, mode: &str) -> String {
 }
 
 fn parts(unit: &Unit, policy: &str) -> Vec<Part> {
-    let part = |share: &crate::report::study::StateShare| {
-        let known = STATES.iter().find(|(state, ..)| *state == share.state);
-        let meaning = known.map(|(_, _, what)| format!(": {what}")).unwrap_or_default();
-        Part {
-            value: share.share,
-            class: known.map_or("s8", |(_, class, _)| class).into(),
-            opacity: 1.0,
-            tip: format!("{}\n{policy}\n{} {}{meaning}", unit.unit, share.state, percent(share.share)),
+    let mut kernels = 0;
+    let part = |share: &StateShare| {
+        let (mut class, mut opacity, mut meaning) = ("s8", 1.0, String::new());
+        if let Some((_, own, what)) = STATES.iter().find(|(state, ..)| *state == share.state) {
+            (class, meaning) = (own, format!(": {what}"));
+        } else if KERNELS.contains(&share.state.as_str()) {
+            // Two shades in turn tell the kernels apart.
+            (class, opacity, meaning) = ("s0", if kernels % 2 == 0 { 1.0 } else { 0.72 }, ": works".into());
+            kernels += 1;
         }
+        let tip = format!("{}\n{policy}\n{} {}{meaning}", unit.unit, share.state, percent(share.share));
+        Part { value: share.share, class: class.into(), opacity, tip }
     };
     unit.shares.iter().map(part).collect()
 }

@@ -109,8 +109,8 @@ pub fn section(view: &View<'_>, pictures: &Pictures) -> Option<Section> {
         script_json(&Value::Array(data))
     ) + &how_to_read(
         "Reference is every sample traced; result is the policy's picture; error is their difference, amplified. In the \
-         similarity map yellow was interpolated and blue was traced. The rate map shows each tile's share of samples that are \
-         traced at the start.",
+         similarity map yellow was interpolated and blue was traced. The rate map shows the share of traced samples in each tile, \
+         from dark blue (none) over green to light yellow (all). Tile numbers are those of the policy's picture.",
     );
     Section::new("pictures", "Pictures", html)
 }
