@@ -157,16 +157,15 @@ impl<'a> View<'a> {
         })
     }
 
-    /// The policy worth a summary: of those that beat the paper's in every scene the one with the most performance per watt,
-    /// or, if none does, of all.
+    /// The policy worth a summary: the one that beats the paper's in the most scenes, and of equal ones that with the most
+    /// performance per watt.
     fn best(&self) -> Option<&'a str> {
         let mode = *self.modes().first()?;
         let paper = self.paper_policy(mode)?;
         let candidates = self.policies(Some(mode)).into_iter().filter(|p| *p != paper).filter_map(|policy| {
             let points = self.everywhere(mode, policy)?;
             let gain = geometric_mean(points.iter().map(|p| merit(p).map(|(gain, _)| gain)))?;
-            let (won, all) = self.beaten(mode, policy, paper);
-            Some((won == all && all > 0, gain, policy))
+            Some((self.beaten(mode, policy, paper).0, gain, policy))
         });
         candidates.max_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))).map(|(_, _, policy)| policy)
     }

@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use super::WIDTH;
 use super::scale::{Scale, extent};
 use super::svg::{Svg, n};
-use crate::report::html::text::escape;
+use crate::report::html::text::{escape, fixed};
 
 /// A line.
 pub struct Line {
@@ -51,9 +51,10 @@ impl Lines<'_> {
             svg.line([left, y.at(tick)], [right, y.at(tick)], "grid");
             svg.text(left - 5.0, y.at(tick) + 4.0, "tick e", &y.label(tick));
         }
-        for tick in x.ticks() {
+        // There is no frame one and a half.
+        for tick in x.ticks().into_iter().filter(|tick| (tick - tick.round()).abs() < 1e-9) {
             svg.line([x.at(tick), bottom], [x.at(tick), bottom + 4.0], "axis");
-            svg.text(x.at(tick), bottom + 16.0, "tick m", &x.label(tick));
+            svg.text(x.at(tick), bottom + 16.0, "tick m", &fixed(tick, 0));
         }
         svg.line([left, bottom], [right, bottom], "axis");
         svg.text(right, HEIGHT - 4.0, "note e", "frame");
@@ -83,9 +84,9 @@ impl Lines<'_> {
             let (px, py) = (n(x.at(f64::from(*frame))), n(y.at(*value)));
             let _ = write!(d, "{}{px} {py}", if drawing { 'L' } else { 'M' });
             let alone = !drawing && line.values.get(i + 1).is_none_or(Option::is_none);
-            // A frame without neighbours would be a line of no length: a dot with round ends.
+            // A frame without neighbours would be a line of no length.
             if alone {
-                d += "h0.01";
+                d += "m-2.5 0a2.5 2.5 0 1 0 5 0a2.5 2.5 0 1 0 -5 0";
             }
             drawing = true;
         }
