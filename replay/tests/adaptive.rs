@@ -1,11 +1,11 @@
-//! The adaptive policy against a slow second implementation, and against samples it must not see.
+//! The adaptive policy against a slow second implementation, and against hits it must not see.
 
 mod common;
 
 use common::poison::Poisoned;
 use common::reference::{self, How, Outcome};
 use common::synthetic::{Look, Synthetic};
-use common::{adaptive, policy};
+use common::{adaptive, policy, switches};
 use rayreel_replay::frame::counts::RayCounts;
 use rayreel_replay::image::resolve::Resolver;
 use rayreel_replay::policy::view::SampleState;
@@ -35,18 +35,20 @@ fn assert_same<S: TileSource>(source: &S, frame: &FrameReplay, expected: &Outcom
                 SampleState::Reference => How::R,
                 SampleState::Traced => How::Traced,
                 SampleState::Interpolated => How::Interpolated,
-                SampleState::Partial => panic!("nothing is decided hit by hit here"),
+                SampleState::Partial => How::Partial,
             };
             assert_eq!(how, expected.how[i], "{what}: sample ({x}, {y})");
+            assert_eq!(frame.states.wave(x, y), expected.waves[i], "{what}: wave of ({x}, {y})");
             resolver.add(x, y, expected.colours[i].into());
         }
     }
     let (image, bits) = (resolver.finish(), |v: &[f32; 3]| v.map(f32::to_bits));
     assert!(image.pixels.iter().map(bits).eq(frame.image.pixels.iter().map(bits)), "{what}: colours");
     let counts = &frame.stats.counts;
-    let number = |how| expected.how.iter().filter(|h| **h == how).count() as u64;
+    let number = |how| expected.count(how);
     assert_eq!(counts.samples_reference, number(How::R), "{what}");
-    assert_eq!(counts.samples_traced, number(How::R) + number(How::Traced), "{what}");
+    assert_eq!(counts.samples_traced, number(How::R) + number(How::Traced) + number(How::Partial), "{what}");
+    assert_eq!(counts.samples_partial, number(How::Partial), "{what}");
     assert_eq!(counts.samples_interpolated, number(How::Interpolated), "{what}");
     assert_eq!(counts.samples_full, expected.how.len() as u64, "{what}");
     assert_eq!(counts.samples_apron, expected.samples_apron, "{what}");
@@ -123,25 +125,46 @@ fn tiles_do_not_change_the_picture() {
     }
 }
 
+/// Ray trees, and every switch there is.
 #[test]
-fn untraced_samples_are_never_read() {
-    for look in [Look::Discs, Look::Noise] {
-        let source = Synthetic::new(look, (37, 29), 2, 24, 9);
-        for own in policies() {
-            let policy = Policy::Adaptive(own);
-            let clean = run(&source, &policy, 2);
-            assert!(clean.stats.counts.samples_interpolated > 0, "nothing to poison");
-            for seed in 0..2 {
-                let poisoned = Poisoned { source: &source, states: &clean.states, seed };
-                let frame = run(&poisoned, &policy, 2);
-                assert_eq!(frame.image, clean.image, "{policy:?}");
-                assert_eq!(frame.states, clean.states, "{policy:?}");
-                let (a, b) = (&frame.stats.counts, &clean.stats.counts);
-                assert_eq!((a.rays_traced, a.rays_apron), (b.rays_traced, b.rays_apron), "{policy:?}");
-                assert_ne!(frame.reference, clean.reference, "the poison is real");
-            }
+fn equals_the_reference_with_ray_trees() {
+    let mut seen = [0; 4];
+    for (i, own) in switches::draw(160, 1).into_iter().enumerate() {
+        let look = if i % 4 == 3 { Look::Noise } else { Look::Trees };
+        let source = Synthetic::new(look, SIZES[i % 3], 1 + i as u32 % 2, 24, i as u64);
+        let expected = reference::replay(&source, &own, FRAME);
+        let what = format!("{i}: {look:?} {own:?}");
+        assert_same(&source, &run(&source, &Policy::Adaptive(own), 2), &expected, &what);
+        let kinds = [How::R, How::Traced, How::Partial, How::Interpolated];
+        (0..4).for_each(|k| seen[k] += expected.count(kinds[k]));
+    }
+    // The comparison means something: each kind is there, and often.
+    assert!(seen.iter().all(|n| *n > 3000), "{seen:?}");
+}
+
+/// Where hits were interpolated one by one, the untraced ones below traced ones are garbage too.
+#[test]
+fn untraced_hits_are_never_read() {
+    let mut partial = 0;
+    let simple = policies().into_iter().map(|own| (Look::Discs, own));
+    let drawn = switches::draw(60, 2).into_iter().map(|own| (Look::Trees, own));
+    for (i, (look, own)) in simple.chain(drawn).enumerate() {
+        let source = Synthetic::new(look, (37, 29), 2, 24, 9 + i as u64);
+        let outcome = reference::replay(&source, &own, FRAME);
+        let policy = Policy::Adaptive(own);
+        let clean = run(&source, &policy, 2);
+        assert!(outcome.traced.iter().flatten().any(|traced| !traced), "nothing to poison");
+        partial += outcome.count(How::Partial);
+        for seed in 0..2 {
+            let frame = run(&Poisoned { source: &source, outcome: &outcome, seed }, &policy, 2);
+            assert_eq!(frame.image, clean.image, "{policy:?}");
+            assert_eq!(frame.states, clean.states, "{policy:?}");
+            let (a, b) = (&frame.stats.counts, &clean.stats.counts);
+            assert_eq!((a.rays_traced, a.rays_apron), (b.rays_traced, b.rays_apron), "{policy:?}");
+            assert_ne!(frame.reference, clean.reference, "the poison is real");
         }
     }
+    assert!(partial > 1000, "{partial} samples with some hits untraced");
 }
 
 #[test]

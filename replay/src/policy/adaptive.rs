@@ -195,8 +195,7 @@ impl Line<'_> {
             Axis::X(_) => interpolate_tree(self.tree(near), self.tree(far), s, &mut tree),
             // Nothing is interpolated from it any more: its primary hit is enough.
             Axis::Y(_) => {
-                let alone =
-                    |tree: &[Node]| Node { local: tree[0].colour, reflect: None, refract: None, len: 1, ..tree[0] };
+                let alone = |tree: &[Node]| Node { reflect: None, refract: None, len: 1, ..tree[0] };
                 interpolate_tree(&[alone(self.tree(near))], &[alone(self.tree(far))], s, &mut tree);
             }
         }

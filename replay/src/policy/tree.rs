@@ -63,14 +63,14 @@ pub fn finish(tree: &mut [Node]) {
 
 /// Appends the tree between two trees of similar samples, `s` of the way from `near` to `far` (at most a half). Hits that
 /// both have are interpolated one by one; where one has a child that the other lacks, the subtree becomes a single hit with
-/// the interpolated colour.
+/// the interpolated colour. The local colour of every hit is interpolated for itself: texture tests look at it.
 pub fn interpolate_tree(near: &[Node], far: &[Node], s: f32, out: &mut Vec<Node>) {
     let at = out.len();
     let (a, b) = (&near[0], &far[0]);
     let mut node = interpolate_node(a, b, s);
     node.colour = mix(a.colour, b.colour, s);
     if !a.branches_as(b) {
-        (node.local, node.reflect, node.refract) = (node.colour, None, None);
+        (node.reflect, node.refract) = (None, None);
         out.push(node);
         return;
     }

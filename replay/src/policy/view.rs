@@ -338,10 +338,10 @@ fn record<S: TileSource + ?Sized>(source: &S, camera: &Camera, tile: &Tile, rect
         let nodes = &tile.tree.nodes[range.clone()];
         let (x, y) = place(rect, sample);
         let surface = nodes[0].hit.then(|| primary(source, camera, &nodes[0], &tile.hits[range.start], (x, y)));
-        let colour = composite(nodes, &tile.radiance[range]);
+        let colour = composite(nodes, &tile.radiance[range.clone()]);
         let rays = RayCounts::of(nodes);
         let total = rays.total() as u32;
-        let (local, reflect, refract) = (colour, None, None);
+        let (local, reflect, refract) = (tile.radiance[range.start].local.to_vec3(), None, None);
         recorded.nodes.push(Node { surface, local, colour, reflect, refract, own_rays: total, rays: total, len: 1 });
         recorded.rays.push(rays);
         recorded.first.push(recorded.nodes.len() as u32);

@@ -1,12 +1,16 @@
-//! What the integration tests share: synthetic frames, and a slow reference of the adaptive policy.
+//! What the integration tests share: synthetic frames, and a slow reference of the adaptive policies.
 #![allow(dead_code, reason = "each test binary uses a part of it")]
 
 pub mod poison;
 pub mod reference;
+pub mod rules;
+pub mod second_read;
 pub mod study;
+pub mod switches;
 pub mod synthetic;
+pub mod trees;
 
-use rayreel_replay::policy::{Adaptive, Apron, Correct, Limit, Policy, Refine, Similarity};
+use rayreel_replay::policy::{Adaptive, Apron, Correct, Limit, NamedPolicy, Policy, Refine, Similarity};
 
 /// What the paper evaluated, with these switches.
 pub fn adaptive(block: u32, refine: Refine, apron: Apron) -> Adaptive {
@@ -29,4 +33,19 @@ pub fn adaptive(block: u32, refine: Refine, apron: Apron) -> Adaptive {
 /// The same as a policy.
 pub fn policy(block: u32, refine: Refine, apron: Apron) -> Policy {
     Policy::Adaptive(adaptive(block, refine, apron))
+}
+
+/// What a multirate preset does between samples, with one block for all tiles.
+pub fn preset(name: &str, block: u32) -> Adaptive {
+    match NamedPolicy::load(name, &[]).unwrap().policy {
+        Policy::Multirate(own) => Adaptive {
+            block,
+            refine: own.refine,
+            apron: Apron::Share,
+            secondary: own.secondary,
+            similarity: own.similarity,
+            correct: own.correct,
+        },
+        other => panic!("{name} is {other:?}"),
+    }
 }

@@ -1,20 +1,19 @@
-//! A source whose untraced samples hold garbage: who reads one gives himself away.
+//! A source whose untraced hits hold garbage: who reads one gives himself away.
 
 use rayreel_formats::half::Half3;
 use rayreel_formats::oct::Oct;
 use rayreel_formats::scene::{Camera, Meta};
 use rayreel_formats::tile::{Hit, Radiance, Shadows, Tile};
 use rayreel_replay::TileSource;
-use rayreel_replay::frame::states::StateMap;
-use rayreel_replay::policy::view::SampleState;
 
+use super::reference::Outcome;
 use super::synthetic::Random;
 
-/// `source`, with every sample that `states` calls interpolated replaced by garbage: other hits, objects and shadows, NaN and
-/// infinite colours.
+/// `source`, with every hit that `outcome` has not traced replaced by garbage: other hits, objects and shadows, NaN and
+/// infinite colours. The second implementation says which: it knows of single hits of a sample.
 pub struct Poisoned<'a, S> {
     pub source: &'a S,
-    pub states: &'a StateMap,
+    pub outcome: &'a Outcome,
     pub seed: u64,
 }
 
@@ -37,10 +36,8 @@ impl<S: TileSource> TileSource for Poisoned<'_, S> {
         let mut random = Random(self.seed ^ u64::from(index));
         for sample in 0..rect.len() {
             let (x, y) = (rect.x + sample as u32 % rect.width, rect.y + sample as u32 / rect.width);
-            if self.states.state(x, y) != SampleState::Interpolated {
-                continue;
-            }
-            for node in tile.tree.sample(sample) {
+            let traced = &self.outcome.traced[y as usize * self.outcome.width + x as usize];
+            for (node, _) in tile.tree.sample(sample).zip(traced).filter(|(_, traced)| !**traced) {
                 spoil(&mut tile, node, &mut random);
             }
         }

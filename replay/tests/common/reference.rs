@@ -1,32 +1,24 @@
-//! A second implementation of the adaptive policy: the whole frame at once, slow and obvious, written from POLICIES.md and
+//! A second implementation of the adaptive policies: the whole frame at once, slow and obvious, written from POLICIES.md and
 //! not from the code it checks. It shares the trace format's functions (rays, colours, normals) and nothing else.
 
-use rayreel_formats::math::Vec3;
-use rayreel_formats::rays;
-use rayreel_formats::tile::{RayKind, composite};
+use rayreel_formats::tile::RayKind;
 use rayreel_replay::TileSource;
 use rayreel_replay::policy::{Adaptive, Apron, Refine};
+
+use super::rules::{Hit, Judge, between, mix};
+use super::second_read::{Frame, read};
 
 /// How a sample came to be known.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum How {
     /// An R-sample, traced first.
     R,
-    /// Traced by the X or the Y step.
+    /// Traced by the X or the Y step, or by correction.
     Traced,
+    /// Some rays were traced and some hits interpolated.
+    Partial,
     /// Interpolated.
     Interpolated,
-}
-
-#[derive(Clone, Copy, Debug)]
-struct Known {
-    colour: [f32; 3],
-    hit: bool,
-    object: u32,
-    shadows: u32,
-    normal: [f32; 3],
-    position: [f32; 3],
-    t: f32,
 }
 
 /// Number of rays: primary, reflection, refraction, shadow.
@@ -36,7 +28,10 @@ pub type Rays = [u64; 4];
 pub struct Outcome {
     pub width: usize,
     pub how: Vec<How>,
+    pub waves: Vec<u8>,
     pub colours: Vec<[f32; 3]>,
+    /// Per sample and recorded hit whether its rays were traced.
+    pub traced: Vec<Vec<bool>>,
     pub rays_full: Rays,
     pub rays_traced: Rays,
     pub rays_apron: Rays,
@@ -45,219 +40,280 @@ pub struct Outcome {
     pub tiles: Vec<(Rays, Rays)>,
 }
 
-struct Frame {
-    width: usize,
-    height: usize,
-    recorded: Vec<Known>,
-    rays: Vec<Rays>,
+impl Outcome {
+    /// Number of samples of a kind.
+    pub fn count(&self, how: How) -> u64 {
+        self.how.iter().filter(|h| **h == how).count() as u64
+    }
 }
 
-/// Replays one frame.
+/// What is known of a sample.
+#[derive(Clone)]
+struct Known {
+    tree: Hit,
+    how: How,
+    wave: u8,
+}
+
+/// A frame in the making.
+struct Maker<'a> {
+    policy: &'a Adaptive,
+    frame: &'a Frame,
+    known: Vec<Option<Known>>,
+    traced: Vec<Vec<bool>>,
+}
+
+/// Replays one frame with one block for all tiles.
 pub fn replay<S: TileSource>(source: &S, policy: &Adaptive, frame: u32) -> Outcome {
-    let recorded = read(source, frame);
-    let (width, height) = (recorded.width, recorded.height);
-    let n = policy.block as usize;
-    let columns: Vec<usize> = (0..width).filter(|x| x % n == 0 || *x == width - 1).collect();
-    let rows: Vec<usize> = (0..height).filter(|y| y % n == 0 || *y == height - 1).collect();
-    let mut known: Vec<Option<Known>> = vec![None; width * height];
-    let mut how: Vec<Option<How>> = vec![None; width * height];
-    for &y in &rows {
-        for &x in &columns {
-            known[y * width + x] = Some(recorded.recorded[y * width + x]);
-            how[y * width + x] = Some(How::R);
-        }
-    }
-    for &y in &rows {
-        for pair in columns.windows(2) {
-            let line: Vec<usize> = (pair[0]..=pair[1]).map(|x| y * width + x).collect();
-            fill(policy, &recorded, &mut known, &mut how, &line);
-        }
-    }
-    for x in 0..width {
-        for pair in rows.windows(2) {
-            let line: Vec<usize> = (pair[0]..=pair[1]).map(|y| y * width + x).collect();
-            fill(policy, &recorded, &mut known, &mut how, &line);
-        }
-    }
-    let how: Vec<How> = how.into_iter().map(|h| h.expect("every sample is decided")).collect();
-    account(source, policy, &recorded, how, &known)
+    let tiles = source.meta().tile_count() as usize;
+    replay_tiles(source, policy, &vec![(policy.block, 1.0); tiles], frame)
 }
 
-/// Decides the inner samples of `line`, whose two ends are known.
-fn fill(policy: &Adaptive, frame: &Frame, known: &mut [Option<Known>], how: &mut [Option<How>], line: &[usize]) {
-    let gap = line.len() - 1;
-    if gap < 2 {
-        return;
-    }
-    let (a, b) = (known[line[0]].unwrap(), known[line[gap]].unwrap());
-    if similar(policy, &a, &b) {
-        for i in 1..gap {
-            known[line[i]] = Some(between(&a, &b, i, gap));
-            how[line[i]] = Some(How::Interpolated);
-        }
-        return;
-    }
-    let traced: Vec<usize> = match policy.refine {
-        Refine::Direct => (1..gap).collect(),
-        Refine::Hierarchical => vec![gap / 2],
-    };
-    for i in traced {
-        known[line[i]] = Some(frame.recorded[line[i]]);
-        how[line[i]] = Some(How::Traced);
-    }
-    if policy.refine == Refine::Hierarchical {
-        fill(policy, frame, known, how, &line[..=gap / 2]);
-        fill(policy, frame, known, how, &line[gap / 2..]);
-    }
-}
-
-fn similar(policy: &Adaptive, a: &Known, b: &Known) -> bool {
-    let rules = &policy.similarity;
-    if !a.hit && !b.hit {
-        return true;
-    }
-    if a.hit != b.hit {
-        return false;
-    }
-    let (na, nb) = (a.normal.map(f64::from), b.normal.map(f64::from));
-    let (pa, pb) = (a.position.map(f64::from), b.position.map(f64::from));
-    let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-    let step = [pb[0] - pa[0], pb[1] - pa[1], pb[2] - pa[2]];
-    let reach = f64::from(a.t.min(b.t));
-    let mut pass = true;
-    if rules.object_id {
-        pass &= a.object == b.object;
-    }
-    if rules.shadow {
-        pass &= a.shadows == b.shadows;
-    }
-    if let Some(degrees) = rules.normal_deg.value() {
-        let cosine = libm::cos(degrees.to_radians());
-        pass &= dot(na, nb) >= cosine * (dot(na, na) * dot(nb, nb)).sqrt();
-    }
-    if let Some(limit) = rules.position.value() {
-        pass &= dot(step, step).sqrt() <= limit * reach;
-    }
-    if let Some(limit) = rules.plane.value() {
-        pass &= dot(step, na).abs() <= limit * reach;
-    }
-    pass
-}
-
-/// Sample `i` of `gap` from `a` to `b`.
-fn between(a: &Known, b: &Known, i: usize, gap: usize) -> Known {
-    let (near, far, distance) = if i <= gap - i { (a, b, i) } else { (b, a, gap - i) };
-    let s = distance as f32 / gap as f32;
-    let mix = |n: f32, f: f32| n + (f - n) * s;
-    let mix3 = |n: [f32; 3], f: [f32; 3]| [mix(n[0], f[0]), mix(n[1], f[1]), mix(n[2], f[2])];
-    let mut normal = mix3(near.normal, far.normal);
-    let length = (normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]).sqrt();
-    if length > 0.0 {
-        normal = normal.map(|v| v / length);
-    } else {
-        normal = near.normal;
-    }
-    Known {
-        colour: mix3(near.colour, far.colour),
-        hit: near.hit,
-        object: near.object,
-        shadows: near.shadows,
-        normal,
-        position: mix3(near.position, far.position),
-        t: mix(near.t, far.t),
-    }
-}
-
-fn read<S: TileSource>(source: &S, frame: u32) -> Frame {
+/// Replays one frame with a block and a factor on the colour limit for each tile.
+pub fn replay_tiles<S: TileSource>(source: &S, policy: &Adaptive, rates: &[(u32, f64)], frame: u32) -> Outcome {
     let meta = source.meta();
-    let (width, height) = (meta.grid().0 as usize, meta.grid().1 as usize);
-    let camera = source.camera(frame).unwrap();
-    let mut recorded = vec![None; width * height];
-    let mut rays = vec![[0; 4]; width * height];
-    for index in 0..meta.tile_count() {
-        let tile = source.tile(frame, index).unwrap();
-        for sample in 0..tile.rect.len() {
-            let x = tile.rect.x as usize + sample % tile.rect.width as usize;
-            let y = tile.rect.y as usize + sample / tile.rect.width as usize;
-            let range = tile.tree.sample(sample);
-            let nodes = &tile.tree.nodes[range.clone()];
-            let hit = tile.hits[range.start];
-            let ray = rays::primary(&camera, x as u32, y as u32);
-            let position = if nodes[0].hit { ray.origin + ray.direction * hit.t } else { Vec3::ZERO };
-            recorded[y * width + x] = Some(Known {
-                colour: composite(nodes, &tile.radiance[range]).to_array(),
-                hit: nodes[0].hit,
-                object: if nodes[0].hit { source.object_of(hit.triangle) } else { 0 },
-                shadows: nodes[0].shadows.0,
-                normal: hit.normal.decode().to_array(),
-                position: position.to_array(),
-                t: if nodes[0].hit { hit.t } else { 0.0 },
-            });
-            for node in nodes {
-                rays[y * width + x][node.class.kind() as usize] += 1;
-                rays[y * width + x][RayKind::Shadow as usize] += node.shadows.cast().count() as u64;
+    let deep = policy.secondary || policy.similarity.secondary;
+    let recorded = read(source, frame, deep);
+    let (width, height) = (recorded.width, recorded.height);
+    let columns = meta.tile_grid().0;
+    let tiles: Vec<_> = (0..meta.tile_count()).map(|i| Area::new(meta.tile_rect(i), rates[i as usize])).collect();
+    let traced = recorded.rays.iter().map(|hits| vec![false; hits.len()]).collect();
+    let mut maker = Maker { policy, frame: &recorded, known: vec![None; width * height], traced };
+    let last = (width - 1, height - 1);
+    for (i, area) in tiles.iter().enumerate() {
+        let left = if i as u32 % columns > 0 { tiles[i - 1].n } else { area.n };
+        for (x, y) in area.samples() {
+            let own = on(x, area.n, last.0) && on(y, area.n, last.1);
+            if own || x == area.x0 && on(y, left, last.1) {
+                maker.whole(y * width + x, How::R, 0);
             }
         }
     }
-    Frame { width, height, recorded: recorded.into_iter().map(|k| k.expect("tiles cover the frame")).collect(), rays }
+    for area in &tiles {
+        let mut ends: Vec<usize> = (area.x0..area.x1).filter(|&x| on(x, area.n, last.0)).collect();
+        ends.extend((area.x1 < width).then_some(area.x1));
+        for y in (area.y0..area.y1).filter(|&y| on(y, area.n, last.1)) {
+            for pair in ends.windows(2) {
+                let line: Vec<usize> = (pair[0]..=pair[1]).map(|x| y * width + x).collect();
+                maker.fill(area, &line, 1, f64::INFINITY);
+            }
+        }
+    }
+    let after_x: Vec<bool> = maker.known.iter().map(Option::is_some).collect();
+    for area in &tiles {
+        for x in area.x0..area.x1 {
+            let mut ends: Vec<usize> = (area.y0..area.y1).filter(|&y| after_x[y * width + x]).collect();
+            ends.extend((area.y1 < height).then_some(area.y1));
+            for pair in ends.windows(2) {
+                let line: Vec<usize> = (pair[0]..=pair[1]).map(|y| y * width + x).collect();
+                maker.fill(area, &line, 1 + area.levels(policy.refine), f64::INFINITY);
+            }
+        }
+    }
+    let before = maker.traced.clone();
+    tiles.iter().for_each(|area| maker.correct(area));
+    maker.account(&tiles, &before)
 }
 
-fn account<S: TileSource>(
-    source: &S,
-    policy: &Adaptive,
-    frame: &Frame,
-    how: Vec<How>,
-    known: &[Option<Known>],
-) -> Outcome {
-    let mut outcome = Outcome {
-        width: frame.width,
-        colours: known.iter().map(|k| k.unwrap().colour).collect(),
-        rays_full: sum(frame.rays.iter().copied()),
-        rays_traced: [0; 4],
-        rays_apron: [0; 4],
-        samples_apron: 0,
-        tiles: Vec::new(),
-        how,
-    };
-    for index in 0..source.meta().tile_count() {
-        let rect = source.meta().tile_rect(index);
-        let mut own = Vec::new();
-        for y in rect.y..rect.y + rect.height {
-            own.extend((rect.x..rect.x + rect.width).map(|x| (x as usize, y as usize)));
-        }
-        let traced = |&(x, y): &(usize, usize)| outcome.how[y * frame.width + x] != How::Interpolated;
-        let rays = |list: Vec<(usize, usize)>| sum(list.into_iter().map(|(x, y)| frame.rays[y * frame.width + x]));
-        let again: Vec<_> = match policy.apron {
-            Apron::Share => Vec::new(),
-            Apron::Retrace => border(policy, frame, rect).into_iter().filter(traced).collect(),
-        };
-        let paid = (rays(own.into_iter().filter(traced).collect()), rays(again.clone()));
-        outcome.rays_traced = sum([outcome.rays_traced, paid.0].into_iter());
-        outcome.rays_apron = sum([outcome.rays_apron, paid.1].into_iter());
-        outcome.samples_apron += again.len() as u64;
-        outcome.tiles.push(paid);
+/// A tile: its samples, its block and its factor on the colour limit.
+struct Area {
+    x0: usize,
+    y0: usize,
+    x1: usize,
+    y1: usize,
+    n: usize,
+    relax: f64,
+}
+
+/// True for a multiple of the block and for the last one.
+fn on(at: usize, n: usize, last: usize) -> bool {
+    at % n == 0 || at == last
+}
+
+impl Area {
+    fn new(rect: rayreel_formats::scene::Rect, (block, relax): (u32, f64)) -> Self {
+        let (x0, y0) = (rect.x as usize, rect.y as usize);
+        Self { x0, y0, x1: x0 + rect.width as usize, y1: y0 + rect.height as usize, n: block as usize, relax }
     }
-    outcome
+
+    fn samples(&self) -> impl Iterator<Item = (usize, usize)> + use<> {
+        let (x0, x1) = (self.x0, self.x1);
+        (self.y0..self.y1).flat_map(move |y| (x0..x1).map(move |x| (x, y)))
+    }
+
+    /// Waves of one step: one, or as often as the block can be halved.
+    fn levels(&self, refine: Refine) -> u8 {
+        let mut levels = 0;
+        let mut gap = self.n;
+        while gap > 1 {
+            gap = gap.div_ceil(2);
+            levels += 1;
+        }
+        if refine == Refine::Direct { 1 } else { levels }
+    }
+}
+
+impl Maker<'_> {
+    /// Traces a sample whole.
+    fn whole(&mut self, at: usize, how: How, wave: u8) {
+        self.traced[at].fill(true);
+        self.known[at] = Some(Known { tree: self.frame.recorded[at].clone(), how, wave });
+    }
+
+    fn tree(&self, at: usize) -> &Hit {
+        &self.known[at].as_ref().expect("known").tree
+    }
+
+    fn judge(&self, area: &Area, gap: usize) -> Judge<'_> {
+        Judge { similarity: &self.policy.similarity, relax: area.relax, gap }
+    }
+
+    /// Decides the inner samples of `line`, whose two ends are known.
+    fn fill(&mut self, area: &Area, line: &[usize], wave: u8, foreseen: f64) {
+        let gap = line.len() - 1;
+        if gap < 2 {
+            return;
+        }
+        let (a, b) = (self.tree(line[0]).clone(), self.tree(line[gap]).clone());
+        if self.judge(area, gap).samples(&a, &b, foreseen) {
+            for i in 1..gap {
+                let (near, far, s) = nearer(&a, &b, i, gap);
+                let tree = between(near, far, s);
+                self.known[line[i]] = Some(Known { tree, how: How::Interpolated, wave });
+            }
+            return;
+        }
+        if self.policy.refine == Refine::Direct {
+            (1..gap).for_each(|i| self.trace(area, (&a, &b), line, i, wave));
+            return;
+        }
+        let m = gap / 2;
+        self.trace(area, (&a, &b), line, m, wave);
+        let mut foreseen = f64::INFINITY;
+        let middle = self.known[line[m]].as_ref().unwrap();
+        if self.policy.similarity.predict && middle.how == How::Traced {
+            let (near, far, s) = nearer(&a, &b, m, gap);
+            let guess = mix(near.colour, far.colour, s);
+            foreseen = super::rules::difference((guess, middle.tree.colour), (guess, middle.tree.colour));
+        }
+        self.fill(area, &line[..=m], wave + 1, foreseen);
+        self.fill(area, &line[m..], wave + 1, foreseen);
+    }
+
+    /// Traces sample `i` of `line`, or what of it must be.
+    fn trace(&mut self, area: &Area, (a, b): (&Hit, &Hit), line: &[usize], i: usize, wave: u8) {
+        if !self.policy.secondary {
+            return self.whole(line[i], How::Traced, wave);
+        }
+        let (near, far, s) = nearer(a, b, i, line.len() - 1);
+        let judge = self.judge(area, line.len() - 1);
+        let mut traced = vec![false; self.traced[line[i]].len()];
+        let tree = judge.rebuild((near, far), s, &self.frame.recorded[line[i]], &mut traced);
+        let how = match (traced.iter().any(|t| *t), traced.iter().all(|t| *t)) {
+            (false, _) => How::Interpolated,
+            (true, true) => How::Traced,
+            (true, false) => How::Partial,
+        };
+        self.traced[line[i]] = traced;
+        self.known[line[i]] = Some(Known { tree, how, wave });
+    }
+
+    /// Traces interpolated samples that a traced neighbour in the tile contradicts, pass by pass.
+    fn correct(&mut self, area: &Area) {
+        let correct = &self.policy.correct;
+        let mut news: Vec<(usize, usize)> = area.samples().collect();
+        for pass in 0..correct.passes as u8 {
+            let mut found = Vec::new();
+            for (x, y) in area.samples() {
+                let own = self.known[y * self.frame.width + x].as_ref().unwrap();
+                if own.how == How::Interpolated && news.iter().any(|&at| self.contradicts(area, (x, y), at)) {
+                    found.push((x, y));
+                }
+            }
+            let wave = 1 + 2 * area.levels(self.policy.refine) + pass;
+            found.iter().for_each(|&(x, y)| self.whole(y * self.frame.width + x, How::Traced, wave));
+            news = found;
+        }
+    }
+
+    fn contradicts(&self, area: &Area, (x, y): (usize, usize), (u, v): (usize, usize)) -> bool {
+        if x.abs_diff(u) + y.abs_diff(v) != 1 {
+            return false;
+        }
+        let (own, witness) = (&self.known[y * self.frame.width + x], &self.known[v * self.frame.width + u]);
+        let (own, witness) = (own.as_ref().unwrap(), witness.as_ref().unwrap());
+        if witness.how == How::Interpolated || self.judge(area, 1).alike(&own.tree, &witness.tree) {
+            return false;
+        }
+        let colours = (own.tree.colour, witness.tree.colour);
+        let differ = super::rules::difference(colours, colours);
+        self.policy.correct.colour.value().is_none_or(|limit| differ.is_nan() || differ > limit)
+    }
+
+    fn account(self, tiles: &[Area], before: &[Vec<bool>]) -> Outcome {
+        let width = self.frame.width;
+        let rays_of = |traced: &[Vec<bool>], at: usize| -> Option<Rays> {
+            let hits = self.frame.rays[at].iter().zip(&traced[at]).filter(|(_, t)| **t).map(|(rays, _)| *rays);
+            traced[at].iter().any(|t| *t).then(|| sum(hits))
+        };
+        let mut outcome = Outcome {
+            width,
+            how: self.known.iter().map(|k| k.as_ref().expect("every sample is decided").how).collect(),
+            waves: self.known.iter().map(|k| k.as_ref().unwrap().wave).collect(),
+            colours: self.known.iter().map(|k| k.as_ref().unwrap().tree.colour).collect(),
+            traced: Vec::new(),
+            rays_full: sum(self.frame.rays.iter().flatten().copied()),
+            rays_traced: [0; 4],
+            rays_apron: [0; 4],
+            samples_apron: 0,
+            tiles: Vec::new(),
+        };
+        for area in tiles {
+            let own = sum(area.samples().filter_map(|(x, y)| rays_of(&self.traced, y * width + x)));
+            let mut again = Vec::new();
+            if self.policy.apron == Apron::Retrace {
+                let border = border(area, self.frame);
+                // What a neighbour corrects later is not traced again.
+                again.extend(border.into_iter().filter_map(|(x, y)| rays_of(before, y * width + x)));
+            }
+            outcome.samples_apron += again.len() as u64;
+            let paid = (own, sum(again.into_iter()));
+            outcome.rays_traced = sum([outcome.rays_traced, paid.0].into_iter());
+            outcome.rays_apron = sum([outcome.rays_apron, paid.1].into_iter());
+            outcome.tiles.push(paid);
+        }
+        Outcome { traced: self.traced, ..outcome }
+    }
+}
+
+/// The nearer end for step `i` of `gap`, the other, and the other's share.
+fn nearer<'h>(a: &'h Hit, b: &'h Hit, i: usize, gap: usize) -> (&'h Hit, &'h Hit, f32) {
+    if i <= gap - i { (a, b, i as f32 / gap as f32) } else { (b, a, (gap - i) as f32 / gap as f32) }
 }
 
 /// The samples outside a tile that its steps look at: on the closing column those in R-rows of the tile and of the corner, on
 /// the closing row all.
-fn border(policy: &Adaptive, frame: &Frame, rect: rayreel_formats::scene::Rect) -> Vec<(usize, usize)> {
-    let n = policy.block as usize;
-    let (left, top) = (rect.x as usize, rect.y as usize);
-    let (right, bottom) = (left + rect.width as usize, top + rect.height as usize);
+fn border(area: &Area, frame: &Frame) -> Vec<(usize, usize)> {
     let mut list = Vec::new();
-    if right < frame.width {
-        for y in top..=bottom {
-            if y < frame.height && (y % n == 0 || y == frame.height - 1) {
-                list.push((right, y));
+    if area.x1 < frame.width {
+        for y in area.y0..=area.y1 {
+            if y < frame.height && on(y, area.n, frame.height - 1) {
+                list.push((area.x1, y));
             }
         }
     }
-    if bottom < frame.height {
-        list.extend((left..right).map(|x| (x, bottom)));
+    if area.y1 < frame.height {
+        list.extend((area.x0..area.x1).map(|x| (x, area.y1)));
     }
     list
+}
+
+/// The rays of a recorded hit.
+pub fn rays_of(node: &rayreel_formats::tile::RayNode) -> Rays {
+    let mut rays = [0; 4];
+    rays[node.class.kind() as usize] += 1;
+    rays[RayKind::Shadow as usize] += node.shadows.cast().count() as u64;
+    rays
 }
 
 fn sum(list: impl Iterator<Item = Rays>) -> Rays {

@@ -42,6 +42,8 @@ pub enum Look {
     Flat,
     /// Two flat objects: the second from this column on.
     Edge(u32),
+    /// Trees of several bounces with smooth colours and an edge here and there, at every depth.
+    Trees,
 }
 
 /// A source of synthetic frames.
@@ -79,6 +81,7 @@ impl Synthetic {
             Look::Noise => noise(&mut random),
             Look::Flat => flat(1),
             Look::Edge(column) => flat(1 + u32::from(x >= column)),
+            Look::Trees => unreachable!("trees are pushed as such"),
         }
     }
 
@@ -161,7 +164,10 @@ impl TileSource for Synthetic {
             for x in rect.x..rect.x + rect.width {
                 tile.tree.first.push(tile.tree.nodes.len() as u32);
                 let mut random = Random(self.seed.wrapping_add(77) ^ u64::from(y) << 20 ^ u64::from(x));
-                push(&mut tile, &self.sample(frame, x, y), &mut random);
+                match self.look {
+                    Look::Trees => super::trees::push(&mut tile, self, (frame, x, y)),
+                    _ => push(&mut tile, &self.sample(frame, x, y), &mut random),
+                }
             }
         }
         tile.tree.first.push(tile.tree.nodes.len() as u32);

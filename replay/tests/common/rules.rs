@@ -1,0 +1,277 @@
+//! The rules of similarity, interpolation and reuse, once more: written from POLICIES.md, with trees of boxes.
+
+use rayreel_replay::policy::Similarity;
+
+type Rgb = [f32; 3];
+
+#[derive(Clone, Copy, Debug)]
+pub struct Surface {
+    pub object: u32,
+    pub shadows: u32,
+    pub normal: [f32; 3],
+    pub position: [f32; 3],
+    pub t: f32,
+}
+
+/// A hit or a miss, with what hangs below it: reflection and refraction with their weights.
+#[derive(Clone, Debug)]
+pub struct Hit {
+    /// Its number among the recorded hits of its sample.
+    number: usize,
+    pub surface: Option<Surface>,
+    local: Rgb,
+    pub colour: Rgb,
+    pub own_rays: u32,
+    pub rays: u32,
+    pub below: [Option<(Rgb, Box<Hit>)>; 2],
+}
+
+impl Hit {
+    /// A hit whose colour and rays are those of its parts.
+    pub fn new(
+        number: usize,
+        surface: Option<Surface>,
+        local: Rgb,
+        own_rays: u32,
+        below: [Option<(Rgb, Box<Hit>)>; 2],
+    ) -> Self {
+        let (mut colour, mut rays) = (local, own_rays);
+        for (weight, child) in below.iter().flatten() {
+            let part = times(*weight, child.colour);
+            colour = [colour[0] + part[0], colour[1] + part[1], colour[2] + part[2]];
+            rays += child.rays;
+        }
+        Self { number, surface, local, colour, own_rays, rays, below }
+    }
+
+    fn branches(&self) -> [bool; 2] {
+        [self.below[0].is_some(), self.below[1].is_some()]
+    }
+
+    fn mark(&self, traced: &mut [bool]) {
+        traced[self.number] = true;
+        self.below.iter().flatten().for_each(|(_, child)| child.mark(traced));
+    }
+}
+
+/// Decides about hits whose samples are `gap` apart.
+pub struct Judge<'a> {
+    pub similarity: &'a Similarity,
+    pub relax: f64,
+    pub gap: usize,
+}
+
+impl Judge<'_> {
+    /// May samples between `a` and `b` be interpolated?
+    pub fn samples(&self, a: &Hit, b: &Hit, foreseen: f64) -> bool {
+        if !self.alike(a, b) {
+            return false;
+        }
+        let totals = (a.colour, b.colour);
+        let own = difference(totals, totals);
+        let found = if foreseen < own { foreseen } else { own };
+        match self.colours(found, (a.rays + b.rays) / 2) {
+            Verdict::Fails => false,
+            Verdict::Excuses => true,
+            Verdict::Passes => !self.similarity.secondary || self.alike_below(a, b),
+        }
+    }
+
+    /// May the contributions of `a` and `b` be interpolated?
+    fn subtrees(&self, (a, b): (&Hit, &Hit), weights: (Rgb, Rgb), totals: (Rgb, Rgb)) -> bool {
+        let found = difference((times(weights.0, a.colour), times(weights.1, b.colour)), totals);
+        match self.colours(found, (a.rays + b.rays) / 2) {
+            Verdict::Fails => false,
+            Verdict::Excuses => true,
+            Verdict::Passes => self.alike(a, b) && self.alike_below(a, b),
+        }
+    }
+
+    fn colours(&self, found: f64, rays: u32) -> Verdict {
+        let Some(limit) = self.limit(rays) else { return Verdict::Passes };
+        if found.is_nan() || found > limit {
+            return Verdict::Fails;
+        }
+        let excuse = self.similarity.unlike.value().unwrap_or(0.0) * limit;
+        if found < excuse { Verdict::Excuses } else { Verdict::Passes }
+    }
+
+    fn limit(&self, rays: u32) -> Option<f64> {
+        let limit = self.similarity.colour.value()? * self.relax;
+        Some(limit * (2.0 / self.gap as f64) * (f64::from(rays) / 3.0).sqrt())
+    }
+
+    /// The attributes of two hits agree.
+    pub fn alike(&self, a: &Hit, b: &Hit) -> bool {
+        let rules = self.similarity;
+        let (x, y) = match (&a.surface, &b.surface) {
+            (None, None) => return true,
+            (Some(x), Some(y)) => (x, y),
+            _ => return false,
+        };
+        let step: Vec<f64> = (0..3).map(|i| f64::from(y.position[i]) - f64::from(x.position[i])).collect();
+        let reach = f64::from(x.t.min(y.t));
+        let mut pass = true;
+        if rules.object_id {
+            pass &= x.object == y.object;
+        }
+        if rules.shadow {
+            pass &= x.shadows == y.shadows;
+        }
+        pass &= self.normals(x, y);
+        if let Some(limit) = rules.position.value() {
+            pass &= (step[0] * step[0] + step[1] * step[1] + step[2] * step[2]).sqrt() <= limit * reach;
+        }
+        if let Some(limit) = rules.plane.value() {
+            let n = x.normal.map(f64::from);
+            pass &= (step[0] * n[0] + step[1] * n[1] + step[2] * n[2]).abs() <= limit * reach;
+        }
+        if let Some(limit) = rules.texture.value() {
+            let found = difference((a.local, b.local), (a.local, b.local));
+            pass &= !found.is_nan() && found <= limit;
+        }
+        pass
+    }
+
+    fn normals(&self, x: &Surface, y: &Surface) -> bool {
+        let Some(degrees) = self.similarity.normal_deg.value() else { return true };
+        let dot = |a: [f32; 3], b: [f32; 3]| {
+            let (a, b) = (a.map(f64::from), b.map(f64::from));
+            a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+        };
+        let cosine = libm::cos(degrees.to_radians());
+        dot(x.normal, y.normal) >= cosine * (dot(x.normal, x.normal) * dot(y.normal, y.normal)).sqrt()
+    }
+
+    fn alike_below(&self, a: &Hit, b: &Hit) -> bool {
+        a.branches() == b.branches()
+            && (0..2).all(|i| match (&a.below[i], &b.below[i]) {
+                (Some((_, a)), Some((_, b))) => self.alike(a, b) && self.alike_below(a, b),
+                _ => true,
+            })
+    }
+
+    /// The sample `own` between two ends, hit by hit; notes which of its hits were traced.
+    pub fn rebuild(&self, (near, far): (&Hit, &Hit), s: f32, own: &Hit, traced: &mut [bool]) -> Hit {
+        let totals = (near.colour, far.colour);
+        let alike = same_branches([near, far, own]) && self.alike(near, far);
+        let bare = difference((near.local, far.local), totals);
+        let limit = self.limit((near.own_rays + far.own_rays) / 2);
+        if alike && limit.is_none_or(|limit| bare <= limit) {
+            let below = self.children((near, far), s, own, ([1.0; 3], [1.0; 3]), totals, traced, true);
+            let (surface, local) = (middle(near, far, s), mix(near.local, far.local, s));
+            return Hit::new(own.number, surface, local, near.own_rays, below);
+        }
+        self.traced((near, far), s, own, ([1.0; 3], [1.0; 3]), totals, traced)
+    }
+
+    /// A hit that is traced, with its subtree or with children that are decided one by one.
+    fn traced(
+        &self,
+        (near, far): (&Hit, &Hit),
+        s: f32,
+        own: &Hit,
+        weights: (Rgb, Rgb),
+        totals: (Rgb, Rgb),
+        traced: &mut [bool],
+    ) -> Hit {
+        let one = |a: &Hit, b: &Hit| match (&a.surface, &b.surface) {
+            (Some(x), Some(y)) => x.object == y.object && self.normals(x, y),
+            _ => false,
+        };
+        if !(same_branches([near, far, own]) && one(near, own) && one(own, far)) {
+            own.mark(traced);
+            return own.clone();
+        }
+        traced[own.number] = true;
+        let below = self.children((near, far), s, own, weights, totals, traced, false);
+        Hit::new(own.number, own.surface, own.local, own.own_rays, below)
+    }
+
+    /// The children of a hit. Their weights are those of the ends' mix, or the traced hit's own.
+    #[allow(clippy::too_many_arguments, reason = "what a step of a recursion needs")]
+    fn children(
+        &self,
+        (near, far): (&Hit, &Hit),
+        s: f32,
+        own: &Hit,
+        weights: (Rgb, Rgb),
+        totals: (Rgb, Rgb),
+        traced: &mut [bool],
+        mixed: bool,
+    ) -> [Option<(Rgb, Box<Hit>)>; 2] {
+        [0, 1].map(|i| {
+            let ((wa, a), (wb, b)) = (near.below[i].as_ref()?, far.below[i].as_ref()?);
+            let (w, c) = own.below[i].as_ref()?;
+            let reach = (times(weights.0, *wa), times(weights.1, *wb));
+            let child = if self.subtrees((a, b), reach, totals) {
+                between(a, b, s)
+            } else {
+                self.traced((a, b), s, c, reach, totals, traced)
+            };
+            Some((if mixed { mix(*wa, *wb, s) } else { *w }, Box::new(child)))
+        })
+    }
+}
+
+/// What the colour test says.
+enum Verdict {
+    Fails,
+    Passes,
+    /// Passes, and so well that what lies below need not be alike.
+    Excuses,
+}
+
+/// Something hangs below, and the same below all.
+fn same_branches(hits: [&Hit; 3]) -> bool {
+    let [a, b, c] = hits.map(Hit::branches);
+    a == b && b == c && a != [false, false]
+}
+
+/// The tree `s` of the way from `near` to `far`.
+pub fn between(near: &Hit, far: &Hit, s: f32) -> Hit {
+    let mut hit = near.clone();
+    hit.surface = middle(near, far, s);
+    hit.local = mix(near.local, far.local, s);
+    hit.colour = mix(near.colour, far.colour, s);
+    hit.below = [None, None];
+    if near.branches() == far.branches() {
+        hit.below = [0, 1].map(|i| {
+            let ((wa, a), (wb, b)) = (near.below[i].as_ref()?, far.below[i].as_ref()?);
+            Some((mix(*wa, *wb, s), Box::new(between(a, b, s))))
+        });
+    }
+    hit
+}
+
+fn middle(near: &Hit, far: &Hit, s: f32) -> Option<Surface> {
+    let (Some(a), Some(b)) = (&near.surface, &far.surface) else { return near.surface };
+    let mut normal = mix(a.normal, b.normal, s);
+    let length = (normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]).sqrt();
+    normal = if length > 0.0 { normal.map(|v| v / length) } else { a.normal };
+    Some(Surface { normal, position: mix(a.position, b.position, s), t: a.t + (b.t - a.t) * s, ..*a })
+}
+
+pub fn mix(near: Rgb, far: Rgb, s: f32) -> Rgb {
+    [0, 1, 2].map(|i| near[i] + (far[i] - near[i]) * s)
+}
+
+fn times(a: Rgb, b: Rgb) -> Rgb {
+    [a[0] * b[0], a[1] * b[1], a[2] * b[2]]
+}
+
+/// How much two shares of samples differ as displayed.
+pub fn difference((a, b): (Rgb, Rgb), (ta, tb): (Rgb, Rgb)) -> f64 {
+    let root = |v: f32| {
+        // Neither a NaN nor anything above 1 is displayed darker than white; nothing is darker than black.
+        if v.is_nan() || v > 1.0 { 1.0 } else { f64::from(v).max(0.0).sqrt() }
+    };
+    let squares = (0..3).map(|i| {
+        if ta[i] >= 1.0 && tb[i] >= 1.0 {
+            return 0.0;
+        }
+        let part = (f64::from(a[i]) - f64::from(b[i])) / (root(ta[i]) + root(tb[i]) + 0.06);
+        part * part
+    });
+    (squares.sum::<f64>() / 3.0).sqrt()
+}
