@@ -15,8 +15,8 @@ use super::record::Record;
 /// The scenes: one hard and one smooth.
 const SCENES: [&str; 2] = ["chess", "car"];
 
-/// Largest picture of an ablation: what it shows does not depend on the size, and there are many.
-const SIZE_MAX: (u32, u32) = (512, 256);
+/// Largest picture of an ablation, by default and with `--full`: what one shows depends little on the size, and there are many.
+const SIZES: [(u32, u32); 2] = [(128, 64), (512, 256)];
 
 /// A choice.
 struct Variant {
@@ -141,7 +141,7 @@ pub fn plan(setup: &Setup<'_>, plan: &mut Plan<'_>) -> Result<Vec<Planned>> {
     if scenes.is_empty() {
         scenes.push(0);
     }
-    let size = (setup.size.0.min(SIZE_MAX.0), setup.size.1.min(SIZE_MAX.1));
+    let size = size(setup);
     let mut planned = Vec::new();
     for (variant, own) in VARIANTS.iter().enumerate() {
         let strings = |texts: &[&str]| texts.iter().map(|text| (*text).to_owned()).collect::<Vec<_>>();
@@ -194,9 +194,10 @@ pub fn ablations(setup: &Setup<'_>, planned: &[Planned], records: &[Record]) -> 
     planned.iter().map(row).collect()
 }
 
-/// What was replayed at which size, for the notes: nothing if the ablations are as large as all else.
-pub fn smaller(size: (u32, u32)) -> Option<(u32, u32)> {
-    (size.0 > SIZE_MAX.0 || size.1 > SIZE_MAX.1).then_some((size.0.min(SIZE_MAX.0), size.1.min(SIZE_MAX.1)))
+/// Picture size of the ablations.
+pub fn size(setup: &Setup<'_>) -> (u32, u32) {
+    let most = SIZES[usize::from(setup.full)];
+    (setup.size.0.min(most.0), setup.size.1.min(most.1))
 }
 
 #[cfg(test)]

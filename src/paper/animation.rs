@@ -19,10 +19,10 @@ pub const PAPER_FRAMES: [u32; 6] = [1, 150, 340, 400, 600, 700];
 const SCENE: &str = "provence";
 
 /// Frames of a run that count, by default.
-const COUNTED: u32 = 3;
+const COUNTED: u32 = 2;
 
 /// Frames before them, by default.
-const EARLY: u32 = 1;
+const EARLY: u32 = 2;
 
 /// The same for the whole path: a run is what is on disk at once.
 const COUNTED_FULL: u32 = 20;
@@ -92,10 +92,15 @@ pub fn plan(setup: &Setup<'_>, plan: &mut Plan<'_>) -> Option<Planned> {
         let frames = (run.first, run.end - run.first);
         let grid = Grid { scene, size: setup.size, samples: MODES[0].samples, tile: TILE, frames };
         let shot = plan.shot(&grid, if setup.full { i + 1 } else { 0 }, !setup.full);
-        for (policy, (entry, named)) in setup.policies.iter().enumerate().filter(|(_, (entry, _))| entry.animated) {
+        for (policy, (entry, named)) in setup.policies.iter().enumerate() {
+            if !entry.animated.now(setup.full) {
+                continue;
+            }
+            let mapped = entry.mapped.now(setup.full);
             let machine = setup.machines.as_ref().map(|m| Arc::clone(&m.alone));
-            let simulated = if machine.is_some() { run.simulated(setup.full) } else { Vec::new() };
-            let pictures = if entry.mapped { pictures(setup, scene, policy, run) } else { Vec::new() };
+            let simulated =
+                if machine.is_some() && (mapped || policy == 0) { run.simulated(setup.full) } else { Vec::new() };
+            let pictures = if mapped { pictures(setup, scene, policy, run) } else { Vec::new() };
             let named = Arc::clone(named);
             let job = Job { shot, policy: named, machine, simulated, compared: true, tiles: false, pictures };
             let job = plan.job(job);
@@ -171,7 +176,8 @@ impl Planned {
     /// The maps of the paper's frames.
     pub fn maps(&self, setup: &Setup<'_>, records: &[Record]) -> Vec<Map> {
         let mut maps = Vec::new();
-        for (policy, jobs) in self.tracks.iter().filter(|(policy, _)| setup.policies[*policy].0.mapped) {
+        for (policy, jobs) in self.tracks.iter().filter(|(policy, _)| setup.policies[*policy].0.mapped.now(setup.full))
+        {
             for frame in self.frames(jobs, records).filter(|f| self.runs.iter().any(|r| r.mapped().contains(&f.frame)))
             {
                 let file = |what| file(setup, self.scene, *policy, frame.frame, what);

@@ -3,12 +3,13 @@
 use std::sync::Arc;
 
 use rayreel_replay::Policy;
+use rayreel_replay::machine::config::NamedMachine;
 use rayreel_replay::report::study::{Cost, Gain, Point, ViewerImages, ViewerSet};
 
 use super::Setup;
 use super::plan::{Grid, Job, Kind, Picture, Plan, TILE};
 use super::policies::{MODES, PAPER};
-use super::record::{Frame, Record};
+use super::record::{Frame, Machine, Record};
 
 /// Pictures larger than this many pixels are shown for two policies only: a page with all of them could not be opened.
 const PIXELS_SHOWN: u64 = 1 << 20;
@@ -21,9 +22,11 @@ pub struct Planned {
     scene: usize,
     mode: usize,
     policy: usize,
-    /// Whole machine, compared with `full`.
-    gpu: usize,
-    /// T&I units alone.
+    /// Compared with `full`; on the whole machine, or the T&I units alone, if there is one.
+    picture: usize,
+    /// On the whole machine.
+    gpu: Option<usize>,
+    /// The T&I units alone.
     alone: Option<usize>,
     images: Option<ViewerImages>,
 }
@@ -43,7 +46,7 @@ pub fn plan(setup: &Setup<'_>, plan: &mut Plan<'_>) -> Vec<Planned> {
             let grid = Grid { scene, size: setup.size, samples: own.samples, tile: TILE, frames: (0, 1) };
             let shot = plan.shot(&grid, 0, true);
             for (policy, (entry, named)) in setup.policies.iter().enumerate() {
-                if !entry.modes[mode] {
+                if !entry.modes[mode].now(setup.full) {
                     continue;
                 }
                 let (pictures, images) = if is_shown(setup, mode, policy) {
@@ -52,37 +55,42 @@ pub fn plan(setup: &Setup<'_>, plan: &mut Plan<'_>) -> Vec<Planned> {
                 } else {
                     (Vec::new(), None)
                 };
-                let machine = setup.machines.as_ref();
-                let simulated = if machine.is_some() { vec![0] } else { Vec::new() };
                 let job = Job {
                     shot,
                     policy: Arc::clone(named),
-                    machine: machine.map(|m| Arc::clone(&m.whole)),
-                    simulated,
+                    machine: None,
+                    simulated: Vec::new(),
                     compared: true,
                     tiles: images.is_some(),
                     pictures,
                 };
-                let alone = machine.map(|m| Job {
-                    machine: Some(Arc::clone(&m.alone)),
-                    compared: false,
-                    tiles: false,
-                    pictures: Vec::new(),
-                    ..job.clone()
-                });
-                let (gpu, alone) = (plan.job(job), alone.map(|job| plan.job(job)));
-                points.push(Planned { scene, mode, policy, gpu, alone, images });
+                let (picture, gpu, alone) = simulations(setup, plan, job, entry.whole.now(setup.full));
+                points.push(Planned { scene, mode, policy, picture, gpu, alone, images });
             }
         }
     }
     points
 }
 
+/// The jobs of a point: the one that compares pictures, the one on the whole machine, the one of the T&I units alone.
+fn simulations(setup: &Setup<'_>, plan: &mut Plan<'_>, job: Job, whole: bool) -> (usize, Option<usize>, Option<usize>) {
+    let Some(machines) = &setup.machines else { return (plan.job(job), None, None) };
+    let on =
+        |machine: &Arc<NamedMachine>, job: Job| Job { machine: Some(Arc::clone(machine)), simulated: vec![0], ..job };
+    if !whole {
+        let alone = plan.job(on(&machines.alone, job));
+        return (alone, None, Some(alone));
+    }
+    let bare = Job { compared: false, tiles: false, pictures: Vec::new(), ..job.clone() };
+    let (gpu, alone) = (plan.job(on(&machines.whole, job)), plan.job(on(&machines.alone, bare)));
+    (gpu, Some(gpu), Some(alone))
+}
+
 /// Whether the pictures of a policy are shown.
 fn is_shown(setup: &Setup<'_>, mode: usize, policy: usize) -> bool {
     let entry = setup.policies[policy].0;
     let large = u64::from(setup.size.0) * u64::from(setup.size.1) > PIXELS_SHOWN;
-    if large { entry.name == PAPER[mode] || (mode == 0 && entry.name == BEST) } else { entry.shown }
+    if large { entry.name == PAPER[mode] || (mode == 0 && entry.name == BEST) } else { entry.shown.now(setup.full) }
 }
 
 /// The pictures of a point, and where the report finds them. The reference comes with the paper's policy.
@@ -120,14 +128,15 @@ pub fn points(setup: &Setup<'_>, planned: &[Planned], records: &[Record]) -> Vec
     let frame = |job: usize| &records[job].frames[0];
     let cost = |point: &Planned| {
         let alone = point.alone.and_then(|job| frame(job).machine.as_ref()).and_then(|machine| machine.ti);
-        (alone, frame(point.gpu).machine.as_ref().and_then(|machine| machine.gpu))
+        let whole = point.gpu.and_then(|job| frame(job).machine.as_ref()).and_then(|machine| machine.gpu);
+        (alone, whole)
     };
     let full = |scene: usize, mode: usize| {
         planned.iter().find(|p| (p.scene, p.mode, p.policy) == (scene, mode, 0)).map_or((None, None), &cost)
     };
     let one = |p: &Planned| {
         let ((ti, gpu), (full_ti, full_gpu), (fsaa, _)) = (cost(p), full(p.scene, p.mode), full(p.scene, 0));
-        let mut point = figures(frame(p.gpu));
+        let mut point = figures(frame(p.picture), p.gpu.and_then(|job| frame(job).machine.clone()));
         let named = &setup.policies[p.policy].1;
         point.scene.clone_from(&setup.stages[p.scene].name);
         point.mode = MODES[p.mode].name.into();
@@ -143,9 +152,8 @@ pub fn points(setup: &Setup<'_>, planned: &[Planned], records: &[Record]) -> Vec
     planned.iter().map(one).collect()
 }
 
-/// What the frame itself says of a point.
-fn figures(frame: &Frame) -> Point {
-    let machine = frame.machine.clone();
+/// What the frame itself says of a point, and the whole machine.
+fn figures(frame: &Frame, machine: Option<Machine>) -> Point {
     let (units, energy, srp) = machine.map(|m| (m.units, m.energy, m.srp)).unwrap_or_default();
     Point {
         rays_full: frame.rays_full,
@@ -190,7 +198,7 @@ pub fn viewer(setup: &Setup<'_>, planned: &[Planned], records: &[Record]) -> Vec
             height: setup.size.1,
             tile_px: TILE / MODES[p.mode].samples,
             images: p.images.clone()?,
-            tiles: records[p.gpu].frames[0].tiles.clone(),
+            tiles: records[p.picture].frames[0].tiles.clone(),
         })
     };
     planned.iter().filter_map(set).collect()
@@ -199,5 +207,5 @@ pub fn viewer(setup: &Setup<'_>, planned: &[Planned], records: &[Record]) -> Vec
 /// Rays of all samples of a scene, by mode.
 pub fn rays_full(planned: &[Planned], records: &[Record], scene: usize) -> Vec<(usize, u64)> {
     let full = planned.iter().filter(|p| p.scene == scene && p.policy == 0);
-    full.map(|p| (p.mode, records[p.gpu].frames[0].rays_full)).collect()
+    full.map(|p| (p.mode, records[p.picture].frames[0].rays_full)).collect()
 }

@@ -1,5 +1,7 @@
 //! What is compared: the two modes, and the policies of each.
 
+use std::sync::Arc;
+
 use anyhow::Result;
 use rayreel_replay::NamedPolicy;
 
@@ -18,43 +20,113 @@ pub struct Mode {
 pub const MODES: [Mode; 2] =
     [Mode { name: "2x2", word: "supersampling", samples: 2 }, Mode { name: "1x1", word: "undersampling", samples: 1 }];
 
-/// A preset and where it is used.
+/// How much is done with a policy.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum When {
+    /// Nothing.
+    Never,
+    /// With `--full` only.
+    Full,
+    /// Always.
+    Always,
+}
+
+impl When {
+    /// Whether it is done in this run.
+    pub fn now(self, full: bool) -> bool {
+        self == Self::Always || (self == Self::Full && full)
+    }
+}
+
+/// A policy and where it is used.
+#[derive(Debug)]
 pub struct Entry {
-    /// Name of the preset.
+    /// Name in results.
     pub name: &'static str,
-    /// In which of [`MODES`].
-    pub modes: [bool; 2],
+    /// Preset, and what is changed in it.
+    pub preset: (&'static str, &'static [&'static str]),
+    /// Whether there are points, by [`MODES`].
+    pub modes: [When; 2],
+    /// Whether the points are simulated on the whole GPU too.
+    pub whole: When,
     /// Whether the report shows its pictures.
-    pub shown: bool,
+    pub shown: When,
     /// Whether the animation is replayed under it.
-    pub animated: bool,
-    /// Whether its maps are shown over the frames.
-    pub mapped: bool,
+    pub animated: When,
+    /// Whether frames of the animation are simulated and its maps shown.
+    pub mapped: When,
 }
 
-const fn entry(name: &'static str, modes: [bool; 2], shown: bool, animated: bool, mapped: bool) -> Entry {
-    Entry { name, modes, shown, animated, mapped }
+/// A preset with points in both modes.
+const fn preset(name: &'static str) -> Entry {
+    Entry {
+        name,
+        preset: (name, &[]),
+        modes: [When::Always; 2],
+        whole: When::Full,
+        shown: When::Never,
+        animated: When::Full,
+        mapped: When::Full,
+    }
 }
 
-/// All policies, `full` first: it is what the others are compared with. `paper-ss` and `paper-us` are what the paper evaluated in
-/// either mode.
+/// What the paper evaluated in one of the modes.
+const fn evaluated(name: &'static str, mode: usize) -> Entry {
+    let mut entry = Entry { whole: When::Always, shown: When::Always, ..preset(name) };
+    entry.modes[1 - mode] = When::Never;
+    let animated = if mode == 0 { When::Always } else { When::Never };
+    (entry.animated, entry.mapped) = (animated, animated);
+    entry
+}
+
+/// A change of `multirate` that only the animation shows.
+const fn changed(name: &'static str, rules: &'static [&'static str], animated: When) -> Entry {
+    let preset = ("multirate", rules);
+    Entry {
+        name,
+        preset,
+        modes: [When::Never; 2],
+        whole: When::Never,
+        shown: When::Never,
+        animated,
+        mapped: When::Never,
+    }
+}
+
+/// All policies, `full` first: it is what the others are compared with.
 pub const POLICIES: &[Entry] = &[
-    entry("full", [true, true], false, true, false),
-    entry("paper-ss", [true, false], true, true, true),
-    entry("paper-us", [false, true], true, false, false),
-    entry("quality", [true, true], false, true, false),
-    entry("multirate", [true, true], true, true, true),
-    entry("aggressive", [true, true], true, true, false),
-    entry("foveated", [true, true], false, false, false),
+    Entry { whole: When::Always, animated: When::Always, mapped: When::Never, ..preset("full") },
+    evaluated("paper-ss", 0),
+    evaluated("paper-us", 1),
+    Entry { shown: When::Full, ..preset("quality") },
+    Entry {
+        whole: When::Always,
+        shown: When::Always,
+        animated: When::Always,
+        mapped: When::Always,
+        ..preset("multirate")
+    },
+    Entry { shown: When::Full, ..preset("aggressive") },
+    Entry { modes: [When::Always, When::Full], animated: When::Never, mapped: When::Never, ..preset("foveated") },
+    changed("multirate, no hysteresis", &["lower=0.97", "alternate=0", "hold=1"], When::Always),
+    changed("fixed 4x4", &["finest=4", "start=4", "coarsest=4"], When::Full),
+    changed("fixed 8x8", &["finest=8", "start=8", "coarsest=8"], When::Always),
+    changed("fixed 16x16", &["coarsest=16", "start=16", "finest=16"], When::Full),
 ];
 
 /// Name of what the paper evaluated, by mode.
 pub const PAPER: [&str; 2] = ["paper-ss", "paper-us"];
 
-/// The presets, loaded, in the order of [`POLICIES`].
+/// All policies of [`POLICIES`], loaded.
 ///
 /// # Errors
-/// Never for presets that exist.
-pub fn load() -> Result<Vec<(&'static Entry, NamedPolicy)>> {
-    POLICIES.iter().map(|entry| Ok((entry, NamedPolicy::load(entry.name, &[])?))).collect()
+/// Never for presets that exist and keys that they have.
+pub fn load() -> Result<Vec<(&'static Entry, Arc<NamedPolicy>)>> {
+    let load = |entry: &'static Entry| {
+        let (preset, rules) = entry.preset;
+        let rules: Vec<String> = rules.iter().map(|rule| (*rule).to_owned()).collect();
+        let policy = NamedPolicy::load(preset, &rules)?.policy;
+        Ok((entry, Arc::new(NamedPolicy { name: entry.name.into(), policy })))
+    };
+    POLICIES.iter().map(load).collect()
 }

@@ -1,11 +1,14 @@
 //! The whole experiment as a study.
 
+use std::sync::Arc;
+
 use anyhow::Result;
+use rayreel_replay::NamedPolicy;
 use rayreel_replay::machine::config::schema::KEYS;
 use rayreel_replay::machine::config::{NamedMachine, Sourced};
 use rayreel_replay::report::study::{ConfigValue, ModeRays, Policy, SCHEMA, Scene, Study};
 
-use super::policies::MODES;
+use super::policies::{Entry, MODES, When};
 use super::record::Record;
 use super::{Experiment, Setup, ablations, animation, points, reference};
 use crate::common::TOOL;
@@ -53,14 +56,24 @@ fn scene_of(setup: &Setup<'_>, experiment: &Experiment, records: &[Record], scen
 }
 
 fn policies(setup: &Setup<'_>) -> Result<Vec<Policy>> {
-    let policy = |(entry, named): &(&super::policies::Entry, std::sync::Arc<rayreel_replay::NamedPolicy>)| {
+    let policy = |(entry, named): &(&Entry, Arc<NamedPolicy>)| {
         Ok(Policy {
             name: named.name.clone(),
-            summary: presets::policy_summary(entry.name),
+            summary: summary(entry),
             config_toml: presets::policy_values(&named.policy)?,
         })
     };
-    setup.policies.iter().map(policy).collect()
+    let used = |own: &&(&Entry, Arc<NamedPolicy>)| {
+        let entry = own.0;
+        entry.modes.iter().chain([&entry.animated]).any(|when| when.now(setup.full))
+    };
+    setup.policies.iter().filter(used).map(policy).collect()
+}
+
+/// What a policy does, and what is changed in the preset.
+fn summary(entry: &Entry) -> String {
+    let (preset, rules) = entry.preset;
+    if rules.is_empty() { presets::policy_summary(preset) } else { format!("{preset} with {}.", rules.join(", ")) }
 }
 
 fn config(machine: &NamedMachine) -> Vec<ConfigValue> {
@@ -103,11 +116,20 @@ fn notes(setup: &Setup<'_>, experiment: &Experiment) -> Vec<String> {
             animation::PAPER_FRAMES.map(|frame| frame.to_string()).join(", "),
         ));
     }
-    if let Some((width, height)) = ablations::smaller(setup.size) {
+    let (width, height) = ablations::size(setup);
+    if (width, height) != setup.size {
         notes.push(format!("The ablations are of {width}x{height} pixels."));
     }
+    let without = |entry: &&Entry| entry.whole == When::Full && !setup.full;
+    let names: Vec<&str> = setup.policies.iter().map(|(entry, _)| *entry).filter(without).map(|e| e.name).collect();
+    if !names.is_empty() && setup.machines.is_some() {
+        notes.push(format!(
+            "Under {} the T&I units alone are simulated, not the whole GPU; --full adds that, and undersampling under foveated.",
+            names.join(", ")
+        ));
+    }
     if experiment.points.len() > experiment.shown() {
-        notes.push("The image viewer holds the pictures of some of the policies.".into());
+        notes.push("The image viewer holds the pictures of some of the policies only.".into());
     }
     notes
 }

@@ -1,4 +1,4 @@
-//! `rayreel paper`: the table, the pictures, and a cache that is used and trusted no further than it should be.
+//! `rayreel paper`: tables, pictures, study and page, and a cache that is used and trusted no further than it should be.
 
 use std::collections::BTreeMap;
 use std::ffi::OsString;
@@ -6,25 +6,51 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
+use rayreel_replay::report::study::{SCHEMA, Study};
 use serde_json::Value;
 
-use crate::common::{BUILTIN, Ran, capture};
-use crate::rayreel;
+use crate::common::{Ran, capture};
 
 const MODES: [(&str, &str); 2] = [("supersampling", "2x2"), ("undersampling", "1x1")];
 
-fn paper(folder: &Path) -> Ran {
-    let (cache, out) = (folder.join("cache"), folder.join("out"));
-    rayreel!["paper", "--quiet", "--size", "96x48", "--machine", "none", "--cache", &cache, "--out", &out].expect(0)
+/// The arguments of a run whose folders are in `folder`.
+fn args(folder: &Path, line: &str) -> Vec<OsString> {
+    let mut args: Vec<OsString> = format!("paper --quiet {line}").split_whitespace().map(OsString::from).collect();
+    for name in ["cache", "out"] {
+        args.extend([format!("--{name}").into(), folder.join(name).into_os_string()]);
+    }
+    args
 }
 
-/// What tells whether a file was written again.
+fn paper(folder: &Path, line: &str) -> Ran {
+    crate::common::run(&args(folder, line)).expect(0)
+}
+
+/// Path relative to the folder, and what tells whether the file was written again, of all files in and below `folder`.
 fn stamps(folder: &Path) -> BTreeMap<PathBuf, (u64, SystemTime)> {
-    let stamp = |path: PathBuf| {
-        let meta = fs::metadata(&path).unwrap();
-        (path, (inode(&meta), meta.modified().unwrap()))
-    };
-    fs::read_dir(folder).unwrap().map(|entry| stamp(entry.unwrap().path())).collect()
+    let mut all = BTreeMap::new();
+    for file in files(folder) {
+        let meta = fs::metadata(folder.join(&file)).unwrap();
+        all.insert(file, (inode(&meta), meta.modified().unwrap()));
+    }
+    all
+}
+
+fn files(folder: &Path) -> Vec<PathBuf> {
+    let mut files = Vec::new();
+    let mut open = vec![PathBuf::new()];
+    while let Some(inner) = open.pop() {
+        for entry in fs::read_dir(folder.join(&inner)).unwrap() {
+            let path = inner.join(entry.unwrap().file_name());
+            if folder.join(&path).is_dir() { open.push(path) } else { files.push(path) }
+        }
+    }
+    files
+}
+
+/// All bytes below a folder.
+fn bytes(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
+    files(folder).into_iter().map(|file| (file.clone(), fs::read(folder.join(file)).unwrap())).collect()
 }
 
 #[cfg(unix)]
@@ -37,135 +63,247 @@ fn inode(_: &fs::Metadata) -> u64 {
     0
 }
 
-fn check_table(text: &str) {
-    let rows: Vec<Vec<&str>> = text.lines().map(|line| line.split_whitespace().collect()).collect();
-    for scene in BUILTIN {
-        for (mode, _) in MODES {
-            let row = rows.iter().find(|row| row.starts_with(&[scene, mode]));
-            let row = row.unwrap_or_else(|| panic!("no row for {scene} {mode} in\n{text}"));
-            let numbers: Vec<f64> = row[2..].iter().filter_map(|word| word.parse().ok()).collect();
-            let [full, traced, ratio, similar, psnr] = numbers[..5] else { panic!("{row:?}") };
-            assert!(traced < full && (full / traced - ratio).abs() < 0.006, "{row:?}");
-            assert!((1.0..100.0).contains(&similar) && (15.0..80.0).contains(&psnr), "{row:?}");
-        }
-    }
-    assert!(text.contains("48.99") && text.contains("28.53"), "the paper's own values stand beside ours\n{text}");
+fn study(folder: &Path) -> Study {
+    let study: Study = serde_json::from_slice(&fs::read(folder.join("out/study.json")).unwrap()).unwrap();
+    assert_eq!(study.schema, SCHEMA);
+    study
 }
 
-fn check_pictures(out: &Path) {
-    for scene in BUILTIN {
-        for (mode, _) in MODES {
-            let folder = out.join(format!("{scene}-{mode}"));
-            for name in ["result.png", "reference.png"] {
-                let picture = image::open(folder.join(name)).unwrap().into_rgb8();
-                assert_eq!(picture.dimensions(), (96, 48), "{scene} {mode} {name}");
-                let first = picture.get_pixel(0, 0);
-                assert!(picture.pixels().any(|p| p != first), "{scene} {mode} {name} is flat");
-            }
-            image::open(folder.join("similarity.png")).unwrap();
-            let exr = rayreel_replay::image::files::read_exr(&folder.join("result.exr")).unwrap();
-            assert_eq!((exr.width, exr.height), (96, 48));
-        }
+/// The first table: the paper's policies.
+fn check_table(text: &str, study: &Study) {
+    let rows: Vec<Vec<&str>> = text.lines().map(|line| line.split_whitespace().collect()).collect();
+    for (scene, (word, mode)) in study.scenes.iter().flat_map(|scene| MODES.map(|mode| (&scene.name, mode))) {
+        let row = rows.iter().find(|row| row.starts_with(&[scene, word]));
+        let row = row.unwrap_or_else(|| panic!("no row for {scene} {word} in\n{text}"));
+        let numbers: Vec<f64> = row[2..].iter().filter_map(|word| word.parse().ok()).collect();
+        let [full, traced, ratio, rate, psnr] = numbers[..5] else { panic!("{row:?}") };
+        assert!(traced < full && (full / traced - ratio).abs() < 0.006, "{row:?}");
+        assert!((20.0..100.0).contains(&rate) && (15.0..80.0).contains(&psnr), "{row:?}");
+        let policy = if mode == "2x2" { "paper-ss" } else { "paper-us" };
+        let point = study.points.iter().find(|p| p.scene == *scene && p.mode == mode && p.policy == policy).unwrap();
+        assert_eq!((point.rays_full as f64, point.rays_traced as f64), (full, traced));
     }
+}
+
+/// Every picture that the study names is there and shows something.
+fn check_pictures(folder: &Path, study: &Study) {
+    let out = folder.join("out");
+    let open = |name: &str| image::open(out.join(name)).unwrap_or_else(|e| panic!("{name}: {e}")).into_rgb8();
+    assert!(!study.viewer.is_empty());
+    for set in &study.viewer {
+        let images = [&set.images.reference, &set.images.result, &set.images.similarity];
+        for name in images.map(|name| name.as_deref().expect("a picture of each kind")) {
+            let picture = open(name);
+            assert_eq!(picture.dimensions(), (set.width, set.height), "{name}");
+            let first = picture.get_pixel(0, 0);
+            assert!(picture.pixels().any(|p| p != first), "{name} is flat");
+        }
+        assert!(
+            open(set.images.error.as_deref().unwrap()).pixels().any(|p| p.0 != [0; 3]),
+            "{} has errors",
+            set.policy
+        );
+        assert_eq!(set.images.rate.is_some(), set.policy == "multirate");
+        assert!(!set.tiles.is_empty());
+        let point =
+            study.points.iter().find(|p| (&p.scene, &p.mode, &p.policy) == (&set.scene, &set.mode, &set.policy));
+        assert_eq!(set.tiles.iter().map(|tile| tile.rays_traced).sum::<u64>(), point.unwrap().rays_traced);
+    }
+    study
+        .maps
+        .iter()
+        .flat_map(|map| [Some(&map.similarity), map.rate.as_ref(), map.picture.as_ref()])
+        .flatten()
+        .for_each(|name| {
+            open(name);
+        });
 }
 
 #[test]
-fn the_second_run_captures_nothing() {
+fn the_second_run_computes_nothing() {
     let folder = tempfile::tempdir().unwrap();
-    let first = paper(folder.path());
-    check_table(&first.out);
-    check_pictures(&folder.path().join("out"));
-    let cache = folder.path().join("cache");
-    let before = stamps(&cache);
-    assert_eq!(before.len(), BUILTIN.len() * MODES.len(), "{before:?}");
-    let second = paper(folder.path());
+    let line = "--size 64x32 --machine none --scene cornell --scene teapot";
+    let first = paper(folder.path(), line);
+    let study = study(folder.path());
+    assert_eq!(study.scenes.len(), 2);
+    check_table(&first.out, &study);
+    check_pictures(folder.path(), &study);
+    assert!(first.out.contains("48.99"), "the paper's own values stand beside ours\n{}", first.out);
+    assert!(study.points.iter().all(|p| p.ti.is_none() && p.gpu.is_none()), "no machine, and it says so");
+
+    let (cache, out) = (folder.path().join("cache"), folder.path().join("out"));
+    let (cached, written) = (stamps(&cache), bytes(&out));
+    let second = paper(folder.path(), &format!("{line} --threads 1"));
     assert_eq!(first.out, second.out);
-    assert_eq!(before, stamps(&cache), "a trace was written again");
+    assert_eq!(cached, stamps(&cache), "something was computed again");
+    assert!(written == bytes(&out), "other bytes");
+
+    // The traces are not even looked at, and the pictures come back though their folder is gone.
+    files(&cache).iter().filter(|f| f.extension().is_some_and(|e| e == "rtrace")).for_each(|f| {
+        fs::remove_file(cache.join(f)).unwrap();
+    });
+    fs::remove_dir_all(&out).unwrap();
+    paper(folder.path(), line);
+    assert!(written == bytes(&out), "other bytes from the cache alone");
 
     // The same numbers for programs.
-    let file = fs::read_to_string(folder.path().join("out/paper.json")).unwrap();
-    let rows: Vec<Value> = serde_json::from_str(&file).unwrap();
-    assert_eq!(rows.len(), BUILTIN.len() * MODES.len());
+    let rows: Vec<Value> = serde_json::from_slice(&written[Path::new("paper.json")]).unwrap();
+    assert_eq!(rows.len(), study.points.iter().filter(|p| p.kind != "full").count());
     for row in rows {
-        let keys = ["rays_full", "rays_traced", "ray_ratio", "psnr_db", "ssim"];
+        let keys = ["rays_full", "rays_traced", "ray_ratio", "psnr_db", "ssim", "flip"];
         keys.iter().for_each(|key| assert!(row[*key].is_number(), "{key} in {row}"));
-        assert!(row["ti_alone"].is_null() && row["gpu"].is_null(), "no machine, and it says so: {row}");
+        assert!(row["ti_alone"].is_null() && row["gpu"].is_null(), "{row}");
     }
+    assert!(fs::read_to_string(out.join("report.html")).unwrap().contains("multirate"));
 }
 
 /// Performance and power beside the paper's: from the machine's own figures, the same for any number of threads.
 #[test]
 fn the_machine_stands_beside_the_paper() {
-    let folder = tempfile::tempdir().unwrap();
-    let (cache, out) = (folder.path().join("cache"), folder.path().join("out"));
-    let run = |more: &str| {
-        let line = format!("paper --quiet --size 64x32 --scene teapot --scene cornell {more} --cache");
-        let mut args: Vec<OsString> = line.split_whitespace().map(OsString::from).collect();
-        args.extend([cache.as_os_str(), "--out".as_ref(), out.as_os_str()].map(ToOwned::to_owned));
-        crate::common::run(&args).expect(0).out
-    };
-    let text = run("--threads 2");
-    for part in ["2.43 to 2.98", "1.09", "T&I units alone", "whole GPU", "Mrays/s", "sgrt-ti2"] {
+    let [a, b] = [(); 2].map(|()| tempfile::tempdir().unwrap());
+    let line = "--size 32x16 --scene teapot";
+    let text = paper(a.path(), &format!("{line} --threads 2")).out;
+    for part in ["2.43 to 2.98", "1.09", "T&I units alone", "whole GPU", "sgrt-ti2", "tile buffer", "naive"] {
         assert!(text.contains(part), "{part} in\n{text}");
     }
-    let json = run("--threads 1 --json");
-    assert_eq!(json, run("--threads 3 --json"));
-    let rows: Vec<Value> = serde_json::from_str(&json).unwrap();
-    assert_eq!(rows.len(), 2 * MODES.len());
+    let json = paper(b.path(), &format!("{line} --threads 1 --json")).out;
+    assert_eq!(json.as_bytes(), fs::read(a.path().join("out/paper.json")).unwrap());
+    assert!(bytes(&a.path().join("out")) == bytes(&b.path().join("out")), "other bytes with another number of threads");
     let number = |value: &Value| value.as_f64().unwrap_or_else(|| panic!("{value}"));
-    for row in rows {
-        for part in ["ti_alone", "gpu"] {
-            let own = &row[part];
-            let cost = |run: &Value| if part == "gpu" { run["gpu"].clone() } else { run.clone() };
-            let (full, adaptive) = (&own["full"], &own["adaptive"]);
+    for row in serde_json::from_str::<Vec<Value>>(&json).unwrap() {
+        let evaluated = row["as_in_the_paper"] == true;
+        for part in if evaluated { &["ti_alone", "gpu"][..] } else { &["ti_alone"] } {
+            let (full, own, gain) = (&row[part]["full"], &row[part]["own"], &row[part]["gain"]);
             let expected = [
-                ("performance", number(&full["time_ms"]) / number(&adaptive["time_ms"])),
-                ("power", number(&cost(adaptive)["power_w"]) / number(&cost(full)["power_w"])),
-                ("perf_per_watt", number(&cost(full)["energy_mj"]) / number(&cost(adaptive)["energy_mj"])),
+                ("performance", number(&full["time_ms"]) / number(&own["time_ms"])),
+                ("power", number(&own["power_w"]) / number(&full["power_w"])),
+                ("perf_per_watt", number(&full["energy_mj"]) / number(&own["energy_mj"])),
             ];
             for (key, value) in expected {
-                assert!((number(&own["gain"][key]) / value - 1.0).abs() < 1e-9, "{part} {key} in {row}");
+                assert!((number(&gain[key]) / value - 1.0).abs() < 1e-9, "{part} {key} in {row}");
             }
-            assert_eq!(full["rays_machine"], row["rays_full"]);
-            assert_eq!(adaptive["rays_machine"], row["rays_traced"]);
         }
-        // An SRP that takes no time helps, but for what another order of memory requests may cost.
-        let cycles = |part: &str| number(&row[part]["full"]["cycles"]);
-        assert!(cycles("ti_alone") < 1.05 * cycles("gpu"), "{row}");
-        for key in ["similarity_share", "interpolation_share"] {
-            assert!((0.001..0.5).contains(&number(&row["srp"][key])), "{key} in {row}");
+        if evaluated {
+            let share = |key: &str| number(&row["srp"][key]);
+            assert!((0.001..0.5).contains(&share("similarity_share")), "{row}");
+            assert!((0.001..0.5).contains(&share("interpolation_share")), "{row}");
         }
-        assert_eq!(row["ti_alone"]["paper_perf_per_watt"].is_object(), row["scene"] == "teapot");
     }
+    check_study(&study(a.path()));
 }
 
-/// A trace in the cache that is not the one wanted, is damaged or was cut short is captured again; the others stay.
+/// Every part of the study is there and agrees with itself.
+fn check_study(study: &Study) {
+    let full: Vec<_> = study.points.iter().filter(|p| p.kind == "full").collect();
+    assert_eq!(full.len(), MODES.len());
+    for point in &study.points {
+        let gain = point.ti_gain.unwrap();
+        assert!((gain.performance / gain.power / gain.perf_per_watt - 1.0).abs() < 1e-9, "{}", point.policy);
+        let Some(gpu) = point.gpu else { continue };
+        assert!(gpu.energy_mj > point.ti.unwrap().energy_mj, "the whole is more than a part");
+        let energy: f64 = point.energy.iter().map(|c| c.mj).sum();
+        assert!((energy / gpu.energy_mj - 1.0).abs() < 1e-9, "the components add up");
+        for unit in &point.units {
+            let all: f64 = unit.shares.iter().map(|s| s.share).sum();
+            assert!((all - 1.0).abs() < 1e-9, "{}", unit.unit);
+        }
+    }
+    let groups = study.ablations.iter().filter(|a| a.base).count();
+    assert!(groups >= 9 && study.ablations.len() >= 2 * groups);
+    assert!(study.ablations.iter().all(|a| a.perf_per_watt.is_some() && a.rays_full > 0));
+    let track = |name: &str| study.tracks.iter().find(|t| t.policy == name).unwrap();
+    let (full, own) = (track("full"), track("multirate"));
+    assert_eq!(full.frames.len(), own.frames.len());
+    assert!(full.flicker == Some(0.0) && full.psnr_db.is_none() && own.flicker.unwrap() > 0.0);
+    assert!(own.frames.iter().any(|f| f.energy_mj.is_some()) && own.frames[0].frame == 1);
+    assert!(study.maps.iter().any(|m| m.policy == "multirate" && m.rate.is_some() && m.frame == 1));
+    assert!(study.config.iter().any(|v| v.key == "ti.clock_mhz") && study.policies[0].name == "full");
+}
+
+/// A trace or a result in the cache that is not the one wanted, is damaged or was cut short is made again; the others stay.
 #[test]
 fn the_cache_is_checked() {
     let folder = tempfile::tempdir().unwrap();
     let (cache, out) = (folder.path().join("cache"), folder.path().join("out"));
-    let run = || {
-        let line = "paper --size 64x32 --scene cornell --quiet --machine none --cache";
-        let mut args: Vec<OsString> = line.split_whitespace().map(OsString::from).collect();
-        args.extend([cache.as_os_str(), "--out".as_ref(), out.as_os_str()].map(ToOwned::to_owned));
-        crate::common::run(&args).expect(0).out
-    };
+    let run = || paper(folder.path(), "--size 64x32 --scene cornell --machine none").out;
     let expected = run();
-    let names = ["cornell-64x32-2x2.rtrace", "cornell-64x32-1x1.rtrace"].map(|name| cache.join(name));
-    let bytes = names.each_ref().map(|name| fs::read(name).unwrap());
-    let other = stamps(&cache)[&names[1]];
+    let (whole, written) = (bytes(&cache), bytes(&out));
+    let results: Vec<&PathBuf> = whole.keys().filter(|f| f.starts_with("results")).collect();
+    assert!(results.len() > 10, "{results:?}");
 
-    // Another capture under this name.
-    capture("cornell", "--size 64x32 --depth 1 --force", &names[0]);
+    // Damaged anywhere, or cut short.
+    for (i, result) in results.iter().enumerate() {
+        let mut bytes = whole[*result].clone();
+        let at = i * bytes.len() / results.len();
+        bytes[at] ^= 1;
+        if i % 3 == 0 {
+            bytes.truncate(at);
+        }
+        fs::write(cache.join(result), bytes).unwrap();
+    }
     assert_eq!(run(), expected);
-    assert!(fs::read(&names[0]).unwrap() == bytes[0]);
-    // A file without an end.
-    fs::write(&names[0], &bytes[0][..bytes[0].len() / 2]).unwrap();
-    assert_eq!(run(), expected);
-    // What a killed run left.
-    fs::remove_file(&names[0]).unwrap();
-    fs::write(cache.join("cornell-64x32-2x2.rtrace.partial"), &bytes[0][..bytes[0].len() / 2]).unwrap();
-    assert_eq!(run(), expected);
-    assert!(fs::read(&names[0]).unwrap() == bytes[0], "resumed to the same bytes");
-    assert_eq!(stamps(&cache)[&names[1]], other, "the other trace was left alone");
+    assert!(bytes(&cache) == whole && bytes(&out) == written, "made again as they were");
+
+    // Traces: another one under this name, one without an end, a damaged one, and what a killed run left.
+    let trace = |mode: &str| cache.join(format!("cornell-64x32-{mode}.rtrace"));
+    let partial = cache.join("cornell-64x32-2x2.rtrace.partial");
+    let own = whole[Path::new("cornell-64x32-2x2.rtrace")].clone();
+    let spoil: [&dyn Fn(); 4] = [
+        &|| drop(capture("cornell", "--size 64x32 --depth 1 --force", &trace("2x2"))),
+        &|| fs::write(trace("2x2"), &own[..own.len() / 2]).unwrap(),
+        &|| {
+            let mut bytes = own.clone();
+            bytes[own.len() / 2] ^= 1;
+            fs::write(trace("2x2"), bytes).unwrap();
+        },
+        &|| {
+            fs::remove_file(trace("2x2")).unwrap();
+            fs::write(&partial, &own[..own.len() / 2]).unwrap();
+        },
+    ];
+    let other = stamps(&cache)[Path::new("cornell-64x32-1x1.rtrace")];
+    for (i, spoil) in spoil.iter().enumerate() {
+        spoil();
+        fs::remove_dir_all(cache.join("results")).unwrap();
+        assert_eq!(run(), expected, "{i}");
+        assert!(bytes(&cache) == whole && bytes(&out) == written, "{i}: made again as they were");
+    }
+    assert_eq!(stamps(&cache)[Path::new("cornell-64x32-1x1.rtrace")], other, "the other trace was left alone");
+}
+
+/// Killed or interrupted at any point, it goes on and comes to the same.
+#[cfg(unix)]
+#[test]
+fn a_killed_run_goes_on() {
+    use std::process::Command;
+    use std::time::{Duration, Instant};
+
+    let (calm, folder) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+    let line = "--size 64x32 --scene cornell --threads 1";
+    let expected = paper(calm.path(), line).out;
+    let results = |folder: &Path| fs::read_dir(folder.join("cache/results")).map_or(0, Iterator::count);
+    let all = results(calm.path());
+    for (part, signal) in [(1, "KILL"), (all / 3, "INT"), (all / 2, "KILL")] {
+        let mut child = crate::common::command(&args(folder.path(), line)).spawn().unwrap();
+        let start = Instant::now();
+        while results(folder.path()) < part && child.try_wait().unwrap().is_none() {
+            assert!(start.elapsed() < Duration::from_secs(60), "it hangs");
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        Command::new("sh").args(["-c", &format!("kill -{signal} {}", child.id())]).status().unwrap();
+        let ended = child.wait_with_output().unwrap();
+        assert!(!ended.status.success(), "it was hit in the middle");
+        if signal == "INT" {
+            assert_eq!(ended.status.code(), Some(75), "{}", String::from_utf8_lossy(&ended.stderr));
+        }
+    }
+    let kept = stamps(&folder.path().join("cache/results"));
+    assert!((all / 2..all).contains(&kept.len()), "{} of {all}", kept.len());
+    let tables =
+        |text: String| text.lines().filter(|l| !l.starts_with("the page")).map(str::to_owned).collect::<Vec<_>>();
+    assert_eq!(tables(paper(folder.path(), line).out), tables(expected));
+    assert!(bytes(&folder.path().join("out")) == bytes(&calm.path().join("out")));
+    let now = stamps(&folder.path().join("cache/results"));
+    let whole = |name: &PathBuf| name.extension().is_some_and(|e| e == "result");
+    assert!(kept.iter().filter(|(name, _)| whole(name)).all(|(name, stamp)| now[name] == *stamp), "done twice");
 }
