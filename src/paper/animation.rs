@@ -28,6 +28,9 @@ const EARLY: u32 = 2;
 const COUNTED_FULL: u32 = 20;
 const EARLY_FULL: u32 = 2;
 
+/// Largest width of a map, pixels: they are many, and shown side by side.
+const WIDTH_MAX: u32 = 512;
+
 /// A run of frames, from 0.
 #[derive(Clone, Debug, PartialEq, Eq)]
 struct Stretch {
@@ -121,8 +124,11 @@ fn file(setup: &Setup<'_>, scene: usize, policy: usize, frame: u32, what: &str) 
 
 fn pictures(setup: &Setup<'_>, scene: usize, policy: usize, run: &Stretch) -> Vec<Picture> {
     let mut all = Vec::new();
+    let shrink = setup.size.0.div_ceil(WIDTH_MAX);
     for frame in run.mapped() {
-        let mut add = |kind, what| all.push(Picture { frame, kind, file: file(setup, scene, policy, frame, what) });
+        let mut add = |kind, what| {
+            all.push(Picture { frame, kind, shrink, file: file(setup, scene, policy, frame, what) });
+        };
         add(Kind::Result, "picture");
         add(Kind::Similarity, "similarity");
         if setup.has_rates(policy) {

@@ -1,6 +1,7 @@
 //! Doing what the plan asks for and the cache does not hold.
 
 use std::collections::BTreeMap;
+use std::collections::btree_map::Entry as Slot;
 use std::path::Path;
 use std::sync::{Arc, Mutex};
 
@@ -14,11 +15,14 @@ use super::jobs::pool;
 use super::plan::{Job, Plan};
 use super::record::Record;
 use super::traces;
-use crate::common::build;
+use crate::common::{build, open};
 use crate::progress::{self, Progress};
 
 /// Work of capturing a sample, beside that of replaying it without a machine.
 const CAPTURE: u64 = 4;
+
+/// An open trace, and how many jobs still need it.
+type OpenTrace = Mutex<(usize, Option<Arc<Trace>>)>;
 
 /// The experiment under way.
 pub struct Run<'a> {
@@ -67,6 +71,10 @@ pub fn execute(plan: &Plan<'_>, cache: &Cache, out: &Path, quiet: bool) -> Resul
         built: BTreeMap::new(),
     };
     let todo = run.missing()?;
+    // What a run left that was killed between the last job of a trace and its removal.
+    for (_, shot) in plan.shots.iter().enumerate().filter(|(i, shot)| !shot.keep && !todo.contains_key(i)) {
+        let _ = std::fs::remove_file(&shot.path);
+    }
     let total = todo.iter().map(|(shot, jobs)| run.capture_weight(*shot) + run.jobs_weight(jobs)).sum();
     run.meter = Mutex::new(Meter { bar: Progress::new("paper", total, quiet), done: 0, open: BTreeMap::new() });
     let mut batches: Vec<usize> = todo.keys().map(|shot| plan.shots[*shot].batch).collect();
@@ -163,8 +171,8 @@ impl Run<'_> {
             return Ok(Some(trace));
         }
         let scene = &self.plan.stages[shot.scene].scene;
-        if !self.built.contains_key(&shot.scene) {
-            self.built.insert(shot.scene, build(scene)?);
+        if let Slot::Vacant(slot) = self.built.entry(shot.scene) {
+            slot.insert(build(scene)?);
         }
         let whole = traces::make(scene, &self.built[&shot.scene], shot, |part, of| {
             if let Ok(mut meter) = self.meter.lock() {
@@ -175,11 +183,11 @@ impl Run<'_> {
         if !whole || progress::stopped() {
             return Ok(None);
         }
-        Ok(Some(rayreel_formats::trace::Trace::open(&shot.path, rayreel_formats::Limits::default())?))
+        Ok(Some(open(&shot.path)?))
     }
 
     /// Runs a job and keeps its result. The trace is closed behind its last job.
-    fn job(&self, i: usize, traces: &BTreeMap<usize, Mutex<(usize, Option<Arc<Trace>>)>>) -> Result<()> {
+    fn job(&self, i: usize, traces: &BTreeMap<usize, OpenTrace>) -> Result<()> {
         let job = &self.plan.jobs[i];
         let slot = traces.get(&job.shot).context("a job without its trace")?;
         let trace = slot.lock().ok().and_then(|slot| slot.1.clone()).context("a trace was closed too early")?;

@@ -7,14 +7,14 @@ use anyhow::Result;
 use rayreel_formats::scene::{Camera, Meta};
 use rayreel_formats::tile::Tile;
 use rayreel_formats::trace::Trace;
-use rayreel_replay::image::{errors, files, map, srgb};
+use rayreel_replay::image::{Srgb8, errors, files, map, srgb};
 use rayreel_replay::machine::probes::Watch;
 use rayreel_replay::machine::simulate::{MachineFrame, MachineRun, simulate};
 use rayreel_replay::machine::work::topology::Topology;
 use rayreel_replay::{FrameReplay, Options, PathSource, Replayer, TileSource};
 
 use super::cache::Entry;
-use super::plan::{Job, Kind};
+use super::plan::{Job, Kind, Picture as Wanted};
 use super::record::{Frame, Record};
 use crate::progress;
 
@@ -53,7 +53,7 @@ impl Job {
             entry.record.frames.push(Frame::new(&self.policy, meta, &replay.stats, run, self.tiles));
             for (picture, bytes) in self.pictures.iter().zip(&mut entry.pictures) {
                 if picture.frame == frame {
-                    *bytes = png(&replay, picture.kind, meta)?;
+                    *bytes = png(&replay, picture, meta)?;
                 }
             }
             tell((i + 1) * tiles, u64::from(meta.frames) * tiles);
@@ -63,16 +63,34 @@ impl Job {
 }
 
 /// A picture of a frame as a PNG file; empty if the replay has none of the kind.
-fn png(frame: &FrameReplay, kind: Kind, meta: &Meta) -> rayreel_replay::Result<Vec<u8>> {
+fn png(frame: &FrameReplay, wanted: &Wanted, meta: &Meta) -> rayreel_replay::Result<Vec<u8>> {
     let reference = || frame.reference.as_ref().map(srgb::encode);
-    let picture = match kind {
+    let picture = match wanted.kind {
         Kind::Result => Some(srgb::encode(&frame.image)),
         Kind::Reference => reference(),
         Kind::Error => reference().map(|full| errors::amplified(&srgb::encode(&frame.image), &full)).transpose()?,
         Kind::Similarity => Some(map::similarity_map_pixels(&frame.states, &frame.blocks, meta.samples)),
         Kind::Rate => Some(map::rate_map_pixels(&frame.states, &frame.blocks, meta.samples)),
     };
-    picture.map_or(Ok(Vec::new()), |picture| files::png(&picture))
+    picture.map_or(Ok(Vec::new()), |picture| files::png(&shrunk(picture, wanted.shrink)))
+}
+
+/// The mean of each `by` x `by` pixels; columns and rows that do not fill one are cut off.
+fn shrunk(picture: Srgb8, by: u32) -> Srgb8 {
+    let (width, height) = (picture.width / by, picture.height / by);
+    if by == 1 || width == 0 || height == 0 {
+        return picture;
+    }
+    let mean = |i: u32| {
+        let (left, top) = (i % width * by, i / width * by);
+        let mut sums = [0u32; 3];
+        for (x, y) in (top..top + by).flat_map(|y| (left..left + by).map(move |x| (x, y))) {
+            let pixel = picture.pixels[y as usize * picture.width as usize + x as usize];
+            sums.iter_mut().zip(pixel).for_each(|(sum, v)| *sum += u32::from(v));
+        }
+        sums.map(|sum| (sum / (by * by)) as u8)
+    };
+    Srgb8 { width, height, pixels: (0..width * height).map(mean).collect() }
 }
 
 /// Runs `work` on each of `items`, `threads` at a time, in their order. After an error, or when interrupted, no other is begun.
@@ -140,5 +158,17 @@ impl PathSource for Stoppable<'_> {
     fn tile_with_paths(&self, frame: u32, index: u32) -> rayreel_formats::Result<Tile> {
         self.checked()?;
         self.0.tile_with_paths(frame, index)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shrinking_takes_means() {
+        let pixels = vec![[0; 3], [4, 8, 12], [9; 3], [4, 0, 4], [8, 8, 8], [9; 3]];
+        let small = shrunk(Srgb8 { width: 3, height: 2, pixels }, 2);
+        assert_eq!(small, Srgb8 { width: 1, height: 1, pixels: vec![[4, 4, 6]] });
     }
 }

@@ -75,6 +75,8 @@ pub struct Picture {
     pub frame: u32,
     /// What it shows.
     pub kind: Kind,
+    /// How many times smaller it is than the frame.
+    pub shrink: u32,
     /// Its file, relative to the output folder.
     pub file: String,
 }
@@ -116,7 +118,7 @@ pub struct Job {
 impl Job {
     /// All that its result depends on, and the shot.
     fn inputs(&self, meta: &Meta) -> String {
-        let pictures: Vec<(u32, Kind)> = self.pictures.iter().map(|p| (p.frame, p.kind)).collect();
+        let pictures: Vec<_> = self.pictures.iter().map(|p| (p.frame, p.kind, p.shrink)).collect();
         let machine = self.machine.as_ref().map(|machine| machine.canonical()).unwrap_or_default();
         format!(
             "{meta:?}\n{:?}\n{machine}\n{:?}\n{} {} {pictures:?}",

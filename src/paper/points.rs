@@ -11,7 +11,7 @@ use super::plan::{Grid, Job, Kind, Picture, Plan, TILE};
 use super::policies::{MODES, PAPER};
 use super::record::{Frame, Machine, Record};
 
-/// Pictures larger than this many pixels are shown for two policies only: a page with all of them could not be opened.
+/// Pictures larger than this many pixels are shown for two policies in one mode only: a page with all could not be opened.
 const PIXELS_SHOWN: u64 = 1 << 20;
 
 /// The policy that is shown beside the paper's where pictures are large.
@@ -90,7 +90,7 @@ fn simulations(setup: &Setup<'_>, plan: &mut Plan<'_>, job: Job, whole: bool) ->
 fn is_shown(setup: &Setup<'_>, mode: usize, policy: usize) -> bool {
     let entry = setup.policies[policy].0;
     let large = u64::from(setup.size.0) * u64::from(setup.size.1) > PIXELS_SHOWN;
-    if large { entry.name == PAPER[mode] || (mode == 0 && entry.name == BEST) } else { entry.shown.now(setup.full) }
+    if large { mode == 0 && [PAPER[0], BEST].contains(&entry.name) } else { entry.shown.now(setup.full) }
 }
 
 /// The pictures of a point, and where the report finds them. The reference comes with the paper's policy.
@@ -100,7 +100,7 @@ fn pictures(setup: &Setup<'_>, scene: usize, mode: usize, policy: usize) -> (Vec
     let file = |what: &str| format!("{base}/{}-{what}.png", entry.name);
     let mut pictures = Vec::new();
     let mut add = |kind, file: String| {
-        pictures.push(Picture { frame: 0, kind, file: file.clone() });
+        pictures.push(Picture { frame: 0, kind, shrink: 1, file: file.clone() });
         Some(file)
     };
     let mut images = ViewerImages {

@@ -4,9 +4,12 @@ use rayreel_replay::report::study::{GainBand, ModePolicy, PaperKernel, PaperPsnr
 
 use super::policies::{MODES, PAPER};
 
-/// The paper's scenes: name here, triangles, PSNR of Table 1 in dB (supersampling, undersampling), least and most performance
-/// per watt over full in Figure 7 (T&I units alone). For the scenes that are not smooth the paper states a least value only.
-const SCENES: [(&str, u64, [f64; 2], f64, Option<f64>); 5] = [
+/// Name here, triangles, PSNR of Table 1 in dB (supersampling, undersampling), least and most performance per watt over full in
+/// Figure 7 (T&I units alone).
+type Stated = (&'static str, u64, [f64; 2], f64, Option<f64>);
+
+/// The paper's scenes. For those that are not smooth it states a least gain only.
+const SCENES: [Stated; 5] = [
     ("teapot", 15_000, [48.99, 42.13], 2.43, Some(2.98)),
     ("chess", 42_000, [28.53, 34.73], 1.53, None),
     ("car", 55_000, [34.11, 41.68], 2.43, Some(2.98)),
