@@ -144,12 +144,13 @@ pub fn plan(setup: &Setup<'_>, plan: &mut Plan<'_>) -> Result<Vec<Planned>> {
     let size = size(setup);
     let mut planned = Vec::new();
     for (variant, own) in VARIANTS.iter().enumerate() {
+        if setup.machines.is_none() && needs_machine(own.group) {
+            continue;
+        }
         let strings = |texts: &[&str]| texts.iter().map(|text| (*text).to_owned()).collect::<Vec<_>>();
         let policy = Arc::new(NamedPolicy::load(own.policy, &strings(own.rules))?);
         let machine = match (&setup.machines, own.machine) {
-            (None, []) => None,
-            // What changes the machine only shows nothing without one.
-            (None, _) => continue,
+            (None, _) => None,
             (Some(machines), []) => Some(Arc::clone(&machines.whole)),
             (Some(machines), changes) => Some(Arc::new(NamedMachine::load(&machines.spec, &strings(changes))?)),
         };
@@ -168,6 +169,11 @@ pub fn plan(setup: &Setup<'_>, plan: &mut Plan<'_>) -> Result<Vec<Planned>> {
         }
     }
     Ok(planned)
+}
+
+/// Whether a group changes the machine, so that it shows nothing without one.
+fn needs_machine(group: &str) -> bool {
+    VARIANTS.iter().any(|own| own.group == group && !own.machine.is_empty())
 }
 
 /// The ablations with what their records hold.

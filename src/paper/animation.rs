@@ -13,7 +13,7 @@ use super::policies::MODES;
 use super::record::{Frame, Record};
 
 /// The frames of the paper's Figure 4, from 1.
-pub const PAPER_FRAMES: [u32; 6] = [1, 150, 340, 400, 600, 700];
+const PAPER_FRAMES: [u32; 6] = [1, 150, 340, 400, 600, 700];
 
 /// The scene that the paper animates.
 const SCENE: &str = "provence";

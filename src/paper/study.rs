@@ -10,7 +10,7 @@ use rayreel_replay::report::study::{ConfigValue, ModeRays, Policy, SCHEMA, Scene
 
 use super::policies::{Entry, MODES, When};
 use super::record::Record;
-use super::{Experiment, Setup, ablations, animation, points, reference};
+use super::{Experiment, Setup, ablations, points, reference};
 use crate::common::TOOL;
 use crate::presets;
 
@@ -108,13 +108,18 @@ fn notes(setup: &Setup<'_>, experiment: &Experiment) -> Vec<String> {
     }
     if let Some(animation) = &experiment.animation {
         let (counted, all) = animation.extent(setup);
-        notes.push(format!(
-            "The animation of {} counts {counted} of {all} frames, of each run of consecutive frames the last ones; {} of them \
-             are simulated on the machine (T&I units alone), the others give rays, rates and pictures. Maps are those of frames {}.",
-            animation.scene(setup),
-            if setup.machines.is_some() { animation.simulated(setup) } else { 0 },
-            animation::PAPER_FRAMES.map(|frame| frame.to_string()).join(", "),
-        ));
+        let mut note = format!("The animation of {} counts {counted} of {all} frames", animation.scene(setup));
+        if counted < all {
+            note += ", the last ones of a run of consecutive frames each";
+        }
+        if setup.machines.is_some() {
+            let simulated = animation.simulated(setup);
+            note += &format!(
+                "; {simulated} of them are simulated on the machine (T&I units alone), under some of the policies"
+            );
+        }
+        note += ". In it multi-rate policies have the frames before to go by; all other results are of one frame without history.";
+        notes.push(note);
     }
     let (width, height) = ablations::size(setup);
     if (width, height) != setup.size {

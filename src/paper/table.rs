@@ -227,7 +227,7 @@ fn animation(tracks: &[Track]) -> String {
         format!("\nthe animation of {}, {} frames, {}\n\n", first.scene, first.frames.len(), word(&first.mode));
     let _ = writeln!(
         text,
-        "{:<12} {:>9} {:>7} {:>8} {:>9} {:>14}",
+        "{:<24} {:>9} {:>7} {:>8} {:>9} {:>14}",
         "policy", "ray ratio", "rate %", "PSNR dB", "flicker", "T&I mJ a frame"
     );
     for track in tracks {
@@ -238,7 +238,7 @@ fn animation(tracks: &[Track]) -> String {
         let rate = frames.iter().map(|f| f.mean_rate).sum::<f64>() / frames.len().max(1) as f64;
         let _ = writeln!(
             text,
-            "{:<12} {:>9.2} {:>7.1} {:>8} {:>9} {:>14}",
+            "{:<24} {:>9.2} {:>7.1} {:>8} {:>9} {:>14}",
             track.policy,
             sum(|f| f.rays_full) / sum(|f| f.rays_traced).max(1.0),
             rate * 100.0,
@@ -262,7 +262,7 @@ fn ablations(all: &[Ablation]) -> String {
             group = &own.group;
             let _ = writeln!(
                 text,
-                "\n{:<24} {:<10} {:>9} {:>8} {:>10} {:>10} {:>10}",
+                "\n{:<34} {:<10} {:>9} {:>8} {:>10} {:>10} {:>10}",
                 group, "scene", "ray ratio", "PSNR dB", "cycles", "power", "perf/W"
             );
         }
@@ -270,7 +270,7 @@ fn ablations(all: &[Ablation]) -> String {
         let over = |of: fn(&Ablation) -> Option<f64>| or_dash(base.and_then(|b| Some(of(own)? / of(b)?)), 3);
         let _ = writeln!(
             text,
-            "{:<24} {:<10} {:>9.2} {:>8} {:>10} {:>10} {:>10}",
+            "{:<34} {:<10} {:>9.2} {:>8} {:>10} {:>10} {:>10}",
             own.name,
             own.scene,
             own.rays_full as f64 / own.rays_traced.max(1) as f64,
