@@ -191,15 +191,15 @@ impl Band {
 /// Samples of one tile: its band, its place in that, and the samples.
 type Outside<'a> = (&'a Band, usize, Vec<(u32, u32)>);
 
-/// How many samples of a tile are read by the tiles to its `left` and `above`: the R-samples of its first column and its
-/// whole first row. None if each tile traces them again, or if blocks of one sample leave nothing to test.
+/// How many samples of a tile are read by the tiles to its `left` and `above`: in its first column those on its neighbour's
+/// R-rows, and its whole first row. None if each tile traces them again, or if blocks of one sample leave nothing to test.
 fn border_samples(how: How<'_>, view: &TileView, (left, above): (bool, bool)) -> u32 {
-    let lattice = how.tile(view).lattice;
-    if how.rules.apron == Apron::Retrace || lattice.block == 1 {
+    let rules = how.tile(view);
+    if how.rules.apron == Apron::Retrace || rules.lattice.block == 1 {
         return 0;
     }
     let rect = view.rect();
-    let column = if left { lattice.rows(rect.y, rect.y + rect.height).count() as u32 } else { 0 };
+    let column = if left { rules.left.rows(rect.y, rect.y + rect.height).count() as u32 } else { 0 };
     let row = if above { rect.width } else { 0 };
     // The corner is in both.
     column + row - u32::from(left && above)

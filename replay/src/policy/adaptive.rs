@@ -34,7 +34,7 @@ pub struct TileRules<'a> {
     /// Where the R-samples stand.
     pub lattice: Lattice,
     /// Where the tile to the left has its R-rows.
-    left: Lattice,
+    pub left: Lattice,
     tests: Tests,
 }
 

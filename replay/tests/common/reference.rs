@@ -5,7 +5,7 @@ use rayreel_formats::tile::RayKind;
 use rayreel_replay::TileSource;
 use rayreel_replay::policy::{Adaptive, Apron, Refine};
 
-use super::rules::{Hit, Judge, between, mix};
+use super::rules::{Hit, Judge, Surface, between, mix};
 use super::second_read::{Frame, read};
 
 /// How a sample came to be known.
@@ -32,6 +32,8 @@ pub struct Outcome {
     pub colours: Vec<[f32; 3]>,
     /// Per sample and recorded hit whether its rays were traced.
     pub traced: Vec<Vec<bool>>,
+    /// Samples whose primary hit is interpolated and has traced hits below, with that hit.
+    pub stand_ins: Vec<(usize, Surface)>,
     pub rays_full: Rays,
     pub rays_traced: Rays,
     pub rays_apron: Rays,
@@ -61,6 +63,7 @@ struct Maker<'a> {
     frame: &'a Frame,
     known: Vec<Option<Known>>,
     traced: Vec<Vec<bool>>,
+    stand_ins: Vec<(usize, Surface)>,
 }
 
 /// Replays one frame with one block for all tiles.
@@ -78,7 +81,8 @@ pub fn replay_tiles<S: TileSource>(source: &S, policy: &Adaptive, rates: &[(u32,
     let columns = meta.tile_grid().0;
     let tiles: Vec<_> = (0..meta.tile_count()).map(|i| Area::new(meta.tile_rect(i), rates[i as usize])).collect();
     let traced = recorded.rays.iter().map(|hits| vec![false; hits.len()]).collect();
-    let mut maker = Maker { policy, frame: &recorded, known: vec![None; width * height], traced };
+    let mut maker =
+        Maker { policy, frame: &recorded, known: vec![None; width * height], traced, stand_ins: Vec::new() };
     let last = (width - 1, height - 1);
     for (i, area) in tiles.iter().enumerate() {
         let left = if i as u32 % columns > 0 { tiles[i - 1].n } else { area.n };
@@ -214,6 +218,9 @@ impl Maker<'_> {
             (true, true) => How::Traced,
             (true, false) => How::Partial,
         };
+        if let (false, How::Partial, Some(surface)) = (traced[0], how, tree.surface) {
+            self.stand_ins.push((line[i], surface));
+        }
         self.traced[line[i]] = traced;
         self.known[line[i]] = Some(Known { tree, how, wave });
     }
@@ -262,6 +269,7 @@ impl Maker<'_> {
             waves: self.known.iter().map(|k| k.as_ref().unwrap().wave).collect(),
             colours: self.known.iter().map(|k| k.as_ref().unwrap().tree.colour).collect(),
             traced: Vec::new(),
+            stand_ins: Vec::new(),
             rays_full: sum(self.frame.rays.iter().flatten().copied()),
             rays_traced: [0; 4],
             rays_apron: [0; 4],
@@ -282,7 +290,7 @@ impl Maker<'_> {
             outcome.rays_apron = sum([outcome.rays_apron, paid.1].into_iter());
             outcome.tiles.push(paid);
         }
-        Outcome { traced: self.traced, ..outcome }
+        Outcome { traced: self.traced, stand_ins: self.stand_ins, ..outcome }
     }
 }
 

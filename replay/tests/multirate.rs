@@ -1,0 +1,163 @@
+//! Blocks of their own for each tile, against the slow second implementation: whatever neighbours have.
+
+mod common;
+
+use common::reference::{self, How};
+use common::synthetic::{Look, Random, Synthetic};
+use common::{preset, switches};
+use rayreel_formats::scene::{Camera, Meta};
+use rayreel_formats::tile::Tile;
+use rayreel_replay::image::resolve::Resolver;
+use rayreel_replay::policy::view::SampleState;
+use rayreel_replay::policy::{Adaptive, Foveated, Multirate, NamedPolicy, Policy};
+use rayreel_replay::{FrameReplay, Options, TileSource, replay};
+
+/// Synthetic frames whose tiles are flat or noisy by chance, so that blocks go up and down everywhere.
+struct Patchwork {
+    flat: Synthetic,
+    wild: Synthetic,
+    seed: u64,
+}
+
+impl Patchwork {
+    fn new(size: (u32, u32), seed: u64) -> Self {
+        let of = |look| {
+            let mut source = Synthetic::new(look, size, 1, 16, seed);
+            (source.meta.first_frame, source.meta.frames) = (0, 6);
+            source
+        };
+        Self { flat: of(Look::Trees), wild: of(Look::Noise), seed }
+    }
+}
+
+impl TileSource for Patchwork {
+    fn meta(&self) -> &Meta {
+        self.flat.meta()
+    }
+
+    fn object_of(&self, triangle: u32) -> u32 {
+        self.flat.object_of(triangle)
+    }
+
+    fn camera(&self, frame: u32) -> rayreel_formats::Result<Camera> {
+        self.flat.camera(frame)
+    }
+
+    fn tile(&self, frame: u32, index: u32) -> rayreel_formats::Result<Tile> {
+        let mut random = Random(self.seed << 20 ^ u64::from(index) << 8 ^ u64::from(frame));
+        random.next();
+        if random.below(2) == 0 { self.flat.tile(frame, index) } else { self.wild.tile(frame, index) }
+    }
+}
+
+/// What `own` does, with blocks that follow every ratio at once.
+fn nervous(own: &Adaptive) -> Policy {
+    Policy::Multirate(Multirate {
+        start: 4,
+        finest: 2,
+        coarsest: 16,
+        raise: 0.5,
+        lower: 0.5,
+        alternate: 0.0,
+        hold: 1,
+        cut_deg: 180.0,
+        cut_change: 1.0,
+        refine: own.refine,
+        secondary: own.secondary,
+        similarity: own.similarity.clone(),
+        correct: own.correct.clone(),
+    })
+}
+
+fn assert_same<S: TileSource>(source: &S, own: &Adaptive, rates: &[(u32, f64)], frame: &FrameReplay, what: &str) {
+    let expected = reference::replay_tiles(source, own, rates, frame.frame);
+    let (width, height) = source.meta().grid();
+    let mut resolver = Resolver::new(source.meta().width, source.meta().height, source.meta().samples);
+    for (i, (x, y)) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).enumerate() {
+        let how = match frame.states.state(x, y) {
+            SampleState::Reference => How::R,
+            SampleState::Traced => How::Traced,
+            SampleState::Partial => How::Partial,
+            SampleState::Interpolated => How::Interpolated,
+        };
+        assert_eq!((how, frame.states.wave(x, y)), (expected.how[i], expected.waves[i]), "{what}: ({x}, {y})");
+        resolver.add(x, y, expected.colours[i].into());
+    }
+    let bits = |v: &[f32; 3]| v.map(f32::to_bits);
+    assert!(resolver.finish().pixels.iter().map(bits).eq(frame.image.pixels.iter().map(bits)), "{what}: colours");
+    let kinds =
+        |rays: rayreel_replay::frame::counts::RayCounts| [rays.primary, rays.reflection, rays.refraction, rays.shadow];
+    let tiles = frame.stats.tiles.iter().map(|t| (kinds(t.counts.rays_traced), kinds(t.counts.rays_apron)));
+    assert!(tiles.eq(expected.tiles), "{what}: rays of tiles");
+}
+
+/// Every sample is decided exactly once (the engine would panic), as the second implementation does, whatever the blocks of
+/// the tiles around are.
+#[test]
+fn neighbours_of_any_block_fit_together() {
+    let mut pairs = std::collections::BTreeSet::new();
+    for (seed, own) in (0u64..).zip(switches::draw(16, 3)) {
+        let source = Patchwork::new([(93, 61), (80, 49), (65, 65)][seed as usize % 3], seed);
+        let frames = replay(&source, &nervous(&own), 0..6, Options::default()).unwrap().frames;
+        for frame in frames {
+            let blocks = frame.blocks.tiles();
+            let rates: Vec<_> = blocks.iter().map(|&block| (block, 1.0)).collect();
+            let own = Adaptive { apron: rayreel_replay::policy::Apron::Share, ..own.clone() };
+            assert_same(&source, &own, &rates, &frame, &format!("{seed}, frame {}: {own:?}", frame.frame));
+            let columns = source.meta().tile_grid().0 as usize;
+            pairs.extend(blocks.chunks(columns).flat_map(|row| row.windows(2)).map(|pair| (pair[0], pair[1])));
+        }
+    }
+    assert!(pairs.len() >= 14, "of 16 pairs of neighbours: {pairs:?}");
+}
+
+#[test]
+fn rings_equal_the_reference() {
+    let Policy::Foveated(fixed) = NamedPolicy::load("foveated", &[]).unwrap().policy else { panic!("a preset") };
+    for (seed, own) in (0u64..).zip(switches::draw(8, 4)) {
+        let source = Patchwork::new((111, 77), seed);
+        let policy = Foveated {
+            gaze_x: 0.4,
+            refine: own.refine,
+            secondary: own.secondary,
+            similarity: own.similarity.clone(),
+            correct: own.correct.clone(),
+            ..fixed.clone()
+        };
+        let frame =
+            replay(&source, &Policy::Foveated(policy.clone()), [2], Options::default()).unwrap().frames.remove(0);
+        let rates: Vec<_> = (0..source.meta().tile_count()).map(|tile| ring(&policy, source.meta(), tile)).collect();
+        assert!(rates.iter().any(|r| r.0 == 2) && rates.iter().any(|r| r.0 == 16), "{rates:?}");
+        assert_eq!(frame.blocks.tiles(), rates.iter().map(|r| r.0).collect::<Vec<_>>());
+        let own = Adaptive { apron: rayreel_replay::policy::Apron::Share, ..own };
+        assert_same(&source, &own, &rates, &frame, &format!("{seed}: {own:?}"));
+    }
+}
+
+/// Block and factor of a tile as POLICIES.md has them: from the middle of its samples.
+fn ring(own: &Foveated, meta: &Meta, tile: u32) -> (u32, f64) {
+    let (rect, (w, h)) = (meta.tile_rect(tile), meta.grid());
+    let x = f64::from(rect.x) + f64::from(rect.width) / 2.0 - own.gaze_x * f64::from(w);
+    let y = f64::from(rect.y) + f64::from(rect.height) / 2.0 - own.gaze_y * f64::from(h);
+    let distance = (x / f64::from(h)).hypot(y / f64::from(h));
+    let way = ((distance - own.inner) / (own.outer - own.inner)).clamp(0.0, 1.0);
+    let mut block = own.finest;
+    let rings = f64::from(own.coarsest / own.finest).log2();
+    (0..(way * rings) as u32).for_each(|_| block *= 2);
+    (block, 1.0 + (own.relax - 1.0) * way)
+}
+
+/// With a single block to choose from, a sequence is that of `adaptive`.
+#[test]
+fn one_block_is_adaptive() {
+    let mut source = Synthetic::new(Look::Discs, (70, 40), 2, 16, 7);
+    source.meta.frames = 6;
+    for block in [4, 8] {
+        let set = [format!("start={block}"), format!("finest={block}"), format!("coarsest={block}")];
+        let own = NamedPolicy::load("multirate", &set).unwrap().policy;
+        let frames = source.meta.frame_numbers();
+        let rated = replay(&source, &own, frames.clone(), Options::default()).unwrap();
+        let fixed = replay(&source, &Policy::Adaptive(preset("multirate", block)), frames, Options::default()).unwrap();
+        assert_eq!(rated, fixed);
+    }
+}

@@ -1,0 +1,185 @@
+//! Samples of which some hits are traced and some interpolated, as work for a machine: the rays that the second
+//! implementation traces, each once, each started by the SRP or spawned by its parent; and machines that do this work.
+
+mod common;
+
+use std::path::Path;
+
+use common::reference::{self, How, Outcome};
+use common::{preset, switches};
+use rayreel_formats::Limits;
+use rayreel_formats::tile::{RayKind, Tile};
+use rayreel_formats::trace::Trace;
+use rayreel_replay::machine::config::NamedMachine;
+use rayreel_replay::machine::simulate::simulate;
+use rayreel_replay::machine::srp::KernelId;
+use rayreel_replay::machine::system::NoProbe;
+use rayreel_replay::machine::work::{NO_RAY, NO_TRIANGLE, TileWork};
+use rayreel_replay::policy::{Adaptive, Apron, Policy};
+use rayreel_replay::{FrameReplay, NamedPolicy, Options, PathSource, Replayer};
+
+fn golden(name: &str) -> Trace {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../traces").join(name);
+    Trace::open(&path, Limits::default()).unwrap()
+}
+
+fn run(trace: &Trace, policy: &Policy) -> (FrameReplay, Vec<TileWork>) {
+    let mut works = Vec::new();
+    let mut replayer = Replayer::new(trace, policy, Options::default()).unwrap();
+    let keep = |work| {
+        works.push(work);
+        Ok(())
+    };
+    let (frame, _) = replayer.frame_with(trace.meta().first_frame, &trace.topology(), keep).unwrap();
+    (frame, works)
+}
+
+/// A ray: sample, kind, bounces and triangle.
+type Ray = (u32, u32, RayKind, u32, u32);
+
+/// The rays of the traced hits of a tile, and those of them that no traced hit spawns, with the wave of their sample.
+fn expected(outcome: &Outcome, tile: &Tile) -> (Vec<Ray>, Vec<(u8, Ray)>) {
+    let (mut rays, mut starts) = (Vec::new(), Vec::new());
+    let rect = tile.rect;
+    for (sample, (x, y)) in
+        (rect.y..rect.y + rect.height).flat_map(|y| (rect.x..rect.x + rect.width).map(move |x| (x, y))).enumerate()
+    {
+        let at = y as usize * outcome.width + x as usize;
+        // Whether the last hit of each depth was traced.
+        let mut line = [false; 17];
+        for (node, &traced) in tile.tree.sample(sample).zip(&outcome.traced[at]) {
+            let own = &tile.tree.nodes[node];
+            let depth = own.class.depth();
+            line[depth as usize] = traced;
+            if !traced {
+                continue;
+            }
+            let triangle = if own.hit { tile.hits[node].triangle } else { NO_TRIANGLE };
+            let ray = (x, y, own.class.kind(), depth, triangle);
+            rays.push(ray);
+            (0..own.shadows.count()).for_each(|_| rays.push((x, y, RayKind::Shadow, depth, NO_TRIANGLE)));
+            if depth == 0 || !line[depth as usize - 1] {
+                starts.push((outcome.waves[at], ray));
+            }
+        }
+    }
+    (rays, starts)
+}
+
+fn sorted<T: Ord>(mut list: Vec<T>) -> Vec<T> {
+    list.sort();
+    list
+}
+
+/// Kinds as numbers, so that lists can be sorted.
+fn key(ray: &Ray) -> (u32, u32, u32, u32, u32) {
+    (ray.1, ray.0, ray.2 as u32, ray.3, ray.4)
+}
+
+fn assert_work(work: &TileWork, outcome: &Outcome, tile: &Tile, what: &str) -> usize {
+    let (rays, starts) = expected(outcome, tile);
+    let of = |ray: u32| {
+        let own = &work.rays[ray as usize];
+        (own.x, own.y, own.kind, u32::from(own.depth), own.triangle)
+    };
+    let found = (0..work.rays.len() as u32).map(|ray| key(&of(ray))).collect();
+    assert_eq!(sorted(found), sorted(rays.iter().map(key).collect()), "{what}: rays of tile {}", work.tile);
+    let begun = (0u8..).zip(&work.waves).flat_map(|(wave, own)| own.starts.iter().map(move |&ray| (wave, ray)));
+    let found = sorted(begun.clone().map(|(wave, ray)| (wave, key(&of(ray)))).collect());
+    assert_eq!(found, sorted(starts.iter().map(|(wave, ray)| (*wave, key(ray))).collect()), "{what}: starts");
+    // Each ray is begun or spawned, once.
+    let mut named = vec![0; work.rays.len()];
+    begun.for_each(|(_, ray)| named[ray as usize] += 1);
+    for (i, ray) in work.rays.iter().enumerate() {
+        [ray.reflect, ray.refract].iter().filter(|&&child| child != NO_RAY).for_each(|&child| {
+            assert_eq!((of(child).0, of(child).1, of(child).3), (ray.x, ray.y, u32::from(ray.depth) + 1), "{what}");
+            named[child as usize] += 1;
+        });
+        (i + 1..=i + usize::from(ray.shadows)).for_each(|shadow| named[shadow] += 1);
+    }
+    assert!(named.iter().all(|n| *n == 1), "{what}: {named:?}");
+    starts.iter().filter(|(_, ray)| ray.3 > 0).count()
+}
+
+#[test]
+fn work_is_what_the_reference_traces() {
+    let mut secondary_starts = 0;
+    for name in ["v1_0_cornell.rtrace", "v1_0_teapot.rtrace"] {
+        let trace = golden(name);
+        let frame = trace.meta().first_frame;
+        let mut list: Vec<Adaptive> = vec![preset("multirate", 8), preset("aggressive", 4), preset("quality", 2)];
+        list.extend(switches::draw(14, 6).into_iter().filter(|own| trace.meta().tile % own.block == 0));
+        for own in list {
+            let own = Adaptive { apron: Apron::Share, ..own };
+            let outcome = reference::replay(&trace, &own, frame);
+            let what = format!("{name} {own:?}");
+            let (replayed, works) = run(&trace, &Policy::Adaptive(own));
+            assert!(works.iter().map(|work| work.tile).eq(0..trace.meta().tile_count()));
+            let mut rays = 0;
+            for work in &works {
+                let tile = PathSource::tile_with_paths(&trace, frame, work.tile).unwrap();
+                secondary_starts += assert_work(work, &outcome, &tile, &what);
+                rays += work.rays.len() as u64;
+            }
+            assert_eq!(rays, replayed.stats.counts.rays_traced.total(), "{what}");
+            assert_eq!(replayed.stats.counts.samples_partial, outcome.count(How::Partial), "{what}");
+        }
+    }
+    assert!(secondary_starts > 500, "{secondary_starts} rays leave interpolated hits");
+}
+
+/// Aprons that are traced again hold partial samples too.
+#[test]
+fn retraced_aprons_add_their_rays() {
+    let trace = golden("v1_0_teapot.rtrace");
+    let own = Adaptive { apron: Apron::Retrace, ..preset("multirate", 8) };
+    let (frame, works) = run(&trace, &Policy::Adaptive(own));
+    for (work, stats) in works.iter().zip(&frame.stats.tiles) {
+        let counts = stats.counts;
+        assert_eq!(work.rays.len() as u64, counts.rays_traced.total() + counts.rays_apron.total());
+        assert_eq!(u64::from(work.apron_samples), counts.samples_apron);
+    }
+    assert!(frame.stats.counts.samples_partial > 0 && frame.stats.counts.rays_apron.total() > 0);
+}
+
+/// Every kernel of the machine runs as often as the policy's work has items for it.
+#[test]
+fn machines_conserve_rays() {
+    let trace = golden("v1_0_teapot.rtrace");
+    let frame = trace.meta().first_frame;
+    for policy in ["multirate", "foveated"] {
+        let set: Vec<String> = if policy == "multirate" { vec!["coarsest=8".into()] } else { vec![] };
+        let policy = NamedPolicy::load(policy, &set).unwrap();
+        let (replayed, works) = run(&trace, &policy.policy);
+        assert!(replayed.stats.counts.samples_partial > 0);
+        let closest = || works.iter().flat_map(|w| &w.rays).filter(|ray| ray.kind != RayKind::Shadow);
+        let number = |kind| works.iter().flat_map(|w| &w.rays).filter(|ray| ray.kind == kind).count() as u64;
+        let waves = || works.iter().flat_map(|work| &work.waves);
+        for machine in ["sgrt-ti2", "hybrid-raster", "external-buffers", "no-direct-interface"] {
+            let machine = NamedMachine::load(machine, &[]).unwrap();
+            let mut replayer = Replayer::new(&trace, &policy.policy, Options::default()).unwrap();
+            let named = (machine.name.as_str(), &machine.config);
+            let ran = simulate(&mut replayer, frame, &trace.topology(), named, &mut NoProbe).unwrap();
+            let what = format!("{} on {}", policy.name, machine.name);
+            assert_eq!(ran.replay, replayed, "{what}");
+            let rays = replayed.stats.counts.rays_traced;
+            let rastered = if machine.name == "hybrid-raster" { rays.primary } else { 0 };
+            assert_eq!(ran.stats.rays(), rays.total() - rastered, "{what}");
+            let items = |kernel: KernelId| -> u64 {
+                ran.stats.cores.iter().map(|core| core.srp.kernels[kernel as usize].items).sum()
+            };
+            let starts: u64 = waves().map(|wave| wave.starts.len() as u64).sum();
+            assert_eq!(items(KernelId::Raygen), starts - rastered, "{what}: rays begun");
+            assert_eq!(items(KernelId::Update), number(RayKind::Shadow), "{what}: shadow rays");
+            let hits = closest().filter(|ray| ray.triangle != NO_TRIANGLE).count() as u64;
+            assert_eq!(items(KernelId::Shade), hits, "{what}: hits");
+            assert_eq!(items(KernelId::Miss), closest().count() as u64 - hits, "{what}: misses");
+            assert_eq!(rays.shadow, number(RayKind::Shadow), "{what}");
+            assert_eq!(rays.reflection, number(RayKind::Reflection), "{what}");
+            assert_eq!(rays.refraction, number(RayKind::Refraction), "{what}");
+            let tests: u64 = waves().map(|wave| u64::from(wave.tests)).sum();
+            let made: u64 = waves().map(|wave| u64::from(wave.interpolated)).sum();
+            assert_eq!((items(KernelId::Similarity), items(KernelId::Interpolate)), (tests, made), "{what}");
+        }
+    }
+}
