@@ -47,11 +47,14 @@ impl Stretch {
         Self { first: counted.saturating_sub(early), counted, end }
     }
 
-    /// The frames that a machine simulates: the paper's, or else the last one.
-    fn simulated(&self, full: bool) -> Vec<u32> {
+    /// The frames that a machine simulates, of run number `run`: of the whole path the paper's and the last of each run, by default
+    /// every other of the paper's.
+    fn simulated(&self, run: usize, full: bool) -> Vec<u32> {
         let mut frames = self.mapped();
-        if full || frames.is_empty() {
+        if full {
             frames.push(self.end - 1);
+        } else if run % 2 == 1 {
+            frames.clear();
         }
         frames.dedup();
         frames
@@ -102,7 +105,7 @@ pub fn plan(setup: &Setup<'_>, plan: &mut Plan<'_>) -> Option<Planned> {
             let mapped = entry.mapped.now(setup.full);
             let machine = setup.machines.as_ref().map(|m| Arc::clone(&m.alone));
             let simulated =
-                if machine.is_some() && (mapped || policy == 0) { run.simulated(setup.full) } else { Vec::new() };
+                if machine.is_some() && (mapped || policy == 0) { run.simulated(i, setup.full) } else { Vec::new() };
             let pictures = if mapped { pictures(setup, scene, policy, run) } else { Vec::new() };
             let named = Arc::clone(named);
             let job = Job { shot, policy: named, machine, simulated, compared: true, tiles: false, pictures };
@@ -155,7 +158,7 @@ impl Planned {
 
     /// How many frames a machine simulates.
     pub fn simulated(&self, setup: &Setup<'_>) -> usize {
-        self.runs.iter().map(|run| run.simulated(setup.full).len()).sum()
+        self.runs.iter().enumerate().map(|(i, run)| run.simulated(i, setup.full).len()).sum()
     }
 
     /// Name of the scene.
@@ -235,6 +238,8 @@ mod tests {
         assert_eq!(runs[5], Stretch { first: 700 - COUNTED - EARLY, counted: 700 - COUNTED, end: 700 });
         let mapped: Vec<u32> = runs.iter().flat_map(Stretch::mapped).collect();
         assert_eq!(mapped, PAPER_FRAMES.map(|frame| frame - 1));
+        let simulated: Vec<u32> = runs.iter().enumerate().flat_map(|(i, run)| run.simulated(i, false)).collect();
+        assert_eq!(simulated, [0, 339, 599]);
         // A short path has what there is of it.
         assert_eq!(stretches(2, false), [Stretch { first: 0, counted: 0, end: 2 }]);
     }
@@ -246,6 +251,6 @@ mod tests {
         assert_eq!(counted, (0..700).collect::<Vec<_>>());
         assert!(runs[1..].iter().all(|run| run.first + EARLY_FULL == run.counted));
         assert_eq!(runs.iter().flat_map(Stretch::mapped).count(), PAPER_FRAMES.len());
-        assert!(runs.iter().all(|run| run.simulated(true).contains(&(run.end - 1))));
+        assert!(runs.iter().all(|run| run.simulated(0, true).contains(&(run.end - 1))));
     }
 }
