@@ -3,7 +3,8 @@
 //! An object thinner than a block slips between R-samples, but rarely everywhere: where one of its samples is traced, its
 //! interpolated neighbours show something else. They are traced, which brings the object one sample further, and so on along
 //! it, pass by pass, until nothing contradicts or the passes are used up (after Kim et al. 2016, whose filters are not
-//! published). It looks at the four neighbours inside the tile, so that no tile waits for another.
+//! published). It looks at all eight neighbours, since a thin wire may run on diagonally, from corner to corner of its
+//! samples; only at those inside the tile, so that no tile waits for another.
 
 use super::similarity::{Tests, difference};
 use super::tree::Node;
@@ -43,14 +44,11 @@ fn contradicted(view: &mut TileView, tests: &Tests, limit: f64, wave: u8, front:
             if !matches!(view.state(x, y), Some((SampleState::Interpolated, _))) {
                 continue;
             }
-            let around = [
-                (x > rect.x).then(|| (x - 1, y)),
-                (x + 1 < right).then_some((x + 1, y)),
-                (y > rect.y).then(|| (x, y - 1)),
-                (y + 1 < bottom).then_some((x, y + 1)),
-            ];
+            let (columns, rows) = (x.max(rect.x + 1) - 1..right.min(x + 2), y.max(rect.y + 1) - 1..bottom.min(y + 2));
             let own = &view.tree(x, y)[0];
-            let mut witnesses = around.into_iter().flatten().filter(|&(u, v)| {
+            let around = rows.flat_map(|v| columns.clone().map(move |u| (u, v)));
+            // The sample itself is interpolated, so it is no witness.
+            let mut witnesses = around.filter(|&(u, v)| {
                 front[place(view, u, v)] && !matches!(view.state(u, v), Some((SampleState::Interpolated, _)))
             });
             if witnesses.any(|(u, v)| {

@@ -5,7 +5,7 @@ use rayreel_formats::tile::RayKind;
 use rayreel_replay::TileSource;
 use rayreel_replay::policy::{Adaptive, Apron, Refine};
 
-use super::rules::{Hit, Judge, Surface, between, mix};
+use super::rules::{Hit, Judge, between, mix};
 use super::second_read::{Frame, read};
 
 /// How a sample came to be known.
@@ -32,8 +32,8 @@ pub struct Outcome {
     pub colours: Vec<[f32; 3]>,
     /// Per sample and recorded hit whether its rays were traced.
     pub traced: Vec<Vec<bool>>,
-    /// Samples whose primary hit is interpolated and has traced hits below, with that hit.
-    pub stand_ins: Vec<(usize, Surface)>,
+    /// Samples whose primary hit is interpolated and has traced hits below, with its tree.
+    pub stand_ins: Vec<(usize, Hit)>,
     pub rays_full: Rays,
     pub rays_traced: Rays,
     pub rays_apron: Rays,
@@ -63,7 +63,7 @@ struct Maker<'a> {
     frame: &'a Frame,
     known: Vec<Option<Known>>,
     traced: Vec<Vec<bool>>,
-    stand_ins: Vec<(usize, Surface)>,
+    stand_ins: Vec<(usize, Hit)>,
 }
 
 /// Replays one frame with one block for all tiles.
@@ -218,8 +218,8 @@ impl Maker<'_> {
             (true, true) => How::Traced,
             (true, false) => How::Partial,
         };
-        if let (false, How::Partial, Some(surface)) = (traced[0], how, tree.surface) {
-            self.stand_ins.push((line[i], surface));
+        if !traced[0] && how == How::Partial {
+            self.stand_ins.push((line[i], tree.clone()));
         }
         self.traced[line[i]] = traced;
         self.known[line[i]] = Some(Known { tree, how, wave });
@@ -244,7 +244,7 @@ impl Maker<'_> {
     }
 
     fn contradicts(&self, area: &Area, (x, y): (usize, usize), (u, v): (usize, usize)) -> bool {
-        if x.abs_diff(u) + y.abs_diff(v) != 1 {
+        if x.abs_diff(u).max(y.abs_diff(v)) != 1 {
             return false;
         }
         let (own, witness) = (&self.known[y * self.frame.width + x], &self.known[v * self.frame.width + u]);
