@@ -35,7 +35,7 @@ use crate::exit::Exit;
 use crate::progress;
 
 /// Picture size by default, pixels.
-const SIZE: (u32, u32) = (160, 80);
+const SIZE: (u32, u32) = (128, 64);
 
 /// The paper's.
 const SIZE_FULL: (u32, u32) = (2048, 1024);
@@ -49,7 +49,7 @@ const SIZE_FULL: (u32, u32) = (2048, 1024);
 /// GPU. Every result is kept in the cache folder: a run that was killed goes on where it was, a second run computes nothing.
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// Image size in pixels; 160x80 by default, the paper's 2048x1024 with --full.
+    /// Image size in pixels; 128x64 by default, the paper's 2048x1024 with --full.
     #[arg(long, value_name = "WxH", value_parser = crate::common::size)]
     size: Option<(u32, u32)>,
     /// Everything at the paper's size, and all frames of the animation: hours.
