@@ -13,6 +13,7 @@ mod damage;
 mod determinism;
 mod every_scene;
 mod exit_codes;
+mod fence;
 mod goldens;
 mod help;
 #[cfg(unix)]
