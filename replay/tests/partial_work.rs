@@ -183,3 +183,26 @@ fn machines_conserve_rays() {
         }
     }
 }
+
+/// What a tile keeps for the tile to its left are the samples on that tile's R-rows, whatever its own block.
+#[test]
+fn borders_follow_the_neighbours_blocks() {
+    let trace = golden("v1_0_cornell.rtrace");
+    let policy = NamedPolicy::load("foveated", &["inner=0".into(), "outer=0.7".into()]).unwrap();
+    let (frame, works) = run(&trace, &policy.policy);
+    let ((columns, _), (_, height)) = (trace.meta().tile_grid(), trace.meta().grid());
+    let mut differ = 0;
+    for work in &works {
+        let (left, above, rect) = (work.tile % columns > 0, work.tile >= columns, work.rect);
+        let mut expected = if above { rect.width } else { 0 };
+        if left {
+            let blocks = frame.blocks.tiles();
+            let block = blocks[work.tile as usize - 1];
+            differ += u32::from(block != blocks[work.tile as usize]);
+            let rows = (rect.y..rect.y + rect.height).filter(|y| y % block == 0 || y + 1 == height);
+            expected += rows.count() as u32 - u32::from(above);
+        }
+        assert_eq!(work.border_samples, expected, "tile {}", work.tile);
+    }
+    assert!(differ > 3, "{differ} tiles have another block than their neighbour");
+}
