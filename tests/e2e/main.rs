@@ -23,4 +23,5 @@ mod policies;
 mod repair;
 mod replay_json;
 mod report;
+mod stand_in;
 mod tamper;
