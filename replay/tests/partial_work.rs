@@ -108,7 +108,7 @@ fn work_is_what_the_reference_traces() {
         let trace = golden(name);
         let frame = trace.meta().first_frame;
         let mut list: Vec<Adaptive> = vec![preset("multirate", 8), preset("aggressive", 4), preset("quality", 2)];
-        list.extend(switches::draw(14, 6).into_iter().filter(|own| trace.meta().tile % own.block == 0));
+        list.extend(switches::draw(14, 6).into_iter().filter(|own| trace.meta().tile.is_multiple_of(own.block)));
         for own in list {
             let own = Adaptive { apron: Apron::Share, ..own };
             let outcome = reference::replay(&trace, &own, frame);
@@ -199,7 +199,7 @@ fn borders_follow_the_neighbours_blocks() {
             let blocks = frame.blocks.tiles();
             let block = blocks[work.tile as usize - 1];
             differ += u32::from(block != blocks[work.tile as usize]);
-            let rows = (rect.y..rect.y + rect.height).filter(|y| y % block == 0 || y + 1 == height);
+            let rows = (rect.y..rect.y + rect.height).filter(|y| y.is_multiple_of(block) || y + 1 == height);
             expected += rows.count() as u32 - u32::from(above);
         }
         assert_eq!(work.border_samples, expected, "tile {}", work.tile);

@@ -66,8 +66,8 @@ fn contradicted(view: &mut TileView, tests: &Tests, limit: f64, wave: u8, front:
 /// Attributes differ, and it shows.
 fn contradicts(own: &Node, witness: &Node, tests: &Tests, limit: f64) -> bool {
     let colours = (own.colour, witness.colour);
-    // A NaN shows.
-    !tests.alike_hits(own, witness) && !(difference(colours, colours) <= limit)
+    let shows = difference(colours, colours);
+    !tests.alike_hits(own, witness) && (shows > limit || shows.is_nan())
 }
 
 fn place(view: &TileView, x: u32, y: u32) -> usize {

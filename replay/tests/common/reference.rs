@@ -85,7 +85,7 @@ pub fn replay_tiles<S: TileSource>(source: &S, policy: &Adaptive, rates: &[(u32,
         Maker { policy, frame: &recorded, known: vec![None; width * height], traced, stand_ins: Vec::new() };
     let last = (width - 1, height - 1);
     for (i, area) in tiles.iter().enumerate() {
-        let left = if i as u32 % columns > 0 { tiles[i - 1].n } else { area.n };
+        let left = if (i as u32).is_multiple_of(columns) { area.n } else { tiles[i - 1].n };
         for (x, y) in area.samples() {
             let own = on(x, area.n, last.0) && on(y, area.n, last.1);
             if own || x == area.x0 && on(y, left, last.1) {
@@ -131,7 +131,7 @@ struct Area {
 
 /// True for a multiple of the block and for the last one.
 fn on(at: usize, n: usize, last: usize) -> bool {
-    at % n == 0 || at == last
+    at.is_multiple_of(n) || at == last
 }
 
 impl Area {
@@ -180,10 +180,10 @@ impl Maker<'_> {
         }
         let (a, b) = (self.tree(line[0]).clone(), self.tree(line[gap]).clone());
         if self.judge(area, gap).samples(&a, &b, foreseen) {
-            for i in 1..gap {
+            for (i, &at) in line.iter().enumerate().take(gap).skip(1) {
                 let (near, far, s) = nearer(&a, &b, i, gap);
                 let tree = between(near, far, s);
-                self.known[line[i]] = Some(Known { tree, how: How::Interpolated, wave });
+                self.known[at] = Some(Known { tree, how: How::Interpolated, wave });
             }
             return;
         }
