@@ -145,7 +145,7 @@ fn equals_the_reference_with_ray_trees() {
 /// Where hits were interpolated one by one, the untraced ones below traced ones are garbage too.
 #[test]
 fn untraced_hits_are_never_read() {
-    let mut partial = 0;
+    let (mut partial, mut poisoned) = (0, 0);
     let simple = policies().into_iter().map(|own| (Look::Discs, own));
     let drawn = switches::draw(60, 2).into_iter().map(|own| (Look::Trees, own));
     for (i, (look, own)) in simple.chain(drawn).enumerate() {
@@ -153,7 +153,10 @@ fn untraced_hits_are_never_read() {
         let outcome = reference::replay(&source, &own, FRAME);
         let policy = Policy::Adaptive(own);
         let clean = run(&source, &policy, 2);
-        assert!(outcome.traced.iter().flatten().any(|traced| !traced), "nothing to poison");
+        if outcome.traced.iter().flatten().all(|traced| *traced) {
+            continue;
+        }
+        poisoned += 1;
         partial += outcome.count(How::Partial);
         for seed in 0..2 {
             let frame = run(&Poisoned { source: &source, outcome: &outcome, seed }, &policy, 2);
@@ -164,6 +167,7 @@ fn untraced_hits_are_never_read() {
             assert_ne!(frame.reference, clean.reference, "the poison is real");
         }
     }
+    assert!(poisoned > 60, "nothing to poison in most of the runs");
     assert!(partial > 1000, "{partial} samples with some hits untraced");
 }
 

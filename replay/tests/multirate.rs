@@ -64,6 +64,7 @@ fn nervous(own: &Adaptive) -> Policy {
         cut_change: 1.0,
         refine: own.refine,
         secondary: own.secondary,
+        stand_in: own.stand_in,
         similarity: own.similarity.clone(),
         correct: own.correct.clone(),
     })
@@ -120,6 +121,7 @@ fn rings_equal_the_reference() {
             gaze_x: 0.4,
             refine: own.refine,
             secondary: own.secondary,
+            stand_in: own.stand_in,
             similarity: own.similarity.clone(),
             correct: own.correct.clone(),
             ..fixed.clone()

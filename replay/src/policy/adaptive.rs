@@ -23,6 +23,7 @@ pub struct Rules {
     pub apron: Apron,
     refine: Refine,
     secondary: bool,
+    stand_in: bool,
     similarity: Similarity,
     correct: Correct,
 }
@@ -45,20 +46,27 @@ impl Rules {
     /// When a value of the policy is out of range.
     pub fn new(policy: &Policy, size: (u32, u32)) -> Result<Self> {
         policy.check()?;
-        let rules = |apron, refine, secondary, similarity: &Similarity, correct: &Correct| Self {
+        let rules = |apron, refine, (secondary, stand_in), similarity: &Similarity, correct: &Correct| Self {
             size,
             apron,
             refine,
             secondary,
+            stand_in,
             similarity: similarity.clone(),
             correct: correct.clone(),
         };
         Ok(match policy {
             // Blocks of one sample leave nothing to test, and nothing to correct.
-            Policy::Full => rules(Apron::Share, Refine::Direct, false, &Similarity::NONE, &Correct::NONE),
-            Policy::Adaptive(own) => rules(own.apron, own.refine, own.secondary, &own.similarity, &own.correct),
-            Policy::Multirate(own) => rules(Apron::Share, own.refine, own.secondary, &own.similarity, &own.correct),
-            Policy::Foveated(own) => rules(Apron::Share, own.refine, own.secondary, &own.similarity, &own.correct),
+            Policy::Full => rules(Apron::Share, Refine::Direct, (false, false), &Similarity::NONE, &Correct::NONE),
+            Policy::Adaptive(own) => {
+                rules(own.apron, own.refine, (own.secondary, own.stand_in), &own.similarity, &own.correct)
+            }
+            Policy::Multirate(own) => {
+                rules(Apron::Share, own.refine, (own.secondary, own.stand_in), &own.similarity, &own.correct)
+            }
+            Policy::Foveated(own) => {
+                rules(Apron::Share, own.refine, (own.secondary, own.stand_in), &own.similarity, &own.correct)
+            }
         })
     }
 
@@ -214,9 +222,10 @@ impl Line<'_> {
         let (near, far) = (self.tree(near).to_vec(), self.tree(far).to_vec());
         let totals = (near[0].colour, far[0].colour);
         let (tests, gap, mut pairs) = (&self.rules.tests, b - a, 0);
+        let stand_in = self.rules.rules.stand_in;
         self.view.rebuild(x, y, self.wave, |tracer, out| {
             let compared = Compared::default();
-            let mut rebuild = Rebuild { tests, tracer, out, gap, s, totals, compared, interpolated: 0 };
+            let mut rebuild = Rebuild { tests, stand_in, tracer, out, gap, s, totals, compared, interpolated: 0 };
             rebuild.build(&near, &far);
             pairs = rebuild.compared.pairs;
             rebuild.interpolated

@@ -74,6 +74,9 @@ pub struct Adaptive {
     pub apron: Apron,
     /// Each hit of a ray tree is decided by itself.
     pub secondary: bool,
+    /// With `secondary`: a primary hit may be interpolated although some of its children are traced ([`reuse`] says what that
+    /// means for a replay); else it is traced with them.
+    pub stand_in: bool,
     /// When two samples are similar.
     pub similarity: Similarity,
     /// What is traced after all.
@@ -107,6 +110,9 @@ pub struct Multirate {
     pub refine: Refine,
     /// Each hit of a ray tree is decided by itself.
     pub secondary: bool,
+    /// With `secondary`: a primary hit may be interpolated although some of its children are traced ([`reuse`] says what that
+    /// means for a replay); else it is traced with them.
+    pub stand_in: bool,
     /// When two samples are similar.
     pub similarity: Similarity,
     /// What is traced after all.
@@ -135,6 +141,9 @@ pub struct Foveated {
     pub refine: Refine,
     /// Each hit of a ray tree is decided by itself.
     pub secondary: bool,
+    /// With `secondary`: a primary hit may be interpolated although some of its children are traced ([`reuse`] says what that
+    /// means for a replay); else it is traced with them.
+    pub stand_in: bool,
     /// When two samples are similar.
     pub similarity: Similarity,
     /// What is traced after all.

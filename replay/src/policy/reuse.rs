@@ -3,10 +3,13 @@
 //! Where two samples are alike at a hit but not below it, only what differs is traced:
 //!
 //! - a **subtree** whose contributions pass the tests is interpolated whole, no ray is traced for it;
-//! - a **primary hit** that passes is interpolated (no primary ray, no shadow rays), and those of its children that fail are
-//!   traced from it;
+//! - with `stand_in`, a **primary hit** that passes is interpolated (no primary ray, no shadow rays), and those of its children
+//!   that fail are traced from it;
 //! - a hit that fails is traced; if all three hits (both ends and the traced one) are on one object with similar normals and
 //!   branch alike, its children are again decided one by one, else the whole subtree is traced.
+//!
+//! Without `stand_in` every traced ray is one that hardware would trace, and the picture is exactly hardware's: so it is in all
+//! presets.
 //!
 //! **The stand-in.** Hardware would shoot the child of an interpolated hit from the interpolated position along the direction
 //! that follows from the interpolated normal. A replay traces nothing, so the recorded child of the sample itself stands for
@@ -30,6 +33,8 @@ use super::view::Tracer;
 pub struct Rebuild<'a, 't> {
     /// The tests.
     pub tests: &'a Tests,
+    /// A primary hit may be interpolated although some of its children are traced.
+    pub stand_in: bool,
     /// The recorded sample.
     pub tracer: &'a mut Tracer<'t>,
     /// The tree that is built.
@@ -74,7 +79,7 @@ impl Rebuild<'_, '_> {
         let (a, b) = (&near[0], &far[0]);
         let branches = near.len() > 1 && a.branches_as(b) && self.tracer.stands_in(recorded, a);
         let at = self.out.len();
-        let alike = branches && primary && self.tests.alike_hits(a, b);
+        let alike = self.stand_in && branches && primary && self.tests.alike_hits(a, b);
         if alike && self.tests.alike_locals((a, b), weights, self.totals, self.gap) {
             self.out.push(interpolate_node(a, b, self.s));
             self.interpolated += 1;

@@ -79,6 +79,11 @@ const SAMPLING: &[Key] = &[
     KIND,
     key("refine", Rule::Word(&["direct", "hierarchical"]), "between dissimilar samples: trace all, or halve the gap"),
     key("secondary", Rule::Flag, "each hit of a ray tree is interpolated or traced by itself"),
+    key(
+        "stand_in",
+        Rule::Flag,
+        "with secondary: children of interpolated primary hits are traced from recorded stand-ins",
+    ),
     key("similarity.object_id", Rule::Flag, "the objects must be the same"),
     key("similarity.normal_deg", Rule::Limit(180.0), "largest angle between the shading normals, degrees"),
     key("similarity.shadow", Rule::Flag, "the shadow rays must have found the same"),

@@ -27,7 +27,7 @@ pub fn adaptive(block: u32, refine: Refine, apron: Apron) -> Adaptive {
         unlike: Limit::Off,
     };
     let correct = Correct { passes: 0, colour: Limit::Off };
-    Adaptive { block, refine, apron, secondary: false, similarity, correct }
+    Adaptive { block, refine, apron, secondary: false, stand_in: false, similarity, correct }
 }
 
 /// The same as a policy.
@@ -43,6 +43,7 @@ pub fn preset(name: &str, block: u32) -> Adaptive {
             refine: own.refine,
             apron: Apron::Share,
             secondary: own.secondary,
+            stand_in: own.stand_in,
             similarity: own.similarity,
             correct: own.correct,
         },

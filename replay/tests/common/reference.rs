@@ -169,7 +169,7 @@ impl Maker<'_> {
     }
 
     fn judge(&self, area: &Area, gap: usize) -> Judge<'_> {
-        Judge { similarity: &self.policy.similarity, relax: area.relax, gap }
+        Judge { similarity: &self.policy.similarity, relax: area.relax, gap, stand_in: self.policy.stand_in }
     }
 
     /// Decides the inner samples of `line`, whose two ends are known.

@@ -59,6 +59,8 @@ pub struct Judge<'a> {
     pub similarity: &'a Similarity,
     pub relax: f64,
     pub gap: usize,
+    /// Primary hits may be interpolated above traced ones.
+    pub stand_in: bool,
 }
 
 impl Judge<'_> {
@@ -157,7 +159,7 @@ impl Judge<'_> {
         let alike = same_branches([near, far, own]) && self.alike(near, far);
         let bare = difference((near.local, far.local), totals);
         let limit = self.limit((near.own_rays + far.own_rays) / 2);
-        if alike && limit.is_none_or(|limit| bare <= limit) {
+        if self.stand_in && alike && limit.is_none_or(|limit| bare <= limit) {
             let below = self.children((near, far), s, own, ([1.0; 3], [1.0; 3]), totals, traced, true);
             let (surface, local) = (middle(near, far, s), mix(near.local, far.local, s));
             return Hit::new(own.number, surface, local, near.own_rays, below);

@@ -16,7 +16,7 @@ fn one(random: &mut Random) -> Adaptive {
     let refine = if flag(3) { Refine::Direct } else { Refine::Hierarchical };
     let apron = if flag(2) { Apron::Share } else { Apron::Retrace };
     let (object_id, shadow, predict) = (!flag(4), !flag(3), flag(2));
-    let (secondary, deep) = (!flag(3), !flag(3));
+    let (secondary, deep, stand_in) = (!flag(3), !flag(3), flag(2));
     let mut pick = |list: &[f64]| match list[random.below(list.len() as u32) as usize] {
         value if value < 0.0 => Limit::Off,
         value => Limit::At(value),
@@ -30,7 +30,7 @@ fn one(random: &mut Random) -> Adaptive {
     tests.texture = pick(&[-1.0, -1.0, 0.1]);
     tests.colour = pick(&[-1.0, 0.05, 0.1, 0.3]);
     tests.unlike = pick(&[-1.0, 0.1, 0.8]);
-    own.secondary = secondary;
+    (own.secondary, own.stand_in) = (secondary, stand_in);
     own.correct = Correct { passes: pick(&[0.0, 1.0, 8.0]).value().unwrap() as u32, colour: pick(&[-1.0, 0.02, 0.1]) };
     own
 }
