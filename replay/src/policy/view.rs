@@ -46,7 +46,7 @@ pub enum SampleState {
 pub struct WaveCounts {
     /// Similarity tests: pairs of hits that were compared.
     pub tests: u32,
-    /// Hits that were interpolated; one for a sample of which nothing was traced.
+    /// Hits and whole subtrees that were interpolated; one for a sample of which nothing was traced.
     pub interpolated: u32,
 }
 

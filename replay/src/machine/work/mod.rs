@@ -55,7 +55,7 @@ pub struct RayWork {
 pub struct Wave {
     /// Similarity tests (pairs of hits) made before anything of this wave is traced or interpolated.
     pub tests: u32,
-    /// Hits interpolated; one for a sample of which nothing is traced.
+    /// Hits and whole subtrees interpolated; one for a sample of which nothing is traced.
     pub interpolated: u32,
     /// The rays that the SRP starts, as indices into [`TileWork::rays`], row by row: primary rays, and rays of any kind that
     /// leave an interpolated hit. All others are spawned by a hit that comes back.
