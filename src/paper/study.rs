@@ -29,7 +29,8 @@ pub fn study(setup: &Setup<'_>, experiment: &Experiment, records: &[Record]) -> 
         width: setup.size.0,
         height: setup.size.1,
         notes: notes(setup, experiment),
-        headline_policy: None,
+        // Named beforehand: the best of several after the fact would flatter.
+        headline_policy: Some("multirate".into()),
         scenes: (0..setup.stages.len()).map(|scene| scene_of(setup, experiment, records, scene)).collect(),
         policies: policies(setup)?,
         points: points::points(setup, &experiment.points, records),

@@ -62,8 +62,8 @@ impl Tests {
     /// It weighs error against rays. An edge of contrast `d` somewhere between the ends leaves an error that grows with `d^2`
     /// and with the number of samples between them; finding it costs the rays of a few samples. Both are in balance where
     /// `d^2 * gap^2` is in proportion to the rays of a sample, so the limit is `colour * (2 / gap) * sqrt(rays / 3)`: stricter
-    /// across wide gaps, more lenient where samples are expensive. Three rays are a primary ray, its shadow ray and a half of
-    /// a mirror's: the mean of plain scenes.
+    /// across wide gaps, more lenient where samples are expensive. Three rays are our unit: `colour` is
+    /// the limit for a primary ray with two more.
     pub fn colour_limit(&self, gap: u32, rays: u32) -> Option<f64> {
         let limit = self.colour?;
         Some(limit * (2.0 / f64::from(gap)) * (f64::from(rays) / 3.0).sqrt())
