@@ -7,9 +7,10 @@ use common::synthetic::{Look, Random, Synthetic};
 use common::{preset, switches};
 use rayreel_formats::scene::{Camera, Meta};
 use rayreel_formats::tile::Tile;
+use rayreel_replay::image::psnr::SquaredError;
 use rayreel_replay::image::resolve::Resolver;
 use rayreel_replay::policy::view::SampleState;
-use rayreel_replay::policy::{Adaptive, Foveated, Multirate, NamedPolicy, Policy};
+use rayreel_replay::policy::{Adaptive, Foveated, Limit, Multirate, NamedPolicy, Policy, Target};
 use rayreel_replay::{FrameReplay, Options, TileSource, replay};
 
 /// Synthetic frames whose tiles are flat or noisy by chance, so that blocks go up and down everywhere.
@@ -50,7 +51,7 @@ impl TileSource for Patchwork {
     }
 }
 
-/// What `own` does, with blocks that follow every ratio at once.
+/// What `own` does, with blocks that follow every ratio at once and a colour limit that follows one pixel in five.
 fn nervous(own: &Adaptive) -> Policy {
     Policy::Multirate(Multirate {
         start: 4,
@@ -62,6 +63,7 @@ fn nervous(own: &Adaptive) -> Policy {
         hold: 1,
         cut_deg: 180.0,
         cut_change: 1.0,
+        target: Target { psnr_db: Limit::At(30.0), audit: 5, strictest: 0.2, loosest: 5.0, share: 0.9 },
         refine: own.refine,
         secondary: own.secondary,
         stand_in: own.stand_in,
@@ -70,8 +72,20 @@ fn nervous(own: &Adaptive) -> Policy {
     })
 }
 
-fn assert_same<S: TileSource>(source: &S, own: &Adaptive, rates: &[(u32, f64)], frame: &FrameReplay, what: &str) {
-    let expected = reference::replay_tiles(source, own, rates, frame.frame);
+fn assert_same<S: TileSource>(
+    source: &S,
+    own: &Adaptive,
+    rates: &[(u32, f64)],
+    audit: Option<u64>,
+    frame: &FrameReplay,
+    what: &str,
+) {
+    let (expected, audits) = match audit {
+        Some(every) => reference::replay_audited(source, own, rates, (frame.frame, every)),
+        None => (reference::replay_tiles(source, own, rates, frame.frame), vec![(0, 0); rates.len()]),
+    };
+    let found: Vec<_> = frame.stats.tiles.iter().map(|t| (t.audited.sum, t.audited.values)).collect();
+    assert_eq!(found, audits, "{what}: audits");
     let (width, height) = source.meta().grid();
     let mut resolver = Resolver::new(source.meta().width, source.meta().height, source.meta().samples);
     for (i, (x, y)) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).enumerate() {
@@ -96,20 +110,26 @@ fn assert_same<S: TileSource>(source: &S, own: &Adaptive, rates: &[(u32, f64)], 
 /// the tiles around are.
 #[test]
 fn neighbours_of_any_block_fit_together() {
-    let mut pairs = std::collections::BTreeSet::new();
+    let (mut pairs, mut factors) = (std::collections::BTreeSet::new(), std::collections::BTreeSet::new());
+    let mut errors = SquaredError::default();
     for (seed, own) in (0u64..).zip(switches::draw(16, 3)) {
         let source = Patchwork::new([(93, 61), (80, 49), (65, 65)][seed as usize % 3], seed);
         let frames = replay(&source, &nervous(&own), 0..6, Options::default()).unwrap().frames;
         for frame in frames {
             let blocks = frame.blocks.tiles();
-            let rates: Vec<_> = blocks.iter().map(|&block| (block, 1.0)).collect();
+            let rates: Vec<_> =
+                blocks.iter().zip(&frame.stats.tiles).map(|(&block, tile)| (block, tile.factor)).collect();
+            factors.extend(rates.iter().map(|r| r.1.to_bits()));
+            errors = errors + frame.stats.tiles.iter().map(|t| t.audited).sum();
             let own = Adaptive { apron: rayreel_replay::policy::Apron::Share, ..own.clone() };
-            assert_same(&source, &own, &rates, &frame, &format!("{seed}, frame {}: {own:?}", frame.frame));
+            assert_same(&source, &own, &rates, Some(5), &frame, &format!("{seed}, frame {}: {own:?}", frame.frame));
             let columns = source.meta().tile_grid().0 as usize;
             pairs.extend(blocks.chunks(columns).flat_map(|row| row.windows(2)).map(|pair| (pair[0], pair[1])));
         }
     }
     assert!(pairs.len() >= 14, "of 16 pairs of neighbours: {pairs:?}");
+    assert!(factors.len() > 50, "the colour limit moved: {}", factors.len());
+    assert!(errors.sum > 0 && errors.values > 10_000, "{errors:?}");
 }
 
 #[test]
@@ -132,7 +152,7 @@ fn rings_equal_the_reference() {
         assert!(rates.iter().any(|r| r.0 == 2) && rates.iter().any(|r| r.0 == 16), "{rates:?}");
         assert_eq!(frame.blocks.tiles(), rates.iter().map(|r| r.0).collect::<Vec<_>>());
         let own = Adaptive { apron: rayreel_replay::policy::Apron::Share, ..own };
-        assert_same(&source, &own, &rates, &frame, &format!("{seed}: {own:?}"));
+        assert_same(&source, &own, &rates, None, &frame, &format!("{seed}: {own:?}"));
     }
 }
 
@@ -155,7 +175,12 @@ fn one_block_is_adaptive() {
     let mut source = Synthetic::new(Look::Discs, (70, 40), 2, 16, 7);
     source.meta.frames = 6;
     for block in [4, 8] {
-        let set = [format!("start={block}"), format!("finest={block}"), format!("coarsest={block}")];
+        let set = [
+            format!("start={block}"),
+            format!("finest={block}"),
+            format!("coarsest={block}"),
+            "target.psnr_db=off".into(),
+        ];
         let own = NamedPolicy::load("multirate", &set).unwrap().policy;
         let frames = source.meta.frame_numbers();
         let rated = replay(&source, &own, frames.clone(), Options::default()).unwrap();

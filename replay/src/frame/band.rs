@@ -9,6 +9,7 @@ use rayreel_formats::tile::Tile;
 
 use super::counts::{Counts, RayCounts, TileStats};
 use crate::error::{ReplayError, Result};
+use crate::image::psnr::SquaredError;
 use crate::machine::work::build::{Builder, Built, Part};
 use crate::policy::Apron;
 use crate::policy::adaptive::{Rules, TileRules};
@@ -41,7 +42,6 @@ impl<'a> How<'a> {
 /// A source of tiles, with or without paths.
 pub(super) struct Reader<'a, S: ?Sized, R> {
     pub source: &'a S,
-    pub how: How<'a>,
     pub camera: &'a Camera,
     pub frame: u32,
     /// Reads a tile of the frame.
@@ -59,12 +59,12 @@ pub(super) struct Nearby<'a> {
 
 impl Band {
     /// Reads tile row `row` and decides all its samples on R-rows.
-    pub fn open<S, R>(reader: &Reader<'_, S, R>, row: u32) -> Result<Self>
+    pub fn open<S, R>(reader: &Reader<'_, S, R>, how: How<'_>, row: u32) -> Result<Self>
     where
         S: TileSource + ?Sized,
         R: Fn(u32) -> rayreel_formats::Result<Tile> + Sync,
     {
-        let &Reader { source, how, camera, frame, keep, .. } = reader;
+        let &Reader { source, camera, frame, keep, .. } = reader;
         let columns = source.meta().tile_grid().0;
         let read = |index| -> Result<(TileView, Forest, Option<Tile>)> {
             let tile = (reader.read)(index).map_err(|e| ReplayError::Trace {
@@ -93,15 +93,17 @@ impl Band {
     }
 
     /// Decides the other samples; `below` is the next band, already open.
-    pub fn close(&mut self, how: How<'_>, below: Option<&Self>) -> Vec<TileStats> {
-        self.tiles.par_iter_mut().enumerate().for_each(|(i, view)| {
+    pub fn close(&mut self, how: How<'_>, frame: u32, below: Option<&Self>) -> Vec<TileStats> {
+        let decided = self.tiles.par_iter_mut().enumerate().map(|(i, view)| {
             let closing = below.map(|band| TileRules::first_row(&band.tiles[i]));
             how.tile(view).step_y(view, closing.as_ref());
+            how.rules.audit.map(|audit| audit.run(view, frame)).unwrap_or_default()
         });
-        (0..self.tiles.len()).into_par_iter().map(|i| self.stats(how, below, i)).collect()
+        let audits: Vec<_> = decided.collect();
+        audits.into_par_iter().enumerate().map(|(i, audited)| self.stats(how, below, i, audited)).collect()
     }
 
-    fn stats(&self, how: How<'_>, below: Option<&Self>, i: usize) -> TileStats {
+    fn stats(&self, how: How<'_>, below: Option<&Self>, i: usize, audited: SquaredError) -> TileStats {
         let view = &self.tiles[i];
         let rect = view.rect();
         let mut counts =
@@ -117,7 +119,7 @@ impl Band {
                 counts.rays_apron += rays;
             }
         }
-        TileStats { tile: view.index(), counts }
+        TileStats { tile: view.index(), counts, audited, factor: how.rates.tile(view.index()).relax }
     }
 
     /// The rays of the samples outside tile `i` that its steps read as traced.

@@ -131,12 +131,16 @@ impl Sum for Counts {
 }
 
 /// What a tile cost.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TileStats {
     /// Tile number in the frame.
     pub tile: u32,
     /// Its counts.
     pub counts: Counts,
+    /// What its audits found; no values without audits.
+    pub audited: SquaredError,
+    /// Factor on the colour limit.
+    pub factor: f64,
 }
 
 /// How near the picture is to that of `full`.

@@ -22,7 +22,7 @@ use crate::machine::work::stream::{Output, ahead};
 use crate::machine::work::topology::Topology;
 use crate::policy::Policy;
 use crate::policy::adaptive::Rules;
-use crate::policy::rate::Pacer;
+use crate::policy::rate::{Pacer, Rates};
 use crate::source::{PathSource, TileSource};
 use band::{Band, How, Nearby, Reader};
 use counts::{FrameStats, TileStats};
@@ -94,7 +94,7 @@ impl<'a, S: TileSource + ?Sized> Replayer<'a, S> {
         if width == 0 || height == 0 || meta.tile == 0 {
             return Err(ReplayError::Nothing { what: "the sample grid of the trace is empty" });
         }
-        let rules = Rules::new(policy, (width, height))?;
+        let rules = Rules::new(policy, meta)?;
         check_tile(meta.tile, &Pacer::blocks(policy))?;
         let pacer = Pacer::new(policy, meta);
         Ok(Self { source, rules, pacer, options, comparer: Comparer::new(meta) })
@@ -113,12 +113,10 @@ impl<'a, S: TileSource + ?Sized> Replayer<'a, S> {
         let (source, rules, camera) = (self.source, &self.rules, self.camera(frame)?);
         let mut canvas = Canvas::new(source, self.options);
         let read = |index| source.tile(frame, index);
-        let rates = self.pacer.rates(frame, &camera);
-        let how = How { rules, rates: &rates };
-        let reader = Reader { source, how, camera: &camera, frame, read, keep: false };
-        bands(&reader, |mut band, below| {
-            let stats = band.close(how, below);
-            canvas.add(&band, stats);
+        let mut rates = self.pacer.rates(frame, &camera);
+        let reader = Reader { source, camera: &camera, frame, read, keep: false };
+        bands(&reader, rules, &mut rates, |closed| {
+            canvas.add(&closed.band, closed.stats);
             Ok(())
         })?;
         self.pacer.learn(frame, &camera, &rates, &canvas.tiles);
@@ -156,14 +154,12 @@ impl<S: PathSource + ?Sized> Replayer<'_, S> {
         let (source, rules, camera) = (self.source, &self.rules, self.camera(frame)?);
         let mut canvas = Canvas::new(source, self.options);
         let read = |index| source.tile_with_paths(frame, index);
-        let rates = self.pacer.rates(frame, &camera);
-        let how = How { rules, rates: &rates };
-        let reader = Reader { source, how, camera: &camera, frame, read, keep: true };
+        let mut rates = self.pacer.rates(frame, &camera);
+        let reader = Reader { source, camera: &camera, frame, read, keep: true };
         let builder = Builder { source, tree };
         let produce = |output: &Output<'_, (Band, Vec<TileStats>, Vec<Built>)>| {
             let mut above = false;
-            bands(&reader, |mut band, below| {
-                let stats = band.close(how, below);
+            bands(&reader, rules, &mut rates, |Closed { how, mut band, stats, below }| {
                 let built = band.work(&builder, how, &Nearby { below, above })?;
                 above = true;
                 output.put((band, stats, built))
@@ -183,21 +179,41 @@ impl<S: PathSource + ?Sized> Replayer<'_, S> {
     }
 }
 
-/// Opens the bands of a frame top to bottom and gives each to `close` as soon as the one below it is open.
-fn bands<S, R>(reader: &Reader<'_, S, R>, mut close: impl FnMut(Band, Option<&Band>) -> Result<()>) -> Result<()>
+/// A band whose samples are all decided.
+struct Closed<'a> {
+    how: How<'a>,
+    band: Band,
+    stats: Vec<TileStats>,
+    /// The next band, already open.
+    below: Option<&'a Band>,
+}
+
+/// Opens the bands of a frame top to bottom, closes each as soon as the one below it is open, and gives it to `give`. What a
+/// band was like may change the rates of those that are not open yet: of the one after the next.
+fn bands<S, R>(
+    reader: &Reader<'_, S, R>,
+    rules: &Rules,
+    rates: &mut Rates,
+    mut give: impl FnMut(Closed<'_>) -> Result<()>,
+) -> Result<()>
 where
     S: TileSource + ?Sized,
     R: Fn(u32) -> rayreel_formats::Result<Tile> + Sync,
 {
+    let mut close = |rates: &mut Rates, mut band: Band, below: Option<&Band>| {
+        let stats = band.close(How { rules, rates }, reader.frame, below);
+        rates.finished(&stats);
+        give(Closed { how: How { rules, rates }, band, stats, below })
+    };
     let mut above: Option<Band> = None;
     for row in 0..reader.source.meta().tile_grid().1 {
-        let band = Band::open(reader, row)?;
+        let band = Band::open(reader, How { rules, rates }, row)?;
         if let Some(above) = above.take() {
-            close(above, Some(&band))?;
+            close(rates, above, Some(&band))?;
         }
         above = Some(band);
     }
-    above.map_or(Ok(()), |last| close(last, None))
+    above.map_or(Ok(()), |last| close(rates, last, None))
 }
 
 /// Replays `frames` and keeps them all.

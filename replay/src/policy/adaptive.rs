@@ -4,6 +4,7 @@
 //! that row's own X step. Where the tile to the left has smaller blocks, a tile traces the samples of its first column that
 //! close its neighbour's R-rows too.
 
+use super::audit::Audit;
 use super::correct::correct;
 use super::interpolate::nearer;
 use super::lattice::Lattice;
@@ -14,6 +15,7 @@ use super::tree::{Forest, Node, interpolate_tree};
 use super::view::{SampleState, TileView};
 use super::{Apron, Correct, Limit, Policy, Refine, Similarity};
 use crate::error::Result;
+use rayreel_formats::scene::Meta;
 
 /// A policy prepared for frames of one size.
 #[derive(Clone, Debug)]
@@ -26,6 +28,8 @@ pub struct Rules {
     stand_in: bool,
     similarity: Similarity,
     correct: Correct,
+    /// Which pixels are audited, if any.
+    pub audit: Option<Audit>,
 }
 
 /// The rules for one tile.
@@ -40,12 +44,13 @@ pub struct TileRules<'a> {
 }
 
 impl Rules {
-    /// Prepares `policy` for a sample grid.
+    /// Prepares `policy` for the frames of a trace.
     ///
     /// # Errors
     /// When a value of the policy is out of range.
-    pub fn new(policy: &Policy, size: (u32, u32)) -> Result<Self> {
+    pub fn new(policy: &Policy, meta: &Meta) -> Result<Self> {
         policy.check()?;
+        let (size, audit) = (meta.grid(), None);
         let rules = |apron, refine, (secondary, stand_in), similarity: &Similarity, correct: &Correct| Self {
             size,
             apron,
@@ -54,6 +59,7 @@ impl Rules {
             stand_in,
             similarity: similarity.clone(),
             correct: correct.clone(),
+            audit,
         };
         Ok(match policy {
             // Blocks of one sample leave nothing to test, and nothing to correct.
@@ -62,7 +68,11 @@ impl Rules {
                 rules(own.apron, own.refine, (own.secondary, own.stand_in), &own.similarity, &own.correct)
             }
             Policy::Multirate(own) => {
-                rules(Apron::Share, own.refine, (own.secondary, own.stand_in), &own.similarity, &own.correct)
+                let every = own.target.psnr_db.value().map(|_| own.target.audit);
+                let audit = every.map(|every| Audit { every, samples: meta.samples, width: meta.width });
+                let same =
+                    rules(Apron::Share, own.refine, (own.secondary, own.stand_in), &own.similarity, &own.correct);
+                Self { audit, ..same }
             }
             Policy::Foveated(own) => {
                 rules(Apron::Share, own.refine, (own.secondary, own.stand_in), &own.similarity, &own.correct)

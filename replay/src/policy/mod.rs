@@ -21,6 +21,7 @@
 //! Not here: which tiles are in memory when (see [`crate::frame`]).
 
 pub mod adaptive;
+pub mod audit;
 pub mod correct;
 pub mod interpolate;
 pub mod lattice;
@@ -29,6 +30,7 @@ pub mod rate;
 pub mod reuse;
 pub mod schema;
 pub mod similarity;
+pub mod target;
 pub mod tree;
 pub mod view;
 
@@ -106,6 +108,8 @@ pub struct Multirate {
     pub cut_deg: f64,
     /// A mean change of the tiles' similarity ratios above this is a cut too, seen one frame later.
     pub cut_change: f64,
+    /// The picture's quality that the colour limit is moved to hold.
+    pub target: Target,
     /// What happens between dissimilar samples.
     pub refine: Refine,
     /// Each hit of a ray tree is decided by itself.
@@ -117,6 +121,22 @@ pub struct Multirate {
     pub similarity: Similarity,
     /// What is traced after all.
     pub correct: Correct,
+}
+
+/// The quality to hold, and how far the colour limit may be moved for it: [`target`] has the rules.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Target {
+    /// PSNR of the picture against `full`, dB; off: the limit stays, and nothing is audited.
+    pub psnr_db: Limit,
+    /// One pixel in so many is traced whole, to see how far off interpolation was.
+    pub audit: u32,
+    /// Smallest factor on the colour limit.
+    pub strictest: f64,
+    /// Largest factor on the colour limit.
+    pub loosest: f64,
+    /// The limit is not made stricter than it stands where at least this share of the samples is traced.
+    pub share: f64,
 }
 
 /// The values of [`Policy::Foveated`]: as [`Adaptive`], with shared aprons, and the block by distance from the gaze point.

@@ -13,6 +13,7 @@
 use rayreel_formats::math::Vec3;
 use rayreel_formats::scene::{Camera, Meta};
 
+use super::target::{Controller, Running};
 use super::{Foveated, Multirate, Policy};
 use crate::frame::counts::TileStats;
 
@@ -28,11 +29,13 @@ pub struct TileRate {
 }
 
 /// The rates of a frame's tiles.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct Rates {
     columns: u32,
     /// Per tile block edge and factor on the colour limit.
     tiles: Vec<(u32, f64)>,
+    /// In a frame without one before: what its rows learn from those above.
+    first: Option<Running>,
 }
 
 impl Rates {
@@ -41,6 +44,18 @@ impl Rates {
         let (block, relax) = self.tiles[tile as usize];
         let left = if tile.is_multiple_of(self.columns) { block } else { self.tiles[tile as usize - 1].0 };
         TileRate { block, left, relax }
+    }
+
+    /// Takes note of the next row of tiles that is finished, top to bottom. In a first frame it moves the colour limit of the
+    /// row after the next: the next one is at work already.
+    pub fn finished(&mut self, row: &[TileStats]) {
+        let (Some(first), Some(tile)) = (&mut self.first, row.first()) else { return };
+        let factor = first.row(row);
+        let below = (tile.tile + 2 * self.columns) as usize;
+        if below >= self.tiles.len() {
+            return;
+        }
+        self.tiles[below..].iter_mut().take(self.columns as usize).for_each(|tile| tile.1 = factor);
     }
 
     /// The blocks, tile by tile.
@@ -58,6 +73,7 @@ pub struct Pacer {
     grid: (u32, u32),
     policy: Policy,
     history: Option<History>,
+    target: Option<Controller>,
 }
 
 /// What the last frame left.
@@ -83,7 +99,11 @@ impl Pacer {
     /// Prepares `policy` for the tiles of a trace.
     pub fn new(policy: &Policy, meta: &Meta) -> Self {
         let (columns, rows) = meta.tile_grid();
-        Self { columns, rows, tile: meta.tile, grid: meta.grid(), policy: policy.clone(), history: None }
+        let target = match policy {
+            Policy::Multirate(own) => Some(Controller::new(&own.target)),
+            _ => None,
+        };
+        Self { columns, rows, tile: meta.tile, grid: meta.grid(), policy: policy.clone(), history: None, target }
     }
 
     /// The blocks that a tile may have, smallest first.
@@ -102,18 +122,24 @@ impl Pacer {
     /// The rates of `frame`.
     pub fn rates(&self, frame: u32, camera: &Camera) -> Rates {
         let count = (self.columns * self.rows) as usize;
+        let mut first = None;
         let tiles = match &self.policy {
             Policy::Full => vec![(1, 1.0); count],
             Policy::Adaptive(own) => vec![(own.block, 1.0); count],
             Policy::Foveated(own) => (0..self.columns * self.rows).map(|tile| self.foveated(own, tile)).collect(),
-            Policy::Multirate(own) => match &self.history {
-                Some(history) if !self.is_cut(own, history, frame, camera) => {
-                    history.tiles.iter().map(|memory| (memory.block, 1.0)).collect()
+            Policy::Multirate(own) => match (&self.history, &self.target) {
+                (Some(history), target) if !self.is_cut(own, history, frame, camera) => {
+                    let factor = target.as_ref().map_or(1.0, Controller::factor);
+                    history.tiles.iter().map(|memory| (memory.block, factor)).collect()
                 }
-                _ => vec![(own.start, 1.0); count],
+                (_, target) => {
+                    let total = u64::from(self.grid.0) * u64::from(self.grid.1);
+                    first = target.as_ref().map(|target| target.first(total));
+                    vec![(own.start, 1.0); count]
+                }
             },
         };
-        Rates { columns: self.columns, tiles }
+        Rates { columns: self.columns, tiles, first }
     }
 
     /// Takes note of what the tiles of `frame` were like under `rates`.
@@ -121,6 +147,9 @@ impl Pacer {
         let Policy::Multirate(own) = &self.policy else { return };
         let fresh = rates.tiles.iter().map(|&(block, _)| Memory { block, ratio: None, asked: 0 }).collect();
         let known = self.history.take().filter(|history| !self.is_cut(own, history, frame, camera));
+        if let Some(target) = &mut self.target {
+            target.learn(stats, known.is_none());
+        }
         let mut tiles: Vec<Memory> = known.map_or(fresh, |history| history.tiles);
         let (mut change, mut compared) = (0.0, 0u32);
         for (memory, stats) in tiles.iter_mut().zip(stats) {

@@ -6,6 +6,7 @@ use rayreel_formats::scene::Meta;
 use super::super::{NamedPolicy, Policy};
 use super::*;
 use crate::frame::counts::Counts;
+use crate::image::psnr::SquaredError;
 
 /// Tiles of 16 samples, 4 x 2 of them, the last column and row cut.
 fn meta() -> Meta {
@@ -47,7 +48,10 @@ fn stats(ratios: &[f64; 8]) -> Vec<TileStats> {
         samples_interpolated: (ratio * 1000.0).round() as u64,
         ..Counts::default()
     };
-    (0..8).zip(ratios).map(|(tile, &ratio)| TileStats { tile, counts: counts(ratio) }).collect()
+    (0..8)
+        .zip(ratios)
+        .map(|(tile, &ratio)| TileStats { tile, counts: counts(ratio), audited: SquaredError::default(), factor: 1.0 })
+        .collect()
 }
 
 /// The blocks of tile 0 over frames from `first` on, all of whose tiles have these ratios.

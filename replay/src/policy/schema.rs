@@ -62,6 +62,11 @@ const MULTIRATE: &[Key] = &[
     key("hold", Rule::Integer(&[1, 2, 3, 4, 5, 6, 7, 8]), "frames in a row that must ask for a change"),
     key("cut_deg", Rule::Number(180.0), "a camera that turns by more than this is a cut, degrees"),
     key("cut_change", Rule::Number(1.0), "a mean change of the similarity ratios above this is a cut"),
+    key("target.psnr_db", Rule::Limit(99.0), "quality that the colour limit is moved to hold, dB"),
+    key("target.audit", Rule::Range(1, 1 << 20), "one pixel in so many is traced whole to estimate the error"),
+    key("target.strictest", Rule::Number(1.0), "smallest factor on the colour limit"),
+    key("target.loosest", Rule::Number(100.0), "largest factor on the colour limit"),
+    key("target.share", Rule::Number(1.0), "no factor below 1 where this share of the samples is traced"),
 ];
 
 const FOVEATED: &[Key] = &[

@@ -105,6 +105,10 @@ pub struct Figures {
     pub samples_apron: u64,
     /// Interpolated per I-sample.
     pub similarity_ratio: Option<f64>,
+    /// Pixels that the policy traced whole to see its error.
+    pub audited_pixels: u64,
+    /// PSNR of these before they were traced, dB: what the policy takes its PSNR for; null if nothing differed, or without audits.
+    pub audited_psnr_db: Option<f64>,
     /// PSNR, dB; null for identical pictures, or without a comparison.
     pub psnr_db: Option<f64>,
     /// SSIM; null for pictures below 11 pixels, or without a comparison.
@@ -169,6 +173,8 @@ pub struct TileReport {
     pub samples_interpolated: u64,
     /// Interpolated per I-sample.
     pub similarity_ratio: Option<f64>,
+    /// Factor on the colour limit.
+    pub limit_factor: f64,
     /// PSNR, dB; null if nothing differs, or without a comparison.
     pub psnr_db: Option<f64>,
 }
@@ -189,7 +195,7 @@ impl Report {
             height: meta.height,
             samples_per_axis: meta.samples,
             tile: meta.tile,
-            sum: Figures::new(&counts, qualities.as_deref().unwrap_or_default()),
+            sum: Figures::new(&counts, frames.iter().map(audited).sum(), qualities.as_deref().unwrap_or_default()),
             run: RunFigures::default(),
             frames: frames.iter().map(FrameReport::new).collect(),
             counters: Value::Null,
@@ -246,7 +252,7 @@ fn machine_config(machine: &NamedMachine) -> Value {
 
 impl Figures {
     /// `qualities` holds those of all frames, or nothing if they were not compared.
-    fn new(counts: &Counts, qualities: &[Quality]) -> Self {
+    fn new(counts: &Counts, audited: SquaredError, qualities: &[Quality]) -> Self {
         let error: u64 = qualities.iter().map(|q| q.squared_error).sum();
         let values: u64 = qualities.iter().map(|q| q.values).sum();
         let ssims: Option<Vec<f64>> = qualities.iter().map(|q| q.ssim).collect();
@@ -266,6 +272,8 @@ impl Figures {
             samples_interpolated: counts.samples_interpolated,
             samples_apron: counts.samples_apron,
             similarity_ratio: counts.similarity_ratio(),
+            audited_pixels: audited.values / 3,
+            audited_psnr_db: audited.decibels(),
             psnr_db: decibels(error, values),
             ssim: ssims.and_then(|s| mean(&s)),
             flip: mean(&flips),
@@ -277,6 +285,11 @@ impl Figures {
             identical: (!qualities.is_empty()).then_some(error == 0),
         }
     }
+}
+
+/// What the audits of a frame found.
+fn audited(stats: &FrameStats) -> SquaredError {
+    stats.tiles.iter().map(|tile| tile.audited).sum()
 }
 
 /// The worst of the worst tiles of all frames, the first of equals.
@@ -294,7 +307,7 @@ impl FrameReport {
     fn new(stats: &FrameStats) -> Self {
         Self {
             frame: stats.frame,
-            figures: Figures::new(&stats.counts, stats.quality.as_slice()),
+            figures: Figures::new(&stats.counts, audited(stats), stats.quality.as_slice()),
             run: RunFigures::default(),
             tiles: stats.tiles.iter().map(|tile| TileReport::new(tile, &stats.tile_errors)).collect(),
         }
@@ -313,6 +326,7 @@ impl TileReport {
             samples_traced: counts.samples_traced,
             samples_interpolated: counts.samples_interpolated,
             similarity_ratio: counts.similarity_ratio(),
+            limit_factor: stats.factor,
             psnr_db: errors.get(stats.tile as usize).and_then(|error| error.decibels()),
         }
     }

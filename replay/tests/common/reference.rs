@@ -74,15 +74,24 @@ pub fn replay<S: TileSource>(source: &S, policy: &Adaptive, frame: u32) -> Outco
 
 /// Replays one frame with a block and a factor on the colour limit for each tile.
 pub fn replay_tiles<S: TileSource>(source: &S, policy: &Adaptive, rates: &[(u32, f64)], frame: u32) -> Outcome {
+    let recorded = read(source, frame, policy.secondary || policy.similarity.secondary);
+    let (maker, tiles, before) = decide(source, policy, rates, &recorded);
+    maker.account(&tiles, &before)
+}
+
+/// All steps; the tiles, and what was traced before correction.
+fn decide<'a, S: TileSource>(
+    source: &S,
+    policy: &'a Adaptive,
+    rates: &[(u32, f64)],
+    recorded: &'a Frame,
+) -> (Maker<'a>, Vec<Area>, Vec<Vec<bool>>) {
     let meta = source.meta();
-    let deep = policy.secondary || policy.similarity.secondary;
-    let recorded = read(source, frame, deep);
     let (width, height) = (recorded.width, recorded.height);
     let columns = meta.tile_grid().0;
     let tiles: Vec<_> = (0..meta.tile_count()).map(|i| Area::new(meta.tile_rect(i), rates[i as usize])).collect();
     let traced = recorded.rays.iter().map(|hits| vec![false; hits.len()]).collect();
-    let mut maker =
-        Maker { policy, frame: &recorded, known: vec![None; width * height], traced, stand_ins: Vec::new() };
+    let mut maker = Maker { policy, frame: recorded, known: vec![None; width * height], traced, stand_ins: Vec::new() };
     let last = (width - 1, height - 1);
     for (i, area) in tiles.iter().enumerate() {
         let left = if (i as u32).is_multiple_of(columns) { area.n } else { tiles[i - 1].n };
@@ -116,7 +125,21 @@ pub fn replay_tiles<S: TileSource>(source: &S, policy: &Adaptive, rates: &[(u32,
     }
     let before = maker.traced.clone();
     tiles.iter().for_each(|area| maker.correct(area));
-    maker.account(&tiles, &before)
+    (maker, tiles, before)
+}
+
+/// Replays one frame and audits pixels; what the audits found too: per tile the squared error and the number of values.
+pub fn replay_audited<S: TileSource>(
+    source: &S,
+    policy: &Adaptive,
+    rates: &[(u32, f64)],
+    (frame, every): (u32, u64),
+) -> (Outcome, Vec<(u64, u64)>) {
+    let recorded = read(source, frame, policy.secondary || policy.similarity.secondary);
+    let (mut maker, tiles, before) = decide(source, policy, rates, &recorded);
+    let n = source.meta().samples as usize;
+    let found = tiles.iter().map(|area| maker.audit(area, n, u64::from(frame), every)).collect();
+    (maker.account(&tiles, &before), found)
 }
 
 /// A tile: its samples, its block and its factor on the colour limit.
@@ -243,6 +266,41 @@ impl Maker<'_> {
         }
     }
 
+    /// Traces what was interpolated in the pixels that are drawn, and compares the pixels as displayed.
+    fn audit(&mut self, area: &Area, n: usize, frame: u64, every: u64) -> (u64, u64) {
+        let width = self.frame.width;
+        let (mut sum, mut values) = (0, 0);
+        let whole = |(x, y): &(usize, usize)| x % n == 0 && y % n == 0 && x + n <= area.x1 && y + n <= area.y1;
+        for (x, y) in area.samples().filter(whole) {
+            let pixel = (y / n * (width / n) + x / n) as u64;
+            if !draw(pixel ^ (frame << 40)).is_multiple_of(every) {
+                continue;
+            }
+            let samples: Vec<usize> = (0..n * n).map(|i| (y + i / n) * width + x + i % n).collect();
+            let before = self.display(&samples);
+            for &at in &samples {
+                let Known { how, wave, .. } = *self.known[at].as_ref().unwrap();
+                if how == How::Interpolated {
+                    self.whole(at, How::Traced, wave);
+                }
+            }
+            let after = self.display(&samples);
+            sum += (0..3).map(|c| (before[c] - after[c]).pow(2) as u64).sum::<u64>();
+            values += 3;
+        }
+        (sum, values)
+    }
+
+    /// A pixel in 8 bits of sRGB, by the formula of the standard.
+    fn display(&self, samples: &[usize]) -> [i64; 3] {
+        std::array::from_fn(|channel| {
+            let sum = samples.iter().fold(0.0f32, |sum, &at| sum + self.tree(at).colour[channel]);
+            let linear = f64::from(sum / samples.len() as f32).clamp(0.0, 1.0);
+            let coded = if linear > 0.0031308 { 1.055 * libm::pow(linear, 1.0 / 2.4) - 0.055 } else { 12.92 * linear };
+            (coded * 255.0).round() as i64
+        })
+    }
+
     fn contradicts(&self, area: &Area, (x, y): (usize, usize), (u, v): (usize, usize)) -> bool {
         if x.abs_diff(u).max(y.abs_diff(v)) != 1 {
             return false;
@@ -322,6 +380,14 @@ pub fn rays_of(node: &rayreel_formats::tile::RayNode) -> Rays {
     rays[node.class.kind() as usize] += 1;
     rays[RayKind::Shadow as usize] += node.shadows.cast().count() as u64;
     rays
+}
+
+/// SplitMix64 at state `seed`.
+fn draw(seed: u64) -> u64 {
+    let mut z = seed.wrapping_add(0x9e3779b97f4a7c15);
+    z = (z ^ z >> 30).wrapping_mul(0xbf58476d1ce4e5b9);
+    z = (z ^ z >> 27).wrapping_mul(0x94d049bb133111eb);
+    z ^ z >> 31
 }
 
 fn sum(list: impl Iterator<Item = Rays>) -> Rays {

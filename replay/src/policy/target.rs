@@ -1,0 +1,215 @@
+//! Rate control: the colour limit is moved so that the picture comes out at the quality asked for, as a video encoder moves its
+//! quantiser.
+//!
+//! What is seen of the error are the audits ([`super::audit`]). An error that was found under a factor f on the colour limit is
+//! taken to be proportional to f^[`GROWTH`], which gives the error at factor 1, `unit`, whatever the factors were. Then
+//!
+//! - **after a frame**, all tiles of the next one have the factor at which that frame would have met the target; from the second
+//!   such frame on the geometric mean of this and the factor before, so that chance in the audits moves the picture less;
+//! - **in a first frame** (and after a cut) each row of tiles has its own factor, from the rows that are finished: the row
+//!   just above is still at work, so those two and more above. It is the one at which the rest of the frame, were it like what
+//!   was seen, would use up what the target leaves; but at most 1, since a limit that is loose above and strict below costs
+//!   more than it saves.
+//!
+//! The target is not pursued at any price: where much is traced anyway, a stricter limit costs many rays for little. So below a factor
+//! of 1 the limit goes only as far as the traced share of the samples stays below `target.share`.
+
+use super::Target;
+use crate::frame::counts::TileStats;
+use crate::image::psnr::SquaredError;
+
+/// How the squared error grows with the colour limit: its power. Measured on the five built-in scenes, from 0.4 (provence) to 0.9 (lab).
+const GROWTH: f64 = 0.7;
+
+/// Before anything is audited the error is taken to be on target; that weighs as much as so many audited values.
+const PRIOR: f64 = 192.0;
+
+/// Of what the target leaves for the rest of a frame at least this fraction of the target itself is planned with.
+const LEAST_REST: f64 = 0.25;
+
+/// What was seen of a frame so far.
+#[derive(Clone, Debug, Default)]
+struct Seen {
+    /// Squared error of the audited values, and what it would be at factor 1.
+    found: SquaredError,
+    unit: f64,
+    samples: u64,
+    traced: u64,
+}
+
+impl Seen {
+    fn add(&mut self, stats: &TileStats) {
+        self.found = self.found + stats.audited;
+        self.unit += stats.audited.sum as f64 / libm::pow(stats.factor, GROWTH);
+        self.samples += stats.counts.samples_full;
+        self.traced += stats.counts.samples_traced;
+    }
+
+    /// Mean squared errors: as found, and at factor 1.
+    fn means(&self, aim: f64) -> (f64, f64) {
+        let mean = |sum: f64| (sum + aim * PRIOR) / (self.found.values as f64 + PRIOR);
+        (mean(self.found.sum as f64), mean(self.unit))
+    }
+}
+
+/// Chooses the factor on the colour limit.
+#[derive(Clone, Debug)]
+pub struct Controller {
+    target: Target,
+    /// Mean squared error that is aimed at, in 8-bit levels; none without a target.
+    aim: Option<f64>,
+    /// The factor that the last frame asks for.
+    factor: Option<f64>,
+}
+
+/// A frame whose rows are finished one by one.
+#[derive(Clone, Debug)]
+pub struct Running {
+    controller: Controller,
+    seen: Seen,
+    total: u64,
+}
+
+impl Controller {
+    /// For a policy's target.
+    pub fn new(target: &Target) -> Self {
+        let aim = target.psnr_db.value().map(|db| 255.0 * 255.0 * libm::pow(10.0, -db / 10.0));
+        Self { target: target.clone(), aim, factor: None }
+    }
+
+    /// The factor for a frame that follows the last one.
+    pub fn factor(&self) -> f64 {
+        self.factor.unwrap_or(1.0)
+    }
+
+    /// A first frame of `total` samples.
+    pub fn first(&self, total: u64) -> Running {
+        Running { controller: Self { factor: None, ..self.clone() }, seen: Seen::default(), total }
+    }
+
+    /// Takes note of the tiles of a finished frame. `first` says that it followed no other.
+    pub fn learn(&mut self, tiles: &[TileStats], first: bool) {
+        let Some(aim) = self.aim else { return };
+        let mut seen = Seen::default();
+        tiles.iter().for_each(|stats| seen.add(stats));
+        let asked = self.limited(libm::pow(aim / seen.means(aim).1, 1.0 / GROWTH), &seen);
+        self.factor = Some(match self.factor {
+            Some(before) if !first => (before * asked).sqrt(),
+            _ => asked,
+        });
+    }
+
+    /// A factor within the policy's range, where `seen` is what the frame costs.
+    fn limited(&self, factor: f64, seen: &Seen) -> f64 {
+        let Target { strictest, loosest, share, .. } = self.target;
+        let traced = if seen.samples > 0 { seen.traced as f64 / seen.samples as f64 } else { 0.0 };
+        // From three quarters of the share on the floor rises to 1, so that nothing jumps.
+        let free = if share > 0.0 { ((share - traced) / (0.25 * share)).clamp(0.0, 1.0) } else { 0.0 };
+        factor.clamp(1.0 + (strictest - 1.0) * free, loosest.max(1.0))
+    }
+}
+
+impl Running {
+    /// Takes note of a finished row of tiles; the factor for the next row to begin.
+    pub fn row(&mut self, tiles: &[TileStats]) -> f64 {
+        let Some(aim) = self.controller.aim else { return 1.0 };
+        tiles.iter().for_each(|stats| self.seen.add(stats));
+        let (found, unit) = self.seen.means(aim);
+        let done = self.seen.samples as f64 / self.total as f64;
+        let rest = if done < 1.0 { (aim - done * found) / (1.0 - done) } else { aim };
+        self.controller.limited(libm::pow(rest.max(LEAST_REST * aim) / unit, 1.0 / GROWTH).min(1.0), &self.seen)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::frame::counts::Counts;
+    use crate::policy::Limit;
+
+    const TOTAL: u64 = 8 * 1024;
+
+    fn controller(db: f64) -> Controller {
+        Controller::new(&Target { psnr_db: Limit::At(db), audit: 8, strictest: 0.25, loosest: 4.0, share: 0.4 })
+    }
+
+    /// A tile of 1024 samples, `traced` of which were traced, whose audits found a mean squared error of `mean`.
+    fn tile(mean: f64, traced: u64, factor: f64) -> TileStats {
+        let values = 3_000_000;
+        let counts = Counts { samples_full: 1024, samples_traced: traced, ..Counts::default() };
+        let audited = SquaredError { sum: (mean * values as f64) as u64, values };
+        TileStats { tile: 0, counts, audited, factor }
+    }
+
+    /// 20 dB is a mean squared error of a hundredth of 255^2.
+    const AIM: f64 = 650.25;
+
+    /// The factor after a first frame of such tiles.
+    fn after(mean: f64, traced: u64, factor: f64) -> f64 {
+        let mut own = controller(20.0);
+        own.learn(&[tile(mean, traced, factor); 8], true);
+        own.factor()
+    }
+
+    #[test]
+    fn on_target_the_limit_stays() {
+        assert_eq!(controller(20.0).factor(), 1.0);
+        assert!((after(AIM, 100, 1.0) - 1.0).abs() < 1.0e-5);
+        assert!((after(AIM, 100, 0.5) - 0.5).abs() < 1.0e-3, "whatever it is");
+    }
+
+    #[test]
+    fn an_error_off_target_is_met_by_its_power() {
+        let growth = |factor: f64| AIM * libm::pow(factor, GROWTH);
+        for factor in [0.3, 0.7, 1.5, 3.0] {
+            // What was found is what this factor brings more than the aim.
+            assert!((after(growth(1.0 / factor), 100, 1.0) - factor).abs() < 1.0e-3, "{factor}");
+        }
+        assert_eq!((after(growth(10.0), 100, 1.0), after(growth(0.1), 100, 1.0)), (0.25, 4.0), "within the range");
+    }
+
+    #[test]
+    fn where_much_is_traced_it_is_not_made_stricter() {
+        let bad = 9.0 * AIM;
+        assert_eq!(after(bad, 500, 1.0), 1.0, "more than the share of 0.4");
+        assert_eq!(after(bad, 300, 1.0), 0.25, "less than three quarters of it");
+        // 0.35 is half of the way from 0.4 to 0.3.
+        assert!((after(bad, 358, 1.0) - 0.625).abs() < 1.0e-2);
+        assert!(after(0.5 * AIM, 500, 1.0) > 1.0, "looser it may be");
+    }
+
+    #[test]
+    fn later_frames_go_half_of_the_way() {
+        let mut own = controller(20.0);
+        own.learn(&[tile(AIM / libm::pow(4.0, GROWTH), 100, 1.0); 8], true);
+        assert!((own.factor() - 4.0).abs() < 1.0e-2);
+        own.learn(&[tile(AIM, 100, 1.0); 8], false);
+        assert!((own.factor() - 2.0).abs() < 1.0e-2);
+        own.learn(&[tile(AIM, 100, 1.0); 8], true);
+        assert!((own.factor() - 1.0).abs() < 1.0e-2, "a cut forgets");
+    }
+
+    #[test]
+    fn a_first_frame_is_steered_row_by_row() {
+        let mut frame = controller(20.0).first(TOTAL);
+        // On target: nothing to change. Much too good: not looser within a first frame.
+        assert!((frame.row(&[tile(AIM, 100, 1.0)]) - 1.0).abs() < 1.0e-4);
+        assert_eq!(frame.row(&[tile(0.0, 100, 1.0)]), 1.0);
+        // What was saved may be spent: 2 rows of 8 took half of their due, the third takes 1.8 times: all on target.
+        let mut frame = controller(20.0).first(TOTAL);
+        frame.row(&[tile(0.0, 100, 1.0)]);
+        frame.row(&[tile(0.0, 100, 1.0)]);
+        assert_eq!(frame.row(&[tile(2.5 * AIM, 100, 1.0)]), 1.0);
+        // Twice the error from the start: seven eighths of the frame have 6/7 of the aim left, and twice the error to meet.
+        let mut frame = controller(20.0).first(TOTAL);
+        let factor = frame.row(&[tile(2.0 * AIM, 100, 1.0)]);
+        assert!((factor - libm::pow(6.0 / 7.0 / 2.0, 1.0 / GROWTH)).abs() < 1.0e-3, "{factor}");
+    }
+
+    #[test]
+    fn without_a_target_nothing_moves() {
+        let mut own = Controller::new(&Target { psnr_db: Limit::Off, ..controller(20.0).target });
+        own.learn(&[tile(9.0 * AIM, 100, 1.0); 8], true);
+        assert_eq!((own.factor(), own.first(TOTAL).row(&[tile(9.0 * AIM, 100, 1.0)])), (1.0, 1.0));
+    }
+}
