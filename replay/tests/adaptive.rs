@@ -100,11 +100,11 @@ fn equals_the_reference_under_all_tests() {
     for switches in 0u32..32 {
         let on = |bit: u32, value: f64| if switches >> bit & 1 == 1 { Limit::At(value) } else { Limit::Off };
         let mut own = adaptive(4, Refine::Hierarchical, Apron::Retrace);
-        own.similarity.object_id = switches & 1 == 1;
-        own.similarity.shadow = switches & 2 == 2;
-        own.similarity.normal_deg = on(2, 7.5);
-        own.similarity.position = on(3, 0.05);
-        own.similarity.plane = on(4, 0.01);
+        own.sampling.similarity.object_id = switches & 1 == 1;
+        own.sampling.similarity.shadow = switches & 2 == 2;
+        own.sampling.similarity.normal_deg = on(2, 7.5);
+        own.sampling.similarity.position = on(3, 0.05);
+        own.sampling.similarity.plane = on(4, 0.01);
         for source in [&source, &noise] {
             let expected = reference::replay(source, &own, FRAME);
             assert_same(source, &run(source, &Policy::Adaptive(own.clone()), 2), &expected, &format!("{own:?}"));

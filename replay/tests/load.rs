@@ -39,8 +39,8 @@ fn every_preset_loads_and_names_every_key() {
 fn adaptive_is_what_the_paper_evaluated() {
     let policy = load("adaptive", &[]).unwrap();
     let own = adaptive(&policy);
-    assert_eq!((own.block, own.refine), (2, Refine::Direct));
-    let tests = &own.similarity;
+    assert_eq!((own.block, own.sampling.refine), (2, Refine::Direct));
+    let tests = &own.sampling.similarity;
     assert!(tests.object_id && tests.shadow);
     assert_eq!((tests.normal_deg, tests.position, tests.plane), (Limit::At(10.0), Limit::Off, Limit::Off));
 }
@@ -51,12 +51,12 @@ fn overrides_change_one_value_each() {
         ["similarity.normal_deg=12", "block = 4", "refine=hierarchical", "similarity.plane=0.5", "apron=\"retrace\""];
     let policy = load("adaptive", &sets).unwrap();
     let own = adaptive(&policy);
-    assert_eq!((own.block, own.refine), (4, Refine::Hierarchical));
-    assert_eq!((own.similarity.normal_deg, own.similarity.plane), (Limit::At(12.0), Limit::At(0.5)));
-    assert!(own.similarity.object_id, "the others stay");
+    assert_eq!((own.block, own.sampling.refine), (4, Refine::Hierarchical));
+    assert_eq!((own.sampling.similarity.normal_deg, own.sampling.similarity.plane), (Limit::At(12.0), Limit::At(0.5)));
+    assert!(own.sampling.similarity.object_id, "the others stay");
     assert!(policy.name.starts_with("adaptive+similarity.normal_deg=12+"), "{}", policy.name);
     let off = load("adaptive", &["similarity.normal_deg=off"]).unwrap();
-    assert_eq!(adaptive(&off).similarity.normal_deg, Limit::Off);
+    assert_eq!(adaptive(&off).sampling.similarity.normal_deg, Limit::Off);
     assert_eq!(load("adaptive", &["kind=full"]).unwrap().policy, Policy::Full);
     assert_eq!(load("full", &["kind=adaptive"]).unwrap().policy, load("adaptive", &[]).unwrap().policy);
     assert_eq!(adaptive(&load("full", &["kind=adaptive", "block=8"]).unwrap()).block, 8);
@@ -99,8 +99,11 @@ fn files_are_completed_from_the_preset_of_their_kind() {
     let policy = file("kind = \"adaptive\"\nblock = 4\n[similarity]\nposition = 0.25\n").unwrap();
     let own = adaptive(&policy);
     assert_eq!(policy.name, "mine+similarity.shadow=false");
-    assert_eq!((own.block, own.similarity.position, own.similarity.normal_deg), (4, Limit::At(0.25), Limit::At(10.0)));
-    assert!(!own.similarity.shadow);
+    assert_eq!(
+        (own.block, own.sampling.similarity.position, own.sampling.similarity.normal_deg),
+        (4, Limit::At(0.25), Limit::At(10.0))
+    );
+    assert!(!own.sampling.similarity.shadow);
     for (text, part) in [
         ("block = 4", "kind = \"(missing)\" is not allowed"),
         ("kind = \"adaptive\"\nblok = 4", "did you mean block?"),

@@ -64,11 +64,7 @@ fn nervous(own: &Adaptive) -> Policy {
         cut_deg: 180.0,
         cut_change: 1.0,
         target: Target { psnr_db: Limit::At(30.0), audit: 5, strictest: 0.2, loosest: 5.0, share: 0.9 },
-        refine: own.refine,
-        secondary: own.secondary,
-        stand_in: own.stand_in,
-        similarity: own.similarity.clone(),
-        correct: own.correct.clone(),
+        sampling: own.sampling.clone(),
     })
 }
 
@@ -137,15 +133,7 @@ fn rings_equal_the_reference() {
     let Policy::Foveated(fixed) = NamedPolicy::load("foveated", &[]).unwrap().policy else { panic!("a preset") };
     for (seed, own) in (0u64..).zip(switches::draw(8, 4)) {
         let source = Patchwork::new((111, 77), seed);
-        let policy = Foveated {
-            gaze_x: 0.4,
-            refine: own.refine,
-            secondary: own.secondary,
-            stand_in: own.stand_in,
-            similarity: own.similarity.clone(),
-            correct: own.correct.clone(),
-            ..fixed.clone()
-        };
+        let policy = Foveated { gaze_x: 0.4, sampling: own.sampling.clone(), ..fixed.clone() };
         let frame =
             replay(&source, &Policy::Foveated(policy.clone()), [2], Options::default()).unwrap().frames.remove(0);
         let rates: Vec<_> = (0..source.meta().tile_count()).map(|tile| ring(&policy, source.meta(), tile)).collect();

@@ -110,7 +110,8 @@ fn work_is_what_the_reference_traces() {
         let mut list: Vec<Adaptive> = vec![preset("multirate", 8), preset("aggressive", 4), preset("quality", 2)];
         list.extend(switches::draw(14, 6).into_iter().filter(|own| trace.meta().tile.is_multiple_of(own.block)));
         for own in list {
-            let own = Adaptive { apron: Apron::Share, stand_in: true, ..own };
+            let mut own = Adaptive { apron: Apron::Share, ..own };
+            own.sampling.stand_in = true;
             let outcome = reference::replay(&trace, &own, frame);
             let what = format!("{name} {own:?}");
             let (replayed, works) = run(&trace, &Policy::Adaptive(own));

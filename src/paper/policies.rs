@@ -108,9 +108,10 @@ pub const POLICIES: &[Entry] = &[
     },
     Entry { shown: When::Full, ..preset("aggressive") },
     Entry { modes: [When::Always, When::Full], animated: When::Never, mapped: When::Never, ..preset("foveated") },
-    changed("multirate, no hysteresis", &["lower=0.97", "alternate=0", "hold=1"], When::Always),
-    changed("fixed 4x4", &["finest=4", "start=4", "coarsest=4"], When::Full),
-    changed("fixed 8x8", &["finest=8", "start=8", "coarsest=8"], When::Always),
+    changed("multirate, no hysteresis", &["raise=0.6", "lower=0.6", "alternate=0", "hold=1"], When::Always),
+    changed("fixed 2x2", &["finest=2", "start=2", "coarsest=2"], When::Full),
+    changed("fixed 4x4", &["finest=4", "start=4", "coarsest=4"], When::Always),
+    changed("fixed 8x8", &["finest=8", "start=8", "coarsest=8"], When::Full),
     changed("fixed 16x16", &["coarsest=16", "start=16", "finest=16"], When::Full),
 ];
 

@@ -68,8 +68,8 @@ fn plain(block: u32) -> Adaptive {
 fn recovered(trace: &Trace, own: &Adaptive, passes: u32) -> f64 {
     let (lost, few) = wrong(trace, &Policy::Adaptive(own.clone()));
     let mut corrected = own.clone();
-    corrected.correct = preset("multirate", 8).correct;
-    corrected.correct.passes = passes;
+    corrected.sampling.correct = preset("multirate", 8).sampling.correct;
+    corrected.sampling.correct.passes = passes;
     let (still, more) = wrong(trace, &Policy::Adaptive(corrected));
     let number = lost.iter().filter(|lost| **lost).count();
     assert!(number > 1000 && more > few, "a fence that is lost");

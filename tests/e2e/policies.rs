@@ -44,8 +44,8 @@ fn policies() -> Vec<Adaptive> {
         }
     }
     let mut strict = adaptive(4, Refine::Hierarchical, Apron::Share);
-    strict.similarity.position = Limit::At(0.08);
-    strict.similarity.plane = Limit::At(0.004);
+    strict.sampling.similarity.position = Limit::At(0.08);
+    strict.sampling.similarity.plane = Limit::At(0.004);
     list.push(strict);
     list.extend(["multirate", "aggressive"].map(|name| preset(name, 8)));
     list.extend(switches::draw(12, 5));

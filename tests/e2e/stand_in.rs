@@ -9,7 +9,6 @@ use rayreel_formats::trace::Trace;
 use rayreel_replay::TileSource;
 use rayreel_replay::image::resolve::Resolver;
 use rayreel_replay::image::srgb::encode;
-use rayreel_replay::policy::Adaptive;
 use rayreel_tracer::accel::build;
 use rayreel_tracer::trace::{Settings, Tracer};
 
@@ -102,7 +101,9 @@ fn measure(scene: &str, trace: &Trace, block: u32) -> Measured {
     let built = build(&loaded).unwrap();
     // A child has a bounce less before it.
     let tracer = Tracer::new(&loaded, &built, Settings { max_depth: 3, ..Settings::default() });
-    let outcome = reference::replay(trace, &Adaptive { stand_in: true, ..preset("multirate", block) }, frame);
+    let mut policy = preset("multirate", block);
+    policy.sampling.stand_in = true;
+    let outcome = reference::replay(trace, &policy, frame);
     let tiles: Vec<Tile> =
         (0..trace.meta().tile_count()).map(|i| trace.tile(frame, i, &Column::ALL).unwrap()).collect();
     let mut found = Measured::default();

@@ -13,7 +13,7 @@ use super::reuse::Rebuild;
 use super::similarity::{Compared, Tests};
 use super::tree::{Forest, Node, interpolate_tree};
 use super::view::{SampleState, TileView};
-use super::{Apron, Correct, Limit, Policy, Refine, Similarity};
+use super::{Apron, Correct, Limit, Policy, Refine, Sampling, Similarity};
 use crate::error::Result;
 use rayreel_formats::scene::Meta;
 
@@ -23,11 +23,7 @@ pub struct Rules {
     size: (u32, u32),
     /// Who pays for the far border of a tile.
     pub apron: Apron,
-    refine: Refine,
-    secondary: bool,
-    stand_in: bool,
-    similarity: Similarity,
-    correct: Correct,
+    sampling: Sampling,
     /// Which pixels are audited, if any.
     pub audit: Option<Audit>,
 }
@@ -50,45 +46,29 @@ impl Rules {
     /// When a value of the policy is out of range.
     pub fn new(policy: &Policy, meta: &Meta) -> Result<Self> {
         policy.check()?;
-        let (size, audit) = (meta.grid(), None);
-        let rules = |apron, refine, (secondary, stand_in), similarity: &Similarity, correct: &Correct| Self {
-            size,
-            apron,
-            refine,
-            secondary,
-            stand_in,
-            similarity: similarity.clone(),
-            correct: correct.clone(),
-            audit,
-        };
-        Ok(match policy {
-            // Blocks of one sample leave nothing to test, and nothing to correct.
-            Policy::Full => rules(Apron::Share, Refine::Direct, (false, false), &Similarity::NONE, &Correct::NONE),
-            Policy::Adaptive(own) => {
-                rules(own.apron, own.refine, (own.secondary, own.stand_in), &own.similarity, &own.correct)
-            }
+        let (size, mut audit) = (meta.grid(), None);
+        let (apron, sampling) = match policy {
+            Policy::Full => (Apron::Share, Sampling::NONE),
+            Policy::Adaptive(own) => (own.apron, own.sampling.clone()),
             Policy::Multirate(own) => {
                 let every = own.target.psnr_db.value().map(|_| own.target.audit);
-                let audit = every.map(|every| Audit { every, samples: meta.samples, width: meta.width });
-                let same =
-                    rules(Apron::Share, own.refine, (own.secondary, own.stand_in), &own.similarity, &own.correct);
-                Self { audit, ..same }
+                audit = every.map(|every| Audit { every, samples: meta.samples, width: meta.width });
+                (Apron::Share, own.sampling.clone())
             }
-            Policy::Foveated(own) => {
-                rules(Apron::Share, own.refine, (own.secondary, own.stand_in), &own.similarity, &own.correct)
-            }
-        })
+            Policy::Foveated(own) => (Apron::Share, own.sampling.clone()),
+        };
+        Ok(Self { size, apron, sampling, audit })
     }
 
     /// True when the policy looks at more than primary hits.
     pub fn deep(&self) -> bool {
-        self.secondary || self.similarity.secondary
+        self.sampling.secondary || self.sampling.similarity.secondary
     }
 
     /// The rules for a tile of rate `rate`.
     pub fn tile(&self, rate: TileRate) -> TileRules<'_> {
         let lattice = |block| Lattice { width: self.size.0, height: self.size.1, block };
-        let tests = Tests::new(&self.similarity, rate.relax);
+        let tests = Tests::new(&self.sampling.similarity, rate.relax);
         TileRules { rules: self, lattice: lattice(rate.block), left: lattice(rate.left), tests }
     }
 }
@@ -149,12 +129,12 @@ impl TileRules<'_> {
             let mut line = Line { rules: self, view, axis: Axis::Y(x), wave: 1 + self.levels(), far };
             ends.windows(2).for_each(|pair| line.decide(pair[0], pair[1], f64::INFINITY));
         }
-        correct(view, &self.rules.correct, &self.tests, 1 + 2 * self.levels());
+        correct(view, &self.rules.sampling.correct, &self.tests, 1 + 2 * self.levels());
     }
 
     /// Waves that one step may take.
     fn levels(&self) -> u8 {
-        match self.rules.refine {
+        match self.rules.sampling.refine {
             Refine::Direct => 1,
             Refine::Hierarchical => self.lattice.block.next_power_of_two().trailing_zeros() as u8,
         }
@@ -188,7 +168,7 @@ impl Line<'_> {
         let mut compared = Compared::default();
         let similar = self.rules.tests.similar(self.tree(a), self.tree(b), b - a, foreseen, &mut compared);
         self.view.tested(self.at(a + 1), self.wave, compared.pairs);
-        match self.rules.rules.refine {
+        match self.rules.rules.sampling.refine {
             _ if similar => (a + 1..b).for_each(|i| self.interpolate(a, b, i)),
             Refine::Direct => (a + 1..b).for_each(|i| self.trace(a, b, i)),
             Refine::Hierarchical => {
@@ -224,7 +204,7 @@ impl Line<'_> {
     /// Traces sample `i` between `a` and `b`: whole, or what of it cannot be interpolated.
     fn trace(&mut self, a: u32, b: u32, i: u32) {
         let (x, y) = self.at(i);
-        if !self.rules.rules.secondary {
+        if !self.rules.rules.sampling.secondary {
             return self.view.trace(x, y, SampleState::Traced, self.wave);
         }
         let (swap, s) = nearer(i - a, b - a);
@@ -232,7 +212,7 @@ impl Line<'_> {
         let (near, far) = (self.tree(near).to_vec(), self.tree(far).to_vec());
         let totals = (near[0].colour, far[0].colour);
         let (tests, gap, mut pairs) = (&self.rules.tests, b - a, 0);
-        let stand_in = self.rules.rules.stand_in;
+        let stand_in = self.rules.rules.sampling.stand_in;
         self.view.rebuild(x, y, self.wave, |tracer, out| {
             let compared = Compared::default();
             let mut rebuild = Rebuild { tests, stand_in, tracer, out, gap, s, totals, compared, interpolated: 0 };
@@ -284,23 +264,24 @@ impl Line<'_> {
     }
 }
 
-impl Similarity {
-    /// No test.
+impl Sampling {
+    /// Blocks of one sample leave nothing to test, and nothing to correct.
     const NONE: Self = Self {
-        object_id: false,
-        normal_deg: Limit::Off,
-        shadow: false,
-        position: Limit::Off,
-        plane: Limit::Off,
-        texture: Limit::Off,
-        colour: Limit::Off,
-        predict: false,
+        refine: Refine::Direct,
         secondary: false,
-        unlike: Limit::Off,
+        stand_in: false,
+        similarity: Similarity {
+            object_id: false,
+            normal_deg: Limit::Off,
+            shadow: false,
+            position: Limit::Off,
+            plane: Limit::Off,
+            texture: Limit::Off,
+            colour: Limit::Off,
+            predict: false,
+            secondary: false,
+            unlike: Limit::Off,
+        },
+        correct: Correct { passes: 0, colour: Limit::Off },
     };
-}
-
-impl Correct {
-    /// No correction.
-    const NONE: Self = Self { passes: 0, colour: Limit::Off };
 }

@@ -64,16 +64,11 @@ impl Policy {
     }
 }
 
-/// The values of [`Policy::Adaptive`].
+/// What all policies but `full` do with the samples of a block, whatever its size. [`schema`] rejects keys that do not exist.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Adaptive {
-    /// Block edge n in samples: one R-sample per n x n block.
-    pub block: u32,
+pub struct Sampling {
     /// What happens between dissimilar samples.
     pub refine: Refine,
-    /// Who pays for the samples on the far border of a tile.
-    pub apron: Apron,
     /// Each hit of a ray tree is decided by itself.
     pub secondary: bool,
     /// With `secondary`: a primary hit may be interpolated although some of its children are traced ([`reuse`] says what that
@@ -85,9 +80,20 @@ pub struct Adaptive {
     pub correct: Correct,
 }
 
+/// The values of [`Policy::Adaptive`].
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Adaptive {
+    /// Block edge n in samples: one R-sample per n x n block.
+    pub block: u32,
+    /// Who pays for the samples on the far border of a tile.
+    pub apron: Apron,
+    /// What is done within a block.
+    #[serde(flatten)]
+    pub sampling: Sampling,
+}
+
 /// The values of [`Policy::Multirate`]: as [`Adaptive`], with shared aprons, and a block of its own for each tile.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
 pub struct Multirate {
     /// Block of all tiles in a first frame and after a cut.
     pub start: u32,
@@ -110,17 +116,9 @@ pub struct Multirate {
     pub cut_change: f64,
     /// The picture's quality that the colour limit is moved to hold.
     pub target: Target,
-    /// What happens between dissimilar samples.
-    pub refine: Refine,
-    /// Each hit of a ray tree is decided by itself.
-    pub secondary: bool,
-    /// With `secondary`: a primary hit may be interpolated although some of its children are traced ([`reuse`] says what that
-    /// means for a replay); else it is traced with them.
-    pub stand_in: bool,
-    /// When two samples are similar.
-    pub similarity: Similarity,
-    /// What is traced after all.
-    pub correct: Correct,
+    /// What is done within a block.
+    #[serde(flatten)]
+    pub sampling: Sampling,
 }
 
 /// The quality to hold, and how far the colour limit may be moved for it: [`target`] has the rules.
@@ -141,7 +139,6 @@ pub struct Target {
 
 /// The values of [`Policy::Foveated`]: as [`Adaptive`], with shared aprons, and the block by distance from the gaze point.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
 pub struct Foveated {
     /// Where the eye looks, fraction of the picture's width.
     pub gaze_x: f64,
@@ -157,17 +154,9 @@ pub struct Foveated {
     pub coarsest: u32,
     /// Factor on the colour limit from `outer` on; it grows linearly from 1 at `inner`.
     pub relax: f64,
-    /// What happens between dissimilar samples.
-    pub refine: Refine,
-    /// Each hit of a ray tree is decided by itself.
-    pub secondary: bool,
-    /// With `secondary`: a primary hit may be interpolated although some of its children are traced ([`reuse`] says what that
-    /// means for a replay); else it is traced with them.
-    pub stand_in: bool,
-    /// When two samples are similar.
-    pub similarity: Similarity,
-    /// What is traced after all.
-    pub correct: Correct,
+    /// What is done within a block.
+    #[serde(flatten)]
+    pub sampling: Sampling,
 }
 
 /// Which interpolated samples are traced after all (after Kim et al. 2016).

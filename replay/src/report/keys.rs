@@ -15,13 +15,13 @@ pub const FIGURES: &[(&str, &str, &str)] = &[
     ("samples_interpolated", "samples", "I-samples interpolated"),
     ("samples_apron", "samples", "samples of neighbouring tiles that were traced again"),
     ("similarity_ratio", "1", "samples_interpolated per I-sample; null where there are no I-samples"),
+    ("limit_factor", "1", "factor on the colour limit (target, foveated relaxation): a tile's, or their mean"),
     ("audited_pixels", "pixels", "pixels that the policy traced whole to see how far off interpolation was"),
     (
         "audited_psnr_db",
         "dB",
         "PSNR of these before: what the policy takes the picture's for; null if nothing differed, or without audits",
     ),
-    ("limit_factor", "1", "factor on a tile's colour limit (target.psnr_db, foveated relaxation)"),
     (
         "psnr_db",
         "dB",

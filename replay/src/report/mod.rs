@@ -105,6 +105,8 @@ pub struct Figures {
     pub samples_apron: u64,
     /// Interpolated per I-sample.
     pub similarity_ratio: Option<f64>,
+    /// Factor on the colour limit, mean over the tiles.
+    pub limit_factor: Option<f64>,
     /// Pixels that the policy traced whole to see its error.
     pub audited_pixels: u64,
     /// PSNR of these before they were traced, dB: what the policy takes its PSNR for; null if nothing differed, or without audits.
@@ -182,8 +184,6 @@ pub struct TileReport {
 impl Report {
     /// The report of some replayed frames.
     pub fn new(origin: &Origin, policy: &NamedPolicy, meta: &Meta, frames: &[FrameStats]) -> Self {
-        let qualities: Option<Vec<Quality>> = frames.iter().map(|f| f.quality).collect();
-        let counts = frames.iter().map(|f| f.counts).sum();
         Self {
             trace: origin.trace.clone(),
             trace_digest: origin.trace_digest.clone(),
@@ -195,7 +195,7 @@ impl Report {
             height: meta.height,
             samples_per_axis: meta.samples,
             tile: meta.tile,
-            sum: Figures::new(&counts, frames.iter().map(audited).sum(), qualities.as_deref().unwrap_or_default()),
+            sum: Figures::new(frames),
             run: RunFigures::default(),
             frames: frames.iter().map(FrameReport::new).collect(),
             counters: Value::Null,
@@ -251,13 +251,19 @@ fn machine_config(machine: &NamedMachine) -> Value {
 }
 
 impl Figures {
-    /// `qualities` holds those of all frames, or nothing if they were not compared.
-    fn new(counts: &Counts, audited: SquaredError, qualities: &[Quality]) -> Self {
+    fn new(frames: &[FrameStats]) -> Self {
+        let counts: Counts = frames.iter().map(|f| f.counts).sum();
+        // Of all frames, or of none.
+        let qualities: Option<Vec<Quality>> = frames.iter().map(|f| f.quality).collect();
+        let qualities = qualities.unwrap_or_default();
+        let tiles = || frames.iter().flat_map(|frame| &frame.tiles);
+        let audited: SquaredError = tiles().map(|tile| tile.audited).sum();
+        let factors: Vec<f64> = tiles().map(|tile| tile.factor).collect();
         let error: u64 = qualities.iter().map(|q| q.squared_error).sum();
         let values: u64 = qualities.iter().map(|q| q.values).sum();
         let ssims: Option<Vec<f64>> = qualities.iter().map(|q| q.ssim).collect();
         let flips: Vec<f64> = qualities.iter().map(|q| q.flip).collect();
-        let worst = worst_tile(qualities);
+        let worst = worst_tile(&qualities);
         let flicker: Option<SquaredError> = qualities.iter().filter_map(|q| q.flicker).reduce(|sum, frame| sum + frame);
         let (full, traced, apron) = (counts.rays_full, counts.rays_traced, counts.rays_apron);
         Self {
@@ -272,6 +278,7 @@ impl Figures {
             samples_interpolated: counts.samples_interpolated,
             samples_apron: counts.samples_apron,
             similarity_ratio: counts.similarity_ratio(),
+            limit_factor: mean(&factors),
             audited_pixels: audited.values / 3,
             audited_psnr_db: audited.decibels(),
             psnr_db: decibels(error, values),
@@ -285,11 +292,6 @@ impl Figures {
             identical: (!qualities.is_empty()).then_some(error == 0),
         }
     }
-}
-
-/// What the audits of a frame found.
-fn audited(stats: &FrameStats) -> SquaredError {
-    stats.tiles.iter().map(|tile| tile.audited).sum()
 }
 
 /// The worst of the worst tiles of all frames, the first of equals.
@@ -307,7 +309,7 @@ impl FrameReport {
     fn new(stats: &FrameStats) -> Self {
         Self {
             frame: stats.frame,
-            figures: Figures::new(&stats.counts, audited(stats), stats.quality.as_slice()),
+            figures: Figures::new(std::slice::from_ref(stats)),
             run: RunFigures::default(),
             tiles: stats.tiles.iter().map(|tile| TileReport::new(tile, &stats.tile_errors)).collect(),
         }

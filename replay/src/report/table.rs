@@ -82,6 +82,11 @@ fn quality(f: &mut fmt::Formatter<'_>, figures: &Figures, several: bool) -> fmt:
         }
     }
     writeln!(f)?;
+    if figures.audited_pixels > 0 {
+        let db = figures.audited_psnr_db.map_or_else(|| "identical".into(), |db| format!("{db:.2} dB"));
+        let (pixels, factor) = (grouped(figures.audited_pixels), ratio4(figures.limit_factor));
+        writeln!(f, "audits {db} on {pixels} pixels, colour limit x {factor} in the mean")?;
+    }
     let Some(levels) = figures.flicker else { return Ok(()) };
     let db = figures.flicker_db.map_or_else(String::new, |db| format!(" ({db:.2} dB)"));
     writeln!(f, "flicker {levels:.2} 8-bit levels{db}")

@@ -10,7 +10,7 @@ pub mod switches;
 pub mod synthetic;
 pub mod trees;
 
-use rayreel_replay::policy::{Adaptive, Apron, Correct, Limit, NamedPolicy, Policy, Refine, Similarity};
+use rayreel_replay::policy::{Adaptive, Apron, Correct, Limit, NamedPolicy, Policy, Refine, Sampling, Similarity};
 
 /// What the paper evaluated, with these switches.
 pub fn adaptive(block: u32, refine: Refine, apron: Apron) -> Adaptive {
@@ -27,7 +27,8 @@ pub fn adaptive(block: u32, refine: Refine, apron: Apron) -> Adaptive {
         unlike: Limit::Off,
     };
     let correct = Correct { passes: 0, colour: Limit::Off };
-    Adaptive { block, refine, apron, secondary: false, stand_in: false, similarity, correct }
+    let sampling = Sampling { refine, secondary: false, stand_in: false, similarity, correct };
+    Adaptive { block, apron, sampling }
 }
 
 /// The same as a policy.
@@ -38,15 +39,7 @@ pub fn policy(block: u32, refine: Refine, apron: Apron) -> Policy {
 /// What a multirate preset does between samples, with one block for all tiles.
 pub fn preset(name: &str, block: u32) -> Adaptive {
     match NamedPolicy::load(name, &[]).unwrap().policy {
-        Policy::Multirate(own) => Adaptive {
-            block,
-            refine: own.refine,
-            apron: Apron::Share,
-            secondary: own.secondary,
-            stand_in: own.stand_in,
-            similarity: own.similarity,
-            correct: own.correct,
-        },
+        Policy::Multirate(own) => Adaptive { block, apron: Apron::Share, sampling: own.sampling },
         other => panic!("{name} is {other:?}"),
     }
 }

@@ -74,7 +74,7 @@ pub fn replay<S: TileSource>(source: &S, policy: &Adaptive, frame: u32) -> Outco
 
 /// Replays one frame with a block and a factor on the colour limit for each tile.
 pub fn replay_tiles<S: TileSource>(source: &S, policy: &Adaptive, rates: &[(u32, f64)], frame: u32) -> Outcome {
-    let recorded = read(source, frame, policy.secondary || policy.similarity.secondary);
+    let recorded = read(source, frame, policy.sampling.secondary || policy.sampling.similarity.secondary);
     let (maker, tiles, before) = decide(source, policy, rates, &recorded);
     maker.account(&tiles, &before)
 }
@@ -119,7 +119,7 @@ fn decide<'a, S: TileSource>(
             ends.extend((area.y1 < height).then_some(area.y1));
             for pair in ends.windows(2) {
                 let line: Vec<usize> = (pair[0]..=pair[1]).map(|y| y * width + x).collect();
-                maker.fill(area, &line, 1 + area.levels(policy.refine), f64::INFINITY);
+                maker.fill(area, &line, 1 + area.levels(policy.sampling.refine), f64::INFINITY);
             }
         }
     }
@@ -135,7 +135,7 @@ pub fn replay_audited<S: TileSource>(
     rates: &[(u32, f64)],
     (frame, every): (u32, u64),
 ) -> (Outcome, Vec<(u64, u64)>) {
-    let recorded = read(source, frame, policy.secondary || policy.similarity.secondary);
+    let recorded = read(source, frame, policy.sampling.secondary || policy.sampling.similarity.secondary);
     let (mut maker, tiles, before) = decide(source, policy, rates, &recorded);
     let n = source.meta().samples as usize;
     let found = tiles.iter().map(|area| maker.audit(area, n, u64::from(frame), every)).collect();
@@ -192,7 +192,12 @@ impl Maker<'_> {
     }
 
     fn judge(&self, area: &Area, gap: usize) -> Judge<'_> {
-        Judge { similarity: &self.policy.similarity, relax: area.relax, gap, stand_in: self.policy.stand_in }
+        Judge {
+            similarity: &self.policy.sampling.similarity,
+            relax: area.relax,
+            gap,
+            stand_in: self.policy.sampling.stand_in,
+        }
     }
 
     /// Decides the inner samples of `line`, whose two ends are known.
@@ -210,7 +215,7 @@ impl Maker<'_> {
             }
             return;
         }
-        if self.policy.refine == Refine::Direct {
+        if self.policy.sampling.refine == Refine::Direct {
             (1..gap).for_each(|i| self.trace(area, (&a, &b), line, i, wave));
             return;
         }
@@ -218,7 +223,7 @@ impl Maker<'_> {
         self.trace(area, (&a, &b), line, m, wave);
         let mut foreseen = f64::INFINITY;
         let middle = self.known[line[m]].as_ref().unwrap();
-        if self.policy.similarity.predict && middle.how == How::Traced {
+        if self.policy.sampling.similarity.predict && middle.how == How::Traced {
             let (near, far, s) = nearer(&a, &b, m, gap);
             let guess = mix(near.colour, far.colour, s);
             foreseen = super::rules::difference((guess, middle.tree.colour), (guess, middle.tree.colour));
@@ -229,7 +234,7 @@ impl Maker<'_> {
 
     /// Traces sample `i` of `line`, or what of it must be.
     fn trace(&mut self, area: &Area, (a, b): (&Hit, &Hit), line: &[usize], i: usize, wave: u8) {
-        if !self.policy.secondary {
+        if !self.policy.sampling.secondary {
             return self.whole(line[i], How::Traced, wave);
         }
         let (near, far, s) = nearer(a, b, i, line.len() - 1);
@@ -250,7 +255,7 @@ impl Maker<'_> {
 
     /// Traces interpolated samples that a traced neighbour in the tile contradicts, pass by pass.
     fn correct(&mut self, area: &Area) {
-        let correct = &self.policy.correct;
+        let correct = &self.policy.sampling.correct;
         let mut news: Vec<(usize, usize)> = area.samples().collect();
         for pass in 0..correct.passes as u8 {
             let mut found = Vec::new();
@@ -260,7 +265,7 @@ impl Maker<'_> {
                     found.push((x, y));
                 }
             }
-            let wave = 1 + 2 * area.levels(self.policy.refine) + pass;
+            let wave = 1 + 2 * area.levels(self.policy.sampling.refine) + pass;
             found.iter().for_each(|&(x, y)| self.whole(y * self.frame.width + x, How::Traced, wave));
             news = found;
         }
@@ -312,7 +317,7 @@ impl Maker<'_> {
         }
         let colours = (own.tree.colour, witness.tree.colour);
         let differ = super::rules::difference(colours, colours);
-        self.policy.correct.colour.value().is_none_or(|limit| differ.is_nan() || differ > limit)
+        self.policy.sampling.correct.colour.value().is_none_or(|limit| differ.is_nan() || differ > limit)
     }
 
     fn account(self, tiles: &[Area], before: &[Vec<bool>]) -> Outcome {

@@ -22,7 +22,7 @@ fn one(random: &mut Random) -> Adaptive {
         value => Limit::At(value),
     };
     let mut own = adaptive(pick(&[2.0, 3.0, 4.0, 8.0]).value().unwrap() as u32, refine, apron);
-    let tests = &mut own.similarity;
+    let tests = &mut own.sampling.similarity;
     (tests.object_id, tests.shadow, tests.predict, tests.secondary) = (object_id, shadow, predict, deep);
     tests.normal_deg = pick(&[-1.0, 5.0, 20.0, 20.0]);
     tests.position = pick(&[-1.0, -1.0, -1.0, 0.2]);
@@ -30,7 +30,8 @@ fn one(random: &mut Random) -> Adaptive {
     tests.texture = pick(&[-1.0, -1.0, 0.1]);
     tests.colour = pick(&[-1.0, 0.05, 0.1, 0.3]);
     tests.unlike = pick(&[-1.0, 0.1, 0.8]);
-    (own.secondary, own.stand_in) = (secondary, stand_in);
-    own.correct = Correct { passes: pick(&[0.0, 1.0, 8.0]).value().unwrap() as u32, colour: pick(&[-1.0, 0.02, 0.1]) };
+    (own.sampling.secondary, own.sampling.stand_in) = (secondary, stand_in);
+    own.sampling.correct =
+        Correct { passes: pick(&[0.0, 1.0, 8.0]).value().unwrap() as u32, colour: pick(&[-1.0, 0.02, 0.1]) };
     own
 }
