@@ -89,9 +89,6 @@ const fn refine() -> Variant {
 const fn correction() -> Variant {
     base("correction", "on", BEST)
 }
-const fn target() -> Variant {
-    base("quality target", "on", BEST)
-}
 const fn secondary() -> Variant {
     base("secondary", "on", BEST)
 }
@@ -123,8 +120,6 @@ const VARIANTS: &[Variant] = &[
     refine().rules("direct", &["refine=direct"]),
     correction(),
     correction().rules("off", &["correct.passes=0"]),
-    target(),
-    target().rules("off", &["target.psnr_db=off"]).note("the colour limit stays as it is; nothing is audited"),
     secondary(),
     secondary().rules("off", &["secondary=false"]).note("a sample is traced whole or not at all"),
 ];
