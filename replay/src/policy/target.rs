@@ -2,7 +2,7 @@
 //! quantiser.
 //!
 //! What is seen of the error are the audits ([`super::audit`]). An error that was found under a factor f on the colour limit is
-//! taken to be proportional to f^[`GROWTH`], which gives the error at factor 1, `unit`, whatever the factors were. Then
+//! taken to be proportional to f^`GROWTH`, which gives the error at factor 1, `unit`, whatever the factors were. Then
 //!
 //! - **after a frame**, all tiles of the next one have the factor at which that frame would have met the target; from the second
 //!   such frame on the geometric mean of this and the factor before, so that chance in the audits moves the picture less;
