@@ -4,6 +4,8 @@
 //! that row's own X step. Where the tile to the left has smaller blocks, a tile traces the samples of its first column that
 //! close its neighbour's R-rows too.
 
+use rayreel_formats::scene::Meta;
+
 use super::audit::Audit;
 use super::correct::correct;
 use super::interpolate::nearer;
@@ -15,7 +17,6 @@ use super::tree::{Forest, Node, interpolate_tree};
 use super::view::{SampleState, TileView};
 use super::{Apron, Correct, Limit, Policy, Refine, Sampling, Similarity};
 use crate::error::Result;
-use rayreel_formats::scene::Meta;
 
 /// A policy prepared for frames of one size.
 #[derive(Clone, Debug)]

@@ -27,6 +27,9 @@ const PRIOR: f64 = 192.0;
 /// Of what the target leaves for the rest of a frame at least this fraction of the target itself is planned with.
 const LEAST_REST: f64 = 0.25;
 
+/// Smallest factor, whatever `target.strictest`: at 0 no error would say anything about the limit any more.
+const LEAST_FACTOR: f64 = 0.01;
+
 /// What was seen of a frame so far.
 #[derive(Clone, Debug, Default)]
 struct Seen {
@@ -105,7 +108,7 @@ impl Controller {
         let traced = if seen.samples > 0 { seen.traced as f64 / seen.samples as f64 } else { 0.0 };
         // From three quarters of the share on the floor rises to 1, so that nothing jumps.
         let free = if share > 0.0 { ((share - traced) / (0.25 * share)).clamp(0.0, 1.0) } else { 0.0 };
-        factor.clamp(1.0 + (strictest - 1.0) * free, loosest.max(1.0))
+        factor.clamp((1.0 + (strictest - 1.0) * free).max(LEAST_FACTOR), loosest.max(1.0))
     }
 }
 
@@ -176,6 +179,16 @@ mod tests {
         // 0.35 is half of the way from 0.4 to 0.3.
         assert!((after(bad, 358, 1.0) - 0.625).abs() < 1.0e-2);
         assert!(after(0.5 * AIM, 500, 1.0) > 1.0, "looser it may be");
+    }
+
+    #[test]
+    fn no_target_out_of_reach_breaks_it() {
+        let mut own = Controller::new(&Target { strictest: 0.0, share: 1.0, ..controller(99.0).target });
+        for (frame, mean) in [9.0e4, 0.0, 9.0e4, 9.0e4].into_iter().enumerate() {
+            own.learn(&[tile(mean, 0, own.factor()); 8], frame == 0);
+            assert!((LEAST_FACTOR..=4.0).contains(&own.factor()), "{}", own.factor());
+        }
+        assert!(own.factor() < 0.1);
     }
 
     #[test]
