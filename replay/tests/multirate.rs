@@ -9,7 +9,6 @@ use rayreel_formats::scene::{Camera, Meta};
 use rayreel_formats::tile::Tile;
 use rayreel_replay::image::psnr::SquaredError;
 use rayreel_replay::image::resolve::Resolver;
-use rayreel_replay::policy::view::SampleState;
 use rayreel_replay::policy::{Adaptive, Foveated, Limit, Multirate, NamedPolicy, Policy, Target};
 use rayreel_replay::{FrameReplay, Options, TileSource, replay};
 
@@ -85,12 +84,7 @@ fn assert_same<S: TileSource>(
     let (width, height) = source.meta().grid();
     let mut resolver = Resolver::new(source.meta().width, source.meta().height, source.meta().samples);
     for (i, (x, y)) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).enumerate() {
-        let how = match frame.states.state(x, y) {
-            SampleState::Reference => How::R,
-            SampleState::Traced => How::Traced,
-            SampleState::Partial => How::Partial,
-            SampleState::Interpolated => How::Interpolated,
-        };
+        let how = How::from(frame.states.state(x, y));
         assert_eq!((how, frame.states.wave(x, y)), (expected.how[i], expected.waves[i]), "{what}: ({x}, {y})");
         resolver.add(x, y, expected.colours[i].into());
     }

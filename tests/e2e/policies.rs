@@ -4,7 +4,6 @@ use std::path::Path;
 
 use rayreel_formats::trace::Trace;
 use rayreel_replay::image::resolve::Resolver;
-use rayreel_replay::policy::view::SampleState;
 use rayreel_replay::policy::{Adaptive, Apron, Limit, Policy, Refine};
 use rayreel_replay::{FrameReplay, Options, TileSource, replay};
 
@@ -62,12 +61,7 @@ fn assert_same(trace: &Trace, frame: &FrameReplay, expected: &Outcome, what: &st
     let (width, height) = trace.meta().grid();
     let mut resolver = Resolver::new(trace.meta().width, trace.meta().height, trace.meta().samples);
     for (i, (x, y)) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).enumerate() {
-        let how = match frame.states.state(x, y) {
-            SampleState::Reference => How::R,
-            SampleState::Traced => How::Traced,
-            SampleState::Partial => How::Partial,
-            SampleState::Interpolated => How::Interpolated,
-        };
+        let how = How::from(frame.states.state(x, y));
         assert_eq!(how, expected.how[i], "{what}: sample ({x}, {y})");
         resolver.add(x, y, expected.colours[i].into());
     }

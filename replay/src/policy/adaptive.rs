@@ -15,7 +15,7 @@ use super::reuse::Rebuild;
 use super::similarity::{Compared, Tests};
 use super::tree::{Forest, Node, interpolate_tree};
 use super::view::{SampleState, TileView};
-use super::{Apron, Correct, Limit, Policy, Refine, Sampling, Similarity};
+use super::{Apron, Policy, Refine, Sampling};
 use crate::error::Result;
 
 /// A policy prepared for frames of one size.
@@ -49,6 +49,7 @@ impl Rules {
         policy.check()?;
         let (size, mut audit) = (meta.grid(), None);
         let (apron, sampling) = match policy {
+            // Blocks of one sample leave nothing to test, and nothing to correct.
             Policy::Full => (Apron::Share, Sampling::NONE),
             Policy::Adaptive(own) => (own.apron, own.sampling.clone()),
             Policy::Multirate(own) => {
@@ -263,26 +264,4 @@ impl Line<'_> {
             Axis::Y(x) => (x, i),
         }
     }
-}
-
-impl Sampling {
-    /// Blocks of one sample leave nothing to test, and nothing to correct.
-    const NONE: Self = Self {
-        refine: Refine::Direct,
-        secondary: false,
-        stand_in: false,
-        similarity: Similarity {
-            object_id: false,
-            normal_deg: Limit::Off,
-            shadow: false,
-            position: Limit::Off,
-            plane: Limit::Off,
-            texture: Limit::Off,
-            colour: Limit::Off,
-            predict: false,
-            secondary: false,
-            unlike: Limit::Off,
-        },
-        correct: Correct { passes: 0, colour: Limit::Off },
-    };
 }

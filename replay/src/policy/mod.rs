@@ -217,6 +217,33 @@ pub struct Similarity {
     pub unlike: Limit,
 }
 
+impl Similarity {
+    /// No test: all hits are alike.
+    pub const NONE: Self = Self {
+        object_id: false,
+        normal_deg: Limit::Off,
+        shadow: false,
+        position: Limit::Off,
+        plane: Limit::Off,
+        texture: Limit::Off,
+        colour: Limit::Off,
+        predict: false,
+        secondary: false,
+        unlike: Limit::Off,
+    };
+}
+
+impl Sampling {
+    /// No test, no correction; whole samples.
+    pub const NONE: Self = Self {
+        refine: Refine::Direct,
+        secondary: false,
+        stand_in: false,
+        similarity: Similarity::NONE,
+        correct: Correct { passes: 0, colour: Limit::Off },
+    };
+}
+
 /// A threshold that can be off.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(from = "LimitText", into = "LimitText")]

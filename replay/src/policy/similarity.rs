@@ -232,22 +232,6 @@ mod tests {
         SurfacePoint { object: 1, shadows: Shadows(5), normal, position, t: 10.0 }
     }
 
-    fn off() -> Similarity {
-        let off = Limit::Off;
-        Similarity {
-            object_id: false,
-            normal_deg: off,
-            shadow: false,
-            position: off,
-            plane: off,
-            texture: off,
-            colour: off,
-            predict: false,
-            secondary: false,
-            unlike: off,
-        }
-    }
-
     fn node(surface: Option<SurfacePoint>, colour: Vec3) -> Node {
         Node { surface, local: colour, colour, reflect: None, refract: None, own_rays: 3, rays: 3, len: 1 }
     }
@@ -265,17 +249,17 @@ mod tests {
     fn each_test_can_be_switched() {
         let a = surface();
         let object = SurfacePoint { object: 2, ..a };
-        assert!(similar(&off(), a, object));
-        assert!(!similar(&Similarity { object_id: true, ..off() }, a, object));
+        assert!(similar(&Similarity::NONE, a, object));
+        assert!(!similar(&Similarity { object_id: true, ..Similarity::NONE }, a, object));
         let shadow = SurfacePoint { shadows: Shadows(6), ..a };
-        assert!(similar(&off(), a, shadow));
-        assert!(!similar(&Similarity { shadow: true, ..off() }, a, shadow));
+        assert!(similar(&Similarity::NONE, a, shadow));
+        assert!(!similar(&Similarity { shadow: true, ..Similarity::NONE }, a, shadow));
     }
 
     #[test]
     fn angles_are_inclusive_and_equal_normals_pass_at_zero() {
         let a = surface();
-        let limit = |deg| Similarity { normal_deg: Limit::At(deg), ..off() };
+        let limit = |deg| Similarity { normal_deg: Limit::At(deg), ..Similarity::NONE };
         let tilted = |deg: f64| {
             let r = deg.to_radians();
             SurfacePoint { normal: vec3(libm::sin(r) as f32, 0.0, libm::cos(r) as f32), ..a }
@@ -292,9 +276,9 @@ mod tests {
         let a = surface();
         let beside = SurfacePoint { position: vec3(1.0, 0.0, -10.0), t: 20.0, ..a };
         let behind = SurfacePoint { position: vec3(0.0, 0.0, -11.0), t: 11.0, ..a };
-        let position = |v| Similarity { position: Limit::At(v), ..off() };
+        let position = |v| Similarity { position: Limit::At(v), ..Similarity::NONE };
         assert!(similar(&position(0.1), a, beside) && !similar(&position(0.09), a, beside));
-        let plane = |v| Similarity { plane: Limit::At(v), ..off() };
+        let plane = |v| Similarity { plane: Limit::At(v), ..Similarity::NONE };
         assert!(similar(&plane(0.0), a, beside));
         assert!(similar(&plane(0.1), a, behind) && !similar(&plane(0.09), a, behind));
     }
@@ -302,7 +286,7 @@ mod tests {
     #[test]
     fn sky_is_like_sky_only() {
         let (sky, hit) = (node(None, Vec3::ZERO), node(Some(surface()), Vec3::ZERO));
-        let similar = |a, b| pass(&off(), a, b, 2);
+        let similar = |a, b| pass(&Similarity::NONE, a, b, 2);
         assert!(similar(&sky, &sky) && !similar(&sky, &hit) && !similar(&hit, &sky));
     }
 
@@ -314,7 +298,7 @@ mod tests {
         let expected = 0.11 / (1.1 + DARK);
         assert!((difference((a, b), (a, b)) - expected).abs() < 1.0e-7);
         assert_eq!(difference((grey(2.0), grey(7.0)), (grey(2.0), grey(7.0))), 0.0, "both are displayed as white");
-        let limit = |v| Similarity { colour: Limit::At(v), ..off() };
+        let limit = |v| Similarity { colour: Limit::At(v), ..Similarity::NONE };
         let (a, b) = (node(Some(surface()), a), node(Some(surface()), b));
         assert!(pass(&limit(expected + 1.0e-6), &a, &b, 2) && !pass(&limit(expected - 1.0e-6), &a, &b, 2));
         assert!(pass(&limit(2.0 * expected + 1.0e-6), &a, &b, 4), "half the limit across twice the gap");
@@ -342,10 +326,10 @@ mod tests {
             let like = Tests::new(rules, 1.0).similar(&a, &b, 2, f64::INFINITY, &mut compared);
             (like, compared.pairs)
         };
-        let ids = Similarity { object_id: true, ..off() };
+        let ids = Similarity { object_id: true, ..Similarity::NONE };
         assert_eq!(run(&ids), (true, 1), "primary hits only");
         assert_eq!(run(&Similarity { secondary: true, ..ids.clone() }), (false, 2));
-        assert_eq!(run(&Similarity { secondary: true, ..off() }), (true, 2));
+        assert_eq!(run(&Similarity { secondary: true, ..Similarity::NONE }), (true, 2));
         let excused = Similarity { secondary: true, colour: Limit::At(0.1), unlike: Limit::At(0.5), ..ids };
         assert_eq!(run(&excused), (true, 1));
     }

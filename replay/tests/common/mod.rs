@@ -10,24 +10,12 @@ pub mod switches;
 pub mod synthetic;
 pub mod trees;
 
-use rayreel_replay::policy::{Adaptive, Apron, Correct, Limit, NamedPolicy, Policy, Refine, Sampling, Similarity};
+use rayreel_replay::policy::{Adaptive, Apron, Limit, NamedPolicy, Policy, Refine, Sampling, Similarity};
 
 /// What the paper evaluated, with these switches.
 pub fn adaptive(block: u32, refine: Refine, apron: Apron) -> Adaptive {
-    let similarity = Similarity {
-        object_id: true,
-        normal_deg: Limit::At(10.0),
-        shadow: true,
-        position: Limit::Off,
-        plane: Limit::Off,
-        texture: Limit::Off,
-        colour: Limit::Off,
-        predict: false,
-        secondary: false,
-        unlike: Limit::Off,
-    };
-    let correct = Correct { passes: 0, colour: Limit::Off };
-    let sampling = Sampling { refine, secondary: false, stand_in: false, similarity, correct };
+    let similarity = Similarity { object_id: true, normal_deg: Limit::At(10.0), shadow: true, ..Similarity::NONE };
+    let sampling = Sampling { refine, similarity, ..Sampling::NONE };
     Adaptive { block, apron, sampling }
 }
 

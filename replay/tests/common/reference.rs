@@ -3,6 +3,7 @@
 
 use rayreel_formats::tile::RayKind;
 use rayreel_replay::TileSource;
+use rayreel_replay::policy::view::SampleState;
 use rayreel_replay::policy::{Adaptive, Apron, Refine};
 
 use super::rules::{Hit, Judge, between, mix};
@@ -19,6 +20,17 @@ pub enum How {
     Partial,
     /// Interpolated.
     Interpolated,
+}
+
+impl From<SampleState> for How {
+    fn from(state: SampleState) -> Self {
+        match state {
+            SampleState::Reference => Self::R,
+            SampleState::Traced => Self::Traced,
+            SampleState::Partial => Self::Partial,
+            SampleState::Interpolated => Self::Interpolated,
+        }
+    }
 }
 
 /// Number of rays: primary, reflection, refraction, shadow.
