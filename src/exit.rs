@@ -44,7 +44,12 @@ pub fn of(error: &anyhow::Error) -> Exit {
             !matches!(e, SceneError::UnknownScene { .. } | SceneError::IsFolder { .. } | SceneError::Io { .. })
         });
         let report = cause.downcast_ref().is_some_and(ReportError::is_bad_data);
-        scene || report || matches!(cause.downcast_ref(), Some(ReplayError::BadTile { .. }))
+        scene
+            || report
+            || matches!(
+                cause.downcast_ref(),
+                Some(ReplayError::BadTile { .. } | ReplayError::Conflict { .. } | ReplayError::Table { .. })
+            )
     };
     if error.chain().any(bad_data) { Exit::BadData } else { Exit::Usage }
 }

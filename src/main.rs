@@ -14,6 +14,7 @@ mod repair;
 mod replay;
 mod report;
 mod scenes;
+mod sweep;
 mod verify;
 
 use std::process::ExitCode;
@@ -48,6 +49,7 @@ enum Command {
     Render(render::Args),
     Capture(capture::Args),
     Replay(replay::Args),
+    Sweep(sweep::Args),
     Paper(paper::Args),
     Report(report::Args),
     Presets(presets::Args),
@@ -70,6 +72,7 @@ fn main() -> ExitCode {
         Command::Render(args) => render::run(&args),
         Command::Capture(args) => capture::run(&args, quiet),
         Command::Replay(args) => replay::run(&args, quiet),
+        Command::Sweep(args) => sweep::run(&args, quiet),
         Command::Paper(args) => paper::run(&args, quiet),
         Command::Report(args) => report::run(&args),
         Command::Presets(args) => presets::run(&args),

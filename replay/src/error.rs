@@ -87,6 +87,44 @@ pub enum ReplayError {
         /// What each core is doing.
         state: String,
     },
+    /// A plan of a sweep that cannot be carried out.
+    #[error("{at}: {detail}")]
+    Plan {
+        /// File, line and column.
+        at: String,
+        /// What is wrong, and what would be right.
+        detail: String,
+    },
+    /// A folder of a sweep that is not what it should be.
+    #[error("{}: {detail}", path.display())]
+    Sweep {
+        /// The folder or file.
+        path: PathBuf,
+        /// What is wrong, and what to do.
+        detail: String,
+    },
+    /// Two attempts at one point gave different rows.
+    #[error(
+        "point {key} has two different results: {detail}; the simulation is not deterministic, or two programs of one model \
+             version differ: keep the sweep folder and report this"
+    )]
+    Conflict {
+        /// Its key.
+        key: String,
+        /// The first value that differs.
+        detail: String,
+    },
+    /// A file of results that cannot be read or written.
+    #[error("{}: {detail}", path.display())]
+    Table {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        detail: String,
+    },
+    /// A signal asked to stop.
+    #[error("interrupted")]
+    Interrupted,
     /// There is nothing to replay.
     #[error("{what}; there is nothing to replay")]
     Nothing {

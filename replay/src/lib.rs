@@ -16,6 +16,7 @@ pub mod machine;
 pub mod policy;
 pub mod report;
 pub mod source;
+pub mod sweep;
 
 pub use error::{ReplayError, Result};
 pub use frame::{FrameReplay, Options, Replay, Replayer, replay, replay_each};

@@ -3,6 +3,7 @@
 mod codec;
 mod compare;
 mod digest;
+mod fingerprint;
 mod writer;
 
 use std::path::Path;

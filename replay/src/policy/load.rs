@@ -39,14 +39,35 @@ impl NamedPolicy {
     /// # Errors
     /// An unknown preset, an unreadable file, a key that does not exist, a value out of range.
     pub fn load(spec: &str, overrides: &[String]) -> Result<Self> {
-        let (mut name, origin, text) = read(spec)?;
-        let mut table: Table = parse(&text, &origin)?;
-        schema::check(&table, &origin)?;
+        let (name, origin, text) = read(spec)?;
+        Self::build(name, &origin, &text, overrides)
+    }
+
+    /// The policy that [`NamedPolicy::to_toml`] wrote, or any other text of a policy file, with overrides as in
+    /// [`NamedPolicy::load`].
+    ///
+    /// # Errors
+    /// As there.
+    pub fn parse(name: &str, text: &str, overrides: &[String]) -> Result<Self> {
+        Self::build(name.into(), &format!("policy {name}"), text, overrides)
+    }
+
+    fn build(mut name: String, origin: &str, text: &str, overrides: &[String]) -> Result<Self> {
+        let mut table: Table = parse(text, origin)?;
+        schema::check(&table, origin)?;
         for text in overrides {
             apply(&mut table, text)?;
             name = format!("{name}+{text}");
         }
-        Ok(Self { name, policy: resolve(table, &origin)? })
+        Ok(Self { name, policy: resolve(table, origin)? })
+    }
+
+    /// A policy file that gives this policy whatever the presets become.
+    ///
+    /// # Errors
+    /// Never for a policy that was loaded.
+    pub fn to_toml(&self) -> Result<String> {
+        toml::to_string(&self.policy).map_err(|e| ReplayError::Usage { detail: e.to_string() })
     }
 }
 

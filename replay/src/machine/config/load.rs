@@ -55,16 +55,42 @@ impl NamedMachine {
     /// An unknown preset, an unreadable file, a circle of `extends`, a key that does not exist or is missing, a value out of
     /// range, values that cannot stand together.
     pub fn load(spec: &str, overrides: &[String]) -> Result<Self> {
-        let (chain, mut values) = inherit(spec)?;
+        let (chain, values) = inherit(spec)?;
         let origin = chain[0].0.clone();
-        let chain: Vec<Ancestor> = chain.into_iter().map(|(_, ancestor)| ancestor).collect();
+        Self::resolve(chain.into_iter().map(|(_, ancestor)| ancestor).collect(), values, &origin, overrides)
+    }
+
+    /// The machine that [`NamedMachine::to_toml`] wrote, with overrides as in [`NamedMachine::load`].
+    ///
+    /// # Errors
+    /// As there; a key that is missing, for such a text extends nothing.
+    pub fn parse(name: &str, text: &str, overrides: &[String]) -> Result<Self> {
+        let origin = format!("machine {name}");
+        let layer = merge::parse(text, &origin, name)?;
+        Self::resolve(vec![Ancestor { name: name.into(), why: layer.why }], layer.values, &origin, overrides)
+    }
+
+    fn resolve(chain: Vec<Ancestor>, mut values: Vec<Sourced>, origin: &str, overrides: &[String]) -> Result<Self> {
         let mut name = chain[0].name.clone();
         for text in overrides {
             merge::over(&mut values, vec![merge::parse_override(text)?]);
             name = format!("{name}+{}", text.trim());
         }
-        let config = build(&values, &origin)?;
+        let config = build(&values, origin)?;
         Ok(Self { name, chain, config, values })
+    }
+
+    /// A machine file that stands by itself: every value with its class and source, and nothing extended.
+    pub fn to_toml(&self) -> String {
+        let mut text = String::new();
+        for own in &self.values {
+            let mut leaf = Table::new();
+            leaf.insert("value".into(), own.value.clone());
+            leaf.insert("class".into(), own.class.name().into());
+            leaf.insert("source".into(), own.source.clone().into());
+            text += &format!("{} = {}\n", own.key, toml::Value::Table(leaf));
+        }
+        text
     }
 
     /// All values as sorted lines `key = value`, sizes in bytes: equal for equal machines, whatever they are called and however

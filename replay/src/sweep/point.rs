@@ -1,0 +1,50 @@
+//! A point: one trace, machine, policy and run of frames, and the key of its result.
+
+use crate::machine::config::NamedMachine;
+use crate::policy::NamedPolicy;
+use crate::sweep::version::MODEL_VERSION;
+
+/// A key: 128 bits of BLAKE3, as 32 hexadecimal digits.
+pub type Key = String;
+
+/// A point with everything resolved.
+#[derive(Clone, Debug)]
+pub struct Point {
+    /// Index of the trace in the plan.
+    pub trace: usize,
+    /// The machine, if there is one.
+    pub machine: Option<NamedMachine>,
+    /// The policy.
+    pub policy: NamedPolicy,
+    /// First frame and number of frames.
+    pub frames: (u32, u32),
+}
+
+impl Point {
+    /// Every value of the machine, one a line, as results keep it; empty without one.
+    pub fn machine_config(&self) -> String {
+        self.machine.as_ref().map(NamedMachine::canonical).unwrap_or_default()
+    }
+
+    /// Every value of the policy as JSON, as results keep it.
+    pub fn policy_config(&self) -> String {
+        // Keys are words and numbers finite: this cannot fail.
+        serde_json::to_string(&self.policy.policy).unwrap_or_default()
+    }
+
+    /// The key of its result on the trace of this fingerprint.
+    pub fn key(&self, fingerprint: &str) -> Key {
+        key(fingerprint, self.frames, &self.machine_config(), &self.policy_config())
+    }
+}
+
+/// The hash of all that a result depends on: the trace's fingerprint, the first frame and the number of frames, every value of
+/// machine and policy, and [`MODEL_VERSION`]. Names, comments and the order of a file do not enter.
+pub fn key(fingerprint: &str, (first, count): (u32, u32), machine: &str, policy: &str) -> Key {
+    let mut hasher = blake3::Hasher::new();
+    let head = format!("rayreel point 1\nmodel {MODEL_VERSION}\nframes {first} {count}\n");
+    for part in [&head, fingerprint, machine, policy] {
+        hasher.update(&(part.len() as u64).to_le_bytes()).update(part.as_bytes());
+    }
+    hasher.finalize().to_hex()[..32].to_owned()
+}

@@ -1,0 +1,70 @@
+//! `rayreel sweep`: many points of a design space over recorded traces.
+
+mod folder;
+mod merge;
+mod plan;
+mod run;
+mod status;
+
+use std::path::PathBuf;
+
+use anyhow::Result;
+use clap::Subcommand;
+
+use crate::exit::Exit;
+
+/// Explore a design space: traces x machines x policies x axes, on this machine or on a cluster.
+///
+/// `rayreel sweep plan.toml` makes the plan, runs it on all cores and merges the results. On a cluster, or for a plan of hours, the
+/// steps are commands of their own: `plan` makes a folder that holds everything but the traces, `run` does any shard of it on any
+/// machine, `merge` makes one table. A point that was finished is never computed again, whoever was killed when.
+#[derive(Debug, clap::Args)]
+#[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
+pub struct Args {
+    #[command(subcommand)]
+    action: Option<Action>,
+    #[command(flatten)]
+    all: AllArgs,
+}
+
+/// Plan, run and merge in one.
+#[derive(Debug, clap::Args)]
+struct AllArgs {
+    /// The plan file (.toml): plan, run and merge it here.
+    #[arg(required = true)]
+    plan: Option<PathBuf>,
+    #[command(flatten)]
+    place: folder::Place,
+    #[command(flatten)]
+    run: run::RunArgs,
+}
+
+#[derive(Debug, Subcommand)]
+enum Action {
+    Plan(plan::Args),
+    Run(run::Args),
+    Resume(run::ResumeArgs),
+    Status(status::Args),
+    Merge(merge::Args),
+}
+
+pub fn run(args: &Args, quiet: bool) -> Result<Exit> {
+    match &args.action {
+        Some(Action::Plan(args)) => plan::run(args),
+        Some(Action::Run(args)) => run::run(args, quiet),
+        Some(Action::Resume(args)) => run::resume(args, quiet),
+        Some(Action::Status(args)) => status::run(args),
+        Some(Action::Merge(args)) => merge::run(args),
+        None => all(&args.all, quiet),
+    }
+}
+
+/// Plan, run and merge.
+fn all(args: &AllArgs, quiet: bool) -> Result<Exit> {
+    let file = args.plan.as_deref().unwrap_or_else(|| std::path::Path::new(""));
+    let folder = folder::make(file, &args.place)?;
+    match run::here(&folder, &args.run, rayreel_replay::sweep::shard::Shard::WHOLE, quiet)? {
+        Exit::Done => merge::all(&folder),
+        exit => Ok(exit),
+    }
+}

@@ -1,0 +1,61 @@
+//! Plan files and the folders that are made of them.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result};
+use rayreel_formats::trace::Trace;
+use rayreel_replay::sweep::folder::{Created, Folder};
+use rayreel_replay::sweep::plan::Plan;
+use rayreel_replay::sweep::plan::locate::Text;
+
+/// Where the folder of a sweep is.
+#[derive(Debug, Clone, clap::Args)]
+pub struct Place {
+    /// Folder of the sweep; NAME.sweep in the current folder for a plan file NAME.toml.
+    #[arg(long = "out", short = 'o', value_name = "SWEEP")]
+    pub out: Option<PathBuf>,
+}
+
+impl Place {
+    /// The folder for a plan file.
+    pub fn folder(&self, file: &Path) -> PathBuf {
+        self.out.clone().unwrap_or_else(|| PathBuf::from(format!("{}.sweep", stem(file))))
+    }
+}
+
+fn stem(file: &Path) -> String {
+    file.file_stem().map_or_else(|| "plan".into(), |stem| stem.to_string_lossy().into_owned())
+}
+
+/// Opens a trace where a plan says that it is.
+pub fn open(location: &str) -> Result<Trace, String> {
+    crate::common::open(Path::new(location)).map_err(|e| format!("{e:#}"))
+}
+
+/// All points of a plan file.
+pub fn read(file: &Path) -> Result<Plan> {
+    let text = std::fs::read_to_string(file).with_context(|| format!("cannot read the plan {}", file.display()))?;
+    let name = file.display().to_string();
+    let folder = file.parent().unwrap_or(Path::new(""));
+    let sources = rayreel_replay::sweep::plan::Sources {
+        text: Text { name: &name, text: &text },
+        folder,
+        stem: &stem(file),
+        open: &open,
+    };
+    Ok(Plan::new(&sources)?)
+}
+
+/// Puts the plan of a file into its folder, or finds it there.
+pub fn make(file: &Path, place: &Place) -> Result<Folder> {
+    let (folder, created) = Folder::create(&place.folder(file), read(file)?)?;
+    if created == Created::Known {
+        eprintln!("{}: going on with plan {}", folder.path().display(), folder.id());
+    }
+    Ok(folder)
+}
+
+/// The folder of a sweep, or that of a plan file.
+pub fn find(sweep: &Path, place: &Place) -> Result<Folder> {
+    if sweep.is_file() { make(sweep, place) } else { Ok(Folder::open(sweep)?) }
+}

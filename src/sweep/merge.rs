@@ -1,0 +1,83 @@
+//! `rayreel sweep merge`: one table of all rows.
+
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use anyhow::Result;
+use rayreel_replay::image::files::write_atomically;
+use rayreel_replay::sweep::folder::Folder;
+use rayreel_replay::sweep::merge::{Merged, merge};
+use rayreel_replay::sweep::results::{csv, parquet};
+
+use super::plan::duration;
+use crate::common::print;
+use crate::exit::Exit;
+
+/// Put the results of a sweep together: one Parquet file and one CSV file, a row a point, in the order of the plan.
+///
+/// The bytes do not depend on how the work was split. Fails with code 3 while points are missing, and with 65 if two attempts at one
+/// point disagree.
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    /// Folder of a sweep.
+    sweep: PathBuf,
+    /// The Parquet file; results.parquet in the folder if it is not given.
+    #[arg(long, short = 'o', value_name = "FILE")]
+    out: Option<PathBuf>,
+    /// The CSV file; results.csv beside the Parquet file if it is not given.
+    #[arg(long, value_name = "FILE")]
+    csv: Option<PathBuf>,
+    /// Write the rows that are there although others are missing.
+    #[arg(long)]
+    partial: bool,
+    /// Look again for so long before points are called missing: a shared file system may show files late.
+    #[arg(long, default_value = "0s", value_name = "TIME", value_parser = duration)]
+    patience: f64,
+}
+
+pub fn run(args: &Args) -> Result<Exit> {
+    let folder = Folder::open(&args.sweep)?;
+    let out = args.out.clone().unwrap_or_else(|| folder.path().join("results.parquet"));
+    let csv = args.csv.clone().unwrap_or_else(|| out.with_extension("csv"));
+    let end = Instant::now() + Duration::from_secs_f64(args.patience);
+    let merged = loop {
+        let merged = merge(&folder)?;
+        if merged.missing.is_empty() || Instant::now() >= end {
+            break merged;
+        }
+        std::thread::sleep(Duration::from_secs(5).min(end.saturating_duration_since(Instant::now())));
+    };
+    write(&folder, &merged, args.partial, (&out, &csv))
+}
+
+/// Merges into the folder itself.
+pub fn all(folder: &Folder) -> Result<Exit> {
+    let out = folder.path().join("results.parquet");
+    write(folder, &merge(folder)?, false, (&out, &out.with_extension("csv")))
+}
+
+fn write(folder: &Folder, merged: &Merged, partial: bool, (out, csv_out): (&Path, &Path)) -> Result<Exit> {
+    for path in &merged.damaged {
+        eprintln!("warning: {} is damaged or of another plan, ignored", path.display());
+    }
+    let (points, missing) = (folder.plan().points.len(), merged.missing.len());
+    if missing > 0 {
+        eprintln!("missing {missing} of {points} points, the first: {}", folder.plan().describe(merged.missing[0]));
+        if !partial {
+            eprintln!("nothing was written: `rayreel sweep resume {}` computes them", folder.path().display());
+            return Ok(Exit::Incomplete);
+        }
+    }
+    write_atomically(out, &parquet::encode(&merged.results)?)?;
+    write_atomically(csv_out, &csv::encode(&merged.results)?)?;
+    let failed = if merged.failed > 0 { format!(", {} of them failed", merged.failed) } else { String::new() };
+    print(&format!(
+        "{} rows{failed}, {} columns, {} duplicates dropped\n{}\n{}\n",
+        merged.results.rows(),
+        merged.results.fields.len(),
+        merged.duplicates,
+        out.display(),
+        csv_out.display(),
+    ))?;
+    Ok(if missing > 0 { Exit::Incomplete } else { Exit::Done })
+}

@@ -1,0 +1,210 @@
+//! `rayreel sweep run`: computes a shard, the same way here and on a cluster.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, SystemTime, UNIX_EPOCH};
+
+use anyhow::Result;
+use rayreel_replay::sweep::folder::{Folder, write_whole};
+use rayreel_replay::sweep::merge as rows;
+use rayreel_replay::sweep::run::{self as shard_run, Outcome, Settings, Told};
+use rayreel_replay::sweep::segment::Writer;
+use rayreel_replay::sweep::shard::Shard;
+use serde_json::json;
+
+use super::folder::{Place, find, open};
+use super::plan::duration;
+use crate::exit::Exit;
+use crate::progress::{self, Progress};
+
+/// Compute the points of a sweep that have no result yet.
+///
+/// Any number of machines may run any shards of one folder, twice even. Ctrl-C and SIGTERM write what is finished and end with code
+/// 75; the next run goes on there.
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    /// Folder of a sweep, or a plan file.
+    sweep: PathBuf,
+    #[command(flatten)]
+    place: Place,
+    /// Only part i of n, from 0: a pure function of the plan. auto/n takes i from the environment of an array job.
+    #[arg(long, value_name = "i/n")]
+    shard: Option<String>,
+    /// Added to the index of auto/n: the first shard of a split array.
+    #[arg(long, default_value_t = 0, value_name = "K", requires = "shard")]
+    index_offset: usize,
+    #[command(flatten)]
+    run: RunArgs,
+}
+
+/// Compute what is missing.
+#[derive(Debug, clap::Args)]
+pub struct ResumeArgs {
+    /// Folder of a sweep.
+    sweep: PathBuf,
+    #[command(flatten)]
+    run: RunArgs,
+}
+
+/// How points are computed.
+#[derive(Debug, clap::Args)]
+pub struct RunArgs {
+    /// Memory for decoded tiles that points share, MiB.
+    #[arg(long, default_value_t = 1024, value_name = "MIB")]
+    pub memory: usize,
+    /// Least time between two segment files; on a shared file system 30s keeps their number small.
+    #[arg(long, default_value = "0s", value_name = "TIME", value_parser = duration)]
+    pub flush: f64,
+    /// Take the rows that this other sweep has already. Can be repeated.
+    #[arg(long, value_name = "SWEEP")]
+    pub reuse: Vec<PathBuf>,
+}
+
+pub fn run(args: &Args, quiet: bool) -> Result<Exit> {
+    let folder = find(&args.sweep, &args.place)?;
+    let shard = args.shard.as_deref().map_or(Ok(Shard::WHOLE), |text| chosen(text, args.index_offset))?;
+    here(&folder, &args.run, shard, quiet)
+}
+
+pub fn resume(args: &ResumeArgs, quiet: bool) -> Result<Exit> {
+    here(&Folder::open(&args.sweep)?, &args.run, Shard::WHOLE, quiet)
+}
+
+/// Where array jobs have their index, and what it begins at.
+const INDICES: &[(&str, usize)] = &[
+    ("SLURM_ARRAY_TASK_ID", 0),
+    ("HQ_TASK_ID", 0),
+    ("PBS_ARRAY_INDEX", 0),
+    ("JOB_COMPLETION_INDEX", 0),
+    ("AWS_BATCH_JOB_ARRAY_INDEX", 0),
+    ("LSB_JOBINDEX", 1),
+    ("SGE_TASK_ID", 1),
+    ("PARALLEL_SEQ", 1),
+];
+
+/// The shard that was asked for.
+fn chosen(text: &str, offset: usize) -> Result<Shard> {
+    let Some(count) = text.strip_prefix("auto/") else {
+        return text.parse().map_err(|e: String| anyhow::anyhow!("--shard {e}"));
+    };
+    let found = INDICES.iter().find_map(|(name, first)| Some((name, first, std::env::var(name).ok()?)));
+    let Some((name, first, value)) = found else {
+        let names: Vec<&str> = INDICES.iter().map(|(name, _)| *name).collect();
+        anyhow::bail!("--shard auto needs one of {} in the environment; give the index itself", names.join(", "));
+    };
+    let index = value.parse::<usize>().ok().and_then(|index| index.checked_sub(*first));
+    let index = index.ok_or_else(|| anyhow::anyhow!("{name} is {value:?}, no index from {first}"))? + offset;
+    format!("{index}/{count}").parse().map_err(|e: String| anyhow::anyhow!("--shard auto with {name}={value}: {e}"))
+}
+
+/// Runs a shard on this machine.
+pub fn here(folder: &Folder, args: &RunArgs, shard: Shard, quiet: bool) -> Result<Exit> {
+    progress::stop_on_signal();
+    let stop = Arc::new(AtomicBool::new(false));
+    let mut known = BTreeMap::new();
+    for other in &args.reuse {
+        known.extend(rows::all_rows(&Folder::open(other)?)?);
+    }
+    let writer = Writer { attempt: attempt(), host: host() };
+    let settings = Settings {
+        shard,
+        threads: rayon::current_num_threads(),
+        memory: args.memory << 20,
+        flush: Duration::from_secs_f64(args.flush),
+        writer: writer.clone(),
+        stop: Arc::clone(&stop),
+        open: &open,
+        known: &known,
+    };
+    let begun = SystemTime::now();
+    let mut bar: Option<Progress> = None;
+    let outcome = shard_run::run(folder, &settings, |told: &Told| {
+        if progress::stopped() {
+            stop.store(true, Ordering::Relaxed);
+        }
+        let bar = bar.get_or_insert_with(|| Progress::new("sweep", told.todo as u64 * 1000, quiet));
+        let rate = begun.elapsed().map_or(0.0, |t| told.done / t.as_secs_f64().max(1e-3));
+        bar.set((told.done * 1000.0) as u64, || {
+            let failed = if told.failed > 0 { format!(", {} failed", told.failed) } else { String::new() };
+            format!("{} of {} points{failed}, {rate:.2} points/s", told.saved, told.todo)
+        });
+    })?;
+    if let Some(bar) = bar {
+        bar.finish();
+    }
+    let ended = if outcome.interrupted { "interrupted" } else { "ended" };
+    let wall = begun.elapsed().map_or(0.0, |t| t.as_secs_f64());
+    telemetry(folder, &settings, &outcome, (begun, wall), ended)?;
+    Ok(told(folder, shard, &outcome, wall))
+}
+
+/// The line that jobs' logs hold, and the code.
+fn told(folder: &Folder, shard: Shard, outcome: &Outcome, wall: f64) -> Exit {
+    let restart = std::env::var("SLURM_RESTART_COUNT").unwrap_or_else(|_| "0".into());
+    eprintln!(
+        "shard {shard} on {}: {} points, {} skipped, {} reused, {} computed, {} failed, {wall:.1} s, restart {restart}",
+        host(),
+        outcome.points,
+        outcome.skipped,
+        outcome.reused,
+        outcome.computed,
+        outcome.failed,
+    );
+    for (what, why) in outcome.troubles.iter().take(10) {
+        eprintln!("not done: {what}: {why}");
+    }
+    if outcome.troubles.len() > 10 {
+        eprintln!("and {} more points not done", outcome.troubles.len() - 10);
+    }
+    let sweep = folder.path().display();
+    if outcome.interrupted {
+        eprintln!("interrupted, flushed: `rayreel sweep resume {sweep}` goes on");
+        return Exit::Interrupted;
+    }
+    if outcome.troubles.is_empty() { Exit::Done } else { Exit::Incomplete }
+}
+
+/// Keeps who did what: for people who wonder, in no result.
+fn telemetry(
+    folder: &Folder,
+    settings: &Settings<'_>,
+    outcome: &Outcome,
+    (begun, wall): (SystemTime, f64),
+    ended: &str,
+) -> Result<()> {
+    let own = &settings.writer;
+    let value = json!({
+        "attempt": own.attempt,
+        "host": own.host,
+        "shard": settings.shard.to_string(),
+        "job": std::env::var("SLURM_JOB_ID").ok(),
+        "begun_unix_s": begun.duration_since(UNIX_EPOCH).map_or(0, |t| t.as_secs()),
+        "wall_s": wall,
+        "threads": settings.threads,
+        "points": outcome.points,
+        "skipped": outcome.skipped,
+        "reused": outcome.reused,
+        "computed": outcome.computed,
+        "failed": outcome.failed,
+        "troubles": outcome.troubles.len(),
+        "ended": ended,
+    });
+    let path = folder.attempts().join(format!("{}.json", own.attempt));
+    Ok(write_whole(&path, format!("{value:#}\n").as_bytes(), &own.attempt)?)
+}
+
+/// The name of this machine.
+fn host() -> String {
+    let named = ["SLURMD_NODENAME", "HOSTNAME"].iter().find_map(|name| std::env::var(name).ok());
+    let own = || std::fs::read_to_string("/proc/sys/kernel/hostname").ok().map(|name| name.trim().to_owned());
+    named.or_else(own).filter(|name| !name.is_empty()).unwrap_or_else(|| "unknown".into())
+}
+
+/// A name that no other attempt has.
+fn attempt() -> String {
+    let now = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |t| t.as_nanos());
+    let text = format!("{} {} {now}", host(), std::process::id());
+    blake3::hash(text.as_bytes()).to_hex()[..12].to_owned()
+}
