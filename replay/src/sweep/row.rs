@@ -75,7 +75,11 @@ impl Row {
 
     /// The row of a report, with what its columns are.
     pub fn new(key: Key, report: &Report) -> (Self, Vec<Column>) {
-        let value = serde_json::to_value(report).unwrap_or_default();
+        Self::of_json(key, &serde_json::to_value(report).unwrap_or_default())
+    }
+
+    /// The row of a report as `rayreel replay --json` prints it.
+    pub fn of_json(key: Key, value: &Value) -> (Self, Vec<Column>) {
         let mut own = Figures::default();
         for (name, unit, text) in FIGURES {
             if !LEFT_OUT.contains(name) && !GROUPS.contains(name) {
@@ -86,7 +90,10 @@ impl Row {
             for name in ["power_w", "energy_mj", "energy_per_ray_nj", "perf_per_watt"] {
                 let of = FIGURES.iter().find(|(key, ..)| key == &name).map_or(("", ""), |(_, unit, text)| (unit, text));
                 let what = if *group == "gpu" { "whole GPU" } else { "T&I units with their L2 and DRAM energy" };
-                let text = format!("{what}: {}", of.1.replace(" of the T&I units alone, the group ti of energy", ""));
+                let text = format!(
+                    "{what}: {}",
+                    of.1.replace(", the group ti of energy", "").replace(" of the T&I units alone", "")
+                );
                 own.add(&format!("{group}_{name}"), of.0, &text, value[*group][name].clone());
             }
         }
