@@ -17,7 +17,7 @@ enum Step<'a, S: PathSource> {
     /// The next frame is read.
     Read(u32, Mutex<Option<Frame>>),
     /// A job replays this one.
-    Replay(Mutex<Task<'a, Held<Stoppable<'a, S>>>>),
+    Replay(Box<Mutex<Task<'a, Held<Stoppable<'a, S>>>>>),
 }
 
 impl<S: PathSource> Step<'_, S> {
@@ -42,7 +42,7 @@ pub fn run<S: PathSource>(jobs: &[&Job], source: &S, mut tell: impl FnMut(u64, u
     let tree = jobs.iter().any(|job| !job.simulated.is_empty()).then(|| source.topology());
     let mut steps = vec![Step::Read(frames.start, Mutex::new(None))];
     for &job in jobs {
-        steps.push(Step::Replay(Mutex::new(Task::new(job, &held)?)));
+        steps.push(Step::Replay(Box::new(Mutex::new(Task::new(job, &held)?))));
     }
     let threads = rayon::current_num_threads();
     pool(&steps[..1], threads, |step| step.run(&held, frames.start, None))?;
