@@ -15,6 +15,7 @@ mod compute;
 pub mod decoded;
 pub mod estimate;
 pub mod folder;
+pub mod known;
 pub mod merge;
 pub mod plan;
 pub mod point;
