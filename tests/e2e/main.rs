@@ -9,6 +9,7 @@ mod common;
 mod replay_common;
 
 mod browser;
+mod compare;
 mod damage;
 mod determinism;
 mod every_scene;
@@ -18,11 +19,14 @@ mod goldens;
 mod help;
 #[cfg(unix)]
 mod kill;
+mod page;
 mod paper;
 mod policies;
+mod readers;
 mod repair;
 mod replay_json;
 mod report;
 mod stand_in;
 mod sweep;
+mod sweep_page;
 mod tamper;

@@ -8,6 +8,7 @@ use serde_json::{Map, Value};
 use crate::report::Report;
 use crate::report::keys::FIGURES;
 use crate::sweep::point::Key;
+use crate::sweep::results::Role;
 
 /// A result.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -65,6 +66,12 @@ const KINDS: &[&str] = &["primary", "reflection", "refraction", "shadow"];
 /// Whether results have a figure of this name.
 pub fn is_figure(name: &str) -> bool {
     FIGURES.iter().any(|(key, ..)| *key == name)
+}
+
+/// Whether a column of a row is a figure or a counter.
+pub fn role_of(name: &str) -> Role {
+    let grouped = GROUPS.iter().any(|group| name.strip_prefix(group).is_some_and(|rest| rest.starts_with('_')));
+    if is_figure(name) || grouped { Role::Figure } else { Role::Counter }
 }
 
 impl Row {

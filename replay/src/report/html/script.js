@@ -88,7 +88,8 @@
   });
   document.addEventListener("pointerdown", (event) => {
     const mark = markOf(event);
-    if (mark) showTip(mark.dataset.tip, event.clientX, event.clientY); else hideTip();
+    if (mark) showTip(mark.dataset.tip, event.clientX, event.clientY);
+    else if (!event.target.closest?.("[data-own-tip]")) hideTip();
   });
   addEventListener("scroll", hideTip, { passive: true });
   for (const chart of document.querySelectorAll("svg.chart")) {

@@ -19,6 +19,8 @@ pub struct Change {
     pub unit: String,
     /// What it is.
     pub description: String,
+    /// Whether it is a figure or a counter.
+    pub role: Role,
     /// How many points changed by more than the tolerance.
     pub changed: usize,
     /// How many points have it on either side.
@@ -122,6 +124,7 @@ fn change(a: &Field, b: &Field, pairs: &Pairs, tolerance: f64) -> Option<Change>
         name: b.name.clone(),
         unit: b.unit.clone(),
         description: b.description.clone(),
+        role: b.role,
         changed,
         compared,
         largest,

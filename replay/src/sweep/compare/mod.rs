@@ -15,7 +15,7 @@ pub use select::Select;
 
 use self::pairs::Pairs;
 use crate::error::Result;
-use crate::sweep::results::Results;
+use crate::sweep::results::{Results, Role};
 
 /// What to compare.
 #[derive(Clone, Debug, Default)]
@@ -35,8 +35,10 @@ pub struct Comparison {
     pub points: [usize; 2],
     /// Points of both.
     pub matched: usize,
-    /// Columns of figures and counters that were compared.
-    pub columns: usize,
+    /// Columns of figures that were compared.
+    pub figures: usize,
+    /// Columns of counters that were compared.
+    pub counters: usize,
     /// Points of A alone.
     pub vanished: Vec<String>,
     /// Points of B alone.
@@ -65,7 +67,8 @@ impl Comparison {
         Ok(Self {
             points: [a.rows(), b.rows()],
             matched: pairs.both.len(),
-            columns: columns.len(),
+            figures: columns.iter().filter(|(_, b)| b.role == Role::Figure).count(),
+            counters: columns.iter().filter(|(_, b)| b.role == Role::Counter).count(),
             vanished: pairs.vanished.clone(),
             appeared: pairs.appeared.clone(),
             columns_vanished,
@@ -74,6 +77,11 @@ impl Comparison {
             configuration: change::configuration([a, b], &pairs, options),
             results,
         })
+    }
+
+    /// How many columns of a role were compared.
+    pub fn columns_of(&self, role: Role) -> usize {
+        if role == Role::Figure { self.figures } else { self.counters }
     }
 
     /// Whether anything did.

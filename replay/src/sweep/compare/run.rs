@@ -6,7 +6,7 @@ use serde_json::Value;
 
 use crate::error::{ReplayError, Result};
 use crate::sweep::results::{Cells, Field, Heading, Results, Role};
-use crate::sweep::row::{Row, is_figure};
+use crate::sweep::row::{Row, role_of};
 
 /// Columns by which two runs are not matched: whoever names two files means these two.
 pub const ACROSS: &[&str] = &["trace", "first_frame", "frames", "machine", "policy"];
@@ -40,7 +40,7 @@ pub fn decode(bytes: &[u8], path: &Path) -> Result<Results> {
             own if own.is_i64() => Cells::Int(vec![own.as_i64()]),
             own => Cells::Float(vec![own.as_f64()]),
         };
-        let role = if is_figure(&column.name) { Role::Figure } else { Role::Counter };
+        let role = role_of(&column.name);
         fields.push(field(&column.name, role, &column.unit, &column.description, cells));
     }
     let machine: Vec<String> = value["machine_config"]

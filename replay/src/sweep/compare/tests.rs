@@ -26,7 +26,7 @@ fn equal_tables_are_equal_whatever_their_keys_and_order() {
     b.fields[0] = words("key", Role::Point, &["other", "keys"]);
     let own = compare(&a, &b);
     assert!(!own.changed(), "{own:?}");
-    assert_eq!((own.matched, own.columns), (2, 1));
+    assert_eq!((own.matched, own.figures), (2, 1));
 }
 
 #[test]
@@ -89,7 +89,7 @@ fn configuration_states_and_columns_are_compared_too() {
     assert_eq!(own.columns_appeared, ["fps"]);
     let select = Select::new(&["time*".into(), "ti.*".into()], &["*.trv".into()]).unwrap();
     let own = Comparison::new(&a, &b, &Options { select, ..Options::default() }).unwrap();
-    assert!(own.configuration.is_empty() && own.columns_appeared.is_empty() && own.columns == 1, "{own:?}");
+    assert!(own.configuration.is_empty() && own.columns_appeared.is_empty() && own.figures == 1, "{own:?}");
     assert!(Select::new(&["***".into()], &[]).unwrap_err().to_string().contains("***"));
 }
 
