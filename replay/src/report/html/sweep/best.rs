@@ -1,6 +1,6 @@
 //! The best points for an objective, and what they change of their presets.
 
-use super::super::parts::{Column, Section, details, how_to_read, table};
+use super::super::parts::{Column, Section, details, table};
 use super::super::text::escape;
 use super::summary::cells;
 use super::view::View;
@@ -23,10 +23,11 @@ pub fn section(view: &View<'_>) -> Option<Section> {
          <option value=\"max\">most</option></select></label>\
          <label class=\"wide\">for each <select id=\"best-each\"></select></label></div>\n";
     let groups: String = view.groups().iter().take(GROUPS).map(|group| part(view, objective, group)).collect();
-    let read = "What a point changes of the presets that it is made of stands as overrides (--set). Of machine and policy files, which \
-                this page does not have, every value stands there that varies in the sweep. The first of each table has its whole \
-                configuration below.";
-    let html = format!("{controls}<div id=\"best-tables\">\n{groups}</div>\n{}", how_to_read(read));
+    let read = "<p class=\"read\">What a point changes of the presets that it is made of stands as overrides (--set). Of machine and \
+                policy files, which this page does not have, every value stands there that varies in the sweep. \
+                <span class=\"no-js\">The first of each table has its whole configuration below it.</span>\
+                <span class=\"only-js\">Click on the number of a point for its whole configuration.</span></p>\n";
+    let html = format!("{controls}<div id=\"best-tables\">\n{groups}</div>\n{read}");
     Section::new("best", "Best points", html)
 }
 
