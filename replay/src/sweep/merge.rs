@@ -243,7 +243,7 @@ impl Table<'_> {
         let config = |name: &str, text: &str, cells| Field { role: Role::Config, ..self.point(name, text, cells) };
         let fingerprints = self.each(|p| Some(self.plan.traces[p.trace].fingerprint.clone()));
         Ok(vec![
-            config("machine_config", "every value of the machine, key = value, one a line", Cells::Text(machines)),
+            config("machine_config", "every value of the machine, JSON", Cells::Text(machines)),
             config("policy_config", "every value of the policy, JSON", Cells::Text(policies)),
             config("trace_fingerprint", "hash of what the trace holds", Cells::Text(fingerprints)),
             config("model_version", "version of the model", Cells::Int(self.each(|_| Some(MODEL_VERSION.into())))),
