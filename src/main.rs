@@ -14,6 +14,7 @@ mod repair;
 mod replay;
 mod report;
 mod scenes;
+mod traces;
 mod verify;
 
 use std::process::ExitCode;
@@ -79,6 +80,9 @@ fn main() -> ExitCode {
         Command::Diff(args) => diff::run(&args),
         Command::Repair(args) => repair::run(&args),
     };
+    if !quiet {
+        traces::tell_traffic();
+    }
     match result {
         Ok(exit) => exit.into(),
         // Whoever reads our output has seen enough (`rayreel scenes list | head -1`).
