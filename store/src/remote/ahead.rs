@@ -45,7 +45,9 @@ impl Ahead {
         let Some(first) = pieces.get(at).filter(|piece| piece.range == wanted) else { return wanted };
         let mut runs = self.runs.lock().unwrap_or_else(PoisonError::into_inner);
         let before = runs.iter().position(|&(end, _)| end == wanted.start).and_then(|at| runs.remove(at));
-        let window = before.map_or(0, |(_, len)| (2 * len).min(WINDOW_MAX));
+        // What lies before the first frame says nothing of how frames are read.
+        let same_frame = at.checked_sub(1).is_some_and(|before| pieces[before].frame == first.frame);
+        let window = before.filter(|_| same_frame).map_or(0, |(_, len)| (2 * len).min(WINDOW_MAX));
         let mut end = wanted.end;
         for piece in &pieces[at + 1..] {
             if piece.frame != first.frame || piece.range.end - wanted.start > window || held(&piece.range) {
@@ -95,10 +97,18 @@ mod tests {
     fn runs_grow_and_end_with_the_frame() {
         let ahead = ahead();
         let mut at = 1000;
-        for end in [1100, 1300, 1700, 2000, 2200, 2600] {
+        for end in [1100, 1300, 1700, 2000, 2100, 2300, 2700] {
             assert_eq!(ahead.extend(at..at + 100, |_| false), at..end);
             at = end;
         }
+    }
+
+    #[test]
+    fn a_run_ends_with_its_frame() {
+        let ahead = ahead();
+        assert_eq!(ahead.extend(1900..2000, |_| false), 1900..2000);
+        assert_eq!(ahead.extend(2000..2100, |_| false), 2000..2100);
+        assert_eq!(ahead.extend(2100..2200, |_| false), 2100..2300);
     }
 
     #[test]

@@ -34,16 +34,17 @@ const LABEL: &str = "object";
 /// The blocks of one version of an object.
 #[derive(Debug)]
 pub(super) struct Disk {
+    cache: CacheFolder,
     folder: PathBuf,
     key: blake3::Hash,
     known: Mutex<Known>,
-    /// Bytes that may still be added.
-    room: AtomicU64,
+    /// Bytes that may still be added; none once nothing else can be dropped.
+    room: Mutex<Option<u64>>,
     /// Makes names of unfinished files differ between threads.
     counter: AtomicU64,
 }
 
-/// Blocks that were there when the folder was listed, by start: the end of the longest.
+/// Blocks that are there, as far as is known: their ends by their starts. None lies within another.
 #[derive(Debug)]
 struct Known {
     blocks: BTreeMap<u64, u64>,
@@ -71,10 +72,10 @@ impl Disk {
                 format!("cannot write into the cache {}: {error}; {hint}", cache.path.display()),
             )
         })?;
-        let used = trim(cache, &folder);
+        let used = trim(cache, &folder, cache.max_bytes);
         let known = Known { blocks: list(&folder), listed: Instant::now() };
-        let room = AtomicU64::new(cache.max_bytes.saturating_sub(used));
-        Ok(Self { folder, key, known: Mutex::new(known), room, counter: AtomicU64::new(0) })
+        let room = Mutex::new(Some(cache.max_bytes.saturating_sub(used)));
+        Ok(Self { cache: cache.clone(), folder, key, known: Mutex::new(known), room, counter: AtomicU64::new(0) })
     }
 
     fn lock(&self) -> MutexGuard<'_, Known> {
@@ -118,18 +119,30 @@ impl Disk {
         whole
     }
 
+    /// Whether `len` bytes may be added. Drops other objects if there is no room for them, some more than needed, so that this
+    /// is seldom done.
+    fn take_room(&self, len: u64) -> bool {
+        let mut room = self.room.lock().unwrap_or_else(PoisonError::into_inner);
+        let Some(mut left) = *room else { return false };
+        if left < len {
+            let used = trim(&self.cache, &self.folder, self.cache.max_bytes / 4 * 3);
+            left = self.cache.max_bytes.saturating_sub(used);
+        }
+        *room = left.checked_sub(len);
+        room.is_some()
+    }
+
     /// Keeps a block, if there is room. A disk that is full or a folder that is gone is no error: the bytes are here.
     pub(super) fn store(&self, range: &Range<u64>, bytes: &[u8]) {
-        let len = bytes.len() as u64;
-        let take = |room: u64| room.checked_sub(len);
-        if self.room.fetch_update(Ordering::Relaxed, Ordering::Relaxed, take).is_err() {
+        if !self.take_room(bytes.len() as u64) {
             return;
         }
         let number = self.counter.fetch_add(1, Ordering::Relaxed);
         let unfinished = self.folder.join(format!(".{}-{number}", std::process::id()));
         let hash = self.hash(range, bytes);
         if write_whole(&unfinished, &self.folder.join(name(range)), &[bytes, hash.as_bytes()]).is_ok() {
-            add(&mut self.lock().blocks, range);
+            let needless = add(&mut self.lock().blocks, range);
+            needless.iter().for_each(|old| _ = fs::remove_file(self.folder.join(name(old))));
         }
     }
 
@@ -159,15 +172,22 @@ fn range_of(name: &str) -> Option<Range<u64>> {
     (len > 0).then_some(start..start.checked_add(len)?)
 }
 
-/// The block of the nearest start; a longer one that starts before it may be overlooked, which costs a request.
+/// The block that holds `wanted`. Since none lies within another, that is the one of the nearest start, or none.
 fn known(blocks: &BTreeMap<u64, u64>, wanted: &Range<u64>) -> Option<Range<u64>> {
     let (&start, &end) = blocks.range(..=wanted.start).next_back()?;
     contains(&(start..end), wanted).then_some(start..end)
 }
 
-fn add(blocks: &mut BTreeMap<u64, u64>, range: &Range<u64>) {
-    let end = blocks.entry(range.start).or_insert(range.end);
-    *end = range.end.max(*end);
+/// Adds a block unless another holds all of it; gives those that it makes needless, which are gone from the map.
+fn add(blocks: &mut BTreeMap<u64, u64>, range: &Range<u64>) -> Vec<Range<u64>> {
+    if known(blocks, range).is_some() {
+        return Vec::new();
+    }
+    let within = blocks.range(range.start..range.end).filter(|&(_, &end)| end <= range.end);
+    let within: Vec<Range<u64>> = within.map(|(&start, &end)| start..end).collect();
+    within.iter().for_each(|old| _ = blocks.remove(&old.start));
+    blocks.insert(range.start, range.end);
+    within
 }
 
 fn names(folder: &Path) -> impl Iterator<Item = String> {
@@ -177,13 +197,13 @@ fn names(folder: &Path) -> impl Iterator<Item = String> {
 
 fn list(folder: &Path) -> BTreeMap<u64, u64> {
     let mut blocks = BTreeMap::new();
-    names(folder).filter_map(|name| range_of(&name)).for_each(|range| add(&mut blocks, &range));
+    names(folder).filter_map(|name| range_of(&name)).for_each(|range| _ = add(&mut blocks, &range));
     blocks
 }
 
 /// Drops what killed processes left in this object's folder, and other objects, those not opened for longest first, until the
-/// cache holds no more than it may. Gives the bytes of the blocks that are left. Whoever reads a dropped object fetches again.
-fn trim(cache: &CacheFolder, own: &Path) -> u64 {
+/// cache holds at most `target` bytes. Gives the bytes of the blocks that are left. Whoever reads a dropped object fetches again.
+fn trim(cache: &CacheFolder, own: &Path, target: u64) -> u64 {
     for name in names(own).filter(|name| name.starts_with('.')) {
         let path = own.join(name);
         if age(&path).is_some_and(|age| age > ABANDONED) {
@@ -202,7 +222,7 @@ fn trim(cache: &CacheFolder, own: &Path) -> u64 {
     objects.sort();
     let mut total: u64 = objects.iter().map(|(_, _, bytes)| bytes).sum();
     for (_, folder, bytes) in objects.iter().filter(|(_, folder, _)| folder != own) {
-        if total <= cache.max_bytes {
+        if total <= target {
             break;
         }
         // A reader that adds a block meanwhile keeps the folder alive; it is dropped another time.
@@ -214,4 +234,55 @@ fn trim(cache: &CacheFolder, own: &Path) -> u64 {
 
 fn age(path: &Path) -> Option<Duration> {
     SystemTime::now().duration_since(File::open(path).ok()?.metadata().ok()?.modified().ok()?).ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_block_lies_within_another() {
+        let mut blocks = BTreeMap::new();
+        let mut put = |range: Range<u64>| add(&mut blocks, &range);
+        assert_eq!(put(10..20), []);
+        assert_eq!(put(12..15), [], "held already");
+        assert_eq!(put(25..30), []);
+        assert_eq!(put(18..28), []);
+        assert_eq!(put(5..22), [10..20]);
+        assert_eq!(blocks, BTreeMap::from([(5, 22), (18, 28), (25, 30)]));
+        for (wanted, held) in [(6..22, Some(5..22)), (19..28, Some(18..28)), (6..23, None), (26..30, Some(25..30))] {
+            assert_eq!(known(&blocks, &wanted), held, "{wanted:?}");
+        }
+    }
+
+    #[test]
+    fn names_are_read_back() {
+        assert_eq!(range_of(&name(&(255..1000))), Some(255..1000));
+        assert_eq!(["object", ".12-3", "5-0", "ffffffffffffffff-1", "x-1", ""].map(range_of), [const { None }; 6]);
+    }
+
+    /// What a killed process leaves is never taken for a block, and goes when it is old.
+    #[test]
+    fn blocks_are_complete_or_absent() {
+        let folder = tempfile::tempdir().unwrap();
+        let cache = CacheFolder { path: folder.path().to_path_buf(), max_bytes: 1000 };
+        let disk = Disk::open(&cache, "s3://a/b", "one 5000").unwrap();
+        disk.store(&(100..104), b"abcd");
+        fs::write(disk.folder.join(".77-1"), b"ab").unwrap();
+        let again = Disk::open(&cache, "s3://a/b", "one 5000").unwrap();
+        assert_eq!(again.find(&(101..103)), Some(100..104));
+        assert_eq!(again.load(&(100..104)), Some(b"abcd".to_vec()));
+        assert!(again.folder.join(".77-1").exists(), "its process may live");
+        let file = File::options().write(true).open(again.folder.join(".77-1")).unwrap();
+        file.set_modified(SystemTime::now() - 2 * ABANDONED).unwrap();
+        Disk::open(&cache, "s3://a/b", "one 5000").unwrap();
+        assert!(!again.folder.join(".77-1").exists());
+        for damaged in [&b"abcd"[..], b"", b"abcdefghijklmnopqrstuvwxyzabcdefghij"] {
+            disk.store(&(100..104), b"abcd");
+            fs::write(disk.folder.join("64-4"), damaged).unwrap();
+            let again = Disk::open(&cache, "s3://a/b", "one 5000").unwrap();
+            assert_eq!((again.load(&(100..104)), again.find(&(100..104))), (None, None));
+        }
+        assert_eq!(Disk::open(&cache, "s3://a/b", "two 5000").unwrap().find(&(100..104)), None, "another version");
+    }
 }

@@ -19,8 +19,12 @@ pub(super) fn explain(error: &Error) -> io::Error {
             let detail = format!("access is denied; are the credentials in the environment? {cause}");
             io::Error::new(io::ErrorKind::PermissionDenied, detail)
         }
-        Error::NotSupported { .. } => io::Error::new(io::ErrorKind::Unsupported, cause),
-        _ if cause.contains("non-partial response") => {
+        _ if cause.contains("URL scheme is not allowed") => io::Error::new(
+            io::ErrorKind::InvalidInput,
+            "the endpoint is plain http://, which needs AWS_ALLOW_HTTP=true",
+        ),
+        // HTTP stores say so by kind, the others in words.
+        _ if matches!(error, Error::NotSupported { .. }) || cause.contains("non-partial response") => {
             io::Error::new(io::ErrorKind::Unsupported, "the server does not serve parts of files (range requests)")
         }
         _ => io::Error::other(cause),
