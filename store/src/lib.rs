@@ -66,3 +66,17 @@ fn connect(_: &str, _: &Location, _: &Options) -> io::Result<Box<dyn rayreel_for
     let how = "this build reads local files only; build rayreel with `cargo build --release --features s3`";
     Err(io::Error::new(io::ErrorKind::Unsupported, how))
 }
+
+#[cfg(all(test, not(feature = "s3")))]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_url_says_how_to_build() {
+        let Err(Error::Io { path, source, .. }) = open("s3://bucket/a.rtrace?key=secret", &Options::default()) else {
+            panic!("a URL without the feature");
+        };
+        assert_eq!(path.to_str(), Some("s3://bucket/a.rtrace"));
+        assert!(source.to_string().contains("--features s3"), "{source}");
+    }
+}

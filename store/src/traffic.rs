@@ -41,12 +41,8 @@ impl Traffic {
 
 impl fmt::Display for Traffic {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(
-            f,
-            "{} bytes in {} requests, {} bytes from the cache",
-            self.fetched_bytes(),
-            self.requests(),
-            self.cached_bytes()
-        )
+        let plural = if self.requests() == 1 { "" } else { "s" };
+        let (fetched, requests, cached) = (self.fetched_bytes(), self.requests(), self.cached_bytes());
+        write!(f, "{fetched} bytes in {requests} request{plural}, {cached} bytes from the cache")
     }
 }

@@ -10,7 +10,7 @@ use rayreel_formats::container::ChunkId;
 use rayreel_formats::tile::Column;
 use rayreel_formats::trace::Trace;
 use rayreel_replay::{NamedPolicy, Options as ReplayOptions, replay_each};
-use rayreel_store::{Location, Options};
+use rayreel_store::Options;
 
 use crate::moto::Moto;
 use crate::server::Server;
@@ -55,7 +55,7 @@ fn read_a_twentieth(url: &str, file: &Path) {
                 tiles += 1;
             }
         }
-        report(what, &local, &*wanted, tiles, traffic.fetched_bytes() - opened, traffic.requests() - before);
+        report(what, &local, wanted, tiles, traffic.fetched_bytes() - opened, traffic.requests() - before);
     }
     // A replay of one frame of twenty.
     let (trace, traffic, opened) = far();
@@ -101,7 +101,7 @@ fn what_is_read_is_what_is_sent() {
     read_a_twentieth(&server.url(), file);
     server.sent();
     let options = Options::default();
-    let trace = rayreel_store::open(&Location::from(server.url().as_str()), &options).unwrap();
+    let trace = rayreel_store::open(server.url().as_str(), &options).unwrap();
     let sent = server.sent();
     let bytes = |sent: &[Range<usize>]| sent.iter().map(|range| range.len() as u64).sum::<u64>();
     println!("opening: {} bytes in {} requests", bytes(&sent), sent.len());
