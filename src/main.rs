@@ -15,6 +15,7 @@ mod replay;
 mod report;
 mod scenes;
 mod sweep;
+mod traces;
 mod verify;
 
 use std::process::ExitCode;
@@ -82,6 +83,9 @@ fn main() -> ExitCode {
         Command::Diff(args) => diff::run(&args),
         Command::Repair(args) => repair::run(&args),
     };
+    if !quiet {
+        traces::tell_traffic();
+    }
     match result {
         Ok(exit) => exit.into(),
         // Whoever reads our output has seen enough (`rayreel scenes list | head -1`).
