@@ -12,6 +12,7 @@
 mod compute;
 pub mod decoded;
 pub mod estimate;
+pub mod export;
 pub mod folder;
 pub mod merge;
 pub mod plan;
@@ -21,5 +22,8 @@ pub mod row;
 pub mod run;
 pub mod segment;
 pub mod shard;
+pub mod shell;
+pub mod slurm;
 pub mod status;
+pub mod submission;
 pub mod version;
