@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use anyhow::{Result, bail};
 use rayreel_replay::sweep::folder::Folder;
+use rayreel_replay::sweep::shell::quote;
 use rayreel_replay::sweep::slurm::sbatch::parts;
 use rayreel_replay::sweep::submission::Submission;
 
@@ -40,7 +41,7 @@ pub fn run(args: &Args) -> Result<Exit> {
         return Ok(Exit::Done);
     }
     slurm::cancel(&jobs)?;
-    let sweep = folder.path().display();
+    let sweep = quote(&folder.path().display().to_string());
     print(&format!("cancelled {}; `rayreel sweep resume {sweep}` goes on\n", jobs.join(", ")))?;
     Ok(Exit::Done)
 }

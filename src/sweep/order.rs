@@ -6,7 +6,7 @@ use std::time::{Duration, SystemTime, UNIX_EPOCH};
 use anyhow::{Context, Result};
 use rayreel_replay::sweep::folder::{Folder, write_whole};
 use rayreel_replay::sweep::plan::LAYOUT;
-use rayreel_replay::sweep::shell::line;
+use rayreel_replay::sweep::shell::{line, quote};
 use rayreel_replay::sweep::slurm::arrays::{Array, running, split};
 use rayreel_replay::sweep::slurm::limits::Limits;
 use rayreel_replay::sweep::slurm::queue::Task;
@@ -45,7 +45,7 @@ pub struct How<'a> {
 /// Submits the shards that miss points and are not in the queue.
 pub fn carry_out(folder: &Folder, order: &Order, limits: Limits, how: How<'_>) -> Result<Exit> {
     let own = status(folder)?;
-    let sweep = folder.path().display();
+    let sweep = quote(&folder.path().display().to_string());
     let missing = own.shards(order.shards);
     if missing.is_empty() {
         print(&format!("all {} points are there: `rayreel sweep merge {sweep}`\n", own.points))?;
@@ -54,7 +54,10 @@ pub fn carry_out(folder: &Folder, order: &Order, limits: Limits, how: How<'_>) -
     let queued = |shard: &usize| how.active.iter().any(|(own, _)| own == shard);
     let todo: Vec<usize> = missing.iter().copied().filter(|shard| !queued(shard)).collect();
     if todo.is_empty() {
-        print(&format!("all {} shards that miss points are in the queue: `rayreel sweep status {sweep}`\n", missing.len()))?;
+        print(&format!(
+            "all {} shards that miss points are in the queue: `rayreel sweep status {sweep}`\n",
+            missing.len()
+        ))?;
         return match how.last {
             Some(last) if how.args.wait => wait(folder, last),
             _ => Ok(Exit::Incomplete),
@@ -172,7 +175,7 @@ impl<'a> Batch<'a> {
             self.count(),
             own.shards,
             own.merge.as_deref().unwrap_or_default(),
-            self.folder.path().display(),
+            quote(&self.folder.path().display().to_string()),
         ))?;
         Ok(own)
     }
@@ -201,7 +204,9 @@ impl<'a> Batch<'a> {
         }
         match slurm::cancel(&jobs) {
             Ok(()) => error.context(format!("jobs {} were submitted before, and cancelled", jobs.join(", "))),
-            Err(second) => error.context(format!("jobs {} were submitted before and run on: {second:#}", jobs.join(", "))),
+            Err(second) => {
+                error.context(format!("jobs {} were submitted before and run on: {second:#}", jobs.join(", ")))
+            }
         }
     }
 }

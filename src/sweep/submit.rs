@@ -6,6 +6,7 @@ use anyhow::{Result, bail};
 use rayreel_replay::sweep::estimate;
 use rayreel_replay::sweep::folder::Folder;
 use rayreel_replay::sweep::shard::Shard;
+use rayreel_replay::sweep::shell::quote;
 use rayreel_replay::sweep::slurm::limits::Limits;
 use rayreel_replay::sweep::slurm::sbatch::{self, Options};
 use rayreel_replay::sweep::submission::Submission;
@@ -137,7 +138,7 @@ pub fn run(args: &Args, quiet: bool) -> Result<Exit> {
              stops it (it is {1})",
             task.job,
             task.state.to_lowercase(),
-            args.sweep.display(),
+            quote(&args.sweep.display().to_string()),
         );
     }
     let run = ["--flush", &args.flush, "--memory", &args.memory.to_string()].map(String::from).to_vec();
@@ -159,7 +160,7 @@ pub fn limits(folder: &Folder, dry_run: bool) -> Result<Limits> {
         return slurm::limits();
     }
     if !dry_run {
-        let sweep = folder.path().display();
+        let sweep = quote(&folder.path().display().to_string());
         bail!("no sbatch in PATH: this is no login node of a Slurm cluster; `rayreel sweep run {sweep}` computes here");
     }
     eprintln!("no Slurm here: with its default limits");
@@ -179,7 +180,7 @@ fn estimated(folder: &Folder, each: f64) -> Result<usize> {
 fn local(folder: &Folder, args: &Args, quiet: bool) -> Result<Exit> {
     let points = folder.plan().points.len();
     if args.how.dry_run {
-        let sweep = folder.path().display();
+        let sweep = quote(&folder.path().display().to_string());
         print(&format!("no cluster: `rayreel sweep run {sweep}` and `merge`, {points} points on this machine\n"))?;
         return Ok(Exit::Done);
     }

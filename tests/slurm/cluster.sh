@@ -41,15 +41,13 @@ gone() { # PID: a zombie is gone too, for the first process of a container may r
     case $state in Z*) return 0 ;; *) return 1 ;; esac
 }
 
-job_processes() { # VARIABLE=VALUE: processes of this cluster's jobs that have it in their environment
-    local file text
-    for file in /proc/[0-9]*/environ; do
-        text=$({ tr '\0' '\n' < "$file"; } 2> /dev/null || true)
-        if grep -qx "SLURM_CLUSTER_NAME=$name" <<< "$text" && grep -qx "$1" <<< "$text"; then
-            file=${file#/proc/}
-            echo "${file%/environ}"
-        fi
+job_processes() { # VARIABLE=VALUE...: processes of this cluster's jobs that have all of them in their environment
+    local found=(/proc/[0-9]*/environ) variable
+    for variable in "SLURM_CLUSTER_NAME=$name" "$@"; do
+        # Processes come and go meanwhile, and those of others cannot be read.
+        mapfile -t found < <(grep -lzxF -e "$variable" "${found[@]}" /dev/null 2> /dev/null || true)
     done
+    sed 's:/proc/\([0-9]*\)/.*:\1:' <<< "$(printf '%s\n' "${found[@]}")"
 }
 
 configure() {
@@ -165,16 +163,14 @@ kill_node() { # the daemon, the stepds that would report the end of the jobs, an
     rm -f "$dir/run/slurmd-n$1.pid"
     for pid in $(job_processes "SLURMD_NODENAME=n$1"); do
         parent=$(ps -o ppid= -p "$pid" | tr -d ' ' || true)
-        case $(ps -o args= -p "${parent:-0}" || true) in slurmstepd*) kill -9 "$parent" 2> /dev/null || true ;; esac
+        case $(ps -o args= -p "${parent:-1}" || true) in slurmstepd*) kill -9 "$parent" 2> /dev/null || true ;; esac
         kill -9 "$pid" 2> /dev/null || true
     done
 }
 
 kill_task() {
     local pid
-    for pid in $(job_processes "SLURM_ARRAY_TASK_ID=$2"); do
-        ! tr '\0' '\n' < "/proc/$pid/environ" 2> /dev/null | grep -qx "SLURM_ARRAY_JOB_ID=$1" || kill -9 "$pid" 2> /dev/null || true
-    done
+    for pid in $(job_processes "SLURM_ARRAY_JOB_ID=$1" "SLURM_ARRAY_TASK_ID=$2"); do kill -9 "$pid" 2> /dev/null || true; done
 }
 
 case ${1:-} in

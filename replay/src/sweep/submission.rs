@@ -166,3 +166,47 @@ pub fn claim(folder: &Folder) -> Result<u32> {
 pub fn next(folder: &Folder) -> Result<u32> {
     Ok(Submission::last(folder)?.map_or(1, |last| last.number + 1))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sweep::slurm::queue;
+
+    fn own() -> Submission {
+        let jobs = |job: &str, offset: usize, tasks: &str| Jobs { job: job.into(), offset, tasks: tasks.into() };
+        Submission {
+            layout: LAYOUT,
+            number: 2,
+            engine: SLURM.into(),
+            plan: "8c62bfbd01234567".into(),
+            shards: 1500,
+            arrays: vec![jobs("7;alpha", 0, "0-1000"), jobs("8;alpha", 1001, "0-498")],
+            merge: Some("9;alpha".into()),
+            options: Options::default(),
+            run: Vec::new(),
+            patience: "90s".into(),
+            commands: Vec::new(),
+            submitted_unix_s: 0,
+        }
+    }
+
+    #[test]
+    fn active_shards_are_those_of_tasks_that_may_still_run() {
+        let tasks = queue::parse(
+            "7|3|RUNNING|None\n8|2|PENDING|Resources\n8|3|FAILED|None\n9|N/A|PENDING|Dependency\n1|1|RUNNING|None",
+        );
+        assert_eq!(own().active(&tasks), [(3, "7".to_owned()), (1003, "8".to_owned())]);
+        assert_eq!(own().jobs().collect::<Vec<_>>(), ["7;alpha", "8;alpha", "9;alpha"]);
+    }
+
+    #[test]
+    fn records_are_read_as_they_were_written() {
+        let text = serde_json::to_vec(&own()).unwrap();
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("002.json");
+        fs::write(&file, &text).unwrap();
+        assert_eq!(Submission::read(&file).unwrap(), own());
+        fs::write(&file, &text[..text.len() / 2]).unwrap();
+        assert!(Submission::read(&file).unwrap_err().to_string().contains("is no record of a submission"));
+    }
+}

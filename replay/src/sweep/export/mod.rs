@@ -57,9 +57,8 @@ mod tests {
             plan: "8c62bfbd01234567",
             shards: 40,
         };
-        let files = |engine: &'static Engine| {
-            engine.files(fill).into_iter().map(move |(name, text)| (engine.name, name, text))
-        };
+        let files =
+            |engine: &'static Engine| engine.files(fill).into_iter().map(move |(name, text)| (engine.name, name, text));
         ENGINES.iter().flat_map(files).collect()
     }
 

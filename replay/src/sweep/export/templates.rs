@@ -50,5 +50,10 @@ pub const ENGINES: &[Engine] = &[
         begin: "./submit.sh QUEUE",
     },
     Engine { name: "hq", title: "HyperQueue", files: files! { "submit.sh": "hq-submit.sh" }, begin: "./submit.sh" },
-    Engine { name: "parallel", title: "GNU parallel", files: files! { "run.sh": "parallel-run.sh" }, begin: "./run.sh" },
+    Engine {
+        name: "parallel",
+        title: "GNU parallel",
+        files: files! { "run.sh": "parallel-run.sh" },
+        begin: "./run.sh",
+    },
 ];

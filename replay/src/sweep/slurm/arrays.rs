@@ -29,7 +29,9 @@ pub fn split(shards: &[usize], limits: Limits) -> Result<Vec<Array>> {
     let Limits { array_size: size, job_count } = limits;
     let refuse = |detail: String| Err(ReplayError::Usage { detail });
     if size < 2 {
-        return refuse(format!("this Slurm has no job arrays (MaxArraySize = {size}); ask its administrators for them"));
+        return refuse(format!(
+            "this Slurm has no job arrays (MaxArraySize = {size}); ask its administrators for them"
+        ));
     }
     // One more for the merge.
     if shards.len() >= job_count {

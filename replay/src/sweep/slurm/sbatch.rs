@@ -143,7 +143,8 @@ pub fn check(path: &Path) -> Result<()> {
 /// # Errors
 /// Neither.
 pub fn time(text: &str) -> Result<String, String> {
-    let wrong = || format!("{text:?} is no time limit; write 90m or 2h, or as Slurm does: 90 (minutes), 1:30:00, 1-12:00");
+    let wrong =
+        || format!("{text:?} is no time limit; write 90m or 2h, or as Slurm does: 90 (minutes), 1:30:00, 1-12:00");
     let (number, minutes) = match text.char_indices().next_back() {
         Some((at, 's')) => (&text[..at], 1.0 / 60.0),
         Some((at, 'm')) => (&text[..at], 1.0),
@@ -178,7 +179,8 @@ mod tests {
     #[test]
     fn lines_are_as_agreed() {
         let options = options();
-        let common = Common { name: "rayreel-8c62bfbd", options: &options, logs: Path::new("/data/50% off/s.sweep/logs") };
+        let common =
+            Common { name: "rayreel-8c62bfbd", options: &options, logs: Path::new("/data/50% off/s.sweep/logs") };
         let own = Array { offset: 1001, tasks: vec![0, 1, 2, 7] };
         assert_eq!(
             array(common, &own, Some(200), Path::new("/data/shard.sh")).join(" "),
