@@ -8,6 +8,7 @@ mod animation;
 mod cache;
 mod execute;
 mod jobs;
+mod live;
 mod plan;
 mod points;
 mod policies;
@@ -16,6 +17,7 @@ mod reference;
 mod rows;
 mod study;
 mod table;
+mod together;
 mod traces;
 
 use std::path::PathBuf;
@@ -52,7 +54,7 @@ pub struct Args {
     /// Image size in pixels; 128x64 by default, the paper's 2048x1024 with --full.
     #[arg(long, value_name = "WxH", value_parser = crate::common::size)]
     size: Option<(u32, u32)>,
-    /// Everything at the paper's size, and all frames of the animation: hours.
+    /// Everything at the paper's size, and all frames of the animation, at 1x1 samples: hours.
     #[arg(long)]
     full: bool,
     /// Scenes; the paper's five if none is named.

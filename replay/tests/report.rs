@@ -124,7 +124,7 @@ fn full_is_identical_and_no_comparison_is_null() {
     assert_eq!((same.sum.flip, same.sum.worst_tile_psnr_db, same.sum.worst_tile), (Some(0.0), None, None));
     let steady = report(5..7, Options::default(), &full);
     assert_eq!((steady.sum.flicker, steady.sum.flicker_db), (Some(0.0), None));
-    let none = report([5], Options { reference: false }, &full);
+    let none = report([5], Options { reference: false, ..Options::default() }, &full);
     assert_eq!((none.sum.psnr_db, none.sum.ssim, none.sum.identical), (None, None, None));
     assert_eq!((none.sum.flip, none.sum.worst_tile, none.sum.flicker), (None, None, None));
     let value: Value = serde_json::from_str(&none.to_json().unwrap()).unwrap();

@@ -8,7 +8,7 @@ use rayreel_replay::machine::config::NamedMachine;
 use rayreel_replay::report::study::Ablation;
 
 use super::Setup;
-use super::plan::{Grid, Job, Plan, TILE};
+use super::plan::{Compared, Grid, Job, Plan, TILE};
 use super::policies::MODES;
 use super::record::Record;
 
@@ -157,11 +157,11 @@ pub fn plan(setup: &Setup<'_>, plan: &mut Plan<'_>) -> Result<Vec<Planned>> {
         for &scene in &scenes {
             let grid = Grid { scene, size, samples: MODES[0].samples, tile: own.tile, frames: (0, 1) };
             let job = Job {
-                shot: plan.shot(&grid, 0, true),
+                shot: plan.shot(&grid, false),
                 policy: Arc::clone(&policy),
                 machine: machine.clone(),
                 simulated: if machine.is_some() { vec![0] } else { Vec::new() },
-                compared: true,
+                compared: Compared::Seen,
                 tiles: false,
                 pictures: Vec::new(),
             };

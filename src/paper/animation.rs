@@ -8,7 +8,7 @@ use rayreel_replay::image::psnr::{SquaredError, decibels};
 use rayreel_replay::report::study::{Map, Track, TrackFrame};
 
 use super::Setup;
-use super::plan::{Grid, Job, Kind, Picture, Plan, TILE};
+use super::plan::{Compared, Grid, Job, Kind, Picture, Plan, TILE};
 use super::policies::MODES;
 use super::record::{Frame, Record};
 
@@ -24,8 +24,8 @@ const COUNTED: u32 = 2;
 /// Frames before them, by default.
 const EARLY: u32 = 2;
 
-/// The same for the whole path: a run is what is on disk at once.
-const COUNTED_FULL: u32 = 20;
+/// The same for the whole path: a run is what is lost when the program is killed.
+const COUNTED_FULL: u32 = 70;
 const EARLY_FULL: u32 = 2;
 
 /// Largest width of a map, pixels: they are many, and shown side by side.
@@ -47,17 +47,9 @@ impl Stretch {
         Self { first: counted.saturating_sub(early), counted, end }
     }
 
-    /// The frames that a machine simulates, of run number `run`: of the whole path the paper's and the last of each run, by default
-    /// every other of the paper's.
+    /// The frames that a machine simulates, of run number `run`: of the whole path the paper's, by default every other of them.
     fn simulated(&self, run: usize, full: bool) -> Vec<u32> {
-        let mut frames = self.mapped();
-        if full {
-            frames.push(self.end - 1);
-        } else if run % 2 == 1 {
-            frames.clear();
-        }
-        frames.dedup();
-        frames
+        if full || run.is_multiple_of(2) { self.mapped() } else { Vec::new() }
     }
 
     /// The frames of which there are maps.
@@ -82,6 +74,8 @@ fn stretches(length: u32, full: bool) -> Vec<Stretch> {
 /// An animation that is planned.
 pub struct Planned {
     scene: usize,
+    /// By [`MODES`]. The whole path is undersampled: four times the samples would say the same of the policies.
+    mode: usize,
     runs: Vec<Stretch>,
     tracks: Vec<(usize, Vec<usize>)>,
 }
@@ -92,23 +86,24 @@ pub fn plan(setup: &Setup<'_>, plan: &mut Plan<'_>) -> Option<Planned> {
     let all = || (0..setup.stages.len()).filter(moves);
     let scene = all().find(|scene| setup.stages[*scene].name == SCENE).or_else(|| all().next())?;
     let length = setup.stages[scene].scene.cameras.len() as u32;
-    let runs = stretches(length, setup.full);
+    let (runs, mode) = (stretches(length, setup.full), usize::from(setup.full));
     let mut tracks: Vec<(usize, Vec<usize>)> = Vec::new();
     for (i, run) in runs.iter().enumerate() {
         let frames = (run.first, run.end - run.first);
-        let grid = Grid { scene, size: setup.size, samples: MODES[0].samples, tile: TILE, frames };
-        let shot = plan.shot(&grid, if setup.full { i + 1 } else { 0 }, !setup.full);
+        let grid = Grid { scene, size: setup.size, samples: MODES[mode].samples, tile: TILE, frames };
+        let shot = plan.shot(&grid, setup.full);
         for (policy, (entry, named)) in setup.policies.iter().enumerate() {
-            if !entry.animated.now(setup.full) {
+            if !entry.is_animated(mode, setup.full) {
                 continue;
             }
-            let mapped = entry.mapped.now(setup.full);
+            let mapped = entry.mapped;
             let machine = setup.machines.as_ref().map(|m| Arc::clone(&m.alone));
             let simulated =
                 if machine.is_some() && (mapped || policy == 0) { run.simulated(i, setup.full) } else { Vec::new() };
             let pictures = if mapped { pictures(setup, scene, policy, run) } else { Vec::new() };
             let named = Arc::clone(named);
-            let job = Job { shot, policy: named, machine, simulated, compared: true, tiles: false, pictures };
+            let job =
+                Job { shot, policy: named, machine, simulated, compared: Compared::Valued, tiles: false, pictures };
             let job = plan.job(job);
             match tracks.iter_mut().find(|(known, _)| *known == policy) {
                 Some((_, jobs)) => jobs.push(job),
@@ -116,7 +111,7 @@ pub fn plan(setup: &Setup<'_>, plan: &mut Plan<'_>) -> Option<Planned> {
             }
         }
     }
-    Some(Planned { scene, runs, tracks })
+    Some(Planned { scene, mode, runs, tracks })
 }
 
 /// Where a map lies.
@@ -173,7 +168,7 @@ impl Planned {
             Track {
                 scene: self.scene(setup).into(),
                 policy: setup.policies[*policy].1.name.clone(),
-                mode: MODES[0].name.into(),
+                mode: MODES[self.mode].name.into(),
                 frames: frames.iter().map(|frame| track_frame(frame)).collect(),
                 flicker: squared(frames.iter().filter_map(|f| f.flicker)).map(SquaredError::rms),
                 psnr_db: squared(frames.iter().filter_map(|f| f.error)).and_then(|sum| decibels(sum.sum, sum.values)),
@@ -185,8 +180,7 @@ impl Planned {
     /// The maps of the paper's frames.
     pub fn maps(&self, setup: &Setup<'_>, records: &[Record]) -> Vec<Map> {
         let mut maps = Vec::new();
-        for (policy, jobs) in self.tracks.iter().filter(|(policy, _)| setup.policies[*policy].0.mapped.now(setup.full))
-        {
+        for (policy, jobs) in self.tracks.iter().filter(|(policy, _)| setup.policies[*policy].0.mapped) {
             for frame in self.frames(jobs, records).filter(|f| self.runs.iter().any(|r| r.mapped().contains(&f.frame)))
             {
                 let file = |what| file(setup, self.scene, *policy, frame.frame, what);
@@ -251,6 +245,6 @@ mod tests {
         assert_eq!(counted, (0..700).collect::<Vec<_>>());
         assert!(runs[1..].iter().all(|run| run.first + EARLY_FULL == run.counted));
         assert_eq!(runs.iter().flat_map(Stretch::mapped).count(), PAPER_FRAMES.len());
-        assert!(runs.iter().all(|run| run.simulated(0, true).contains(&(run.end - 1))));
+        assert!(runs.iter().all(|run| run.simulated(1, true) == run.mapped()));
     }
 }

@@ -11,15 +11,16 @@ use rayreel_replay::image::files::write_atomically;
 use rayreel_tracer::accel::Built;
 
 use super::cache::{Cache, Entry};
-use super::jobs::pool;
+use super::jobs::{self, pool};
+use super::live::Live;
 use super::plan::{Job, Plan};
 use super::record::Record;
-use super::traces;
+use super::{together, traces};
 use crate::common::{build, open};
 use crate::progress::{self, Progress};
 
-/// Work of capturing a sample, beside that of replaying it without a machine.
-const CAPTURE: u64 = 4;
+/// Jobs by shot.
+type Todo = BTreeMap<usize, Vec<usize>>;
 
 /// An open trace, and how many jobs still need it.
 type OpenTrace = Mutex<(usize, Option<Arc<Trace>>)>;
@@ -70,20 +71,14 @@ pub fn execute(plan: &Plan<'_>, cache: &Cache, out: &Path, quiet: bool) -> Resul
         meter: Mutex::new(Meter { bar: Progress::Quiet, done: 0, open: BTreeMap::new() }),
         built: BTreeMap::new(),
     };
-    let todo = run.missing()?;
-    // What a run left that was killed between the last job of a trace and its removal.
-    for (_, shot) in plan.shots.iter().enumerate().filter(|(i, shot)| !shot.keep && !todo.contains_key(i)) {
-        let _ = std::fs::remove_file(&shot.path);
-    }
-    let total = todo.iter().map(|(shot, jobs)| run.capture_weight(*shot) + run.jobs_weight(jobs)).sum();
+    let (live, recorded): (Todo, Todo) = run.missing()?.into_iter().partition(|(i, _)| plan.shots[*i].path.is_none());
+    let total = live.iter().chain(&recorded).map(|(shot, jobs)| run.shot_weight(*shot) + run.jobs_weight(jobs)).sum();
     run.meter = Mutex::new(Meter { bar: Progress::new("paper", total, quiet), done: 0, open: BTreeMap::new() });
-    let mut batches: Vec<usize> = todo.keys().map(|shot| plan.shots[*shot].batch).collect();
-    batches.sort_unstable();
-    batches.dedup();
-    for batch in batches {
-        let own: BTreeMap<usize, Vec<usize>> =
-            todo.iter().filter(|(shot, _)| plan.shots[**shot].batch == batch).map(|(s, j)| (*s, j.clone())).collect();
-        if !run.batch(&own)? {
+    if !run.recorded(&recorded)? {
+        return Ok(None);
+    }
+    for (shot, jobs) in &live {
+        if !run.live(*shot, jobs)? {
             return Ok(None);
         }
     }
@@ -97,8 +92,8 @@ pub fn execute(plan: &Plan<'_>, cache: &Cache, out: &Path, quiet: bool) -> Resul
 
 impl Run<'_> {
     /// Takes what the cache holds; the jobs that it does not, by shot.
-    fn missing(&self) -> Result<BTreeMap<usize, Vec<usize>>> {
-        let mut todo: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+    fn missing(&self) -> Result<Todo> {
+        let mut todo = Todo::new();
         for (i, job) in self.plan.jobs.iter().enumerate() {
             match self.cache.load(&self.plan.keys[i], job.pictures.len()) {
                 Some(entry) => self.take(i, entry)?,
@@ -127,13 +122,15 @@ impl Run<'_> {
         Ok(())
     }
 
-    fn capture_weight(&self, shot: usize) -> u64 {
-        CAPTURE * self.plan.shots[shot].samples()
+    /// Of capturing, or of tracing what is not captured.
+    fn shot_weight(&self, shot: usize) -> u64 {
+        let shot = &self.plan.shots[shot];
+        shot.samples() * if shot.path.is_some() { jobs::CAPTURE } else { jobs::TRACE }
     }
 
     fn job_weight(&self, job: &Job) -> u64 {
         let shot = &self.plan.shots[job.shot];
-        job.weight(shot.samples() / u64::from(shot.meta.frames), shot.meta.frames)
+        job.weight(shot.samples() / u64::from(shot.meta.frames), shot.meta.frames, shot.path.is_none())
     }
 
     fn jobs_weight(&self, jobs: &[usize]) -> u64 {
@@ -141,7 +138,7 @@ impl Run<'_> {
     }
 
     /// Captures the shots and runs their jobs; false when interrupted.
-    fn batch(&mut self, todo: &BTreeMap<usize, Vec<usize>>) -> Result<bool> {
+    fn recorded(&mut self, todo: &Todo) -> Result<bool> {
         let mut traces = BTreeMap::new();
         for (&shot, jobs) in todo {
             let Some(trace) = self.trace(shot)? else { return Ok(false) };
@@ -154,27 +151,55 @@ impl Run<'_> {
         if progress::stopped() {
             return Ok(false);
         }
-        done?;
-        for shot in todo.keys().map(|shot| &self.plan.shots[*shot]).filter(|shot| !shot.keep) {
-            std::fs::remove_file(&shot.path).with_context(|| format!("cannot remove {}", shot.path.display()))?;
+        done.map(|()| true)
+    }
+
+    /// Traces the frames of a shot and runs its jobs on them; false when interrupted.
+    fn live(&mut self, index: usize, jobs: &[usize]) -> Result<bool> {
+        let shot = &self.plan.shots[index];
+        self.build(shot.scene)?;
+        let source = Live::new(&self.plan.stages[shot.scene].scene, &self.built[&shot.scene], &shot.meta);
+        let (weight, name) = (self.shot_weight(index) + self.jobs_weight(jobs), self.plan.scene_of(shot));
+        let own: Vec<&Job> = jobs.iter().map(|i| &self.plan.jobs[*i]).collect();
+        let entries = together::run(&own, &source, |part, of| {
+            if let Ok(mut meter) = self.meter.lock() {
+                let frame = u64::from(shot.meta.first_frame) + part;
+                meter.tell((false, index), weight, (part, of), || format!("{name}, frame {frame}"));
+            }
+        });
+        if progress::stopped() {
+            return Ok(false);
+        }
+        for (&i, entry) in jobs.iter().zip(&entries?) {
+            self.take(i, self.cache.store(&self.plan.keys[i], entry)?)?;
+        }
+        if let Ok(mut meter) = self.meter.lock() {
+            meter.close((false, index), weight);
         }
         Ok(true)
     }
 
+    /// Builds the BVH of a scene, once.
+    fn build(&mut self, scene: usize) -> Result<()> {
+        if let Slot::Vacant(slot) = self.built.entry(scene) {
+            slot.insert(build(&self.plan.stages[scene].scene)?);
+        }
+        Ok(())
+    }
+
     /// The trace of a shot, from the cache or captured; nothing when interrupted.
     fn trace(&mut self, index: usize) -> Result<Option<Trace>> {
-        let (shot, weight) = (&self.plan.shots[index], self.capture_weight(index));
+        let (shot, weight) = (&self.plan.shots[index], self.shot_weight(index));
+        let path = shot.path.as_deref().context("a live shot has no file")?;
         let (name, n) = (self.plan.scene_of(shot).to_owned(), shot.meta.samples);
         let close = |meter: &Mutex<Meter>| meter.lock().map(|mut m| m.close((false, index), weight)).is_ok();
-        if let Some(trace) = traces::cached(&shot.path, &shot.meta) {
+        if let Some(trace) = traces::cached(path, &shot.meta) {
             close(&self.meter);
             return Ok(Some(trace));
         }
         let scene = &self.plan.stages[shot.scene].scene;
-        if let Slot::Vacant(slot) = self.built.entry(shot.scene) {
-            slot.insert(build(scene)?);
-        }
-        let whole = traces::make(scene, &self.built[&shot.scene], shot, |part, of| {
+        self.build(shot.scene)?;
+        let whole = traces::make(scene, &self.built[&shot.scene], (path, &shot.meta), |part, of| {
             if let Ok(mut meter) = self.meter.lock() {
                 meter.tell((false, index), weight, (part, of), || format!("capture {name} {n}x{n}"));
             }
@@ -183,7 +208,7 @@ impl Run<'_> {
         if !whole || progress::stopped() {
             return Ok(None);
         }
-        Ok(Some(open(&shot.path)?))
+        Ok(Some(open(path)?))
     }
 
     /// Runs a job and keeps its result. The trace is closed behind its last job.

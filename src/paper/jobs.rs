@@ -14,16 +14,28 @@ use rayreel_replay::machine::work::topology::Topology;
 use rayreel_replay::{FrameReplay, Options, PathSource, Replayer, TileSource};
 
 use super::cache::Entry;
-use super::plan::{Job, Kind, Picture as Wanted};
+use super::plan::{Compared, Job, Kind, Picture as Wanted};
 use super::record::{Frame, Record};
 use crate::progress;
 
+/// Measured work on a sample at the paper's size, in tenths of a microsecond of a core: to capture it,
+pub const CAPTURE: u64 = 35;
+/// to trace it without coding it,
+pub const TRACE: u64 = 10;
+/// to decode it,
+const DECODE: u64 = 12;
+/// to replay it under a policy,
+const REPLAY: u64 = 4;
+/// to simulate all its rays.
+const MACHINE: u64 = 380;
+
 impl Job {
-    /// Expected work on `samples` samples a frame: measured, a machine takes some twenty times as long as a replay without one,
-    /// and an adaptive policy traces less than half.
-    pub fn weight(&self, samples: u64, frames: u32) -> u64 {
-        let machine = if self.policy.policy.kind() == "full" { 24 } else { 10 };
-        samples * (u64::from(frames) + machine * self.simulated.len() as u64)
+    /// Expected work on `samples` samples a frame: a replay that need not decode is much faster, and an adaptive policy traces
+    /// less than a third.
+    pub fn weight(&self, samples: u64, frames: u32, live: bool) -> u64 {
+        let machine = if self.policy.policy.kind() == "full" { MACHINE } else { MACHINE * 3 / 10 };
+        let replay = if live { REPLAY } else { DECODE + REPLAY };
+        samples * (replay * u64::from(frames) + machine * self.simulated.len() as u64)
     }
 
     /// Replays all frames of the trace. `tell` is told how much is done, and how much there is.
@@ -32,33 +44,69 @@ impl Job {
     /// A policy that does not fit the trace or the machine; a trace that cannot be read.
     pub fn run(&self, trace: &Trace, mut tell: impl FnMut(u64, u64)) -> Result<Entry> {
         let (meta, source) = (trace.meta(), Stoppable(trace));
-        let mut replayer = Replayer::new(&source, &self.policy.policy, Options { reference: self.compared })?;
         let tree = (!self.simulated.is_empty()).then(|| source.topology());
-        let mut entry =
-            Entry { record: Record { frames: Vec::new() }, pictures: vec![Vec::new(); self.pictures.len()] };
+        let mut task = Task::new(self, &source)?;
         let tiles = u64::from(meta.tile_count());
         for (i, frame) in (0..).zip(meta.frame_numbers()) {
-            let machine = self.machine.as_ref().filter(|_| self.simulated.contains(&frame));
-            let (replay, run) = match (machine, &tree) {
-                (Some(machine), Some(tree)) => {
-                    let mut watch = Watch::new(|own| tell(i * tiles + own, u64::from(meta.frames) * tiles));
-                    let named = (machine.name.as_str(), &machine.config);
-                    let MachineFrame { replay, stats, energy, paths } =
-                        simulate(&mut replayer, frame, tree, named, &mut watch)?;
-                    (replay, Some((&**machine, MachineRun { stats, energy, paths })))
-                }
-                _ => (replayer.frame(frame)?, None),
-            };
-            let run = run.as_ref().map(|(machine, run)| (*machine, run));
-            entry.record.frames.push(Frame::new(&self.policy, meta, &replay.stats, run, self.tiles));
-            for (picture, bytes) in self.pictures.iter().zip(&mut entry.pictures) {
-                if picture.frame == frame {
-                    *bytes = png(&replay, picture, meta)?;
-                }
-            }
-            tell((i + 1) * tiles, u64::from(meta.frames) * tiles);
+            task.frame(frame, tree.as_ref(), |own| tell(i * tiles + own, u64::from(meta.frames) * tiles))?;
         }
-        Ok(entry)
+        Ok(task.finish())
+    }
+}
+
+/// A job under way.
+pub struct Task<'a, S> {
+    job: &'a Job,
+    replayer: Replayer<'a, S>,
+    entry: Entry,
+}
+
+impl<'a, S: PathSource> Task<'a, S> {
+    /// Begins a job.
+    ///
+    /// # Errors
+    /// A policy that does not fit the source.
+    pub fn new(job: &'a Job, source: &'a S) -> Result<Self> {
+        let options = Options { reference: job.compared != Compared::Not, perception: job.compared == Compared::Seen };
+        Ok(Self {
+            job,
+            replayer: Replayer::new(source, &job.policy.policy, options)?,
+            entry: Entry { record: Record { frames: Vec::new() }, pictures: vec![Vec::new(); job.pictures.len()] },
+        })
+    }
+
+    /// Replays the next frame; `tree` is the source's topology, if anything is simulated. `tell` is told how many tiles are
+    /// done.
+    ///
+    /// # Errors
+    /// A policy that does not fit the machine; a source that cannot be read.
+    pub fn frame(&mut self, frame: u32, tree: Option<&Topology>, mut tell: impl FnMut(u64)) -> Result<()> {
+        let (job, meta) = (self.job, self.replayer.source().meta());
+        let machine = job.machine.as_ref().filter(|_| job.simulated.contains(&frame));
+        let (replay, run) = match (machine, tree) {
+            (Some(machine), Some(tree)) => {
+                let mut watch = Watch::new(&mut tell);
+                let named = (machine.name.as_str(), &machine.config);
+                let MachineFrame { replay, stats, energy, paths } =
+                    simulate(&mut self.replayer, frame, tree, named, &mut watch)?;
+                (replay, Some((&**machine, MachineRun { stats, energy, paths })))
+            }
+            _ => (self.replayer.frame(frame)?, None),
+        };
+        let run = run.as_ref().map(|(machine, run)| (*machine, run));
+        self.entry.record.frames.push(Frame::new(&job.policy, meta, &replay.stats, run, job.tiles));
+        for (picture, bytes) in job.pictures.iter().zip(&mut self.entry.pictures) {
+            if picture.frame == frame {
+                *bytes = png(&replay, picture, meta)?;
+            }
+        }
+        tell(u64::from(meta.tile_count()));
+        Ok(())
+    }
+
+    /// What came of it.
+    pub fn finish(self) -> Entry {
+        self.entry
     }
 }
 
@@ -118,16 +166,16 @@ pub fn pool<T: Sync>(items: &[T], threads: usize, work: impl Fn(&T) -> Result<()
     results.into_iter().try_for_each(|result| result.into_inner().unwrap_or(Ok(())))
 }
 
-/// A trace that cannot be read any more once a signal asked to stop, so that simulations end soon.
-struct Stoppable<'a>(&'a Trace);
+/// A source that cannot be read any more once a signal asked to stop, so that simulations end soon.
+pub struct Stoppable<'a, S>(pub &'a S);
 
-impl Stoppable<'_> {
+impl<S> Stoppable<'_, S> {
     fn checked(&self) -> rayreel_formats::Result<()> {
         if progress::stopped() { Err(rayreel_formats::Error::usage("interrupted")) } else { Ok(()) }
     }
 }
 
-impl TileSource for Stoppable<'_> {
+impl<S: TileSource> TileSource for Stoppable<'_, S> {
     fn meta(&self) -> &Meta {
         self.0.meta()
     }
@@ -137,16 +185,16 @@ impl TileSource for Stoppable<'_> {
     }
 
     fn camera(&self, frame: u32) -> rayreel_formats::Result<Camera> {
-        TileSource::camera(self.0, frame)
+        self.0.camera(frame)
     }
 
     fn tile(&self, frame: u32, index: u32) -> rayreel_formats::Result<Tile> {
         self.checked()?;
-        TileSource::tile(self.0, frame, index)
+        self.0.tile(frame, index)
     }
 }
 
-impl PathSource for Stoppable<'_> {
+impl<S: PathSource> PathSource for Stoppable<'_, S> {
     fn topology(&self) -> Topology {
         self.0.topology()
     }

@@ -52,12 +52,8 @@ pub struct Shot {
     pub scene: usize,
     /// What is captured.
     pub meta: Meta,
-    /// Its file.
-    pub path: PathBuf,
-    /// Shots of a later batch are captured when all jobs of the earlier ones are done.
-    pub batch: usize,
-    /// Whether the file stays when its jobs are done.
-    pub keep: bool,
+    /// Its file; nothing if it is traced while it is replayed.
+    pub path: Option<PathBuf>,
 }
 
 impl Shot {
@@ -96,6 +92,17 @@ pub enum Kind {
     Rate,
 }
 
+/// How a picture is compared with that of `full`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Compared {
+    /// Not at all.
+    Not,
+    /// Value by value: PSNR and flicker.
+    Valued,
+    /// As a viewer sees it, too: SSIM and FLIP.
+    Seen,
+}
+
 /// A replay of all frames of a shot.
 #[derive(Clone)]
 pub struct Job {
@@ -107,8 +114,8 @@ pub struct Job {
     pub machine: Option<Arc<NamedMachine>>,
     /// The frames that the machine simulates.
     pub simulated: Vec<u32>,
-    /// Whether the picture is compared with that of `full`.
-    pub compared: bool,
+    /// How the picture is compared with that of `full`.
+    pub compared: Compared,
     /// Whether the figures of each tile are kept.
     pub tiles: bool,
     /// The pictures that are wanted.
@@ -121,7 +128,7 @@ impl Job {
         let pictures: Vec<_> = self.pictures.iter().map(|p| (p.frame, p.kind, p.shrink)).collect();
         let machine = self.machine.as_ref().map(|machine| machine.canonical()).unwrap_or_default();
         format!(
-            "{meta:?}\n{:?}\n{machine}\n{:?}\n{} {} {pictures:?}",
+            "{meta:?}\n{:?}\n{machine}\n{:?}\n{:?} {} {pictures:?}",
             self.policy.policy, self.simulated, self.compared, self.tiles
         )
     }
@@ -147,14 +154,15 @@ impl<'a> Plan<'a> {
         Self { stages, shots: Vec::new(), jobs: Vec::new(), keys: Vec::new(), cache, folder }
     }
 
-    /// The shot of a grid; `batch` and `keep` as in [`Shot`].
-    pub fn shot(&mut self, grid: &Grid, batch: usize, keep: bool) -> usize {
+    /// The shot of a grid, in a file or `live`.
+    pub fn shot(&mut self, grid: &Grid, live: bool) -> usize {
         let stage = &self.stages[grid.scene];
         let depth = rayreel_tracer::Settings::default().max_depth;
         let (first, frames) = grid.frames;
         let args = GridArgs { size: grid.size, samples: grid.samples, depth };
         let meta = meta(&stage.scene, &args, grid.tile, first, frames);
-        if let Some(known) = self.shots.iter().position(|shot| shot.scene == grid.scene && shot.meta == meta) {
+        let same = |shot: &Shot| (shot.scene, shot.path.is_none()) == (grid.scene, live) && shot.meta == meta;
+        if let Some(known) = self.shots.iter().position(same) {
             return known;
         }
         let ((w, h), n) = (grid.size, grid.samples);
@@ -165,8 +173,8 @@ impl<'a> Plan<'a> {
         if grid.frames != (0, 1) {
             name += &format!("-frames{first}-{}", first + frames - 1);
         }
-        let path = self.folder.join(name + ".rtrace");
-        self.shots.push(Shot { scene: grid.scene, meta, path, batch, keep });
+        let path = (!live).then(|| self.folder.join(name + ".rtrace"));
+        self.shots.push(Shot { scene: grid.scene, meta, path });
         self.shots.len() - 1
     }
 

@@ -7,7 +7,7 @@ use rayreel_replay::machine::config::NamedMachine;
 use rayreel_replay::report::study::{Cost, Gain, Point, ViewerImages, ViewerSet};
 
 use super::Setup;
-use super::plan::{Grid, Job, Kind, Picture, Plan, TILE};
+use super::plan::{Compared, Grid, Job, Kind, Picture, Plan, TILE};
 use super::policies::{MODES, PAPER};
 use super::record::{Frame, Machine, Record};
 
@@ -44,7 +44,7 @@ pub fn plan(setup: &Setup<'_>, plan: &mut Plan<'_>) -> Vec<Planned> {
     for scene in 0..setup.stages.len() {
         for (mode, own) in MODES.iter().enumerate() {
             let grid = Grid { scene, size: setup.size, samples: own.samples, tile: TILE, frames: (0, 1) };
-            let shot = plan.shot(&grid, 0, true);
+            let shot = plan.shot(&grid, false);
             for (policy, (entry, named)) in setup.policies.iter().enumerate() {
                 if !entry.modes[mode].now(setup.full) {
                     continue;
@@ -60,11 +60,11 @@ pub fn plan(setup: &Setup<'_>, plan: &mut Plan<'_>) -> Vec<Planned> {
                     policy: Arc::clone(named),
                     machine: None,
                     simulated: Vec::new(),
-                    compared: true,
+                    compared: Compared::Seen,
                     tiles: images.is_some(),
                     pictures,
                 };
-                let (picture, gpu, alone) = simulations(setup, plan, job, entry.whole.now(setup.full));
+                let (picture, gpu, alone) = simulations(setup, plan, job, entry.whole);
                 points.push(Planned { scene, mode, policy, picture, gpu, alone, images });
             }
         }
@@ -81,7 +81,7 @@ fn simulations(setup: &Setup<'_>, plan: &mut Plan<'_>, job: Job, whole: bool) ->
         let alone = plan.job(on(&machines.alone, job));
         return (alone, None, Some(alone));
     }
-    let bare = Job { compared: false, tiles: false, pictures: Vec::new(), ..job.clone() };
+    let bare = Job { compared: Compared::Not, tiles: false, pictures: Vec::new(), ..job.clone() };
     let (gpu, alone) = (plan.job(on(&machines.whole, job)), plan.job(on(&machines.alone, bare)));
     (gpu, Some(gpu), Some(alone))
 }

@@ -47,14 +47,14 @@ pub struct Entry {
     pub preset: (&'static str, &'static [&'static str]),
     /// Whether there are points, by [`MODES`].
     pub modes: [When; 2],
-    /// Whether the points are simulated on the whole GPU too.
-    pub whole: When,
+    /// Whether the points are simulated on the whole GPU too, beside the T&I units alone.
+    pub whole: bool,
     /// Whether the report shows its pictures.
     pub shown: When,
-    /// Whether the animation is replayed under it.
+    /// Whether the animation is replayed under it, if it fits the animation's mode.
     pub animated: When,
     /// Whether frames of the animation are simulated and its maps shown.
-    pub mapped: When,
+    pub mapped: bool,
 }
 
 /// A preset with points in both modes.
@@ -63,60 +63,50 @@ const fn preset(name: &'static str) -> Entry {
         name,
         preset: (name, &[]),
         modes: [When::Always; 2],
-        whole: When::Full,
+        whole: false,
         shown: When::Never,
-        animated: When::Full,
-        mapped: When::Full,
+        animated: When::Never,
+        mapped: false,
     }
 }
 
 /// What the paper evaluated in one of the modes.
 const fn evaluated(name: &'static str, mode: usize) -> Entry {
-    let mut entry = Entry { whole: When::Always, shown: When::Always, ..preset(name) };
+    let mut entry = Entry { whole: true, shown: When::Always, animated: When::Always, mapped: true, ..preset(name) };
     entry.modes[1 - mode] = When::Never;
-    let animated = if mode == 0 { When::Always } else { When::Never };
-    (entry.animated, entry.mapped) = (animated, animated);
     entry
 }
 
 /// A change of `multirate` that only the animation shows.
 const fn changed(name: &'static str, rules: &'static [&'static str], animated: When) -> Entry {
     let preset = ("multirate", rules);
-    Entry {
-        name,
-        preset,
-        modes: [When::Never; 2],
-        whole: When::Never,
-        shown: When::Never,
-        animated,
-        mapped: When::Never,
-    }
+    Entry { name, preset, modes: [When::Never; 2], whole: false, shown: When::Never, animated, mapped: false }
 }
 
 /// All policies, `full` first: it is what the others are compared with.
 pub const POLICIES: &[Entry] = &[
-    Entry { whole: When::Always, animated: When::Always, mapped: When::Never, ..preset("full") },
+    Entry { whole: true, animated: When::Always, ..preset("full") },
     evaluated("paper-ss", 0),
     evaluated("paper-us", 1),
     Entry { shown: When::Full, ..preset("quality") },
-    Entry {
-        whole: When::Always,
-        shown: When::Always,
-        animated: When::Always,
-        mapped: When::Always,
-        ..preset("multirate")
-    },
+    Entry { whole: true, shown: When::Always, animated: When::Always, mapped: true, ..preset("multirate") },
     Entry { shown: When::Full, ..preset("aggressive") },
-    Entry { modes: [When::Always, When::Full], animated: When::Never, mapped: When::Never, ..preset("foveated") },
+    Entry { modes: [When::Always, When::Never], ..preset("foveated") },
     changed("multirate, no hysteresis", &["raise=0.6", "lower=0.6", "alternate=0", "hold=1"], When::Always),
     changed("fixed 2x2", &["finest=2", "start=2", "coarsest=2"], When::Full),
     changed("fixed 4x4", &["finest=4", "start=4", "coarsest=4"], When::Always),
     changed("fixed 8x8", &["finest=8", "start=8", "coarsest=8"], When::Full),
-    changed("fixed 16x16", &["coarsest=16", "start=16", "finest=16"], When::Full),
 ];
 
 /// Name of what the paper evaluated, by mode.
 pub const PAPER: [&str; 2] = ["paper-ss", "paper-us"];
+
+impl Entry {
+    /// Whether the animation is replayed under it in mode `mode`: of the paper's two policies each has its own.
+    pub fn is_animated(&self, mode: usize, full: bool) -> bool {
+        self.animated.now(full) && (self.name == PAPER[mode] || !PAPER.contains(&self.name))
+    }
+}
 
 /// All policies of [`POLICIES`], loaded.
 ///

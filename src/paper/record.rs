@@ -92,7 +92,7 @@ impl Frame {
             quality: quality.map(|q| Quality {
                 psnr_db: sum.psnr_db,
                 ssim: q.ssim,
-                flip: Some(q.flip),
+                flip: q.flip,
                 worst_tile_psnr_db: sum.worst_tile_psnr_db,
             }),
             flicker: quality.and_then(|q| q.flicker).map(|f| (f.sum, f.values)),

@@ -8,7 +8,7 @@ use rayreel_replay::machine::config::schema::KEYS;
 use rayreel_replay::machine::config::{NamedMachine, Sourced};
 use rayreel_replay::report::study::{ConfigValue, ModeRays, Policy, SCHEMA, Scene, Study};
 
-use super::policies::{Entry, MODES, When};
+use super::policies::{Entry, MODES};
 use super::record::Record;
 use super::{Experiment, Setup, ablations, points, reference};
 use crate::common::TOOL;
@@ -126,13 +126,10 @@ fn notes(setup: &Setup<'_>, experiment: &Experiment) -> Vec<String> {
     if (width, height) != setup.size {
         notes.push(format!("The ablations are of {width}x{height} pixels."));
     }
-    let without = |entry: &&Entry| entry.whole == When::Full && !setup.full;
+    let without = |entry: &&Entry| !entry.whole && entry.modes.iter().any(|when| when.now(setup.full));
     let names: Vec<&str> = setup.policies.iter().map(|(entry, _)| *entry).filter(without).map(|e| e.name).collect();
     if !names.is_empty() && setup.machines.is_some() {
-        notes.push(format!(
-            "Under {} the T&I units alone are simulated, not the whole GPU; --full adds that, and undersampling under foveated.",
-            names.join(", ")
-        ));
+        notes.push(format!("Under {} the T&I units alone are simulated, not the whole GPU.", names.join(", ")));
     }
     if experiment.points.len() > experiment.shown() {
         notes.push("The image viewer holds the pictures of some of the policies only.".into());

@@ -13,7 +13,6 @@ use rayreel_scenes::Scene;
 use rayreel_tracer::accel::Built;
 use rayreel_tracer::capture::{self, Outcome, Output};
 
-use super::plan::Shot;
 use crate::progress;
 
 /// zstd level of the BVH: the file is ours and may be larger, its making should not take longer than tracing.
@@ -26,14 +25,19 @@ pub fn cached(path: &Path, wanted: &Meta) -> Option<Trace> {
     (trace.meta() == wanted && trace.missing_tiles().is_empty() && whole()).then_some(trace)
 }
 
-/// Captures a shot; false when interrupted. `tell` is told how many of its tiles are done.
+/// Captures a shot into a file; false when interrupted. `tell` is told how many of its tiles are done.
 ///
 /// # Errors
 /// When the frames are outside the camera path, or the file cannot be written.
-pub fn make(scene: &Scene, built: &Built, shot: &Shot, mut tell: impl FnMut(u64, u64)) -> Result<bool> {
-    let resume = is_resumable(&shot.path, &shot.meta)?;
-    let output = Output { path: shot.path.clone(), codec: Codec::Context, level: LEVEL, resume };
-    let outcome = capture::capture(scene, built, &shot.meta, &output, |now| {
+pub fn make(
+    scene: &Scene,
+    built: &Built,
+    (path, meta): (&Path, &Meta),
+    mut tell: impl FnMut(u64, u64),
+) -> Result<bool> {
+    let resume = is_resumable(path, meta)?;
+    let output = Output { path: path.into(), codec: Codec::Context, level: LEVEL, resume };
+    let outcome = capture::capture(scene, built, meta, &output, |now| {
         tell(now.tiles, now.tiles_total);
         !progress::stopped()
     })?;

@@ -32,14 +32,21 @@ pub fn open(location: &str) -> Result<Trace, String> {
     crate::common::open(Path::new(location)).map_err(|e| format!("{e:#}"))
 }
 
-/// All points of a plan file.
-pub fn read(file: &Path) -> Result<Plan> {
+/// Where a trace of a plan is: there, or by its name in `traces`.
+pub fn located(location: &str, traces: Option<&str>) -> String {
+    let name = location.rsplit(['/', '\\']).next().unwrap_or(location);
+    traces.map_or_else(|| location.to_owned(), |base| format!("{}/{name}", base.trim_end_matches('/')))
+}
+
+/// All points of a plan file; relative traces are in `traces`, or beside it.
+pub fn read(file: &Path, traces: Option<&str>) -> Result<Plan> {
     let text = std::fs::read_to_string(file).with_context(|| format!("cannot read the plan {}", file.display()))?;
     let name = file.display().to_string();
     let folder = file.parent().unwrap_or(Path::new(""));
     let sources = rayreel_replay::sweep::plan::Sources {
         text: Text { name: &name, text: &text },
         folder,
+        traces,
         stem: &stem(file),
         open: &open,
     };
@@ -47,8 +54,8 @@ pub fn read(file: &Path) -> Result<Plan> {
 }
 
 /// Puts the plan of a file into its folder, or finds it there.
-pub fn make(file: &Path, place: &Place) -> Result<Folder> {
-    let (folder, created) = Folder::create(&place.folder(file), read(file)?)?;
+pub fn make(file: &Path, place: &Place, traces: Option<&str>) -> Result<Folder> {
+    let (folder, created) = Folder::create(&place.folder(file), read(file, traces)?)?;
     if created == Created::Known {
         eprintln!("{}: going on with plan {}", folder.path().display(), folder.id());
     }
@@ -56,6 +63,6 @@ pub fn make(file: &Path, place: &Place) -> Result<Folder> {
 }
 
 /// The folder of a sweep, or that of a plan file.
-pub fn find(sweep: &Path, place: &Place) -> Result<Folder> {
-    if sweep.is_file() { make(sweep, place) } else { Ok(Folder::open(sweep)?) }
+pub fn find(sweep: &Path, place: &Place, traces: Option<&str>) -> Result<Folder> {
+    if sweep.is_file() { make(sweep, place, traces) } else { Ok(Folder::open(sweep)?) }
 }

@@ -19,6 +19,9 @@ pub struct Args {
     plan: PathBuf,
     #[command(flatten)]
     place: Place,
+    /// Where relative traces of the plan are: a folder or an address; the folder of the plan if it is not given.
+    #[arg(long, value_name = "DIR")]
+    traces: Option<String>,
     /// Write nothing.
     #[arg(long)]
     dry_run: bool,
@@ -51,7 +54,7 @@ pub fn duration(text: &str) -> Result<f64, String> {
 }
 
 pub fn run(args: &Args) -> Result<Exit> {
-    let plan = read(&args.plan)?;
+    let plan = read(&args.plan, args.traces.as_deref())?;
     let seconds = if args.no_estimate { None } else { estimate::core_seconds(&plan, &open) };
     let shards = seconds.map(|s| shards(s, args.shard_time, plan.points.len()));
     let path = args.place.folder(&args.plan);

@@ -1,6 +1,5 @@
 //! `rayreel sweep run`: computes a shard, the same way here and on a cluster.
 
-use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -8,13 +7,13 @@ use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 use anyhow::Result;
 use rayreel_replay::sweep::folder::{Folder, write_whole};
-use rayreel_replay::sweep::merge as rows;
+use rayreel_replay::sweep::known::Known;
 use rayreel_replay::sweep::run::{self as shard_run, Outcome, Settings, Told};
 use rayreel_replay::sweep::segment::Writer;
 use rayreel_replay::sweep::shard::Shard;
 use serde_json::json;
 
-use super::folder::{Place, find, open};
+use super::folder::{Place, find, located, open};
 use super::plan::duration;
 use crate::exit::Exit;
 use crate::progress::{self, Progress};
@@ -42,6 +41,9 @@ pub struct Args {
 /// How points are computed.
 #[derive(Debug, clap::Args)]
 pub struct RunArgs {
+    /// Where the traces are, by their names: a folder or an address; where the plan found them if it is not given.
+    #[arg(long, value_name = "DIR")]
+    pub traces: Option<String>,
     /// Memory for decoded tiles that points share, MiB.
     #[arg(long, default_value_t = 1024, value_name = "MIB")]
     pub memory: usize,
@@ -54,7 +56,7 @@ pub struct RunArgs {
 }
 
 pub fn run(args: &Args, quiet: bool) -> Result<Exit> {
-    let folder = find(&args.sweep, &args.place)?;
+    let folder = find(&args.sweep, &args.place, args.run.traces.as_deref())?;
     let shard = args.shard.as_deref().map_or(Ok(Shard::WHOLE), |text| chosen(text, args.index_offset))?;
     here(&folder, &args.run, shard, quiet)
 }
@@ -90,11 +92,10 @@ fn chosen(text: &str, offset: usize) -> Result<Shard> {
 pub fn here(folder: &Folder, args: &RunArgs, shard: Shard, quiet: bool) -> Result<Exit> {
     progress::stop_on_signal();
     let stop = Arc::new(AtomicBool::new(false));
-    let mut known = BTreeMap::new();
-    for other in &args.reuse {
-        known.extend(rows::all_rows(&Folder::open(other)?)?);
-    }
+    let others = args.reuse.iter().map(|other| Folder::open(other)).collect::<rayreel_replay::Result<Vec<_>>>()?;
+    let known = Known::load(&others)?;
     let writer = Writer { attempt: attempt(), host: host() };
+    let open = |location: &str| open(&located(location, args.traces.as_deref()));
     let settings = Settings {
         shard,
         threads: rayon::current_num_threads(),

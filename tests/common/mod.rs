@@ -49,6 +49,15 @@ impl Ran {
         self
     }
 
+    /// Demands words on standard output.
+    #[track_caller]
+    pub fn prints(self, words: &[&str]) -> Self {
+        for word in words {
+            assert!(self.out.contains(word), "`rayreel {}` does not print {word:?}:\n{}", self.what, self.out);
+        }
+        self
+    }
+
     /// Standard output as JSON.
     #[track_caller]
     pub fn json(&self) -> Value {

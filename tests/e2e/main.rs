@@ -26,4 +26,5 @@ mod repair;
 mod replay_json;
 mod report;
 mod stand_in;
+mod sweep;
 mod tamper;

@@ -150,10 +150,10 @@ pub struct Quality {
     pub squared_error: u64,
     /// Number of values: three a pixel.
     pub values: u64,
-    /// Structural similarity; `None` for a picture too small for its window.
+    /// Structural similarity; `None` if it was not asked for, or of a picture too small for its window.
     pub ssim: Option<f64>,
-    /// Mean FLIP value: 0 for identical pictures, at most 1.
-    pub flip: f64,
+    /// Mean FLIP value: 0 for identical pictures, at most 1; `None` if it was not asked for.
+    pub flip: Option<f64>,
     /// The tile that differs most; `None` if none does.
     pub worst_tile: Option<WorstTile>,
     /// Squared change of the error since the frame before; `None` if that was not replayed.

@@ -33,11 +33,13 @@ use states::{Blocks, StateMap};
 pub struct Options {
     /// Make the picture of `full` too, and compare with it.
     pub reference: bool,
+    /// Compare as a viewer does too, by SSIM and FLIP: that takes longer than all other figures together.
+    pub perception: bool,
 }
 
 impl Default for Options {
     fn default() -> Self {
-        Self { reference: true }
+        Self { reference: true, perception: true }
     }
 }
 
@@ -50,7 +52,7 @@ pub struct FrameReplay {
     pub image: Image,
     /// The picture of `full`, if it was asked for.
     pub reference: Option<Image>,
-    /// Where a viewer sees that they differ, if they were compared.
+    /// Where a viewer sees that they differ, if they were compared so.
     pub flip: Option<FlipMap>,
     /// What became of each sample.
     pub states: StateMap,
@@ -97,7 +99,7 @@ impl<'a, S: TileSource + ?Sized> Replayer<'a, S> {
         let rules = Rules::new(policy, meta)?;
         check_tile(meta.tile, &Pacer::blocks(policy))?;
         let pacer = Pacer::new(policy, meta);
-        Ok(Self { source, rules, pacer, options, comparer: Comparer::new(meta) })
+        Ok(Self { source, rules, pacer, options, comparer: Comparer::new(meta, options.perception) })
     }
 
     /// What is replayed.
@@ -315,7 +317,7 @@ impl Canvas {
         let compared = reference.as_ref().map(|full| comparer.compare(frame, &image, full)).transpose()?;
         let counts = self.tiles.iter().map(|t| t.counts).sum();
         let (quality, tile_errors, flip) = match compared {
-            Some(found) => (Some(found.quality), found.tiles, Some(found.flip)),
+            Some(found) => (Some(found.quality), found.tiles, found.flip),
             None => (None, Vec::new(), None),
         };
         let stats = FrameStats { frame, counts, tiles: self.tiles, quality, tile_errors };

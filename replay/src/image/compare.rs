@@ -14,6 +14,7 @@ use crate::frame::counts::{Quality, WorstTile};
 #[derive(Clone, Debug)]
 pub struct Comparer {
     grid: TileGrid,
+    perception: bool,
     flicker: Flicker,
 }
 
@@ -24,14 +25,14 @@ pub struct Comparison {
     pub quality: Quality,
     /// Squared error of each tile, in order.
     pub tiles: Vec<SquaredError>,
-    /// The FLIP map.
-    pub flip: FlipMap,
+    /// The FLIP map, if it was asked for.
+    pub flip: Option<FlipMap>,
 }
 
 impl Comparer {
-    /// For the frames of a trace.
-    pub fn new(meta: &Meta) -> Self {
-        Self { grid: TileGrid::of(meta), flicker: Flicker::default() }
+    /// For the frames of a trace; with `perception` by SSIM and FLIP too.
+    pub fn new(meta: &Meta, perception: bool) -> Self {
+        Self { grid: TileGrid::of(meta), perception, flicker: Flicker::default() }
     }
 
     /// Compares the two linear pictures of frame `frame`, as a screen shows them: in 8-bit sRGB.
@@ -41,13 +42,14 @@ impl Comparer {
     pub fn compare(&mut self, frame: u32, image: &Image, full: &Image) -> Result<Comparison> {
         let (a, b) = (srgb::encode(image), srgb::encode(full));
         let tiles = tile_errors(&a, &b, self.grid)?;
-        let flip = flip::flip(&a, &b, flip::PIXELS_PER_DEGREE)?;
+        let flip = self.perception.then(|| flip::flip(&a, &b, flip::PIXELS_PER_DEGREE)).transpose()?;
+        let ssim = if self.perception { ssim::ssim(&a, &b)? } else { None };
         let all: SquaredError = tiles.iter().copied().sum();
         let quality = Quality {
             squared_error: all.sum,
             values: all.values,
-            ssim: ssim::ssim(&a, &b)?,
-            flip: flip.mean(),
+            ssim,
+            flip: flip.as_ref().map(FlipMap::mean),
             worst_tile: worst(&tiles).map(|(tile, error)| WorstTile { frame, tile, error }),
             flicker: self.flicker.next(frame, &a, &b)?,
         };

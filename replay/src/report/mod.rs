@@ -262,7 +262,7 @@ impl Figures {
         let error: u64 = qualities.iter().map(|q| q.squared_error).sum();
         let values: u64 = qualities.iter().map(|q| q.values).sum();
         let ssims: Option<Vec<f64>> = qualities.iter().map(|q| q.ssim).collect();
-        let flips: Vec<f64> = qualities.iter().map(|q| q.flip).collect();
+        let flips: Option<Vec<f64>> = qualities.iter().map(|q| q.flip).collect();
         let worst = worst_tile(&qualities);
         let flicker: Option<SquaredError> = qualities.iter().filter_map(|q| q.flicker).reduce(|sum, frame| sum + frame);
         let (full, traced, apron) = (counts.rays_full, counts.rays_traced, counts.rays_apron);
@@ -283,7 +283,7 @@ impl Figures {
             audited_psnr_db: audited.decibels(),
             psnr_db: decibels(error, values),
             ssim: ssims.and_then(|s| mean(&s)),
-            flip: mean(&flips),
+            flip: flips.and_then(|f| mean(&f)),
             worst_tile_psnr_db: worst.and_then(|w| w.error.decibels()),
             worst_tile: worst.map(|w| w.tile),
             worst_tile_frame: worst.map(|w| w.frame),

@@ -53,22 +53,21 @@ pub fn merge(folder: &Folder) -> Result<Merged> {
     Ok(Merged { results: Results { heading, fields }, missing, failed, duplicates, damaged })
 }
 
-/// Every row of a sweep by key: for another sweep that needs some of them.
+/// The rows of all buckets.
+pub(super) struct Rows {
+    /// By key.
+    pub rows: BTreeMap<String, Row>,
+    /// Rows beyond the first of a key.
+    pub duplicates: usize,
+    /// Segments that were ignored.
+    pub damaged: Vec<PathBuf>,
+}
+
+/// Reads every bucket.
 ///
 /// # Errors
 /// As [`merge`].
-pub fn all_rows(folder: &Folder) -> Result<BTreeMap<String, Row>> {
-    gather(folder).map(|own| own.rows)
-}
-
-/// The rows of all buckets.
-struct Rows {
-    rows: BTreeMap<String, Row>,
-    duplicates: usize,
-    damaged: Vec<PathBuf>,
-}
-
-fn gather(folder: &Folder) -> Result<Rows> {
+pub(super) fn gather(folder: &Folder) -> Result<Rows> {
     let mut all = Rows { rows: BTreeMap::new(), duplicates: 0, damaged: Vec::new() };
     for bucket in 0..folder.buckets() {
         let own = segment::read(folder, bucket)?;

@@ -14,6 +14,7 @@ pub mod decoded;
 pub mod estimate;
 pub mod export;
 pub mod folder;
+pub mod known;
 pub mod merge;
 pub mod plan;
 pub mod point;

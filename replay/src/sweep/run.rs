@@ -16,6 +16,7 @@ use rayreel_formats::trace::Trace;
 use super::compute::{chain, compute};
 use super::decoded::Decoded;
 use super::folder::Folder;
+use super::known::Known;
 use super::plan::BUCKET;
 use super::row::{Column, Row};
 use super::segment::{self, Writer};
@@ -44,8 +45,8 @@ pub struct Settings<'a> {
     pub stop: Arc<AtomicBool>,
     /// Opens a trace at the location of the plan.
     pub open: &'a (dyn Fn(&str) -> Result<Trace, String> + Sync),
-    /// Rows of other sweeps by key: points that need not be computed.
-    pub known: &'a BTreeMap<String, Row>,
+    /// Rows of other sweeps: points that need not be computed.
+    pub known: &'a Known,
 }
 
 /// What is told while a shard runs.
@@ -145,13 +146,16 @@ fn missing(
             let key = &folder.plan().points[point].key;
             if held.rows.contains_key(key) {
                 outcome.skipped += 1;
-            } else if let Some(row) = saver.settings.known.get(key) {
+            } else if let Some(row) = saver.settings.known.rows.get(key) {
                 saver.pending.entry(bucket).or_default().push(row.clone());
                 outcome.reused += 1;
             } else if seen.insert((bucket, key)) {
                 todo.push(point);
                 left += 1;
             }
+        }
+        if outcome.reused > 0 {
+            segment::write_columns(folder, &saver.settings.known.columns, &saver.settings.writer)?;
         }
         saver.left.insert(bucket, left);
         saver.flush(bucket)?;

@@ -28,6 +28,8 @@ pub struct Sources<'a> {
     pub text: Text<'a>,
     /// Its folder: relative paths begin there.
     pub folder: &'a Path,
+    /// Where relative traces begin instead: a folder, or an address.
+    pub traces: Option<&'a str>,
     /// Name of the plan if the file gives none.
     pub stem: &'a str,
     /// Opens a trace at a path or address.
@@ -352,7 +354,10 @@ fn locations(entry: &At<String>, sources: &Sources<'_>) -> Result<Vec<String>> {
     if is_address(name) {
         return Ok(vec![name.clone()]);
     }
-    let absolute = std::path::absolute(sources.folder.join(name));
+    if let Some(base) = sources.traces.filter(|base| is_address(base)) {
+        return Ok(vec![format!("{}/{name}", base.trim_end_matches('/'))]);
+    }
+    let absolute = std::path::absolute(sources.traces.map_or(sources.folder, Path::new).join(name));
     let path = absolute.map_err(|e| wrong(format!("trace {name:?}: {e}")))?;
     let path = path.to_str().ok_or_else(|| wrong(format!("trace {name:?} is no text")))?;
     if !name.contains(['*', '?', '[']) {

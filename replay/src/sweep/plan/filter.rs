@@ -3,6 +3,8 @@
 //! The language is that of Jinja expressions: `l1 > 65536 and trv == 8`, `machine in ["raycore"]`, `l1 * trv >= 2 * l2`. Sizes
 //! are bytes. A name that is none is an error and not false.
 
+use std::collections::BTreeMap;
+
 use minijinja::value::Value;
 use minijinja::{Environment, ErrorKind, Expression, UndefinedBehavior};
 use toml::Spanned;
@@ -45,7 +47,9 @@ impl<'a> Filters<'a> {
         if self.all.is_empty() {
             return Ok(false);
         }
-        let context: Value = variables.iter().map(|(name, value)| (name.clone(), plain(value.as_ref()))).collect();
+        let context: BTreeMap<&str, Value> =
+            variables.iter().map(|(name, value)| (name.as_str(), plain(value.as_ref()))).collect();
+        let context = Value::from(context);
         for (own, expression) in &self.all {
             let names: Vec<&str> = variables.iter().map(|(name, _)| name.as_str()).collect();
             let value = expression.eval(&context).map_err(|e| wrong(own, self.text, &e, &names))?;

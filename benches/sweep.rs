@@ -1,0 +1,151 @@
+//! What a sweep costs beside its points, and how it scales.
+//!
+//! ```text
+//! cargo bench -p rayreel --bench sweep                 24 points of chess at 128x64, 2x2 samples
+//! cargo bench -p rayreel --bench sweep -- FILE.rtrace  of a trace
+//! ```
+//!
+//! "bare" replays each point by itself, as `rayreel replay` does: it decodes the trace each time and writes nothing. "sweep" is
+//! `rayreel sweep run` with one and with two points at a time, into a new folder: keys, queue, segments with fsync, sealing. CPU
+//! times are of all threads (Linux; whole hundredths of a second); rounds take turns and the best of each is taken, so that ratios
+//! hold on a noisy machine.
+
+use std::path::Path;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use rayreel_formats::Limits;
+use rayreel_formats::trace::{Codec, Trace};
+use rayreel_replay::machine::simulate::simulate_each;
+use rayreel_replay::machine::system::NoProbe;
+use rayreel_replay::report::{Origin, Report};
+use rayreel_replay::sweep::folder::Folder;
+use rayreel_replay::sweep::known::Known;
+use rayreel_replay::sweep::merge::merge;
+use rayreel_replay::sweep::plan::locate::Text;
+use rayreel_replay::sweep::plan::{Plan, Sources};
+use rayreel_replay::sweep::results::{csv, parquet};
+use rayreel_replay::sweep::run::{Settings, run};
+use rayreel_replay::sweep::segment::Writer;
+use rayreel_replay::sweep::shard::Shard;
+use rayreel_replay::{Options, Replayer};
+use rayreel_tracer::capture::{Grid, Output, capture, meta};
+use rayreel_tracer::{Settings as TraceSettings, build};
+
+const ROUNDS: usize = 3;
+
+const PLAN: &str = r#"
+policies = ["full", "multirate"]
+set = ["srp.ideal=true"]
+[[axis]]
+name = "l1"
+key = "ti.trv_l1.size"
+log = { from = "4KiB", to = "32KiB" }
+[[axis]]
+name = "trv"
+key = "ti.trv"
+values = [2, 4, 8]
+"#;
+
+/// CPU time of all threads of this process so far, seconds. Linux counts in hundredths.
+fn cpu_seconds() -> f64 {
+    let stat = std::fs::read_to_string("/proc/self/stat").unwrap_or_default();
+    let fields: Vec<_> = stat.rsplit_once(')').map_or("", |own| own.1).split_whitespace().collect();
+    let ticks = |at: usize| fields.get(at).and_then(|own| own.parse::<f64>().ok()).unwrap_or(0.0);
+    (ticks(11) + ticks(12)) / 100.0
+}
+
+/// Best wall clock and CPU time of several rounds, seconds.
+#[derive(Clone, Copy)]
+struct Best(f64, f64);
+
+impl Best {
+    fn round<T>(&mut self, run: impl FnOnce() -> T) -> T {
+        let (wall, cpu) = (Instant::now(), cpu_seconds());
+        let result = run();
+        self.0 = self.0.min(wall.elapsed().as_secs_f64());
+        self.1 = self.1.min(cpu_seconds() - cpu);
+        result
+    }
+}
+
+fn open(location: &str) -> Result<Trace, String> {
+    Trace::open(Path::new(location), Limits::default()).map_err(|e| e.to_string())
+}
+
+/// A small capture of chess.
+fn capture_chess(file: &Path) {
+    let scene = rayreel_scenes::load("chess").unwrap();
+    let built = build(&scene).unwrap();
+    let grid = Grid { width: 128, height: 64, samples: 2, tile: 32, first_frame: 0, frames: 1 };
+    let own = meta(&scene, grid, TraceSettings::default(), "bench");
+    let output = Output { path: file.to_path_buf(), codec: Codec::Context, level: 3, resume: false };
+    capture(&scene, &built, &own, &output, |_| true).unwrap();
+}
+
+/// Each point by itself.
+fn bare(plan: &Plan) {
+    for point in &plan.points {
+        let own = plan.resolve(point).unwrap();
+        let trace = open(&plan.traces[point.trace].location).unwrap();
+        let machine = own.machine.unwrap();
+        let mut replayer = Replayer::new(&trace, &own.policy.policy, Options::default()).unwrap();
+        let named = (machine.name.as_str(), &machine.config);
+        let frames = point.frames.0..point.frames.0 + point.frames.1;
+        let (stats, runs) = simulate_each(&mut replayer, frames, named, &mut NoProbe, |_| Ok(())).unwrap();
+        let origin = Origin { trace: String::new(), trace_digest: None };
+        let report = Report::new(&origin, &own.policy, trace.meta(), &stats).with_machine(&machine, &runs);
+        assert!(report.run.cycles > Some(0));
+    }
+}
+
+/// The sweep in a new folder.
+fn swept(plan: &Plan, threads: usize) -> usize {
+    let place = tempfile::tempdir().unwrap();
+    let (folder, _) = Folder::create(&place.path().join("sweep"), plan.clone()).unwrap();
+    let known = Known::default();
+    let settings = Settings {
+        shard: Shard::WHOLE,
+        threads,
+        memory: 1 << 30,
+        flush: Duration::ZERO,
+        writer: Writer { attempt: "bench".into(), host: "here".into() },
+        stop: Arc::default(),
+        open: &open,
+        known: &known,
+    };
+    let outcome = run(&folder, &settings, |_| {}).unwrap();
+    assert_eq!(outcome.computed, plan.points.len());
+    let merged = merge(&folder).unwrap();
+    parquet::encode(&merged.results).unwrap().len() + csv::encode(&merged.results).unwrap().len()
+}
+
+fn main() {
+    let place = tempfile::tempdir().unwrap();
+    let named = std::env::args().skip(1).find(|argument| argument != "--bench");
+    let file = named.map_or_else(
+        || {
+            let file = place.path().join("chess.rtrace");
+            capture_chess(&file);
+            file
+        },
+        Into::into,
+    );
+    let text = format!("traces = [{:?}]\n{PLAN}", file.canonicalize().unwrap().display().to_string());
+    let text = Text { name: "bench", text: &text };
+    let plan = Plan::new(&Sources { text, folder: Path::new(""), traces: None, stem: "bench", open: &open }).unwrap();
+    let points = plan.points.len() as f64;
+    let mut all = [Best(f64::MAX, f64::MAX); 3];
+    for _ in 0..ROUNDS {
+        all[0].round(|| bare(&plan));
+        all[1].round(|| swept(&plan, 1));
+        all[2].round(|| swept(&plan, 2));
+    }
+    println!("{points} points of {}", file.file_name().unwrap_or_default().display());
+    println!("{:<26} {:>9} {:>9} {:>10} {:>12} {:>10}", "", "wall s", "CPU s", "points/s", "CPU s/point", "CPU/bare");
+    for (name, Best(wall, cpu)) in ["bare", "sweep, one at a time", "sweep, two at a time"].iter().zip(all) {
+        let (rate, each, ratio) = (points / wall, cpu / points, cpu / all[0].1);
+        println!("{name:<26} {wall:>9.2} {cpu:>9.2} {rate:>10.2} {each:>12.4} {ratio:>10.3}");
+    }
+    println!("two at a time: {:.2} times the points per second of one", all[1].0 / all[2].0);
+}

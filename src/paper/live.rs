@@ -1,0 +1,138 @@
+//! Frames that are traced when they are replayed, and never written.
+//!
+//! A trace is worth its making when it is read often. The whole animation is read once, by all its policies at a time: coding
+//! and decoding it would take longer than tracing it, and a disk would have to hold it.
+
+use std::sync::{PoisonError, RwLock};
+
+use rayon::prelude::*;
+use rayreel_formats::bvh::Bvh;
+use rayreel_formats::scene::{Camera, Meta};
+use rayreel_formats::tile::Tile;
+use rayreel_formats::{Error, Result};
+use rayreel_replay::machine::work::topology::Topology;
+use rayreel_replay::{PathSource, TileSource};
+use rayreel_scenes::Scene;
+use rayreel_tracer::accel::Built;
+use rayreel_tracer::{Settings, Tracer, convert};
+
+/// What a trace of `meta` would hold.
+pub struct Live<'a> {
+    scene: &'a Scene,
+    bvh: &'a Bvh,
+    tracer: Tracer<'a>,
+    meta: &'a Meta,
+}
+
+impl<'a> Live<'a> {
+    /// Nothing is traced yet.
+    pub fn new(scene: &'a Scene, built: &'a Built, meta: &'a Meta) -> Self {
+        let settings = Settings { max_depth: meta.max_depth, min_weight: meta.min_weight };
+        Self { scene, bvh: &built.bvh, tracer: Tracer::new(scene, built, settings), meta }
+    }
+
+    fn traced<const PATHS: bool>(&self, frame: u32, index: u32) -> Result<Tile> {
+        Ok(self.tracer.tile::<PATHS>(&self.camera(frame)?, self.meta.tile_rect(index), frame, index))
+    }
+}
+
+impl TileSource for Live<'_> {
+    fn meta(&self) -> &Meta {
+        self.meta
+    }
+
+    fn object_of(&self, triangle: u32) -> u32 {
+        self.bvh.triangles[triangle as usize].object
+    }
+
+    fn camera(&self, frame: u32) -> Result<Camera> {
+        let (columns, rows) = self.meta.grid();
+        let camera = self.scene.cameras.get(frame as usize).ok_or_else(|| Error::usage("no such frame"))?;
+        Ok(convert::camera(camera, columns, rows))
+    }
+
+    fn tile(&self, frame: u32, index: u32) -> Result<Tile> {
+        self.traced::<false>(frame, index)
+    }
+}
+
+impl PathSource for Live<'_> {
+    fn topology(&self) -> Topology {
+        Topology::new(self.bvh)
+    }
+
+    fn material_of(&self, triangle: u32) -> u32 {
+        self.bvh.triangles[triangle as usize].material
+    }
+
+    fn tile_with_paths(&self, frame: u32, index: u32) -> Result<Tile> {
+        self.traced::<true>(frame, index)
+    }
+}
+
+/// A source of which one frame is held in memory, without paths, for all who replay it.
+pub struct Held<S> {
+    source: S,
+    frame: RwLock<Option<Frame>>,
+}
+
+/// A frame's number and tiles.
+pub type Frame = (u32, Vec<Tile>);
+
+impl<S: PathSource> Held<S> {
+    /// Holds nothing yet.
+    pub fn new(source: S) -> Self {
+        Self { source, frame: RwLock::new(None) }
+    }
+
+    /// Reads a whole frame.
+    ///
+    /// # Errors
+    /// Those of the source.
+    pub fn read(&self, frame: u32) -> Result<Frame> {
+        let tiles = (0..self.source.meta().tile_count()).into_par_iter().map(|index| self.source.tile(frame, index));
+        Ok((frame, tiles.collect::<Result<_>>()?))
+    }
+
+    /// Holds this frame from now on, and none other.
+    pub fn hold(&self, frame: Frame) {
+        *self.frame.write().unwrap_or_else(PoisonError::into_inner) = Some(frame);
+    }
+}
+
+impl<S: PathSource> TileSource for Held<S> {
+    fn meta(&self) -> &Meta {
+        self.source.meta()
+    }
+
+    fn object_of(&self, triangle: u32) -> u32 {
+        self.source.object_of(triangle)
+    }
+
+    fn camera(&self, frame: u32) -> Result<Camera> {
+        self.source.camera(frame)
+    }
+
+    fn tile(&self, frame: u32, index: u32) -> Result<Tile> {
+        match &*self.frame.read().unwrap_or_else(PoisonError::into_inner) {
+            Some((held, tiles)) if *held == frame => {
+                tiles.get(index as usize).cloned().ok_or_else(|| Error::usage("no such tile"))
+            }
+            _ => self.source.tile(frame, index),
+        }
+    }
+}
+
+impl<S: PathSource> PathSource for Held<S> {
+    fn topology(&self) -> Topology {
+        self.source.topology()
+    }
+
+    fn material_of(&self, triangle: u32) -> u32 {
+        self.source.material_of(triangle)
+    }
+
+    fn tile_with_paths(&self, frame: u32, index: u32) -> Result<Tile> {
+        self.source.tile_with_paths(frame, index)
+    }
+}

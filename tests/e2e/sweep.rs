@@ -1,0 +1,227 @@
+//! Sweeps as a user runs them: killed, resumed, split, planned wrong.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Stdio};
+use std::time::{Duration, Instant};
+
+use serde_json::Value;
+
+use crate::common::{self, Ran, capture};
+
+/// A folder with a small trace and plans.
+struct Place(tempfile::TempDir);
+
+impl Place {
+    fn new(size: &str) -> Self {
+        let place = Self(tempfile::tempdir().unwrap());
+        capture("cornell", &format!("--size {size} --samples 1x1"), &place.path("small.rtrace"));
+        place
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    fn plan(&self, name: &str, body: &str) -> PathBuf {
+        let path = self.path(name);
+        fs::write(&path, format!("traces = [\"*.rtrace\"]\n{body}")).unwrap();
+        path
+    }
+
+    fn run(&self, words: &str) -> Ran {
+        common::run(&self.args(words))
+    }
+
+    /// Words; those in `{}` are files of this place.
+    fn args(&self, words: &str) -> Vec<std::ffi::OsString> {
+        let word = |word: &str| match word.strip_prefix('{').and_then(|w| w.strip_suffix('}')) {
+            Some(file) => self.path(file).into_os_string(),
+            None => word.into(),
+        };
+        std::iter::once("sweep".into()).chain(words.split_whitespace().map(word)).collect()
+    }
+}
+
+/// 512 points of some milliseconds each.
+const MANY: &str = r#"
+policies = ["full", "adaptive"]
+[[axis]]
+name = "l1"
+key = "ti.trv_l1.size"
+log = { from = "1KiB", to = "128KiB" }
+[[axis]]
+name = "trv"
+key = "ti.trv"
+values = [1, 2, 4, 8]
+[[axis]]
+name = "rays"
+key = "ti.rays_per_trv"
+values = [16, 32, 64, 128]
+[[axis]]
+name = "miss"
+key = "ti.miss_handling"
+values = ["retry", "accumulate"]
+"#;
+
+fn results(sweep: &Path) -> (Vec<u8>, Vec<u8>) {
+    (fs::read(sweep.join("results.parquet")).unwrap(), fs::read(sweep.join("results.csv")).unwrap())
+}
+
+/// Rows in the segments and sealed buckets of a sweep, each counted as often as it stands there.
+fn rows_on_disk(sweep: &Path) -> usize {
+    let mut files: Vec<PathBuf> = Vec::new();
+    let list = |path: &Path| -> Vec<PathBuf> {
+        fs::read_dir(path).map(|all| all.map(|own| own.unwrap().path()).collect()).unwrap_or_default()
+    };
+    files.extend(list(&sweep.join("sealed")));
+    list(&sweep.join("segments")).iter().for_each(|bucket| files.extend(list(bucket)));
+    let whole = files.iter().filter(|path| path.extension().is_some_and(|own| own == "seg"));
+    whole.map(|path| fs::read_to_string(path).unwrap().lines().count() - 1).sum()
+}
+
+#[cfg(unix)]
+#[test]
+fn five_hundred_points_killed_ten_times_are_the_undisturbed_ones() {
+    let place = Place::new("16x8");
+    place.plan("many.toml", MANY);
+    place.run("{many.toml} -o {undisturbed} --quiet").expect(0);
+    let whole = results(&place.path("undisturbed"));
+    assert_eq!(String::from_utf8(whole.1.clone()).unwrap().lines().count(), 513);
+
+    let sweep = place.path("killed");
+    place.run("plan {many.toml} -o {killed} --no-estimate").expect(0);
+    let mut kills = 0;
+    let mut state = 0x9e37_79b9_u32;
+    while kills < 10 {
+        let before = rows_on_disk(&sweep);
+        assert!(before < 512, "the sweep ended after {kills} kills: points are too short for this test");
+        // A random number of points from 1 to 40 later.
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        let wait = 1 + (state >> 16) as usize % 40;
+        let mut child = start(&place, "run {killed} --quiet --threads 2");
+        let begun = Instant::now();
+        while rows_on_disk(&sweep) < (before + wait).min(512) && child.try_wait().unwrap().is_none() {
+            assert!(begun.elapsed() < Duration::from_secs(120), "the sweep hangs");
+            std::thread::sleep(Duration::from_micros(500));
+        }
+        child.kill().unwrap();
+        child.wait().unwrap();
+        let after = rows_on_disk(&sweep);
+        assert!(after >= before, "a kill lost rows: {before}, then {after}");
+        kills += 1;
+    }
+    let kept = rows_on_disk(&sweep);
+    let status: Value = place.run("status {killed} --json").expect(3).json();
+    assert_eq!(status["done"], kept, "no row twice, and no finished one lost");
+    assert_eq!(status["duplicates"], 0);
+    let last = place.run("resume {killed} --quiet").expect(0);
+    last.says(&[&format!("{kept} skipped"), &format!("{} computed", 512 - kept)]);
+    place.run("merge {killed}").expect(0).prints(&["512 rows", "0 duplicates dropped"]);
+    assert!(results(&sweep) == whole, "the merged files differ from the undisturbed run's");
+}
+
+fn start(place: &Place, words: &str) -> Child {
+    common::command(&place.args(words)).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap()
+}
+
+/// A few points of half a second or so.
+const FEW: &str = r#"
+policies = ["full"]
+[[axis]]
+name = "trv"
+key = "ti.trv"
+values = [1, 2, 3, 4, 5, 6]
+"#;
+
+#[cfg(unix)]
+#[test]
+fn a_signal_flushes_and_stops() {
+    let place = Place::new("128x64");
+    place.plan("few.toml", FEW);
+    place.run("plan {few.toml} -o {sweep} --no-estimate").expect(0);
+    for signal in ["INT", "TERM"] {
+        let child = common::command(&place.args("run {sweep} --quiet --threads 1"))
+            .stdout(Stdio::null())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        let before = rows_on_disk(&place.path("sweep"));
+        let begun = Instant::now();
+        while rows_on_disk(&place.path("sweep")) == before {
+            assert!(begun.elapsed() < Duration::from_secs(60), "the sweep hangs");
+            std::thread::sleep(Duration::from_millis(2));
+        }
+        let sent = std::process::Command::new("kill").args([&format!("-{signal}"), &child.id().to_string()]).status();
+        assert!(sent.unwrap().success());
+        let ended = child.wait_with_output().unwrap();
+        let text = String::from_utf8(ended.stderr).unwrap();
+        assert_eq!(ended.status.code(), Some(75), "{text}");
+        assert!(text.contains("interrupted, flushed"), "{text}");
+    }
+    place.run("resume {sweep} --quiet").expect(0);
+    place.run("merge {sweep}").expect(0).prints(&["6 rows", "0 duplicates"]);
+}
+
+#[test]
+fn shards_on_the_command_line_make_the_whole() {
+    let place = Place::new("32x16");
+    place.plan("few.toml", FEW);
+    place.run("{few.toml} -o {whole} --quiet").expect(0);
+    place.run("plan {few.toml} -o {split} --no-estimate").expect(0);
+    place.run("run {split} --shard 2/3 --quiet").expect(0).says(&["shard 2/3", "2 points", "2 computed"]);
+    place.run("merge {split}").expect(3).says(&["missing 4 of 6 points", "sweep resume"]);
+    place.run("merge {split} --partial").expect(3).prints(&["2 rows"]);
+    place.run("status {split}").expect(3).prints(&["2 of 6 points done", "4 missing"]);
+    let mut child = common::command(&place.args("run {split} --shard auto/3 --index-offset 1 --quiet"));
+    assert!(child.env("SLURM_ARRAY_TASK_ID", "0").status().unwrap().success());
+    place.run("run {split} --shard 0/3 --quiet").expect(0);
+    place.run("merge {split}").expect(0);
+    assert!(results(&place.path("split")) == results(&place.path("whole")));
+    for (words, want) in [
+        ("run {split} --shard 3/3", "is no shard"),
+        ("run {split} --shard auto/3", "needs one of SLURM_ARRAY_TASK_ID"),
+        ("run {nowhere}", "is this the folder of a sweep?"),
+        ("status {few.toml}", "is this the folder of a sweep?"),
+    ] {
+        place.run(words).expect(2).says(&[want]);
+    }
+}
+
+#[test]
+fn a_bad_plan_is_one_error_and_a_dry_run_writes_nothing() {
+    let place = Place::new("32x16");
+    place.plan("good.toml", FEW);
+    let before = listing(place.0.path());
+    place.run("plan {good.toml} -o {sweep} --dry-run").expect(0).prints(&[
+        "6 points",
+        "about",
+        "trv: 1, 2, 3, 4, 5, 6",
+    ]);
+    assert_eq!(listing(place.0.path()), before);
+    for (body, want) in [
+        ("policies = [\"full\"]\ntraces_ = 1\n", "bad.toml:3:1: unknown field `traces_`"),
+        ("policies = [\"ful\"]\n", "bad.toml:2:13: no policy preset \"ful\""),
+        (
+            "policies = [\"full\"]\n[[axis]]\nname = \"a\"\nkey = \"ti.trv\"\nvalues = []\n",
+            "bad.toml:6:10: axis \"a\" has no values",
+        ),
+        (
+            "policies = [\"full\"]\n[[axis]]\nname = \"a\"\nkey = \"ti.trv\"\nrange = { from = 0, to = 1e12, step = 1 }\n",
+            "bad.toml:6:9: axis",
+        ),
+    ] {
+        place.plan("bad.toml", body);
+        let ran = place.run("plan {bad.toml} -o {sweep}").expect(2);
+        ran.says(&[want]);
+        assert!(!place.path("sweep").exists());
+    }
+    fs::write(place.path("bad.toml"), "traces = [\"none.rtrace\"]\npolicies = [\"full\"]\n").unwrap();
+    place.run("plan {bad.toml} -o {sweep}").expect(2).says(&["bad.toml:1:11: trace ", "none.rtrace"]);
+}
+
+fn listing(path: &Path) -> Vec<PathBuf> {
+    let mut all: Vec<PathBuf> = fs::read_dir(path).unwrap().map(|own| own.unwrap().path()).collect();
+    all.sort();
+    all
+}
