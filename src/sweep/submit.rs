@@ -11,7 +11,7 @@ use rayreel_replay::sweep::slurm::limits::Limits;
 use rayreel_replay::sweep::slurm::sbatch::{self, Options};
 use rayreel_replay::sweep::submission::Submission;
 
-use super::folder::open;
+use super::folder::{located, open};
 use super::order::{How, Order, carry_out};
 use super::plan::{duration, shards};
 use super::run::{self, RunArgs};
@@ -36,6 +36,9 @@ pub struct Args {
     /// Time that an estimated shard should take on one core.
     #[arg(long, default_value = "15m", value_name = "TIME", value_parser = duration, conflicts_with = "shards")]
     shard_time: f64,
+    /// Where the tasks find the traces, by their names: a folder or an address; where the plan found them if it is not given.
+    #[arg(long, value_name = "DIR")]
+    traces: Option<String>,
     /// Least time between two segment files of a task; what a killed node costs.
     #[arg(long, default_value = "30s", value_name = "TIME", value_parser = checked)]
     flush: String,
@@ -141,11 +144,13 @@ pub fn run(args: &Args, quiet: bool) -> Result<Exit> {
             quote(&args.sweep.display().to_string()),
         );
     }
-    let run = ["--flush", &args.flush, "--memory", &args.memory.to_string()].map(String::from).to_vec();
+    let traces = args.traces.as_deref().map(anywhere).transpose()?;
+    let mut run = ["--flush", &args.flush, "--memory", &args.memory.to_string()].map(String::from).to_vec();
+    run.extend(traces.clone().into_iter().flat_map(|traces| ["--traces".to_owned(), traces]));
     let order = Order {
         shards: match args.shards {
             Some(shards) => shards as usize,
-            None => estimated(&folder, args.shard_time)?.min(limits.shards()),
+            None => estimated(&folder, args.shard_time, traces.as_deref())?.min(limits.shards()),
         },
         run,
         patience: args.patience.clone(),
@@ -168,9 +173,9 @@ pub fn limits(folder: &Folder, dry_run: bool) -> Result<Limits> {
 }
 
 /// Shards of about `each` seconds.
-fn estimated(folder: &Folder, each: f64) -> Result<usize> {
+fn estimated(folder: &Folder, each: f64, traces: Option<&str>) -> Result<usize> {
     let plan = folder.plan();
-    match estimate::core_seconds(plan, &open) {
+    match estimate::core_seconds(plan, &|location| open(&located(location, traces))) {
         Some(seconds) => Ok(shards(seconds, each, plan.points.len())),
         None => bail!("cannot tell how long a point takes, from a look at its trace; give --shards N"),
     }
@@ -184,11 +189,16 @@ fn local(folder: &Folder, args: &Args, quiet: bool) -> Result<Exit> {
         print(&format!("no cluster: `rayreel sweep run {sweep}` and `merge`, {points} points on this machine\n"))?;
         return Ok(Exit::Done);
     }
-    let own = RunArgs { memory: args.memory, flush: 0.0, reuse: Vec::new() };
+    let own = RunArgs { traces: args.traces.clone(), memory: args.memory, flush: 0.0, reuse: Vec::new() };
     match run::here(folder, &own, Shard::WHOLE, quiet)? {
         Exit::Done => merge::all(folder, 0.0),
         exit => Ok(exit),
     }
+}
+
+/// A folder or address of traces as tasks find it, wherever they start.
+fn anywhere(traces: &str) -> Result<String> {
+    if traces.contains("://") { Ok(traces.into()) } else { Ok(absolute(Path::new(traces))?.display().to_string()) }
 }
 
 /// The folder as tasks on other machines find it.
