@@ -159,17 +159,19 @@ pub fn run(args: &Args, quiet: bool) -> Result<Exit> {
     carry_out(&folder, &order, limits, How { args: args.how, active: &[], last: None })
 }
 
-/// The limits of Slurm here; for a dry run elsewhere those that most sites have.
+/// The limits of Slurm here; for a dry run where none answers those that most sites have.
 pub fn limits(folder: &Folder, dry_run: bool) -> Result<Limits> {
-    if slurm::is_here() {
-        return slurm::limits();
-    }
-    if !dry_run {
+    if !dry_run && !slurm::is_here() {
         let sweep = quote(&folder.path().display().to_string());
         bail!("no sbatch in PATH: this is no login node of a Slurm cluster; `rayreel sweep run {sweep}` computes here");
     }
-    eprintln!("no Slurm here: with its default limits");
-    Ok(Limits::default())
+    slurm::limits().or_else(|error| {
+        if !dry_run {
+            return Err(error);
+        }
+        eprintln!("no answer from Slurm ({error:#}): with its default limits");
+        Ok(Limits::default())
+    })
 }
 
 /// Shards of about `each` seconds.
