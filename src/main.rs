@@ -50,7 +50,7 @@ enum Command {
     Render(render::Args),
     Capture(capture::Args),
     Replay(replay::Args),
-    Sweep(sweep::Args),
+    Sweep(Box<sweep::Args>),
     Paper(paper::Args),
     Report(report::Args),
     Presets(presets::Args),

@@ -9,6 +9,8 @@ mod common;
 mod replay_common;
 
 mod browser;
+#[cfg(unix)]
+mod cluster;
 mod damage;
 mod determinism;
 mod every_scene;

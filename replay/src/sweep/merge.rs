@@ -4,6 +4,7 @@
 //! order they were finished.
 
 use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 use std::path::PathBuf;
 
 use serde_json::Value;
@@ -232,9 +233,9 @@ impl Table<'_> {
         for point in self.there {
             let own = &self.plan.points[*point];
             let name = (own.machine, own.policy, &own.values);
-            if !known.contains_key(&name) {
+            if let Entry::Vacant(slot) = known.entry(name) {
                 let resolved = self.plan.resolve(own)?;
-                known.insert(name, (resolved.machine_config(), resolved.policy_config()));
+                slot.insert((resolved.machine_config(), resolved.policy_config()));
             }
             let (machine, policy) = &known[&name];
             machines.push(Some(machine.clone()));

@@ -12,6 +12,7 @@
 mod compute;
 pub mod decoded;
 pub mod estimate;
+pub mod export;
 pub mod folder;
 pub mod known;
 pub mod merge;
@@ -22,5 +23,8 @@ pub mod row;
 pub mod run;
 pub mod segment;
 pub mod shard;
+pub mod shell;
+pub mod slurm;
 pub mod status;
+pub mod submission;
 pub mod version;
