@@ -80,7 +80,7 @@
       const t = share(value);
       const tip = [`${down.name} ${text.value(down, a)}, ${across.name} ${text.value(across, b)}`, `${result.name} ${text.withUnit(result, value)}`,
         ...(cell.count > 1 ? [`${cell.count} points from ${text.number(cell.min)} to ${text.number(cell.max)}`] : [])].join("\n");
-      return html("td", { class: t > 0.6 ? "heat hot" : "heat", style: `--t:${(t * 100).toFixed(1)}%`, "data-mark": "", "data-tip": tip, "data-value": value }, values ? text.number(value) : html("span", { class: "unseen" }, text.number(value)));
+      return html("td", { class: t > 0.6 ? "heat hot" : t > 0.5 ? "heat warm" : "heat", style: `--t:${(t * 100).toFixed(1)}%`, "data-mark": "", "data-tip": tip, "data-value": value }, values ? text.number(value) : html("span", { class: "unseen" }, text.number(value)));
     })));
     box.replaceChildren(html("div", { class: "scroll", tabindex: "0", role: "region", "aria-label": `${result.name} by ${down.name} and ${across.name}` },
       html("table", { class: "heat-table" }, html("thead", {}, head), html("tbody", {}, ...body))));
