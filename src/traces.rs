@@ -33,7 +33,7 @@ impl TraceArgs {
 }
 
 /// Where bytes of traces far away are kept.
-#[derive(Debug, clap::Args)]
+#[derive(Clone, Debug, Default, clap::Args)]
 pub struct CacheArgs {
     /// Folder that keeps what is fetched of a URL, or none; RAYREEL_TRACE_CACHE if not given, else ~/.cache/rayreel/traces.
     #[arg(long, value_name = "DIR|none")]
@@ -41,6 +41,12 @@ pub struct CacheArgs {
 }
 
 impl CacheArgs {
+    /// The same as arguments of another process.
+    pub fn words(&self) -> Vec<String> {
+        let folder = self.trace_cache.iter().map(|folder| folder.to_string_lossy().into_owned());
+        folder.flat_map(|folder| ["--trace-cache".to_owned(), folder]).collect()
+    }
+
     /// Opens a trace with the default limits.
     pub fn open(&self, location: &Location) -> Result<Trace> {
         let cache = match location {

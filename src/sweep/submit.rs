@@ -11,13 +11,14 @@ use rayreel_replay::sweep::slurm::limits::Limits;
 use rayreel_replay::sweep::slurm::sbatch::{self, Options};
 use rayreel_replay::sweep::submission::Submission;
 
-use super::folder::{located, open};
+use super::folder::opener;
 use super::order::{How, Order, carry_out};
 use super::plan::{duration, shards};
 use super::run::{self, RunArgs};
 use super::{merge, slurm};
 use crate::common::print;
 use crate::exit::Exit;
+use crate::traces::CacheArgs;
 
 /// Submit a sweep to a cluster: arrays of shards, and a merge behind them.
 ///
@@ -39,6 +40,8 @@ pub struct Args {
     /// Where the tasks find the traces, by their names: a folder or an address; where the plan found them if it is not given.
     #[arg(long, value_name = "DIR")]
     traces: Option<String>,
+    #[command(flatten)]
+    cache: CacheArgs,
     /// Least time between two segment files of a task; what a killed node costs.
     #[arg(long, default_value = "30s", value_name = "TIME", value_parser = checked)]
     flush: String,
@@ -147,10 +150,11 @@ pub fn run(args: &Args, quiet: bool) -> Result<Exit> {
     let traces = args.traces.as_deref().map(anywhere).transpose()?;
     let mut run = ["--flush", &args.flush, "--memory", &args.memory.to_string()].map(String::from).to_vec();
     run.extend(traces.clone().into_iter().flat_map(|traces| ["--traces".to_owned(), traces]));
+    run.extend(args.cache.words());
     let order = Order {
         shards: match args.shards {
             Some(shards) => shards as usize,
-            None => estimated(&folder, args.shard_time, traces.as_deref())?.min(limits.shards()),
+            None => estimated(&folder, args, traces.as_deref())?.min(limits.shards()),
         },
         run,
         patience: args.patience.clone(),
@@ -174,11 +178,11 @@ pub fn limits(folder: &Folder, dry_run: bool) -> Result<Limits> {
     })
 }
 
-/// Shards of about `each` seconds.
-fn estimated(folder: &Folder, each: f64, traces: Option<&str>) -> Result<usize> {
+/// Shards of about the time that a shard should take.
+fn estimated(folder: &Folder, args: &Args, traces: Option<&str>) -> Result<usize> {
     let plan = folder.plan();
-    match estimate::core_seconds(plan, &|location| open(&located(location, traces))) {
-        Some(seconds) => Ok(shards(seconds, each, plan.points.len())),
+    match estimate::core_seconds(plan, &opener(&args.cache, traces)) {
+        Some(seconds) => Ok(shards(seconds, args.shard_time, plan.points.len())),
         None => bail!("cannot tell how long a point takes, from a look at its trace; give --shards N"),
     }
 }
@@ -191,7 +195,8 @@ fn local(folder: &Folder, args: &Args, quiet: bool) -> Result<Exit> {
         print(&format!("no cluster: `rayreel sweep run {sweep}` and `merge`, {points} points on this machine\n"))?;
         return Ok(Exit::Done);
     }
-    let own = RunArgs { traces: args.traces.clone(), memory: args.memory, flush: 0.0, reuse: Vec::new() };
+    let (traces, cache) = (args.traces.clone(), args.cache.clone());
+    let own = RunArgs { traces, cache, memory: args.memory, flush: 0.0, reuse: Vec::new() };
     match run::here(folder, &own, Shard::WHOLE, quiet)? {
         Exit::Done => merge::all(folder, 0.0),
         exit => Ok(exit),

@@ -36,6 +36,31 @@ fn commands_read_objects_as_they_read_files() {
 }
 
 #[test]
+fn a_sweep_over_objects_is_the_sweep_over_files() {
+    let Some(moto) = Moto::start() else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let file = small(folder.path(), "cornell");
+    moto.put("/bucket", b"");
+    moto.put("/bucket/cornell.rtrace", &fs::read(&file).unwrap());
+    let plan = folder.path().join("plan.toml");
+    fs::write(
+        &plan,
+        "traces = [\"cornell.rtrace\"]\npolicies = [\"full\", \"adaptive\"]\nmachines = [\"sgrt-ti2\", \"none\"]\n",
+    )
+    .unwrap();
+    let place = |name: &str| folder.path().join(name);
+    let line = |name: &str| format!("sweep {} -o {} --quiet", plan.display(), place(name).display());
+    moto.run(&line("near")).expect(0);
+    moto.run(&format!("{} --traces s3://bucket", line("far"))).expect(0);
+    for name in ["results.parquet", "results.csv"] {
+        let read = |of: &str| fs::read(place(of).join(name)).unwrap();
+        assert!(read("near") == read("far"), "{name}");
+    }
+    let missing = moto.run(&format!("{} --traces s3://other", line("none"))).expect(2);
+    missing.says(&["plan.toml:1:11: trace s3://other/cornell.rtrace: ", "no such bucket"]);
+}
+
+#[test]
 fn errors_name_the_object() {
     let Some(moto) = Moto::start() else { return };
     let folder = tempfile::tempdir().unwrap();
