@@ -12,7 +12,7 @@ use rayreel_scenes::SceneError;
 pub enum Exit {
     /// Done.
     Done = 0,
-    /// The result says no: verify or diff found a difference.
+    /// The result says no: verify, diff or compare found a difference.
     No = 1,
     /// Wrong usage.
     Usage = 2,

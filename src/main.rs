@@ -2,6 +2,7 @@
 
 mod capture;
 mod common;
+mod compare;
 mod diff;
 mod digest;
 mod exit;
@@ -15,6 +16,7 @@ mod replay;
 mod report;
 mod scenes;
 mod sweep;
+mod traces;
 mod verify;
 
 use std::process::ExitCode;
@@ -28,7 +30,7 @@ use exit::Exit;
 /// ray-tracing GPU, without tracing again: cycles, power, pictures and image quality. `paper` does the whole experiment for the
 /// built-in scenes.
 ///
-/// Exit codes: 0 done, 1 the result says no (verify, diff), 2 wrong usage, 3 incomplete trace, 65 bad input data,
+/// Exit codes: 0 done, 1 the result says no (verify, diff, compare), 2 wrong usage, 3 incomplete trace, 65 bad input data,
 /// 75 interrupted but flushed.
 #[derive(Debug, Parser)]
 #[command(version, max_term_width = 110)]
@@ -52,6 +54,7 @@ enum Command {
     Sweep(Box<sweep::Args>),
     Paper(paper::Args),
     Report(report::Args),
+    Compare(compare::Args),
     Presets(presets::Args),
     Info(info::Args),
     Verify(verify::Args),
@@ -75,6 +78,7 @@ fn main() -> ExitCode {
         Command::Sweep(args) => sweep::run(&args, quiet),
         Command::Paper(args) => paper::run(&args, quiet),
         Command::Report(args) => report::run(&args),
+        Command::Compare(args) => compare::run(&args),
         Command::Presets(args) => presets::run(&args),
         Command::Info(args) => info::run(&args),
         Command::Verify(args) => verify::run(&args, quiet),
@@ -82,6 +86,9 @@ fn main() -> ExitCode {
         Command::Diff(args) => diff::run(&args),
         Command::Repair(args) => repair::run(&args),
     };
+    if !quiet {
+        traces::tell_traffic();
+    }
     match result {
         Ok(exit) => exit.into(),
         // Whoever reads our output has seen enough (`rayreel scenes list | head -1`).

@@ -1,23 +1,29 @@
-//! `rayreel report`: a study as one page.
+//! `rayreel report`: a study or the results of a sweep as one page.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use anyhow::Result;
-use rayreel_replay::report::html;
+use rayreel_replay::report::html::{self, Written};
+use rayreel_replay::report::study::FILE as STUDY;
+use rayreel_replay::sweep::results::load::{self, is_sweep};
 use serde_json::json;
 
 use crate::common::{print, print_json};
 use crate::exit::Exit;
 
-/// Make one HTML page of a study that `rayreel paper` wrote.
+/// Make one HTML page of a study that `rayreel paper` wrote, or of the results of a sweep.
 ///
-/// The page needs no network and no other file: charts, tables, pictures and the viewer are all in it. It reads on a phone, in
-/// print, in light and in dark. The same study gives the same bytes.
+/// The page needs no network and no other file: charts, tables, pictures and what they are drawn from are all in it. It reads on a
+/// phone, in print, in light and in dark. The same input gives the same bytes.
+///
+/// Of a sweep it shows the Pareto front of any two results, a heat map of any two axes, which axis moves which result, the best
+/// points with their configuration, and a table to sort and filter.
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// Folder with study.json and the pictures that it names.
-    dir: PathBuf,
-    /// The page; report.html in the folder if not given.
+    /// Folder with study.json and the pictures that it names; or the results of a sweep: its folder, or a Parquet file.
+    #[arg(value_name = "RESULTS")]
+    input: PathBuf,
+    /// The page; report.html in the folder of a study, results.html beside results.parquet if not given.
     #[arg(long, short, value_name = "FILE")]
     output: Option<PathBuf>,
     /// Print JSON.
@@ -26,8 +32,38 @@ pub struct Args {
 }
 
 pub fn run(args: &Args) -> Result<Exit> {
-    let file = args.output.clone().unwrap_or_else(|| args.dir.join("report.html"));
-    let written = html::write(&args.dir, &file)?;
+    if is_of_sweep(&args.input) { sweep(args) } else { study(args) }
+}
+
+/// Whether a path holds results of a sweep: any file does, and a folder that has a plan or a table and no study.
+fn is_of_sweep(path: &Path) -> bool {
+    path.is_file() || (!path.join(STUDY).exists() && (is_sweep(path) || path.join(load::RESULTS).is_file()))
+}
+
+fn sweep(args: &Args) -> Result<Exit> {
+    let (results, from) = load::load(&args.input)?;
+    let file = args.output.clone().unwrap_or_else(|| from.with_extension("html"));
+    let written = html::sweep::write(&results, &file)?;
+    if args.json {
+        print_json(&json!({
+            "file": file.display().to_string(),
+            "bytes": written.bytes,
+            "points": results.rows(),
+            "columns": results.fields.len(),
+        }))?;
+    } else {
+        print(&format!("{}: {}, {} points\n", file.display(), megabytes(&written), results.rows()))?;
+    }
+    Ok(Exit::Done)
+}
+
+fn megabytes(written: &Written) -> String {
+    format!("{:.2} MB", written.bytes as f64 * 1e-6)
+}
+
+fn study(args: &Args) -> Result<Exit> {
+    let file = args.output.clone().unwrap_or_else(|| args.input.join("report.html"));
+    let written = html::write(&args.input, &file)?;
     if args.json {
         print_json(&json!({
             "file": file.display().to_string(),
@@ -36,8 +72,8 @@ pub fn run(args: &Args) -> Result<Exit> {
             "picture_bytes": written.picture_bytes,
         }))?;
     } else {
-        let (all, own) = (written.bytes as f64 * 1e-6, written.picture_bytes as f64 * 1e-6);
-        print(&format!("{}: {all:.2} MB, {} pictures of {own:.2} MB\n", file.display(), written.pictures))?;
+        let (all, own) = (megabytes(&written), written.picture_bytes as f64 * 1e-6);
+        print(&format!("{}: {all}, {} pictures of {own:.2} MB\n", file.display(), written.pictures))?;
     }
     Ok(Exit::Done)
 }

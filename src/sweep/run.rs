@@ -13,10 +13,11 @@ use rayreel_replay::sweep::segment::Writer;
 use rayreel_replay::sweep::shard::Shard;
 use serde_json::json;
 
-use super::folder::{Place, find, located, open};
+use super::folder::{Place, find, opener};
 use super::plan::duration;
 use crate::exit::Exit;
 use crate::progress::{self, Progress};
+use crate::traces::CacheArgs;
 
 /// Compute the points of a sweep that have no result yet.
 ///
@@ -44,6 +45,8 @@ pub struct RunArgs {
     /// Where the traces are, by their names: a folder or an address; where the plan found them if it is not given.
     #[arg(long, value_name = "DIR")]
     pub traces: Option<String>,
+    #[command(flatten)]
+    pub cache: CacheArgs,
     /// Memory for decoded tiles that points share, MiB.
     #[arg(long, default_value_t = 1024, value_name = "MIB")]
     pub memory: usize,
@@ -56,7 +59,7 @@ pub struct RunArgs {
 }
 
 pub fn run(args: &Args, quiet: bool) -> Result<Exit> {
-    let folder = find(&args.sweep, &args.place, args.run.traces.as_deref())?;
+    let folder = find(&args.sweep, &args.place, args.run.traces.as_deref(), &args.run.cache)?;
     let shard = args.shard.as_deref().map_or(Ok(Shard::WHOLE), |text| chosen(text, args.index_offset))?;
     here(&folder, &args.run, shard, quiet)
 }
@@ -95,7 +98,7 @@ pub fn here(folder: &Folder, args: &RunArgs, shard: Shard, quiet: bool) -> Resul
     let others = args.reuse.iter().map(|other| Folder::open(other)).collect::<rayreel_replay::Result<Vec<_>>>()?;
     let known = Known::load(&others)?;
     let writer = Writer { attempt: attempt(), host: host() };
-    let open = |location: &str| open(&located(location, args.traces.as_deref()));
+    let open = opener(&args.cache, args.traces.as_deref());
     let settings = Settings {
         shard,
         threads: rayon::current_num_threads(),

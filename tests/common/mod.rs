@@ -1,6 +1,7 @@
 //! What the end-to-end tests share: running the binary, reading what it says, scenes to run it on.
 
 pub mod scenes;
+pub mod small_sweep;
 pub mod trace;
 
 use std::ffi::OsString;

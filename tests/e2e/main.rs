@@ -11,6 +11,7 @@ mod replay_common;
 mod browser;
 #[cfg(unix)]
 mod cluster;
+mod compare;
 mod damage;
 mod determinism;
 mod every_scene;
@@ -20,11 +21,14 @@ mod goldens;
 mod help;
 #[cfg(unix)]
 mod kill;
+mod page;
 mod paper;
 mod policies;
+mod readers;
 mod repair;
 mod replay_json;
 mod report;
 mod stand_in;
 mod sweep;
+mod sweep_page;
 mod tamper;

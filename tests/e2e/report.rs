@@ -3,9 +3,8 @@
 use std::fs;
 use std::path::Path;
 
-use serde_json::Value;
-
 use crate::browser::Browser;
+use crate::page::Page;
 use crate::rayreel;
 use crate::replay_common::study::{PICTURE, write};
 
@@ -45,61 +44,6 @@ fn errors_say_what_to_do() {
     report(65, &["error.png", "not there"]);
     write(dir);
     rayreel!["report", dir, "-o", &dir.join("no/folder/x.html")].expect(2).says(&["no/folder"]);
-}
-
-/// The page with what a person does to it.
-struct Page<'a>(&'a Browser);
-
-impl Page<'_> {
-    /// Whether a condition holds within a second: the browser lays out in its own time.
-    #[track_caller]
-    fn holds(&self, condition: &str) {
-        for _ in 0..50 {
-            if self.0.run(&format!("return Boolean({condition})")) == true {
-                return;
-            }
-            std::thread::sleep(std::time::Duration::from_millis(20));
-        }
-        panic!("does not hold: {condition}; console: {:?}", self.0.console());
-    }
-
-    /// A place in an element, as parts of its width and height, once it is in sight.
-    #[track_caller]
-    fn at(&self, element: &str, [x, y]: [f64; 2]) -> [f64; 2] {
-        let script = format!(
-            "const e = document.querySelector('{element}'); e.scrollIntoView({{ behavior: 'instant', block: 'center' }}); \
-             const r = e.getBoundingClientRect(); return [r.left + r.width * {x}, r.top + r.height * {y}]"
-        );
-        let place: Vec<f64> = self.0.run(&script).as_array().unwrap().iter().map(|v| v.as_f64().unwrap()).collect();
-        // The page hears of the scrolling with its next frame, and hides what the pointer had brought up.
-        self.0.run("return new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))");
-        [place[0], place[1]]
-    }
-
-    #[track_caller]
-    fn click(&self, element: &str) {
-        let place = self.at(element, [0.5, 0.5]);
-        self.0.point(&[place, place], true);
-    }
-
-    #[track_caller]
-    fn choose(&self, select: &str, value: &str) {
-        self.0.run(&format!(
-            "const s = document.querySelector('{select}'); s.value = '{value}'; s.dispatchEvent(new Event('change'))"
-        ));
-    }
-
-    /// Nothing sticks out to the side, and nothing was complained about.
-    #[track_caller]
-    fn is_sound(&self) {
-        let wide = "[...document.querySelectorAll('body *')].filter(e => e.getBoundingClientRect().right > innerWidth + 1 \
-                    && !e.closest('.scroll, nav, pre, code, .stage')).map(e => e.tagName + '#' + e.id + '.' + e.className)";
-        let wide = self.0.run(&format!("return {wide}"));
-        assert_eq!(wide, Value::Array(vec![]), "these are wider than the window");
-        self.holds("document.documentElement.scrollWidth <= document.documentElement.clientWidth");
-        let said = self.0.console();
-        assert!(said.is_empty(), "on the console: {said:?}");
-    }
 }
 
 /// Skipped, saying so, where no browser is installed.

@@ -12,7 +12,7 @@ use serde_json::Value;
 use super::folder::Folder;
 use super::plan::{Axis, Plan, PointRef, Scalar};
 use super::results::{Cells, Field, Heading, Results, Role};
-use super::row::{Column, Row, is_figure};
+use super::row::{Column, Row, role_of};
 use super::segment;
 use super::version::MODEL_VERSION;
 use crate::error::{ReplayError, Result};
@@ -218,11 +218,7 @@ impl Table<'_> {
         };
         let info = self.columns.get(name);
         let text = |get: fn(&Column) -> &String| info.map(get).cloned().unwrap_or_default();
-        let role = if is_figure(name) || name.starts_with("gpu_") || name.starts_with("ti_with_memory_") {
-            Role::Figure
-        } else {
-            Role::Counter
-        };
+        let role = role_of(name);
         Field { name: name.into(), unit: text(|c| &c.unit), description: text(|c| &c.description), role, cells }
     }
 
@@ -244,7 +240,7 @@ impl Table<'_> {
         let config = |name: &str, text: &str, cells| Field { role: Role::Config, ..self.point(name, text, cells) };
         let fingerprints = self.each(|p| Some(self.plan.traces[p.trace].fingerprint.clone()));
         Ok(vec![
-            config("machine_config", "every value of the machine, key = value, one a line", Cells::Text(machines)),
+            config("machine_config", "every value of the machine, JSON", Cells::Text(machines)),
             config("policy_config", "every value of the policy, JSON", Cells::Text(policies)),
             config("trace_fingerprint", "hash of what the trace holds", Cells::Text(fingerprints)),
             config("model_version", "version of the model", Cells::Int(self.each(|_| Some(MODEL_VERSION.into())))),

@@ -9,6 +9,8 @@
 //! not matter who computes it, when, or how often. Rows lie in immutable [`segment`]s of a [`folder::Folder`], and [`merge`] puts
 //! them together in the order of the plan. No part of this knows a scheduler: a cluster only calls [`run`] with a shard.
 
+pub mod analysis;
+pub mod compare;
 mod compute;
 pub mod decoded;
 pub mod estimate;

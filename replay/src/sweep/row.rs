@@ -8,6 +8,7 @@ use serde_json::{Map, Value};
 use crate::report::Report;
 use crate::report::keys::FIGURES;
 use crate::sweep::point::Key;
+use crate::sweep::results::Role;
 
 /// A result.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -67,6 +68,12 @@ pub fn is_figure(name: &str) -> bool {
     FIGURES.iter().any(|(key, ..)| *key == name)
 }
 
+/// Whether a column of a row is a figure or a counter.
+pub fn role_of(name: &str) -> Role {
+    let grouped = GROUPS.iter().any(|group| name.strip_prefix(group).is_some_and(|rest| rest.starts_with('_')));
+    if is_figure(name) || grouped { Role::Figure } else { Role::Counter }
+}
+
 impl Row {
     /// The row of a point that cannot be computed, whoever tries.
     pub fn failed(key: Key, error: String) -> Self {
@@ -75,7 +82,11 @@ impl Row {
 
     /// The row of a report, with what its columns are.
     pub fn new(key: Key, report: &Report) -> (Self, Vec<Column>) {
-        let value = serde_json::to_value(report).unwrap_or_default();
+        Self::of_json(key, &serde_json::to_value(report).unwrap_or_default())
+    }
+
+    /// The row of a report as `rayreel replay --json` prints it.
+    pub fn of_json(key: Key, value: &Value) -> (Self, Vec<Column>) {
         let mut own = Figures::default();
         for (name, unit, text) in FIGURES {
             if !LEFT_OUT.contains(name) && !GROUPS.contains(name) {
@@ -86,7 +97,10 @@ impl Row {
             for name in ["power_w", "energy_mj", "energy_per_ray_nj", "perf_per_watt"] {
                 let of = FIGURES.iter().find(|(key, ..)| key == &name).map_or(("", ""), |(_, unit, text)| (unit, text));
                 let what = if *group == "gpu" { "whole GPU" } else { "T&I units with their L2 and DRAM energy" };
-                let text = format!("{what}: {}", of.1.replace(" of the T&I units alone, the group ti of energy", ""));
+                let text = format!(
+                    "{what}: {}",
+                    of.1.replace(", the group ti of energy", "").replace(" of the T&I units alone", "")
+                );
                 own.add(&format!("{group}_{name}"), of.0, &text, value[*group][name].clone());
             }
         }

@@ -1,4 +1,4 @@
-//! One page of HTML from a study: `rayreel report`.
+//! One page of HTML from a study or from the results of a sweep: `rayreel report`.
 //!
 //! The page needs no network and no other file. Charts are SVG made here; the script adds what only makes sense on a screen
 //! (the image viewer, tooltips, search), and the page reads and prints without it. The same study gives the same bytes.
@@ -9,6 +9,8 @@ mod load;
 mod page;
 mod parts;
 mod sections;
+mod shell;
+pub mod sweep;
 mod text;
 mod view;
 

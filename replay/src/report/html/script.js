@@ -73,7 +73,9 @@
     tip.style.transform = `translate(${Math.round(clamp(left, 4, Math.max(4, innerWidth - width - 4)))}px, ${Math.round(Math.max(top, 4))}px)`;
   };
   const hideTip = () => { tip.hidden = true; };
-  for (const mark of document.querySelectorAll("[data-mark]")) {
+  // For charts that other scripts draw.
+  window.rayreel = { showTip, hideTip };
+  for (const mark of document.querySelectorAll("[data-mark]:not([data-tip])")) {
     const title = mark.querySelector("title");
     mark.dataset.tip = title.textContent;
     title.remove();
@@ -82,11 +84,12 @@
   document.addEventListener("pointermove", (event) => {
     const mark = markOf(event);
     if (mark) showTip(mark.dataset.tip, event.clientX, event.clientY);
-    else if (!event.target.closest?.("[data-lines]")) hideTip();
+    else if (!event.target.closest?.("[data-lines], [data-own-tip]")) hideTip();
   });
   document.addEventListener("pointerdown", (event) => {
     const mark = markOf(event);
-    if (mark) showTip(mark.dataset.tip, event.clientX, event.clientY); else hideTip();
+    if (mark) showTip(mark.dataset.tip, event.clientX, event.clientY);
+    else if (!event.target.closest?.("[data-own-tip]")) hideTip();
   });
   addEventListener("scroll", hideTip, { passive: true });
   for (const chart of document.querySelectorAll("svg.chart")) {

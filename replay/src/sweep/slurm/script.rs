@@ -61,15 +61,17 @@ const MERGE: &str = include_str!("merge.sh");
 mod tests {
     use super::*;
 
-    const JOB: Job<'_> = Job {
-        program: Path::new("/opt/my tools/rayreel"),
-        sweep: Path::new("/data/it's a @RUN@/x.sweep"),
-        setup: Some("module load gcc"),
-    };
+    fn job() -> Job<'static> {
+        Job {
+            program: Path::new("/opt/my tools/rayreel"),
+            sweep: Path::new("/data/it's a @RUN@/x.sweep"),
+            setup: Some("module load gcc"),
+        }
+    }
 
     #[test]
     fn the_shard_script_calls_the_contract() {
-        let text = shard(JOB, 1240, &["--flush".into(), "30s".into()]);
+        let text = shard(job(), 1240, &["--flush".into(), "30s".into()]);
         let call = "'/opt/my tools/rayreel' --quiet --threads \"${SLURM_CPUS_PER_TASK:-1}\" sweep run '/data/it'\\''s a @RUN@/x.sweep' \
                     --shard auto/1240 --index-offset \"$offset\" --flush 30s &";
         assert!(text.contains(call), "{text}");
@@ -80,14 +82,14 @@ mod tests {
 
     #[test]
     fn the_merge_script_waits_for_late_files() {
-        let text = merge(Job { setup: None, ..JOB }, "90s");
+        let text = merge(Job { setup: None, ..job() }, "90s");
         let call = "exec '/opt/my tools/rayreel' sweep merge '/data/it'\\''s a @RUN@/x.sweep' --patience 90s\n";
         assert!(text.ends_with(call), "{text}");
     }
 
     #[test]
     fn scripts_are_shell() {
-        for text in [shard(JOB, 8, &[]), merge(JOB, "90s")] {
+        for text in [shard(job(), 8, &[]), merge(job(), "90s")] {
             let output = std::process::Command::new("bash").args(["-n", "-c", &text]).output().unwrap();
             assert!(output.status.success(), "{}\n{text}", String::from_utf8_lossy(&output.stderr));
         }

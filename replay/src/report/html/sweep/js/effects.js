@@ -1,0 +1,62 @@
+// Which axis moves which result by how much, as in `effects.rs`, for the points that are shown and for any result.
+"use strict";
+(() => {
+  const { $, html, results, table } = sweep.dom;
+  const text = sweep.text;
+  if (!$("effects")) return;
+
+  const effect = (dimension, result) => {
+    const sums = new Map(dimension.of.filter((value) => value !== null).map((value) => [value, [0, 0]]));
+    let sum = 0, count = 0;
+    for (const row of sweep.filter.rows) {
+      const value = sweep.value(result, row);
+      const own = sums.get(dimension.values[row]);
+      if (value === null || !own || !Number.isFinite(value)) continue;
+      own[0] += value; own[1] += 1; sum += value; count += 1;
+    }
+    const means = [...sums].filter(([, own]) => own[1] > 0).map(([value, own]) => ({ value, mean: own[0] / own[1] }));
+    if (means.length < 2) return null;
+    const overall = sum / count;
+    const least = means.reduce((a, b) => (b.mean < a.mean ? b : a));
+    const most = means.reduce((a, b) => (b.mean > a.mean ? b : a));
+    const share = (mean) => (overall === 0 ? 0 : (mean - overall) / Math.abs(overall));
+    return { dimension, means, overall, least, most, share, low: share(least.mean), high: share(most.mean), size: share(most.mean) - share(least.mean) };
+  };
+  const all = (result) => sweep.dimensions.map((own) => effect(own, result)).filter(Boolean).sort((a, b) => b.size - a.size);
+
+  const card = (result) => {
+    const list = all(result);
+    const low = Math.min(0, ...list.map((own) => own.low)), high = Math.max(0, ...list.map((own) => own.high));
+    const width = high > low ? high - low : 1;
+    const at = (end) => `${(((end - low) / width) * 100).toFixed(2)}%`;
+    const bar = (own) => {
+      const name = own.dimension.name;
+      const shown = (value) => text.value(own.dimension, value);
+      const ends = own.size === 0 ? "no change" : `${shown(own.least.value)} to ${shown(own.most.value)}`;
+      const lines = own.means.slice(0, 24).map(({ value, mean }) => `${shown(value)}: ${text.number(mean)} ${result.unit} (${text.signed(own.share(mean))})`);
+      const tip = [`${result.name} by ${name}`, ...lines, ...(own.means.length > 24 ? ["…"] : [])].join("\n");
+      return html("li", { "data-axis": name, "data-share": own.size.toFixed(6) }, html("span", { class: "bar-name" }, name, html("small", {}, ends)),
+        html("span", { class: "bar-track", "data-mark": "", "data-tip": tip }, html("span", { class: "bar-fill", style: `left:${at(own.low)};width:${((own.size / width) * 100).toFixed(2)}%` }), html("span", { class: "bar-mid", style: `left:${at(0)}` })),
+        html("span", { class: "bar-value" }, text.percent(own.size)));
+    };
+    const mean = list.length > 0 ? `mean ${text.number(list[0].overall)} ${result.unit}`.trim() : "";
+    return html("figure", { class: "card", "data-result": result.name }, html("figcaption", {}, html("strong", {}, result.name), " ", html("small", {}, mean), html("p", {}, result.text)),
+      list.length > 0 ? html("ul", { class: "bars" }, ...list.map(bar)) : html("p", {}, "These points differ in no axis."));
+  };
+
+  const headlines = sweep.raw.headlines.map((name) => sweep.column(name)).filter((own) => own?.varies);
+  const select = $("effects-result");
+  select.append(html("option", { value: "" }, "none"));
+  results(select, "");
+  const draw = () => {
+    const other = sweep.column(select.value);
+    const shown = other && !headlines.includes(other) ? [other, ...headlines] : headlines;
+    $("effects-cards").replaceChildren(...shown.map(card));
+    $("effects-of").textContent = sweep.filter.rows.length < sweep.done.length ? `of ${sweep.filter.rows.length} points` : "";
+    const columns = [{ name: "Axis" }, ...shown.map((own) => ({ name: own.name, number: true, title: own.text }))];
+    const rows = sweep.dimensions.map((own) => ({ cells: [own.name, ...shown.map((result) => { const found = effect(own, result); return found ? text.percent(found.size) : "–"; })] }));
+    $("effects-table").replaceChildren(table("Main effects, % of the mean", columns, rows));
+  };
+  select.addEventListener("change", draw);
+  sweep.filter.listen(draw);
+})();

@@ -1,0 +1,49 @@
+// Values for people, as the rest of the page writes them.
+"use strict";
+sweep.text = (() => {
+  const GAP = "\u202f";
+  const fixed = (value, places) => {
+    const [whole, fraction] = Math.abs(value).toFixed(places).split(".");
+    const grouped = whole.length > 4 ? whole.replace(/\B(?=(\d{3})+$)/g, GAP) : whole;
+    const text = fraction === undefined ? grouped : `${grouped}.${fraction}`;
+    return value < 0 && /[1-9]/.test(text) ? `\u2212${text}` : text;
+  };
+  const number = (value) => {
+    const size = Math.abs(value);
+    if (!Number.isFinite(value)) return value > 0 ? "∞" : "\u2212∞";
+    if (size >= 1e10) return value.toExponential(3).replace("e+", "e");
+    if (Number.isInteger(value)) return fixed(value, 0);
+    if (size >= 100) return fixed(value, 1);
+    if (size < 1e-3) return value.toExponential(3);
+    return fixed(value, size >= 10 ? 2 : size >= 0.1 ? 3 : 5);
+  };
+  const bytes = (value) => {
+    if (value > 0 && value % 1048576 === 0) return `${value / 1048576}MiB`;
+    return value > 0 && value % 1024 === 0 ? `${value / 1024}KiB` : `${value}B`;
+  };
+  /** A value of a column without its unit. */
+  const value = (column, own) => {
+    if (own === null) return "–";
+    if (column.unit === "bytes") return bytes(own);
+    // What somebody chose is written as it was chosen.
+    if (typeof own === "number" && (column.goal || !Number.isFinite(own))) return number(own);
+    return String(own);
+  };
+  const unit = (column) => (column.unit && column.unit !== "bytes" ? `${GAP}${column.unit}` : "");
+  return {
+    fixed, number, value,
+    withUnit: (column, own) => value(column, own) + (own === null ? "" : unit(column)),
+    named: (column) => (column.unit && column.unit !== "bytes" ? `${column.name} (${column.unit})` : column.name),
+    percent: (share) => `${fixed(share * 100, 1)}${GAP}%`,
+    signed: (share) => `${share > 0 ? "+" : ""}${fixed(share * 100, 1)}${GAP}%`,
+    /** What a row is: its values of the dimensions. */
+    describe: (row) => sweep.dimensions.filter((own) => own.values[row] !== null)
+      .map((own) => `${own.name} ${value(own, own.values[row])}`).join(", "),
+    tick: (tick, step, most) => {
+      const [scale, prefix] = most >= 1e9 ? [1e9, "G"] : most >= 1e6 ? [1e6, "M"] : most >= 1e4 ? [1e3, "k"] : [1, ""];
+      const own = step / scale;
+      const places = own >= 1 ? (Number.isInteger(Math.round(own * 1e6) / 1e6) ? 0 : 1) : Math.min(Math.ceil(-Math.log10(own) - 1e-9), 8);
+      return tick === 0 ? "0" : fixed(tick / scale, places) + prefix;
+    },
+  };
+})();

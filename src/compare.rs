@@ -1,0 +1,119 @@
+//! `rayreel compare`: what changed from one table of results, or one run, to another.
+
+mod print;
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, bail};
+use rayreel_replay::sweep::compare::{Comparison, Options, Select, run as one};
+use rayreel_replay::sweep::results::{Results, load};
+
+use crate::common::{print, print_json};
+use crate::exit::Exit;
+
+/// Compare two results of sweeps, or two runs: which values changed, by how much, which points came and went. Exits with 1 if
+/// anything did.
+///
+/// A and B are sweep folders, Parquet files of `rayreel sweep merge`, or JSON files of `rayreel replay` (--json, or stats.json).
+/// Points are matched by trace, frames, machine, policy and axes, so results of another version of the model, of other presets or of
+/// another trace of the same name can be compared: a regression gate. Two runs are always matched.
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    /// What was: a sweep folder, a Parquet file, or a run as JSON.
+    a: PathBuf,
+    /// What is.
+    b: PathBuf,
+    /// Numbers that change by no more than this part of their value in A are equal: 0.01 is one percent.
+    #[arg(long, default_value_t = 0.0, value_name = "R", value_parser = tolerance, allow_negative_numbers = true)]
+    tolerance: f64,
+    /// Only columns and configuration keys that match a pattern such as 'gpu_*'. Can be repeated.
+    #[arg(long, value_name = "GLOB")]
+    only: Vec<String>,
+    /// No columns and configuration keys that match a pattern. Can be repeated.
+    #[arg(long, value_name = "GLOB")]
+    ignore: Vec<String>,
+    /// Match points that differ in this: trace, first_frame, frames, machine, policy or an axis. Can be repeated.
+    #[arg(long, value_name = "COLUMN")]
+    across: Vec<String>,
+    /// Print so many of each list; 0 is all.
+    #[arg(long, default_value_t = 20, value_name = "N")]
+    top: usize,
+    /// Print JSON.
+    #[arg(long)]
+    json: bool,
+}
+
+pub fn run(args: &Args) -> Result<Exit> {
+    let select = Select::new(&args.only, &args.ignore)?;
+    let (a, b) = (side(&args.a)?, side(&args.b)?);
+    let mut options = Options { select, tolerance: args.tolerance, across: args.across.clone() };
+    match (&a, &b) {
+        (Side::Run(_), Side::Run(_)) => options.across = one::ACROSS.iter().map(|name| (*name).to_owned()).collect(),
+        (Side::Table(_), Side::Table(_)) => {}
+        _ => bail!(
+            "{} and {}: one is a single run, the other a table; compare like with like",
+            args.a.display(),
+            args.b.display()
+        ),
+    }
+    let found = Comparison::new(a.results(), b.results(), &options)?;
+    let top = if args.top == 0 { usize::MAX } else { args.top };
+    if args.json {
+        let mut value = serde_json::to_value(&found).context("cannot write JSON")?;
+        value["equal"] = (!found.changed()).into();
+        print_json(&cut(value, top))?;
+    } else {
+        print(&print::text(&found, args.tolerance, top))?;
+    }
+    Ok(if found.changed() { Exit::No } else { Exit::Done })
+}
+
+/// Something to compare.
+enum Side {
+    Table(Results),
+    Run(Results),
+}
+
+impl Side {
+    fn results(&self) -> &Results {
+        let (Self::Table(own) | Self::Run(own)) = self;
+        own
+    }
+}
+
+/// Reads one of the two: what it is shows in its first byte, whatever it is called.
+fn side(path: &Path) -> Result<Side> {
+    if path.is_dir() {
+        return Ok(Side::Table(load::load(path)?.0));
+    }
+    let bytes = std::fs::read(path).with_context(|| format!("cannot read {}", path.display()))?;
+    if bytes.iter().find(|byte| !byte.is_ascii_whitespace()) == Some(&b'{') {
+        return Ok(Side::Run(one::decode(&bytes, path)?));
+    }
+    Ok(Side::Table(load::load(path)?.0))
+}
+
+/// No list longer than `top`; how long each was stands beside it.
+fn cut(mut value: serde_json::Value, top: usize) -> serde_json::Value {
+    let lists: Vec<(String, usize)> = value
+        .as_object()
+        .into_iter()
+        .flatten()
+        .filter_map(|(name, own)| Some((name.clone(), own.as_array()?.len())))
+        .filter(|(name, _)| name != "points")
+        .collect();
+    let mut counts = serde_json::Map::new();
+    for (name, len) in lists {
+        if let Some(own) = value[&name].as_array_mut() {
+            own.truncate(top);
+        }
+        counts.insert(name, len.into());
+    }
+    value["counts"] = counts.into();
+    value
+}
+
+fn tolerance(text: &str) -> Result<f64, String> {
+    let number = text.parse().ok().filter(|own: &f64| own.is_finite() && *own >= 0.0);
+    number.ok_or_else(|| "give a number of 0 or more, such as 0.01 for one percent".into())
+}

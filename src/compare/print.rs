@@ -1,0 +1,113 @@
+//! What changed, for people.
+
+use std::fmt::Write as _;
+
+use rayreel_replay::sweep::compare::{Change, Comparison, ConfigChange, StateChange};
+use rayreel_replay::sweep::results::Role;
+
+/// The whole text; no list is longer than `top`.
+pub fn text(found: &Comparison, tolerance: f64, top: usize) -> String {
+    let within =
+        if tolerance > 0.0 { format!(" within {}", percent(tolerance).trim_start_matches('+')) } else { String::new() };
+    if !found.changed() {
+        return format!(
+            "equal{within}: {}, {}\n",
+            many(found.matched, "point"),
+            many(found.figures + found.counters, "column")
+        );
+    }
+    let mut out = format!("{} of A and {} of B match\n", many(found.matched, "point"), found.points[1]);
+    let names = |list: &[String]| list.iter().map(|own| vec![own.clone()]).collect::<Vec<_>>();
+    section(&mut out, "vanished: points of A alone", names(&found.vanished), top);
+    section(&mut out, "appeared: points of B alone", names(&found.appeared), top);
+    section(&mut out, "vanished: columns of A alone", names(&found.columns_vanished), top);
+    section(&mut out, "appeared: columns of B alone", names(&found.columns_appeared), top);
+    section(&mut out, "failures", found.states.iter().map(state).collect(), top);
+    section(&mut out, "configuration", found.configuration.iter().map(config).collect(), top);
+    let heads = ["", "points", "largest", "mean", "A -> B where the change is largest", ""];
+    for (role, what) in [(Role::Figure, "figures"), (Role::Counter, "counters")] {
+        let mut rows: Vec<Vec<String>> = found.results.iter().filter(|own| own.role == role).map(change).collect();
+        if rows.is_empty() {
+            continue;
+        }
+        let title = format!("{what}: {} of {} changed{within}", rows.len(), found.columns_of(role));
+        rows.insert(0, heads.map(str::to_owned).into());
+        section(&mut out, &title, rows, top.saturating_add(1));
+    }
+    out
+}
+
+fn many(count: usize, what: &str) -> String {
+    let what =
+        what.replace("figure and counter", if count == 1 { "figure or counter" } else { "figures and counters" });
+    if count == 1 || what.ends_with('s') { format!("{count} {what}") } else { format!("{count} {what}s") }
+}
+
+/// A list with its title, its cells below each other.
+fn section(out: &mut String, title: &str, rows: Vec<Vec<String>>, top: usize) {
+    if rows.is_empty() {
+        return;
+    }
+    let (all, shown) = (rows.len(), &rows[..rows.len().min(top)]);
+    let width = |column: usize| shown.iter().filter_map(|row| row.get(column)).map(|cell| cell.chars().count()).max();
+    let widths: Vec<usize> = (0..shown[0].len()).map(|column| width(column).unwrap_or(0)).collect();
+    let _ = writeln!(out, "\n{title}");
+    for row in shown {
+        let cells: Vec<String> = row.iter().zip(&widths).map(|(cell, width)| format!("{cell:<width$}")).collect();
+        let _ = writeln!(out, "  {}", cells.join("  ").trim_end());
+    }
+    if all > shown.len() {
+        let _ = writeln!(out, "  and {} more (--top)", all - shown.len());
+    }
+}
+
+fn state(own: &StateChange) -> Vec<String> {
+    let state =
+        |error: &Option<String>| error.as_ref().map_or_else(|| "done".to_owned(), |why| format!("failed ({why})"));
+    vec![own.point.clone(), format!("{} -> {}", state(&own.a), state(&own.b))]
+}
+
+fn config(own: &ConfigChange) -> Vec<String> {
+    let value = |own: &Option<String>| own.clone().unwrap_or_else(|| "none".into());
+    vec![
+        own.key.clone(),
+        many(own.changed, "point"),
+        format!("{} -> {}", value(&own.a), value(&own.b)),
+        own.point.clone(),
+    ]
+}
+
+fn change(own: &Change) -> Vec<String> {
+    let value = |own: Option<f64>| own.map_or_else(|| "none".to_owned(), |v| v.to_string());
+    let size = |own: Option<f64>, other: &str| own.map_or_else(|| other.to_owned(), percent);
+    let unit = if own.unit == "1" { "" } else { &own.unit };
+    vec![
+        own.name.clone(),
+        format!("{}/{}", own.changed, own.compared),
+        size(own.largest.relative, "new"),
+        size(own.mean_relative, "-"),
+        format!("{} -> {} {unit}", value(own.largest.a), value(own.largest.b)).trim_end().to_owned(),
+        own.largest.point.clone(),
+    ]
+}
+
+/// A relative change with its sign; digits enough that none is zero.
+fn percent(relative: f64) -> String {
+    let percent = relative * 100.0;
+    match percent.abs() {
+        v if v >= 1e5 => format!("{percent:+.1e} %"),
+        v if v >= 0.01 || v == 0.0 => format!("{percent:+.2} %"),
+        _ => format!("{percent:+.1e} %"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn small_changes_are_no_zero() {
+        assert_eq!([0.1, -0.2, 1e-9, 1234.0].map(percent), ["+10.00 %", "-20.00 %", "+1.0e-7 %", "+1.2e5 %"]);
+        assert_eq!([many(1, "point"), many(2, "point")], ["1 point", "2 points"]);
+    }
+}

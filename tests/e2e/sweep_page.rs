@@ -1,0 +1,201 @@
+//! `rayreel report` of a sweep: the command, and the page in a real browser.
+
+use std::fs;
+use std::path::Path;
+
+use crate::browser::Browser;
+use crate::common::small_sweep::{POINTS, small_sweep};
+use crate::page::Page;
+use crate::rayreel;
+
+#[test]
+fn it_writes_one_page() {
+    let folder = tempfile::tempdir().unwrap();
+    let sweep = small_sweep(folder.path(), "a", "sgrt-ti2", "");
+    let told = rayreel!["report", &sweep].expect(0).out;
+    let page = fs::read(sweep.join("results.html")).unwrap();
+    assert!(told.contains("results.html") && told.contains("8 points"), "{told}");
+    let other = folder.path().join("other.html");
+    let json = rayreel!["report", &sweep.join("results.parquet"), "-o", &other, "--json"].expect(0).json();
+    assert_eq!((json["bytes"].as_u64(), json["points"].as_u64()), (Some(page.len() as u64), Some(POINTS as u64)));
+    assert!(fs::read(&other).unwrap() == page, "the same results give the same bytes");
+    let text = String::from_utf8(page).unwrap();
+    assert!(text.contains("small &amp; &lt;quick&gt;") && !text.contains("<quick>"), "names are escaped");
+    // Without a script: axes, main effects, the best points with what they change.
+    for words in ["4KiB, 32KiB", "Main effects", "Most perf_per_watt", "<code>ti.trv_l1.size=32KiB</code>"] {
+        assert!(text.contains(words), "{words}");
+    }
+}
+
+/// Skipped, saying so, where no browser is installed.
+#[test]
+fn a_browser_shows_it() {
+    let Some(browser) = Browser::start() else {
+        eprintln!("skipped: no chromium with chromedriver is installed (apt-get install chromium chromium-driver)");
+        return;
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let sweep = small_sweep(folder.path(), "a", "sgrt-ti2", "");
+    rayreel!["report", &sweep].expect(0);
+    let (file, page) = (sweep.join("results.html"), Page(&browser));
+    browser.resize(1280, 900, false);
+    browser.open(&file);
+    page.is_sound();
+    effects_are_those_of_the_file(&page, &file);
+    pareto(&page);
+    heat(&page);
+    table(&page);
+    filter(&page);
+    phone(&page, &file);
+    print(&page, &file);
+}
+
+/// What the script draws again is what stood there before.
+fn effects_are_those_of_the_file(page: &Page<'_>, file: &Path) {
+    let text = fs::read_to_string(file).unwrap();
+    let shares: Vec<&str> = text.split("data-axis=\"").skip(1).filter(|own| own.contains("data-share=\"")).collect();
+    let shares: Vec<String> = shares
+        .iter()
+        .filter_map(|own| Some(own.split("data-share=\"").nth(1)?.split('"').next()?.to_owned()))
+        .collect();
+    let shares: Vec<String> = shares.into_iter().filter(|own| own.parse::<f64>().is_ok()).collect();
+    assert!(shares.len() >= 6, "{shares:?}");
+    let own = "[...document.querySelectorAll('#effects-cards [data-share]')].map(e => Number(e.dataset.share))";
+    let list = format!("[{}]", shares.join(","));
+    page.holds(&format!("{own}.length === {list}.length && {own}.every((v, i) => Math.abs(v - {list}[i]) < 1e-4)"));
+    page.choose("#effects-result", "ssim");
+    page.holds("document.querySelector('#effects-cards .card').dataset.result === 'ssim'");
+}
+
+fn pareto(page: &Page<'_>) {
+    let browser = page.0;
+    let tip = "document.getElementById('tip')";
+    page.holds("document.getElementById('pareto-x').value === 'psnr_db' && document.getElementById('pareto-x-goal').value === 'max'");
+    page.holds("document.querySelector('#pareto-chart .apart') !== null");
+    page.choose("#pareto-x", "time_ms");
+    page.choose("#pareto-y", "energy_mj");
+    page.choose("#pareto-colour", "l1");
+    page.holds("document.getElementById('pareto-x-goal').value === 'min'");
+    page.holds("document.getElementById('pareto-name').textContent === 'energy_mj against time_ms'");
+    let before = browser.run("return document.getElementById('pareto-count').textContent");
+    page.choose("#pareto-y-goal", "max");
+    page.holds(&format!("document.getElementById('pareto-count').textContent !== {before}"));
+    page.choose("#pareto-y-goal", "min");
+    // The chart is found by the keyboard, and a point by its place.
+    page.at("#pareto-chart svg", [0.5, 0.5]);
+    browser.run("document.querySelector('#pareto-chart svg').focus({ preventScroll: true })");
+    browser.key("\u{e014}");
+    page.holds(&format!("!{tip}.hidden && {tip}.textContent.includes('time_ms') && {tip}.textContent.includes('l1 ')"));
+    let place = browser.run(
+        "const r = document.getElementById('pareto-ring').getBoundingClientRect(); return [r.left + r.width / 2, r.top + r.height / 2]",
+    );
+    let place = [place[0].as_f64().unwrap(), place[1].as_f64().unwrap()];
+    browser.key("\u{e00c}");
+    page.holds(&format!("{tip}.hidden"));
+    browser.point(&[[place[0] + 3.0, place[1]]], false);
+    page.holds(&format!("!{tip}.hidden && {tip}.textContent.startsWith('Point ')"));
+    browser.point(&[place, place], true);
+    page.holds("!document.getElementById('chosen').hidden");
+    page.holds(
+        "document.querySelector('#chosen .command code').textContent.startsWith('rayreel replay v1_0_cornell.rtrace')",
+    );
+    page.holds("document.querySelectorAll('#points-table tr.strong').length === 1");
+    browser.run("document.querySelectorAll('#chosen details').forEach(e => { e.open = true })");
+    page.holds("document.querySelector('#chosen pre').textContent.includes('ti.trv_l1.size = ')");
+    page.is_sound();
+    page.click("#chosen button");
+    page.holds("document.getElementById('chosen').hidden");
+}
+
+fn heat(page: &Page<'_>) {
+    page.choose("#heat-result", "time_ms");
+    page.choose("#heat-row", "l1");
+    page.choose("#heat-column", "block");
+    page.holds("document.querySelectorAll('#heat-map td.heat').length === 6");
+    page.choose("#heat-column", "policy");
+    page.holds("document.querySelectorAll('#heat-map td.heat').length === 4");
+    page.holds("document.getElementById('heat-what').textContent.includes('the mean of up to 3 points over block')");
+    let values = "[...document.querySelectorAll('#heat-map td.heat')].map(e => Number(e.dataset.value))";
+    let mean = page.0.run(&format!("return {values}"));
+    page.choose("#heat-how", "max");
+    page.holds(&format!("{values}.every((v, i) => v >= {mean}[i]) && {values}[1] > {mean}[1]"));
+    page.choose("[data-axis=block]", "0");
+    page.holds("document.querySelectorAll('#heat-map td.heat').length === 2");
+    page.choose("#heat-column", "l1");
+    page.holds("document.getElementById('heat-map').textContent.includes('two different axes')");
+    page.choose("#heat-column", "policy");
+    page.choose("[data-axis=block]", "");
+}
+
+fn table(page: &Page<'_>) {
+    let column = "[...document.querySelectorAll('#points-table tbody tr')].map(r => Number(r.cells[[...document.querySelectorAll('#points-table th button')].findIndex(b => b.dataset.sort === 'time_ms')].textContent))";
+    let ascends = format!("{column}.length === {POINTS} && {column}.every((v, i, all) => i === 0 || all[i - 1] <= v)");
+    let descends = format!("{column}.every((v, i, all) => i === 0 || all[i - 1] >= v)");
+    page.click("[data-sort=time_ms]");
+    page.holds(&ascends);
+    page.holds("document.querySelector('[aria-sort=ascending] button').dataset.sort === 'time_ms'");
+    page.0.key("\u{e007}");
+    page.holds(&descends);
+    page.click("#points-columns summary");
+    page.click("#points-search");
+    "tested twice".split(' ').next().unwrap().chars().for_each(|c| page.0.key(&c.to_string()));
+    page.holds("[...document.querySelectorAll('.checks label:not([hidden])')].length < document.querySelectorAll('.checks label').length");
+    page.click("#points-none");
+    page.holds("document.querySelectorAll('#points-table thead th').length === 1");
+    page.click("#points-default");
+    page.holds("document.querySelectorAll('#points-table thead th').length > 6");
+    page.is_sound();
+}
+
+fn filter(page: &Page<'_>) {
+    let rows = "document.querySelectorAll('#points-table tbody tr').length";
+    let found = "document.getElementById('filter-found').textContent";
+    let set = |text: &str| {
+        page.0.run(&format!(
+            "const f = document.getElementById('filter'); f.value = '{text}'; f.dispatchEvent(new Event('input'))"
+        ));
+    };
+    page.click("#filter");
+    "full".chars().for_each(|c| page.0.key(&c.to_string()));
+    page.holds(&format!("{rows} === 2 && {found} === '2 of 8 points'"));
+    set("policy = adaptive and block >= 4");
+    page.holds(&format!("{rows} === 4"));
+    set("l1 = 32KiB, block < 8 psnr_db < 1e9");
+    page.holds(&format!("{rows} === 2"));
+    // An identical picture has more PSNR than any number.
+    set("psnr_db > 1e6");
+    page.holds(&format!("{rows} === 2"));
+    set("policy ~ apt");
+    page.holds(&format!("{rows} === 6"));
+    page.holds("document.getElementById('effects-of').textContent === 'of 6 points'");
+    set("nonsense > 3");
+    page.holds(&format!("{found} === 'no column nonsense' && {rows} === 6"));
+    set("no such word");
+    page.holds(&format!("{rows} === 0"));
+    page.is_sound();
+    set("");
+    page.holds(&format!("{rows} === {POINTS}"));
+}
+
+fn phone(page: &Page<'_>, file: &Path) {
+    let browser = page.0;
+    browser.resize(360, 740, true);
+    browser.open(file);
+    page.is_sound();
+    browser.run("document.querySelectorAll('details').forEach(e => { e.open = true })");
+    browser.run("document.querySelector('#best-tables .pick').click()");
+    page.holds("!document.getElementById('chosen').hidden");
+    page.is_sound();
+}
+
+/// On paper: charts as they are, nothing to press.
+fn print(page: &Page<'_>, file: &Path) {
+    let browser = page.0;
+    browser.resize(800, 1100, false);
+    browser.open(file);
+    browser.media("print");
+    page.holds("document.querySelector('#pareto .controls').offsetHeight === 0 && document.querySelector('nav').offsetHeight === 0");
+    page.holds("document.querySelector('#pareto-chart svg').getBoundingClientRect().height > 100");
+    page.is_sound();
+    browser.media("");
+}
