@@ -254,4 +254,14 @@ squeue -h -t all -j "$array" -o %T | grep -qx CANCELLED || fail "a cancelled job
 "$rayreel" sweep status "$limit" --json > "$work/status.json" && fail "status says that the cancelled sweep is done"
 grep -q '"running": 0' "$work/status.json" && grep -q '"merge": "CANCELLED"' "$work/status.json" || fail "cancel left something in the queue"
 said "cancelled"
+
+# --- 11: a task that cannot do its points says so to Slurm too: its script passes the code on
+mkdir "$work/empty"
+"$rayreel" sweep plan "$work/main.toml" -o "$work/lost.sweep" --no-estimate > /dev/null
+"$rayreel" sweep submit "$work/lost.sweep" --shards 1 --traces "$work/empty" --patience 0s > /dev/null
+until_true "the merge has ended" ended "$(merge_of "$work/lost.sweep" 001)"
+scontrol show job "$(jobs "$work/lost.sweep" 001)" | grep -q 'ExitCode=3:0' || fail "a shard without its trace does not end with code 3"
+"$rayreel" sweep status "$work/lost.sweep" > "$work/status.txt" && fail "status says that the sweep without a trace is done"
+grep -q ': 1 failed, merge failed' "$work/status.txt" || fail "status does not tell that the task failed: $(cat "$work/status.txt")"
+said "a lost trace is told"
 said "PASSED"
