@@ -1,28 +1,27 @@
 //! `rayreel digest`: one hash a column.
 
-use std::path::PathBuf;
-
 use anyhow::Result;
 use rayreel_formats::trace::digest;
 use serde_json::{Map, Value};
 
-use crate::common::{open, print, print_json};
+use crate::common::{print, print_json};
 use crate::exit::Exit;
+use crate::traces::TraceArgs;
 
 /// Print one hash per column of a trace.
 ///
 /// The hashes do not depend on codec, compression level, thread count or chunk order.
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// The trace.
-    trace: PathBuf,
+    #[command(flatten)]
+    trace: TraceArgs,
     /// Print JSON.
     #[arg(long)]
     json: bool,
 }
 
 pub fn run(args: &Args) -> Result<Exit> {
-    let trace = open(&args.trace)?;
+    let trace = args.trace.open()?;
     let digest = digest(&trace)?;
     let mut parts = digest.parts();
     parts.push(("total", digest.total()));

@@ -1,7 +1,5 @@
 //! `rayreel info`: what a trace holds.
 
-use std::path::PathBuf;
-
 use anyhow::Result;
 use rayon::prelude::*;
 use rayreel_formats::container::ChunkKind;
@@ -9,21 +7,22 @@ use rayreel_formats::tile::{Column, RayKind};
 use rayreel_formats::trace::{Scratch, Trace};
 use serde_json::{Value, json};
 
-use crate::common::{open, print, print_json};
+use crate::common::{print, print_json};
 use crate::exit::Exit;
+use crate::traces::TraceArgs;
 
 /// Show what a trace holds and what each part of it takes.
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// The trace.
-    trace: PathBuf,
+    #[command(flatten)]
+    trace: TraceArgs,
     /// Print JSON.
     #[arg(long)]
     json: bool,
 }
 
 pub fn run(args: &Args) -> Result<Exit> {
-    let trace = open(&args.trace)?;
+    let trace = args.trace.open()?;
     let missing = trace.missing_tiles();
     let rays = count(&trace, &missing)?;
     let value = describe(&trace, &rays, missing.len());

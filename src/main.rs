@@ -16,6 +16,7 @@ mod replay;
 mod report;
 mod scenes;
 mod sweep;
+mod traces;
 mod verify;
 
 use std::process::ExitCode;
@@ -50,7 +51,7 @@ enum Command {
     Render(render::Args),
     Capture(capture::Args),
     Replay(replay::Args),
-    Sweep(sweep::Args),
+    Sweep(Box<sweep::Args>),
     Paper(paper::Args),
     Report(report::Args),
     Compare(compare::Args),
@@ -85,6 +86,9 @@ fn main() -> ExitCode {
         Command::Diff(args) => diff::run(&args),
         Command::Repair(args) => repair::run(&args),
     };
+    if !quiet {
+        traces::tell_traffic();
+    }
     match result {
         Ok(exit) => exit.into(),
         // Whoever reads our output has seen enough (`rayreel scenes list | head -1`).

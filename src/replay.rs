@@ -16,9 +16,10 @@ use rayreel_replay::machine::timeline::Timeline;
 use rayreel_replay::report::{Origin, Report};
 use rayreel_replay::{FrameReplay, NamedPolicy, Options, ReplayError, Replayer, replay_each};
 
-use crate::common::{frames, open, print};
+use crate::common::{frames, print};
 use crate::exit::Exit;
 use crate::progress::Progress;
+use crate::traces::TraceArgs;
 
 /// Replay a trace under a sampling policy on a machine: cycles, power, picture, and quality against full sampling.
 ///
@@ -30,8 +31,8 @@ use crate::progress::Progress;
 /// frames the pictures are named by frame.
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// The trace.
-    trace: PathBuf,
+    #[command(flatten)]
+    trace: TraceArgs,
     /// Preset (full, paper-ss, paper-us, adaptive, adaptive-4, adaptive-8, multirate, quality, aggressive, foveated) or policy
     /// file (.toml).
     #[arg(long, default_value = "adaptive", value_name = "NAME|FILE")]
@@ -63,7 +64,7 @@ pub fn run(args: &Args, quiet: bool) -> Result<Exit> {
     let (own, policy): (Vec<_>, Vec<_>) = args.overrides.iter().cloned().partition(|text| is_machine_override(text));
     let policy = NamedPolicy::load(&args.policy, &policy)?;
     let machine = machine(args, &own)?;
-    let trace = open(&args.trace)?;
+    let trace = args.trace.open()?;
     if let Some(out) = &args.out {
         std::fs::create_dir_all(out).with_context(|| format!("cannot create folder {}", out.display()))?;
     }
@@ -112,8 +113,7 @@ fn replay(
 ) -> Result<Report> {
     let (meta, options) = (trace.meta(), Options::default());
     let frames = chosen(args, meta)?;
-    let name = args.trace.file_name().unwrap_or(args.trace.as_os_str()).to_string_lossy().into_owned();
-    let origin = Origin { trace: name, trace_digest: Some(digest(trace)?.total().to_string()) };
+    let origin = Origin { trace: args.trace.file_name(), trace_digest: Some(digest(trace)?.total().to_string()) };
     let tiles = u64::from(meta.tile_count());
     let bar = RefCell::new(Progress::new("replay", frames.len() as u64 * tiles, quiet));
     let done = Cell::new(0);

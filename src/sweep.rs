@@ -1,10 +1,17 @@
 //! `rayreel sweep`: many points of a design space over recorded traces.
 
+mod cancel;
+mod export;
 mod folder;
+mod jobs;
 mod merge;
+mod order;
 mod plan;
+mod resume;
 mod run;
+mod slurm;
 mod status;
+mod submit;
 
 use std::path::PathBuf;
 
@@ -43,18 +50,24 @@ struct AllArgs {
 enum Action {
     Plan(plan::Args),
     Run(run::Args),
-    Resume(run::ResumeArgs),
+    Submit(submit::Args),
+    Resume(resume::Args),
     Status(status::Args),
+    Cancel(cancel::Args),
     Merge(merge::Args),
+    Export(export::Args),
 }
 
 pub fn run(args: &Args, quiet: bool) -> Result<Exit> {
     match &args.action {
         Some(Action::Plan(args)) => plan::run(args),
         Some(Action::Run(args)) => run::run(args, quiet),
-        Some(Action::Resume(args)) => run::resume(args, quiet),
+        Some(Action::Submit(args)) => submit::run(args, quiet),
+        Some(Action::Resume(args)) => resume::run(args, quiet),
         Some(Action::Status(args)) => status::run(args),
+        Some(Action::Cancel(args)) => cancel::run(args),
         Some(Action::Merge(args)) => merge::run(args),
+        Some(Action::Export(args)) => export::run(args),
         None => all(&args.all, quiet),
     }
 }
@@ -62,9 +75,9 @@ pub fn run(args: &Args, quiet: bool) -> Result<Exit> {
 /// Plan, run and merge.
 fn all(args: &AllArgs, quiet: bool) -> Result<Exit> {
     let file = args.plan.as_deref().unwrap_or_else(|| std::path::Path::new(""));
-    let folder = folder::make(file, &args.place, args.run.traces.as_deref())?;
+    let folder = folder::make(file, &args.place, args.run.traces.as_deref(), &args.run.cache)?;
     match run::here(&folder, &args.run, rayreel_replay::sweep::shard::Shard::WHOLE, quiet)? {
-        Exit::Done => merge::all(&folder),
+        Exit::Done => merge::all(&folder, 0.0),
         exit => Ok(exit),
     }
 }

@@ -1,29 +1,28 @@
 //! `rayreel verify`: does a trace follow from itself?
 
-use std::path::PathBuf;
-
 use anyhow::Result;
 use rayreel_tracer::verify::verify;
 use serde_json::json;
 
-use crate::common::{open, print, print_json};
+use crate::common::{print, print_json};
 use crate::exit::Exit;
 use crate::progress::{self, Progress};
+use crate::traces::TraceArgs;
 
 /// Traverse the BVH of a trace again and check every path, hit and shadow state, bit for bit.
 ///
 /// Needs no scene. Exits with 1 at a mismatch, 3 if tiles are missing, 65 if the file is damaged.
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// The trace.
-    trace: PathBuf,
+    #[command(flatten)]
+    trace: TraceArgs,
     /// Print JSON.
     #[arg(long)]
     json: bool,
 }
 
 pub fn run(args: &Args, quiet: bool) -> Result<Exit> {
-    let trace = open(&args.trace)?;
+    let trace = args.trace.open()?;
     let missing = trace.missing_tiles().len();
     progress::stop_on_signal();
     let total = u64::from(trace.meta().tile_count()) * u64::from(trace.meta().frames);

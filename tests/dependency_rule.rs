@@ -90,6 +90,7 @@ fn siblings_are_those_of_the_design() {
     assert_eq!(graph.siblings("rayreel-scenes"), none);
     assert_eq!(graph.siblings("rayreel-tracer"), ["rayreel-formats", "rayreel-scenes"]);
     assert_eq!(graph.siblings("rayreel-replay"), ["rayreel-formats"]);
+    assert_eq!(graph.siblings("rayreel-store"), ["rayreel-formats"]);
 }
 
 #[test]
@@ -122,10 +123,19 @@ fn lint(manifest: &Path) -> Option<String> {
     Some(table.get("lints")?.get("rust")?.get("unsafe_code")?.as_str()?.to_string())
 }
 
-/// The two crates that read files from anywhere.
+/// URLs are for those who ask for them: they bring as many packages as everything else.
+#[test]
+fn the_network_is_off_by_default() {
+    let closure = Graph::new().closure("rayreel");
+    for name in ["object_store", "tokio", "reqwest", "rustls", "hyper", "url"] {
+        assert!(!closure.contains(name), "the default build depends on {name}");
+    }
+}
+
+/// The crates that read files from anywhere.
 #[test]
 fn readers_of_foreign_files_are_safe_code() {
-    for member in ["formats", "replay"] {
+    for member in ["formats", "replay", "store"] {
         assert_eq!(lint(&root().join(member).join("Cargo.toml")).as_deref(), Some("forbid"), "{member}");
     }
 }

@@ -217,6 +217,7 @@ fn bad_plans_are_one_error_with_its_place() {
     }
     let missing = plan_of("traces = [\"a\",\n \"/nowhere/b.rtrace\"]\npolicies = [\"full\"]").unwrap_err();
     assert!(missing.starts_with("plan.toml:1:11: trace "), "{missing}");
+    assert!(missing.ends_with("nor can these be opened: /nowhere/b.rtrace"), "{missing}");
     let missing = plan_of("traces = [\n \"/nowhere/*.rtrace\"]\npolicies = [\"full\"]").unwrap_err();
     assert!(missing.starts_with("plan.toml:2:2: no file matches /nowhere/*.rtrace"), "{missing}");
 }

@@ -7,6 +7,9 @@ use rayreel_formats::trace::Trace;
 use rayreel_replay::sweep::folder::{Created, Folder};
 use rayreel_replay::sweep::plan::Plan;
 use rayreel_replay::sweep::plan::locate::Text;
+use rayreel_store::Location;
+
+use crate::traces::CacheArgs;
 
 /// Where the folder of a sweep is.
 #[derive(Debug, Clone, clap::Args)]
@@ -27,19 +30,22 @@ fn stem(file: &Path) -> String {
     file.file_stem().map_or_else(|| "plan".into(), |stem| stem.to_string_lossy().into_owned())
 }
 
-/// Opens a trace where a plan says that it is.
-pub fn open(location: &str) -> Result<Trace, String> {
-    crate::common::open(Path::new(location)).map_err(|e| format!("{e:#}"))
+/// Opens traces where a plan says that they are, or by their names in `traces`.
+pub fn opener<'a>(cache: &'a CacheArgs, traces: Option<&'a str>) -> impl Fn(&str) -> Result<Trace, String> + Sync + 'a {
+    move |location| {
+        let location = Location::from(located(location, traces).as_str());
+        cache.open(&location).map_err(|e| format!("{e:#}"))
+    }
 }
 
 /// Where a trace of a plan is: there, or by its name in `traces`.
-pub fn located(location: &str, traces: Option<&str>) -> String {
+fn located(location: &str, traces: Option<&str>) -> String {
     let name = location.rsplit(['/', '\\']).next().unwrap_or(location);
     traces.map_or_else(|| location.to_owned(), |base| format!("{}/{name}", base.trim_end_matches('/')))
 }
 
 /// All points of a plan file; relative traces are in `traces`, or beside it.
-pub fn read(file: &Path, traces: Option<&str>) -> Result<Plan> {
+pub fn read(file: &Path, traces: Option<&str>, cache: &CacheArgs) -> Result<Plan> {
     let text = std::fs::read_to_string(file).with_context(|| format!("cannot read the plan {}", file.display()))?;
     let name = file.display().to_string();
     let folder = file.parent().unwrap_or(Path::new(""));
@@ -48,14 +54,14 @@ pub fn read(file: &Path, traces: Option<&str>) -> Result<Plan> {
         folder,
         traces,
         stem: &stem(file),
-        open: &open,
+        open: &opener(cache, None),
     };
     Ok(Plan::new(&sources)?)
 }
 
 /// Puts the plan of a file into its folder, or finds it there.
-pub fn make(file: &Path, place: &Place, traces: Option<&str>) -> Result<Folder> {
-    let (folder, created) = Folder::create(&place.folder(file), read(file, traces)?)?;
+pub fn make(file: &Path, place: &Place, traces: Option<&str>, cache: &CacheArgs) -> Result<Folder> {
+    let (folder, created) = Folder::create(&place.folder(file), read(file, traces, cache)?)?;
     if created == Created::Known {
         eprintln!("{}: going on with plan {}", folder.path().display(), folder.id());
     }
@@ -63,6 +69,6 @@ pub fn make(file: &Path, place: &Place, traces: Option<&str>) -> Result<Folder> 
 }
 
 /// The folder of a sweep, or that of a plan file.
-pub fn find(sweep: &Path, place: &Place, traces: Option<&str>) -> Result<Folder> {
-    if sweep.is_file() { make(sweep, place, traces) } else { Ok(Folder::open(sweep)?) }
+pub fn find(sweep: &Path, place: &Place, traces: Option<&str>, cache: &CacheArgs) -> Result<Folder> {
+    if sweep.is_file() { make(sweep, place, traces, cache) } else { Ok(Folder::open(sweep)?) }
 }

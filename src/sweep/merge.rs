@@ -9,6 +9,7 @@ use rayreel_replay::sweep::folder::Folder;
 use rayreel_replay::sweep::merge::{Merged, merge};
 use rayreel_replay::sweep::results::{csv, parquet};
 
+use super::jobs;
 use super::plan::duration;
 use crate::common::print;
 use crate::exit::Exit;
@@ -39,21 +40,25 @@ pub fn run(args: &Args) -> Result<Exit> {
     let folder = Folder::open(&args.sweep)?;
     let out = args.out.clone().unwrap_or_else(|| folder.path().join("results.parquet"));
     let csv = args.csv.clone().unwrap_or_else(|| out.with_extension("csv"));
-    let end = Instant::now() + Duration::from_secs_f64(args.patience);
-    let merged = loop {
-        let merged = merge(&folder)?;
-        if merged.missing.is_empty() || Instant::now() >= end {
-            break merged;
-        }
-        std::thread::sleep(Duration::from_secs(5).min(end.saturating_duration_since(Instant::now())));
-    };
-    write(&folder, &merged, args.partial, (&out, &csv))
+    write(&folder, &patient(&folder, args.patience)?, args.partial, (&out, &csv))
 }
 
 /// Merges into the folder itself.
-pub fn all(folder: &Folder) -> Result<Exit> {
+pub fn all(folder: &Folder, patience: f64) -> Result<Exit> {
     let out = folder.path().join("results.parquet");
-    write(folder, &merge(folder)?, false, (&out, &out.with_extension("csv")))
+    write(folder, &patient(folder, patience)?, false, (&out, &out.with_extension("csv")))
+}
+
+/// Merges; while points are missing, again and again for so many seconds.
+fn patient(folder: &Folder, patience: f64) -> Result<Merged> {
+    let end = Instant::now() + Duration::from_secs_f64(patience);
+    loop {
+        let merged = merge(folder)?;
+        if merged.missing.is_empty() || Instant::now() >= end {
+            return Ok(merged);
+        }
+        std::thread::sleep(Duration::from_secs(5).min(end.saturating_duration_since(Instant::now())));
+    }
 }
 
 fn write(folder: &Folder, merged: &Merged, partial: bool, (out, csv_out): (&Path, &Path)) -> Result<Exit> {
@@ -63,6 +68,9 @@ fn write(folder: &Folder, merged: &Merged, partial: bool, (out, csv_out): (&Path
     let (points, missing) = (folder.plan().points.len(), merged.missing.len());
     if missing > 0 {
         eprintln!("missing {missing} of {points} points, the first: {}", folder.plan().describe(merged.missing[0]));
+        if let Some(line) = jobs::shards(folder, &merged.missing) {
+            eprintln!("{line}");
+        }
         if !partial {
             eprintln!("nothing was written: `rayreel sweep resume {}` computes them", folder.path().display());
             return Ok(Exit::Incomplete);

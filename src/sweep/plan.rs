@@ -8,9 +8,10 @@ use rayreel_replay::sweep::folder::Folder;
 use rayreel_replay::sweep::plan::Plan;
 use serde_json::json;
 
-use super::folder::{Place, open, read};
+use super::folder::{Place, opener, read};
 use crate::common::{print, print_json};
 use crate::exit::Exit;
+use crate::traces::CacheArgs;
 
 /// Make the plan: count the points, show the first, estimate the time, and write the folder of the sweep.
 #[derive(Debug, clap::Args)]
@@ -22,6 +23,8 @@ pub struct Args {
     /// Where relative traces of the plan are: a folder or an address; the folder of the plan if it is not given.
     #[arg(long, value_name = "DIR")]
     traces: Option<String>,
+    #[command(flatten)]
+    cache: CacheArgs,
     /// Write nothing.
     #[arg(long)]
     dry_run: bool,
@@ -54,8 +57,8 @@ pub fn duration(text: &str) -> Result<f64, String> {
 }
 
 pub fn run(args: &Args) -> Result<Exit> {
-    let plan = read(&args.plan, args.traces.as_deref())?;
-    let seconds = if args.no_estimate { None } else { estimate::core_seconds(&plan, &open) };
+    let plan = read(&args.plan, args.traces.as_deref(), &args.cache)?;
+    let seconds = if args.no_estimate { None } else { estimate::core_seconds(&plan, &opener(&args.cache, None)) };
     let shards = seconds.map(|s| shards(s, args.shard_time, plan.points.len()));
     let path = args.place.folder(&args.plan);
     let folder = if args.dry_run { None } else { Some(Folder::create(&path, plan.clone())?.0) };

@@ -13,10 +13,11 @@ use rayreel_replay::sweep::segment::Writer;
 use rayreel_replay::sweep::shard::Shard;
 use serde_json::json;
 
-use super::folder::{Place, find, located, open};
+use super::folder::{Place, find, opener};
 use super::plan::duration;
 use crate::exit::Exit;
 use crate::progress::{self, Progress};
+use crate::traces::CacheArgs;
 
 /// Compute the points of a sweep that have no result yet.
 ///
@@ -38,21 +39,14 @@ pub struct Args {
     run: RunArgs,
 }
 
-/// Compute what is missing.
-#[derive(Debug, clap::Args)]
-pub struct ResumeArgs {
-    /// Folder of a sweep.
-    sweep: PathBuf,
-    #[command(flatten)]
-    run: RunArgs,
-}
-
 /// How points are computed.
 #[derive(Debug, clap::Args)]
 pub struct RunArgs {
     /// Where the traces are, by their names: a folder or an address; where the plan found them if it is not given.
     #[arg(long, value_name = "DIR")]
     pub traces: Option<String>,
+    #[command(flatten)]
+    pub cache: CacheArgs,
     /// Memory for decoded tiles that points share, MiB.
     #[arg(long, default_value_t = 1024, value_name = "MIB")]
     pub memory: usize,
@@ -65,13 +59,9 @@ pub struct RunArgs {
 }
 
 pub fn run(args: &Args, quiet: bool) -> Result<Exit> {
-    let folder = find(&args.sweep, &args.place, args.run.traces.as_deref())?;
+    let folder = find(&args.sweep, &args.place, args.run.traces.as_deref(), &args.run.cache)?;
     let shard = args.shard.as_deref().map_or(Ok(Shard::WHOLE), |text| chosen(text, args.index_offset))?;
     here(&folder, &args.run, shard, quiet)
-}
-
-pub fn resume(args: &ResumeArgs, quiet: bool) -> Result<Exit> {
-    here(&Folder::open(&args.sweep)?, &args.run, Shard::WHOLE, quiet)
 }
 
 /// Where array jobs have their index, and what it begins at.
@@ -108,7 +98,7 @@ pub fn here(folder: &Folder, args: &RunArgs, shard: Shard, quiet: bool) -> Resul
     let others = args.reuse.iter().map(|other| Folder::open(other)).collect::<rayreel_replay::Result<Vec<_>>>()?;
     let known = Known::load(&others)?;
     let writer = Writer { attempt: attempt(), host: host() };
-    let open = |location: &str| open(&located(location, args.traces.as_deref()));
+    let open = opener(&args.cache, args.traces.as_deref());
     let settings = Settings {
         shard,
         threads: rayon::current_num_threads(),
@@ -125,7 +115,10 @@ pub fn here(folder: &Folder, args: &RunArgs, shard: Shard, quiet: bool) -> Resul
         if progress::stopped() {
             stop.store(true, Ordering::Relaxed);
         }
-        let bar = bar.get_or_insert_with(|| Progress::new("sweep", told.todo as u64 * 1000, quiet));
+        let bar = bar.get_or_insert_with(|| {
+            opening(shard, told, &writer);
+            Progress::new("sweep", told.todo as u64 * 1000, quiet)
+        });
         let rate = begun.elapsed().map_or(0.0, |t| told.done / t.as_secs_f64().max(1e-3));
         bar.set((told.done * 1000.0) as u64, || {
             let failed = if told.failed > 0 { format!(", {} failed", told.failed) } else { String::new() };
@@ -141,17 +134,33 @@ pub fn here(folder: &Folder, args: &RunArgs, shard: Shard, quiet: bool) -> Resul
     Ok(told(folder, shard, &outcome, wall))
 }
 
-/// The line that jobs' logs hold, and the code.
-fn told(folder: &Folder, shard: Shard, outcome: &Outcome, wall: f64) -> Exit {
-    let restart = std::env::var("SLURM_RESTART_COUNT").unwrap_or_else(|_| "0".into());
+/// The line that jobs' logs begin with: an attempt that is killed leaves no other.
+fn opening(shard: Shard, told: &Told, writer: &Writer) {
+    let Writer { attempt, host } = writer;
     eprintln!(
-        "shard {shard} on {}: {} points, {} skipped, {} reused, {} computed, {} failed, {wall:.1} s, restart {restart}",
+        "shard {shard} on {host}: {} skipped, {} to do, attempt {attempt}, restart {}",
+        told.skipped,
+        told.todo,
+        restart()
+    );
+}
+
+/// How often Slurm has put this task back into its queue.
+fn restart() -> String {
+    std::env::var("SLURM_RESTART_COUNT").unwrap_or_else(|_| "0".into())
+}
+
+/// The line that jobs' logs end with, and the code.
+fn told(folder: &Folder, shard: Shard, outcome: &Outcome, wall: f64) -> Exit {
+    eprintln!(
+        "shard {shard} on {}: {} points, {} skipped, {} reused, {} computed, {} failed, {wall:.1} s, restart {}",
         host(),
         outcome.points,
         outcome.skipped,
         outcome.reused,
         outcome.computed,
         outcome.failed,
+        restart(),
     );
     for (what, why) in outcome.troubles.iter().take(10) {
         eprintln!("not done: {what}: {why}");

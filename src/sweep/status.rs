@@ -6,10 +6,11 @@ use anyhow::Result;
 use rayreel_replay::sweep::folder::Folder;
 use rayreel_replay::sweep::status::status;
 
+use super::jobs::Jobs;
 use crate::common::{print, print_json};
 use crate::exit::Exit;
 
-/// Show how far a sweep is; code 3 while points are missing.
+/// Show how far a sweep is, and its jobs if it was submitted; code 3 while points are missing.
 #[derive(Debug, clap::Args)]
 pub struct Args {
     /// Folder of a sweep.
@@ -22,9 +23,11 @@ pub struct Args {
 pub fn run(args: &Args) -> Result<Exit> {
     let folder = Folder::open(&args.sweep)?;
     let own = status(&folder)?;
+    let jobs = Jobs::look(&folder)?;
     if args.json {
         let mut value = serde_json::to_value(&own)?;
         value["missing"] = own.missing.len().into();
+        value["submission"] = jobs.as_ref().map_or(serde_json::Value::Null, |jobs| jobs.json(&own));
         print_json(&value)?;
     } else {
         let mut text = format!("plan {}: {} of {} points done", own.plan, own.done, own.points);
@@ -40,6 +43,9 @@ pub fn run(args: &Args) -> Result<Exit> {
         }
         if let Some(first) = own.missing.first() {
             text += &format!("{} missing, the first: {}\n", own.missing.len(), folder.plan().describe(*first));
+        }
+        if let Some(jobs) = &jobs {
+            text += &jobs.text(&own);
         }
         print(&text)?;
     }

@@ -59,7 +59,9 @@ fn every_flag_is_described() {
     all(&[], &mut found);
     for (name, text) in found {
         let lines: Vec<&str> = text.lines().collect();
-        let flags = lines.iter().enumerate().filter(|(_, line)| line.trim_start().starts_with('-'));
+        // "- word: ..." is a value and not a flag.
+        let flag = |line: &str| line.trim_start().starts_with('-') && !line.trim_start().starts_with("- ");
+        let flags = lines.iter().enumerate().filter(|(_, line)| flag(line));
         for (i, line) in flags {
             let (same, next) = (line.trim().contains("  "), lines.get(i + 1).is_some_and(|l| !l.trim().is_empty()));
             assert!(same || next, "{name}: {line}");

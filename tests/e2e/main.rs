@@ -9,6 +9,8 @@ mod common;
 mod replay_common;
 
 mod browser;
+#[cfg(unix)]
+mod cluster;
 mod compare;
 mod damage;
 mod determinism;

@@ -71,6 +71,17 @@ impl ChunkFile {
         Place::new(&self.path, offset)
     }
 
+    /// Tells the source that these bytes will be read next, as far as the file has them.
+    pub(crate) fn announce(&self, offset: u64, len: u64) -> Result<()> {
+        let len = len.min(self.len.saturating_sub(offset));
+        self.source.announce(offset, len).map_err(|error| Error::io(&self.path, "read", error))
+    }
+
+    /// Tells the source where the chunks lie.
+    pub(crate) fn layout(&self, chunks: &[ChunkRecord]) {
+        self.source.layout(chunks);
+    }
+
     /// Fills as much of `buffer` as the file has from `offset` on; gives the number of bytes.
     pub(crate) fn fill(&self, offset: u64, buffer: &mut [u8]) -> Result<usize> {
         let mut filled = 0;
@@ -93,6 +104,7 @@ impl ChunkFile {
         if len > available {
             return Err(truncated(available));
         }
+        self.announce(offset, len)?;
         let len = usize::try_from(len).map_err(|_| truncated(available))?;
         let mut bytes = Vec::new();
         while bytes.len() < len {
@@ -200,6 +212,17 @@ impl ChunkFile {
         let packed = self.bytes(start, column.packed_len).map_err(|error| error.at(&place))?;
         check_crc(&packed, column.crc, Checked::Column(id), place)?;
         Ok(Some(packed))
+    }
+
+    /// Tells the source that these columns of a tile will be read next, one by one.
+    pub(crate) fn announce_columns(&self, record: &ChunkRecord, directory: &TileDirectory, ids: &[u8]) -> Result<()> {
+        let wanted = || directory.columns().iter().filter(|column| ids.contains(&column.id));
+        let start = wanted().map(|column| column.offset).min().unwrap_or(0);
+        let end = wanted().map(|column| column.offset.saturating_add(column.packed_len)).max().unwrap_or(0);
+        if end > record.packed_len || end - start > self.limits.max_chunk_packed_bytes {
+            return Ok(()); // reading them will say what is wrong
+        }
+        self.announce(record.offset.saturating_add(CHUNK_HEADER_LEN).saturating_add(start), end - start)
     }
 
     fn payload_place(&self, record: &ChunkRecord) -> Place {

@@ -69,6 +69,7 @@ impl Reader {
             .check_layout(header.len, trailer.index_offset)
             .map_err(|(offset, id, detail)| Error::corrupt(file.place(offset).of(id), detail))?;
         let by_id = sorted_by_id(&file, &index.chunks)?;
+        file.layout(&index.chunks);
         Ok(Self { file, version: header.version, index, by_id })
     }
 
@@ -141,6 +142,15 @@ impl Reader {
     /// As [`Reader::read`]; [`Error::Usage`] if the directory is not that of the tile.
     pub fn read_column(&self, record: &ChunkRecord, directory: &TileDirectory, id: u8) -> Result<Option<Vec<u8>>> {
         self.file.read_column(record, directory, id)
+    }
+
+    /// Says that these columns of a tile will be read next: from far away they then come in one request, with those between
+    /// them. Needless for a local file.
+    ///
+    /// # Errors
+    /// [`Error::Io`].
+    pub fn announce_columns(&self, record: &ChunkRecord, directory: &TileDirectory, ids: &[u8]) -> Result<()> {
+        self.file.announce_columns(record, directory, ids)
     }
 
     /// A tile with all its columns in one read: cheaper than column by column if most of them are wanted.

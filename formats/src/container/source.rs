@@ -4,6 +4,8 @@ use std::fmt;
 use std::fs::File;
 use std::io;
 
+use super::chunk_header::ChunkRecord;
+
 /// Bytes that can be read at any position, by several threads at once.
 pub trait Source: Send + Sync + fmt::Debug {
     /// Length in bytes.
@@ -17,6 +19,18 @@ pub trait Source: Send + Sync + fmt::Debug {
     /// # Errors
     /// Those of the system.
     fn read_at(&self, offset: u64, buffer: &mut [u8]) -> io::Result<usize>;
+
+    /// Told that the `len` bytes from `offset` will be read next, in pieces: a source far away fetches them in one request.
+    ///
+    /// # Errors
+    /// Those of fetching them.
+    fn announce(&self, _offset: u64, _len: u64) -> io::Result<()> {
+        Ok(())
+    }
+
+    /// Told once, after the index was checked, where the chunks lie, in file order: a source far away may fetch neighbours
+    /// together that are read one after the other.
+    fn layout(&self, _chunks: &[ChunkRecord]) {}
 }
 
 /// A file. Has no shared position where the system offers positioned reads.

@@ -34,10 +34,11 @@ pub fn compare(a: &Trace, b: &Trace) -> Result<Option<Difference>> {
     let (missing_a, missing_b) = (a.missing_tiles(), b.missing_tiles());
     let (mut scratch_a, mut scratch_b) = (Scratch::default(), Scratch::default());
     for frame in a.meta().frame_numbers() {
-        if let (Ok(camera_a), Ok(camera_b)) = (a.camera(frame), b.camera(frame))
-            && camera_a != camera_b
-        {
-            return Ok(differ(format!("frame {frame}"), format!("{camera_a:?} | {camera_b:?}")));
+        if a.has_frame(frame) && b.has_frame(frame) {
+            let (camera_a, camera_b) = (a.camera(frame)?, b.camera(frame)?);
+            if camera_a != camera_b {
+                return Ok(differ(format!("frame {frame}"), format!("{camera_a:?} | {camera_b:?}")));
+            }
         }
         for tile in 0..a.meta().tile_count() {
             let has = |missing: &[(u32, u32)]| missing.binary_search(&(frame, tile)).is_err();

@@ -50,7 +50,10 @@ pub fn digest(trace: &Trace) -> Result<Digest> {
     let mut cameras = blake3::Hasher::new();
     let mut columns = [(); 4].map(|()| blake3::Hasher::new());
     for frame in trace.meta().frame_numbers() {
-        let Ok(camera) = trace.camera(frame) else { continue };
+        if !trace.has_frame(frame) {
+            continue;
+        }
+        let camera = trace.camera(frame)?;
         cameras.update(&frame.to_le_bytes());
         cameras.update(&metadata::encode("camera", &camera)?);
         let tiles: Vec<u32> =

@@ -7,10 +7,11 @@ mod fingerprint;
 mod writer;
 
 use std::path::Path;
+use std::sync::OnceLock;
 
 use crate::bvh::Bvh;
 use crate::columns::paths::Topology;
-use crate::container::{ChunkId, ChunkKind, ChunkRecord, ColumnTotals, Reader, TileDirectory, TilePayload};
+use crate::container::{ChunkId, ChunkKind, ChunkRecord, ColumnTotals, Reader, Source, TileDirectory, TilePayload};
 use crate::error::{Error, Result};
 use crate::limits::Limits;
 use crate::payload::{bvh, metadata};
@@ -29,12 +30,20 @@ pub struct Trace {
     meta: Meta,
     bvh: Bvh,
     topology: Topology,
-    /// Cameras that the file holds, by frame: a file pays for what it holds, not for what its metadata claims.
-    cameras: Vec<(u32, Camera)>,
+    /// Frames that the file holds, ascending: a file pays for what it holds, not for what its metadata claims.
+    frames: Vec<Frame>,
+}
+
+/// A frame of the file. Its camera is read when it is first asked for: cameras lie among the tiles, and of a trace far away
+/// each costs a request.
+#[derive(Debug)]
+struct Frame {
+    record: ChunkRecord,
+    camera: OnceLock<Camera>,
 }
 
 impl Trace {
-    /// Opens a finished trace: reads the index, the metadata, the BVH and the cameras, and no tile.
+    /// Opens a finished trace: reads the index, the metadata and the BVH, no camera and no tile.
     ///
     /// # Errors
     /// When the file cannot be read, is not a trace, has no index or is damaged in one of these parts.
@@ -50,18 +59,24 @@ impl Trace {
         Self::from_reader(Reader::from_bytes(bytes, limits)?)
     }
 
+    /// As [`Trace::open`], on any source of bytes; `name` stands for the file in errors.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn from_source(source: Box<dyn Source>, name: &Path, limits: Limits) -> Result<Self> {
+        Self::from_reader(Reader::from_source(source, name, limits)?)
+    }
+
     fn from_reader(reader: Reader) -> Result<Self> {
         let limits = reader.limits().clone();
         let meta = metadata::decode_meta(&reader.read(reader.require(ChunkId::META)?)?, &limits)?;
         let bvh = bvh::decode(&reader.read(reader.require(ChunkId::BVH)?)?, &limits)?;
         let topology = Topology::new(&bvh);
-        let mut trace = Self { reader, meta, bvh, topology, cameras: Vec::new() };
+        let frames = reader.chunks().iter().filter(|record| record.id.kind == ChunkKind::FRAM);
+        let mut frames: Vec<Frame> = frames.map(|&record| Frame { record, camera: OnceLock::new() }).collect();
+        frames.sort_by_key(|frame| frame.record.id.frame);
+        let trace = Self { reader, meta, bvh, topology, frames };
         trace.check_chunks()?;
-        for record in trace.reader.chunks().iter().filter(|record| record.id.kind == ChunkKind::FRAM) {
-            let camera = metadata::decode_camera(&trace.reader.read(record)?, &limits)?;
-            trace.cameras.push((record.id.frame, camera));
-        }
-        trace.cameras.sort_by_key(|&(frame, _)| frame);
         Ok(trace)
     }
 
@@ -101,22 +116,32 @@ impl Trace {
         self.reader.column_totals()
     }
 
+    /// Whether the trace holds frame `frame`, that is, its camera.
+    pub fn has_frame(&self, frame: u32) -> bool {
+        self.reader.find(ChunkId::frame(frame)).is_some()
+    }
+
     /// The camera of frame `frame`.
     ///
     /// # Errors
-    /// When the trace does not hold that frame.
+    /// When the trace does not hold that frame, or its camera is damaged.
     pub fn camera(&self, frame: u32) -> Result<Camera> {
-        match self.cameras.binary_search_by_key(&frame, |&(frame, _)| frame) {
-            Ok(at) => Ok(self.cameras[at].1),
-            Err(_) => Err(Error::missing(self.reader.path(), ChunkId::frame(frame))),
+        let Ok(at) = self.frames.binary_search_by_key(&frame, |frame| frame.record.id.frame) else {
+            return Err(Error::missing(self.reader.path(), ChunkId::frame(frame)));
+        };
+        let Frame { record, camera } = &self.frames[at];
+        if let Some(camera) = camera.get() {
+            return Ok(*camera);
         }
+        let read = metadata::decode_camera(&self.reader.read(record)?, self.reader.limits())?;
+        Ok(*camera.get_or_init(|| read))
     }
 
     /// Tiles (and frames, as their first tile) that a complete trace would hold and this one does not.
     pub fn missing_tiles(&self) -> Vec<(u32, u32)> {
         let mut missing = Vec::new();
         for frame in self.meta.frame_numbers() {
-            let camera = self.reader.find(ChunkId::frame(frame)).is_some();
+            let camera = self.has_frame(frame);
             for tile in 0..self.meta.tile_count() {
                 if !camera || self.reader.find(ChunkId::tile(frame, tile)).is_none() {
                     missing.push((frame, tile));
@@ -146,7 +171,11 @@ impl Trace {
         let source = if columns.contains(&Column::Paths) {
             Columns::Whole(self.reader.read_tile(&record)?)
         } else {
-            Columns::Single(self.reader.tile_directory(&record)?)
+            let directory = self.reader.tile_directory(&record)?;
+            let ids: Vec<u8> =
+                Column::ALL.iter().filter(|c| **c == Column::Tree || wanted(**c)).map(|c| *c as u8).collect();
+            self.reader.announce_columns(&record, &directory, &ids)?;
+            Columns::Single(directory)
         };
         let read = |column: Column| self.column(&record, &source, column);
         let mut decode = || -> Result<Tile> {

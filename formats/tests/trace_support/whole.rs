@@ -86,7 +86,9 @@ pub fn read(trace: &Trace) -> Result<Content> {
     let (mut cameras, mut tiles) = (Vec::new(), Vec::new());
     let missing = trace.missing_tiles();
     for frame in trace.meta().frame_numbers() {
-        cameras.extend(trace.camera(frame));
+        if trace.has_frame(frame) {
+            cameras.push(trace.camera(frame)?);
+        }
         for index in (0..trace.meta().tile_count()).filter(|&i| missing.binary_search(&(frame, i)).is_err()) {
             let tile = trace.tile_with(frame, index, &Column::ALL, &mut scratch)?;
             for column in Column::ALL {

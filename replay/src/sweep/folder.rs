@@ -6,6 +6,7 @@
 //!       sealed/000012.seg                  all rows of these points: any attempt writes the same bytes
 //!       columns/HASH.json                  what the columns of the rows are
 //!       attempts/ATTEMPT.json              who did what, when: telemetry, in no result
+//!       submissions/001.json               what was submitted to a cluster
 //!       logs/                              output of cluster jobs
 //!       results.parquet, results.csv       made by merge
 //! ```

@@ -4,6 +4,7 @@
 //! order they were finished.
 
 use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 use std::path::PathBuf;
 
 use serde_json::Value;
@@ -228,9 +229,9 @@ impl Table<'_> {
         for point in self.there {
             let own = &self.plan.points[*point];
             let name = (own.machine, own.policy, &own.values);
-            if !known.contains_key(&name) {
+            if let Entry::Vacant(slot) = known.entry(name) {
                 let resolved = self.plan.resolve(own)?;
-                known.insert(name, (resolved.machine_config(), resolved.policy_config()));
+                slot.insert((resolved.machine_config(), resolved.policy_config()));
             }
             let (machine, policy) = &known[&name];
             machines.push(Some(machine.clone()));
@@ -239,7 +240,7 @@ impl Table<'_> {
         let config = |name: &str, text: &str, cells| Field { role: Role::Config, ..self.point(name, text, cells) };
         let fingerprints = self.each(|p| Some(self.plan.traces[p.trace].fingerprint.clone()));
         Ok(vec![
-            config("machine_config", "every value of the machine, key = value, one a line", Cells::Text(machines)),
+            config("machine_config", "every value of the machine, JSON", Cells::Text(machines)),
             config("policy_config", "every value of the policy, JSON", Cells::Text(policies)),
             config("trace_fingerprint", "hash of what the trace holds", Cells::Text(fingerprints)),
             config("model_version", "version of the model", Cells::Int(self.each(|_| Some(MODEL_VERSION.into())))),

@@ -1,5 +1,7 @@
 //! A point: one trace, machine, policy and run of frames, and the key of its result.
 
+use std::collections::BTreeMap;
+
 use crate::machine::config::NamedMachine;
 use crate::policy::NamedPolicy;
 use crate::sweep::version::MODEL_VERSION;
@@ -21,14 +23,13 @@ pub struct Point {
 }
 
 impl Point {
-    /// Every value of the machine, one a line, as results keep it; empty without one.
+    /// [`machine_json`] of its machine; empty without one.
     pub fn machine_config(&self) -> String {
-        self.machine.as_ref().map(NamedMachine::canonical).unwrap_or_default()
+        self.machine.as_ref().map(machine_json).unwrap_or_default()
     }
 
     /// Every value of the policy as JSON, as results keep it.
     pub fn policy_config(&self) -> String {
-        // Keys are words and numbers finite: this cannot fail.
         serde_json::to_string(&self.policy.policy).unwrap_or_default()
     }
 
@@ -36,6 +37,14 @@ impl Point {
     pub fn key(&self, fingerprint: &str) -> Key {
         key(fingerprint, self.frames, &self.machine_config(), &self.policy_config())
     }
+}
+
+/// Every value of a machine as JSON by key, as results keep it: equal for equal machines, whatever they are called and however they
+/// were put together.
+pub fn machine_json(machine: &NamedMachine) -> String {
+    let values: BTreeMap<_, _> = machine.values.iter().map(|own| (own.key, &own.value)).collect();
+    // Keys are words and numbers finite: this cannot fail.
+    serde_json::to_string(&values).unwrap_or_default()
 }
 
 /// The hash of all that a result depends on: the trace's fingerprint, the first frame and the number of frames, every value of

@@ -52,6 +52,8 @@ pub struct Settings<'a> {
 /// What is told while a shard runs.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Told {
+    /// Points whose rows were there before, at the beginning.
+    pub skipped: usize,
     /// Points to do, at the beginning.
     pub todo: usize,
     /// Points done, with those being computed in part.
@@ -90,7 +92,7 @@ enum Done {
     Trouble { point: usize, why: String },
 }
 
-/// Runs a shard. `tell` is told how far it is, several times a second.
+/// Runs a shard. `tell` is told how far it is: once before anything is computed, then several times a second.
 ///
 /// # Errors
 /// A folder that cannot be read or written. What is wrong with a point is in its row, or in the outcome.
@@ -102,7 +104,8 @@ pub fn run(folder: &Folder, settings: &Settings<'_>, mut tell: impl FnMut(&Told)
     let todo = missing(folder, range, &mut outcome, &mut saver)?;
     let queue = Queue::new(folder, settings, &todo);
     let (sender, receiver) = channel();
-    let mut told = Told { todo: todo.len(), ..Told::default() };
+    let mut told = Told { skipped: outcome.skipped, todo: todo.len(), ..Told::default() };
+    tell(&told);
     let ended = std::thread::scope(|scope| {
         for number in 0..settings.threads.min(todo.len()) {
             let (queue, sender) = (&queue, sender.clone());

@@ -23,6 +23,16 @@ impl Shard {
         let cut = |i: usize| (total as u128 * i as u128 / self.count as u128) as usize;
         cut(self.index)..cut(self.index + 1)
     }
+
+    /// Which of `count` shards have one of these points, given in order, of `total`.
+    pub fn with(points: &[usize], total: usize, count: usize) -> Vec<usize> {
+        let has = |index: &usize| {
+            let own = Self { index: *index, count }.points(total);
+            let at = points.partition_point(|point| *point < own.start);
+            points.get(at).is_some_and(|point| own.contains(point))
+        };
+        (0..count).filter(has).collect()
+    }
 }
 
 impl FromStr for Shard {
@@ -60,6 +70,14 @@ mod tests {
             }
             prop_assert_eq!(next, total);
         }
+    }
+
+    #[test]
+    fn shards_with_points_are_found() {
+        assert_eq!(Shard::with(&[0, 11, 12, 95], 96, 8), [0, 1, 7]);
+        assert_eq!(Shard::with(&[], 96, 8), [0usize; 0]);
+        // More shards than points: some have none.
+        assert_eq!(Shard::with(&[0, 1, 2], 3, 8).len(), 3);
     }
 
     #[test]

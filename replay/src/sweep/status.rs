@@ -62,11 +62,6 @@ pub fn status(folder: &Folder) -> Result<Status> {
 impl Status {
     /// The shards of `count` that miss points.
     pub fn shards(&self, count: usize) -> Vec<usize> {
-        let misses = |index: &usize| {
-            let own = Shard { index: *index, count }.points(self.points);
-            let at = self.missing.partition_point(|point| *point < own.start);
-            self.missing.get(at).is_some_and(|point| own.contains(point))
-        };
-        (0..count).filter(misses).collect()
+        Shard::with(&self.missing, self.points, count)
     }
 }

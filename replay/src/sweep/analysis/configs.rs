@@ -7,6 +7,7 @@ use serde_json::Value;
 use crate::machine::config::NamedMachine;
 use crate::machine::config::schema::KEYS;
 use crate::policy::NamedPolicy;
+use crate::sweep::point::machine_json;
 use crate::sweep::results::{Cells, Results};
 
 /// The two halves of a configuration.
@@ -45,7 +46,7 @@ impl Half {
             return None;
         }
         match self {
-            Self::Machine => NamedMachine::load(name, &[]).ok().map(|own| machine(&own.canonical())),
+            Self::Machine => NamedMachine::load(name, &[]).ok().map(|own| machine(&machine_json(&own))),
             Self::Policy => {
                 let own = NamedPolicy::load(name, &[]).ok()?;
                 serde_json::to_string(&own.policy).ok().map(|text| policy(&text))
@@ -57,15 +58,17 @@ impl Half {
 /// Values by key, as overrides write them.
 pub type Config = BTreeMap<String, String>;
 
-/// Reads the lines `key = value` of a machine.
+/// Reads the JSON of a machine.
 pub fn machine(text: &str) -> Config {
-    let show = |key: &str, value: &str| {
+    let show = |key: &str, value: &Value| {
         let rule = KEYS.iter().find(|known| known.name == key).map(|known| known.rule);
-        let shown = rule.and_then(|rule| value.parse().ok().map(|value| rule.show(&value)));
-        shown.unwrap_or_else(|| value.to_owned()).trim_matches('"').to_owned()
+        let text = value.to_string();
+        // Numbers, flags and words are written alike in JSON and TOML.
+        let shown = rule.and_then(|rule| text.parse().ok().map(|value| rule.show(&value)));
+        shown.unwrap_or(text).trim_matches('"').to_owned()
     };
-    let pair = |line: &str| line.split_once(" = ").map(|(key, value)| (key.to_owned(), show(key, value)));
-    text.lines().filter_map(pair).collect()
+    let values: BTreeMap<String, Value> = serde_json::from_str(text).unwrap_or_default();
+    values.iter().map(|(key, value)| (key.clone(), show(key, value))).collect()
 }
 
 /// Reads the JSON of a policy: tables become keys with dots.
@@ -145,7 +148,7 @@ mod tests {
     #[test]
     fn machines_and_policies_are_read_back_as_overrides_write_them() {
         let own = NamedMachine::load("sgrt-ti2", &["ti.trv_l1.size=32KiB".into(), "srp.ideal=true".into()]).unwrap();
-        let (own, preset) = (machine(&own.canonical()), Half::Machine.preset("sgrt-ti2").unwrap());
+        let (own, preset) = (machine(&machine_json(&own)), Half::Machine.preset("sgrt-ti2").unwrap());
         let changed: Vec<_> = own.iter().filter(|(key, value)| preset.get(*key) != Some(value)).collect();
         assert_eq!(
             changed.iter().map(|(k, v)| format!("{k}={v}")).collect::<Vec<_>>(),

@@ -1,5 +1,6 @@
 //! One run as a table of one row: what `rayreel replay --json` printed, under the names that results have.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use serde_json::Value;
@@ -43,14 +44,11 @@ pub fn decode(bytes: &[u8], path: &Path) -> Result<Results> {
         let role = role_of(&column.name);
         fields.push(field(&column.name, role, &column.unit, &column.description, cells));
     }
-    let machine: Vec<String> = value["machine_config"]
-        .as_object()
-        .into_iter()
-        .flatten()
-        .map(|(key, own)| format!("{key} = {}\n", own["value"]))
-        .collect();
+    let machine: BTreeMap<&String, &Value> =
+        value["machine_config"].as_object().into_iter().flatten().map(|(key, own)| (key, &own["value"])).collect();
+    let machine = if machine.is_empty() { None } else { serde_json::to_string(&machine).ok() };
     let config = |name: &str, text: Option<String>| field(name, Role::Config, "", "", Cells::Text(vec![text]));
-    fields.push(config("machine_config", (!machine.is_empty()).then(|| machine.concat())));
+    fields.push(config("machine_config", machine));
     fields.push(config("policy_config", Some(value["policy_config"].to_string())));
     fields.push(config("trace_fingerprint", value["trace_digest"].as_str().map(str::to_owned)));
     let heading = Heading { name: "replay".into(), plan: String::new(), model_version: 0, points: 1 };

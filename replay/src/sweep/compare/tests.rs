@@ -11,7 +11,7 @@ fn sweep(l1: &[i64], time: &[f64]) -> Results {
         axis("l1", Cells::Int(l1.iter().map(|l1| Some(*l1)).collect())),
         words("error", Role::Status, &vec![""; rows]),
         figure("time_ms", time),
-        words("machine_config", Role::Config, &vec!["ti.trv = 4\n"; rows]),
+        words("machine_config", Role::Config, &vec![r#"{"ti.trv":4}"#; rows]),
     ])
 }
 
@@ -78,7 +78,7 @@ fn points_appear_and_vanish() {
 fn configuration_states_and_columns_are_compared_too() {
     let a = sweep(&[1, 2], &[1.0, 2.0]);
     let mut b = a.clone();
-    b.fields[5] = words("machine_config", Role::Config, &["ti.trv = 4\n", "l2.ways = 8\nti.trv = 2\n"]);
+    b.fields[5] = words("machine_config", Role::Config, &[r#"{"ti.trv":4}"#, r#"{"l2.ways":8,"ti.trv":2}"#]);
     b.fields[3] = words("error", Role::Status, &["", "too small"]);
     b.fields.push(figure("fps", &[1.0, 1.0]));
     let own = compare(&a, &b);

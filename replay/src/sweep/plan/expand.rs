@@ -309,10 +309,18 @@ fn is_address(location: &str) -> bool {
 fn traces(file: &PlanFile, sources: &Sources<'_>) -> Result<Vec<TraceRef>> {
     let text = sources.text;
     let mut all: Vec<TraceRef> = Vec::new();
+    // Whoever has to fetch traces wants to know all that are missing, and not one a try.
+    let mut missing: Vec<(Range<usize>, String, String)> = Vec::new();
     for entry in filled(&file.traces, "traces", text)? {
         for location in locations(entry, sources)? {
             let wrong = |detail: String| text.error(&entry.span(), detail);
-            let trace = (sources.open)(&location).map_err(|why| wrong(format!("trace {location}: {why}")))?;
+            let trace = match (sources.open)(&location) {
+                Ok(trace) => trace,
+                Err(why) => {
+                    missing.push((entry.span(), location, why));
+                    continue;
+                }
+            };
             if let Some((frame, tile)) = trace.missing_tiles().first() {
                 let detail = format!(
                     "trace {location} is incomplete: tile {tile} of frame {frame} is missing; capture it again"
@@ -330,7 +338,11 @@ fn traces(file: &PlanFile, sources: &Sources<'_>) -> Result<Vec<TraceRef>> {
             }
         }
     }
-    Ok(all)
+    let Some((span, location, why)) = missing.first() else { return Ok(all) };
+    let others: Vec<&str> = missing[1..].iter().map(|(_, location, _)| location.as_str()).collect();
+    let others =
+        if others.is_empty() { String::new() } else { format!("; nor can these be opened: {}", others.join(", ")) };
+    Err(text.error(span, format!("trace {location}: {why}{others}")))
 }
 
 /// What a plan says of an open trace.

@@ -12,7 +12,7 @@ fn of(rows: usize) -> Results {
         words("status", Role::Status, &vec!["done"; rows]),
         figure("time_ms", &floats(1.5)),
         figure("energy_mj", &floats(-0.25)),
-        words("machine_config", Role::Config, &vec!["ti.trv = 5\n"; rows]),
+        words("machine_config", Role::Config, &vec![r#"{"ti.trv":5}"#; rows]),
     ])
 }
 

@@ -1,0 +1,60 @@
+//! `rayreel sweep resume`: what is missing, where it was being done.
+
+use std::path::PathBuf;
+
+use anyhow::Result;
+use rayreel_replay::sweep::folder::Folder;
+use rayreel_replay::sweep::shard::Shard;
+use rayreel_replay::sweep::submission::Submission;
+
+use super::order::{How, Order, carry_out};
+use super::run::{self, RunArgs};
+use super::slurm;
+use super::submit::{HowArgs, SiteArgs, limits};
+use crate::exit::Exit;
+
+/// Compute what is missing: on the cluster if the sweep was submitted to one, and here otherwise.
+///
+/// On a cluster the shards that miss points and are not in the queue any more are submitted with the options of the last submission;
+/// what is given here goes before them, such as --mem 8G for shards that ran out of memory.
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    /// Folder of a sweep.
+    sweep: PathBuf,
+    /// Compute here, even if it was submitted.
+    #[arg(long)]
+    local: bool,
+    #[command(flatten)]
+    run: RunArgs,
+    #[command(flatten)]
+    site: SiteArgs,
+    #[command(flatten)]
+    how: HowArgs,
+}
+
+pub fn run(args: &Args, quiet: bool) -> Result<Exit> {
+    let folder = Folder::open(&args.sweep)?;
+    let submissions = Submission::all(&folder)?;
+    let last = match submissions.last() {
+        Some(last) if !args.local && (slurm::is_here() || args.how.dry_run) => last,
+        Some(_) if !args.local => {
+            eprintln!("no sbatch here, where the sweep was submitted to Slurm elsewhere: computing on this machine");
+            return run::here(&folder, &args.run, Shard::WHOLE, quiet);
+        }
+        _ => return run::here(&folder, &args.run, Shard::WHOLE, quiet),
+    };
+    let limits = limits(&folder, args.how.dry_run)?;
+    let tasks = if slurm::is_here() { slurm::tasks(folder.id(), &submissions)? } else { Vec::new() };
+    let mut active = Vec::new();
+    // Tasks of a submission with another number of shards do other points; submit does not allow two such at a time.
+    for own in submissions.iter().filter(|own| own.shards == last.shards) {
+        active.extend(own.active(&tasks));
+    }
+    let order = Order {
+        shards: last.shards,
+        run: last.run.clone(),
+        patience: last.patience.clone(),
+        options: args.site.options().or(&last.options),
+    };
+    carry_out(&folder, &order, limits, How { args: args.how, active: &active, last: Some(last) })
+}

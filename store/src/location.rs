@@ -1,0 +1,121 @@
+//! Where a trace is, as a user writes it.
+
+use std::ffi::{OsStr, OsString};
+use std::fmt;
+use std::path::{Path, PathBuf};
+
+/// A file or an object.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Location {
+    /// A path on this machine.
+    Local(PathBuf),
+    /// A URL.
+    Remote(String),
+}
+
+/// Whether text is a URL rather than a path: a scheme of letters, digits, `+`, `-` and `.`, then `://`.
+pub fn is_remote(location: &str) -> bool {
+    let Some((scheme, _)) = location.split_once("://") else { return false };
+    scheme.starts_with(|c: char| c.is_ascii_alphabetic())
+        && scheme.chars().all(|c| c.is_ascii_alphanumeric() || "+-.".contains(c))
+}
+
+impl Location {
+    /// What messages call it: a URL without user, password, query and fragment, any of which may be a secret.
+    fn shown(&self) -> String {
+        match self {
+            Self::Local(path) => path.display().to_string(),
+            Self::Remote(url) => {
+                let end = url.find(['?', '#']).unwrap_or(url.len());
+                let (scheme, rest) = url[..end].split_once("://").unwrap_or(("", &url[..end]));
+                let (host, path) = rest.split_at(rest.find('/').unwrap_or(rest.len()));
+                let host = host.rsplit_once('@').map_or(host, |(_, host)| host);
+                format!("{scheme}://{host}{path}")
+            }
+        }
+    }
+
+    /// The same where a path is asked for, as errors do. Nothing may be joined to it.
+    pub(crate) fn as_name(&self) -> PathBuf {
+        match self {
+            Self::Local(path) => path.clone(),
+            Self::Remote(_) => self.shown().into(),
+        }
+    }
+
+    /// The last part of path or URL: the same for a file and its copy in a bucket.
+    pub fn file_name(&self) -> String {
+        match self {
+            Self::Local(path) => path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned(),
+            Self::Remote(_) => {
+                let shown = self.shown();
+                shown.rsplit('/').next().unwrap_or_default().to_string()
+            }
+        }
+    }
+}
+
+impl fmt::Display for Location {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.shown())
+    }
+}
+
+impl From<OsString> for Location {
+    fn from(text: OsString) -> Self {
+        match text.into_string() {
+            Ok(url) if is_remote(&url) => Self::Remote(url),
+            Ok(path) => Self::Local(path.into()),
+            Err(path) => Self::Local(path.into()),
+        }
+    }
+}
+
+impl From<&OsStr> for Location {
+    fn from(text: &OsStr) -> Self {
+        text.to_os_string().into()
+    }
+}
+
+impl From<&str> for Location {
+    fn from(text: &str) -> Self {
+        OsString::from(text).into()
+    }
+}
+
+/// A path is a path, whatever it looks like.
+impl From<&Path> for Location {
+    fn from(path: &Path) -> Self {
+        Self::Local(path.to_path_buf())
+    }
+}
+
+impl From<&Self> for Location {
+    fn from(location: &Self) -> Self {
+        location.clone()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn urls_are_told_from_paths() {
+        for url in ["s3://b/k", "gs://b/k", "http://h:1/x?y", "https://h", "s3a+x://b"] {
+            assert!(is_remote(url), "{url}");
+        }
+        for path in ["a.rtrace", "/a/b", "C:\\x", "./s3://b/k", "s3:/b/k", "://x", "3s://x", ""] {
+            assert!(!is_remote(path), "{path}");
+        }
+    }
+
+    #[test]
+    fn no_secret_is_shown() {
+        let location = Location::from("https://me:word@host:8/a/b.rtrace?X-Amz-Signature=abc#x");
+        assert_eq!(location.to_string(), "https://host:8/a/b.rtrace");
+        assert_eq!(location.file_name(), "b.rtrace");
+        assert_eq!(Location::from("s3://bucket/f/t.rtrace").to_string(), "s3://bucket/f/t.rtrace");
+        assert_eq!(Location::from("f/t.rtrace").file_name(), "t.rtrace");
+    }
+}

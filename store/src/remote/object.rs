@@ -1,0 +1,81 @@
+//! One object, of one version.
+
+use std::io;
+use std::ops::Range;
+use std::sync::Arc;
+
+use object_store::path::Path;
+use object_store::{GetOptions, GetRange, GetResult, ObjectMeta, ObjectStore};
+use tokio::runtime::{Builder, Runtime};
+
+use super::{Fetch, client, fault};
+use crate::Traffic;
+
+/// An object whose bytes are fetched by range. Every answer is held against the version of the first.
+#[derive(Debug)]
+pub(super) struct Object {
+    /// Drives the connections; callers of any thread wait in it for their own answer.
+    runtime: Runtime,
+    store: Arc<dyn ObjectStore>,
+    path: Path,
+    /// What the first answer said.
+    meta: ObjectMeta,
+    traffic: Arc<Traffic>,
+}
+
+impl Object {
+    /// Asks for the last `end_len` bytes, or all of a shorter object; gives them too.
+    pub(super) fn open(url: &str, end_len: u64, traffic: Arc<Traffic>) -> io::Result<(Self, Vec<u8>)> {
+        let (store, path) = client::of(url)?;
+        let runtime = Builder::new_multi_thread().worker_threads(1).thread_name("objects").enable_all().build()?;
+        let (meta, end) = runtime.block_on(async {
+            let answer = get(&*store, &path, GetRange::Suffix(end_len)).await?;
+            let (meta, range) = (answer.meta.clone(), answer.range.clone());
+            Ok::<_, io::Error>((meta, body(answer, range).await?))
+        })?;
+        traffic.count_request(end.len() as u64);
+        Ok((Self { runtime, store, path, meta, traffic }, end))
+    }
+
+    /// Length in bytes.
+    pub(super) fn size(&self) -> u64 {
+        self.meta.size
+    }
+
+    /// What names this version of the object, if the server says anything that does.
+    pub(super) fn version(&self) -> Option<String> {
+        let dated = self.meta.last_modified.timestamp() != 0;
+        let date = || dated.then(|| self.meta.last_modified.to_rfc3339());
+        let tag = self.meta.e_tag.clone().or_else(date)?;
+        Some(format!("{tag} {}", self.meta.size))
+    }
+}
+
+impl Fetch for Object {
+    fn fetch(&self, range: Range<u64>) -> io::Result<Vec<u8>> {
+        let bytes = self.runtime.block_on(async {
+            let answer = get(&*self.store, &self.path, GetRange::Bounded(range.clone())).await?;
+            let ObjectMeta { size, e_tag, last_modified, .. } = &answer.meta;
+            if (size, e_tag, last_modified) != (&self.meta.size, &self.meta.e_tag, &self.meta.last_modified) {
+                return Err(io::Error::other("the object was replaced while it was read; start again"));
+            }
+            body(answer, range).await
+        })?;
+        self.traffic.count_request(bytes.len() as u64);
+        Ok(bytes)
+    }
+}
+
+async fn get(store: &dyn ObjectStore, path: &Path, range: GetRange) -> io::Result<GetResult> {
+    let options = GetOptions::new().with_range(Some(range));
+    store.get_opts(path, options).await.map_err(|error| fault::explain(&error))
+}
+
+/// The bytes of an answer, as many as were asked for.
+async fn body(answer: GetResult, range: Range<u64>) -> io::Result<Vec<u8>> {
+    let bytes = answer.bytes().await.map_err(|error| fault::explain(&error))?;
+    if bytes.len() as u64 != range.end - range.start {
+        return Err(io::Error::new(io::ErrorKind::UnexpectedEof, "the answer was cut short"));
+    }
+    Ok(bytes.into())
+}
