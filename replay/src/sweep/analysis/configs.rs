@@ -164,7 +164,7 @@ mod tests {
 
     #[test]
     fn equal_ones_are_kept_once() {
-        let texts = ["b = 1\na = 2\n", "a = 3\nb = 1\n", "b = 1\na = 2\n", ""];
+        let texts = [r#"{"b":1,"a":2}"#, r#"{"a":3,"b":1}"#, r#"{"b":1,"a":2}"#, ""];
         let own = Configs::new(&table(vec![words("machine_config", Role::Config, &texts)]), Half::Machine);
         assert_eq!((own.of.as_slice(), own.own.len()), (&[Some(0), Some(1), Some(0), None][..], 2));
         assert_eq!((own.keys(), own.varying()), (vec!["a", "b"], vec!["a"]));
