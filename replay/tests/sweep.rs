@@ -328,7 +328,8 @@ fn torn_empty_and_foreign_segments_are_computed_again() {
         sweep.run(Shard::WHOLE, "a");
         sweep.bytes()
     };
-    let damage: [(&str, fn(&[u8]) -> Vec<u8>); 5] = [
+    type Damage = fn(&[u8]) -> Vec<u8>;
+    let damage: [(&str, Damage); 5] = [
         ("torn head", |bytes| bytes[..30].to_vec()),
         ("empty", |_| Vec::new()),
         ("torn body", |bytes| bytes[..bytes.len() - 5].to_vec()),

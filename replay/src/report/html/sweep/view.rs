@@ -28,6 +28,9 @@ pub struct View<'a> {
     presets: [BTreeMap<String, Option<Config>>; 2],
 }
 
+/// The preset's name, if there is one; then key, value, and the preset's value.
+pub type Changes = (Option<String>, Vec<(String, String, Option<String>)>);
+
 impl<'a> View<'a> {
     /// Looks at results.
     pub fn new(results: &'a Results) -> Self {
@@ -107,7 +110,7 @@ impl<'a> View<'a> {
 
     /// The configuration of a point with what its preset has instead, where that differs: for each half the preset's name, if it is
     /// one, and key, value and the preset's value. Of a file nothing is known but what varies in the sweep.
-    pub fn changes(&self, row: usize, half: Half) -> (Option<String>, Vec<(String, String, Option<String>)>) {
+    pub fn changes(&self, row: usize, half: Half) -> Changes {
         let configs = &self.configs[half as usize];
         let Some(own) = configs.row(row) else { return (None, Vec::new()) };
         let name = self.results.field(half.name()).and_then(|field| label(field, row)).unwrap_or_default();
