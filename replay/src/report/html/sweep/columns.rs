@@ -24,7 +24,8 @@ pub fn section(view: &View<'_>) -> Option<Section> {
         own.insert(1, escape(&value(field, 0)));
         (String::new(), own)
     };
-    let rows: Vec<_> = same.iter().filter(|field| field.cells.text(0).is_some()).map(with_value).collect();
+    let first = |field: &&&Field| !field.cells.is_empty() && field.cells.text(0).is_some();
+    let rows: Vec<_> = same.iter().filter(first).map(with_value).collect();
     if !rows.is_empty() {
         let [name, unit, what] = unit();
         let columns = [name, Column::number("Value"), unit, what];
