@@ -28,11 +28,8 @@ fn commands_read_objects_as_they_read_files() {
         assert_eq!(run_local(&args).expect(0).out, far.out, "{command}");
     }
     moto.run(&format!("diff s3://bucket/cornell.rtrace {}", file.display())).expect(0);
-    moto.run("info s3://bucket/cornell.rtrace").expect(0).says(&[
-        "fetched ",
-        " bytes in ",
-        " requests, 0 bytes from the cache",
-    ]);
+    // How many requests that takes is the business of `ranges`: this object is small.
+    moto.run("info s3://bucket/cornell.rtrace").expect(0).says(&["fetched ", " bytes in ", ", 0 bytes from the cache"]);
 }
 
 #[test]
