@@ -328,7 +328,8 @@ fn torn_empty_and_foreign_segments_are_computed_again() {
         sweep.run(Shard::WHOLE, "a");
         sweep.bytes()
     };
-    let damage: [(&str, fn(&[u8]) -> Vec<u8>); 5] = [
+    type Damage = fn(&[u8]) -> Vec<u8>;
+    let damage: [(&str, Damage); 5] = [
         ("torn head", |bytes| bytes[..30].to_vec()),
         ("empty", |_| Vec::new()),
         ("torn body", |bytes| bytes[..bytes.len() - 5].to_vec()),
@@ -400,11 +401,20 @@ fn points_of_one_key_are_computed_once() {
     let place = tempfile::tempdir().unwrap();
     let file = place.path().join("twin.toml");
     std::fs::write(&file, "extends = \"sgrt-ti2\"\nwhy = \"the same\"\n").unwrap();
-    let text = format!("policies = [\"full\"]\nmachines = [\"sgrt-ti2\", {:?}]", file.display().to_string());
+    let values: Vec<u32> = (1..=40).collect();
+    let text = format!(
+        "policies = [\"full\"]\nmachines = [\"sgrt-ti2\", {:?}]\n[[axis]]\nname = \"rays\"\nkey = \"ti.rays_per_trv\"\nvalues = {values:?}",
+        file.display().to_string()
+    );
     let sweep = Sweep::new(plan(&text).unwrap());
+    // Some twins lie in another bucket of segments.
     let outcome = sweep.run(Shard::WHOLE, "a");
-    assert_eq!((outcome.points, outcome.computed), (2, 1));
-    assert_eq!(merge(&sweep.folder).unwrap().results.rows(), 2);
+    assert_eq!((outcome.points, outcome.computed, outcome.failed), (80, 40, 0));
+    assert_eq!(sweep.run(Shard::WHOLE, "b").skipped, 80);
+    assert!(sweep.folder.sealed(0).exists() && sweep.folder.sealed(1).exists());
+    let results = merge(&sweep.folder).unwrap().results;
+    let cycles = &results.field("cycles").unwrap().cells;
+    assert!((0..40).all(|i| cycles.number(i).is_some() && cycles.number(i) == cycles.number(i + 40)));
 }
 
 #[test]

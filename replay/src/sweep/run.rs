@@ -100,7 +100,15 @@ pub fn run(folder: &Folder, settings: &Settings<'_>, mut tell: impl FnMut(&Told)
     let plan = folder.plan();
     let range = settings.shard.points(plan.points.len());
     let mut outcome = Outcome { points: range.len(), ..Outcome::default() };
-    let mut saver = Saver { folder, settings, pending: BTreeMap::new(), left: BTreeMap::new(), number: 0, kept: None };
+    let mut saver = Saver {
+        folder,
+        settings,
+        pending: BTreeMap::new(),
+        left: BTreeMap::new(),
+        also: BTreeMap::new(),
+        number: 0,
+        kept: None,
+    };
     let todo = missing(folder, range, &mut outcome, &mut saver)?;
     let queue = Queue::new(folder, settings, &todo);
     let (sender, receiver) = channel();
@@ -113,7 +121,7 @@ pub fn run(folder: &Folder, settings: &Settings<'_>, mut tell: impl FnMut(&Told)
         }
         drop(sender);
         let ended = collect(&receiver, &mut saver, &mut outcome, |saver, outcome| {
-            told.saved = outcome.computed - saver.waiting();
+            told.saved = outcome.computed.saturating_sub(saver.waiting());
             told.failed = outcome.failed;
             told.done = outcome.computed as f64 + queue.part();
             tell(&told);
@@ -128,13 +136,13 @@ pub fn run(folder: &Folder, settings: &Settings<'_>, mut tell: impl FnMut(&Told)
 }
 
 /// The points that have no row yet, each key once; takes rows of other sweeps.
-fn missing(
-    folder: &Folder,
+fn missing<'a>(
+    folder: &'a Folder,
     range: std::ops::Range<usize>,
     outcome: &mut Outcome,
-    saver: &mut Saver<'_>,
+    saver: &mut Saver<'a>,
 ) -> Result<Vec<Todo>> {
-    let (mut todo, mut seen) = (Vec::new(), BTreeSet::new());
+    let (mut todo, mut seen) = (Vec::new(), BTreeMap::new());
     if range.is_empty() {
         return Ok(todo);
     }
@@ -149,7 +157,11 @@ fn missing(
             } else if let Some(row) = saver.settings.known.rows.get(key) {
                 saver.pending.entry(bucket).or_default().push(row.clone());
                 outcome.reused += 1;
-            } else if seen.insert((bucket, key)) {
+            } else if let Some(first) = seen.get(key) {
+                // Computed once, and put into every bucket that has a point of this key.
+                left += usize::from(*first != bucket && saver.also.entry(key).or_default().insert(bucket));
+            } else {
+                seen.insert(key, bucket);
                 todo.push(point);
                 left += 1;
             }
@@ -203,6 +215,8 @@ struct Saver<'a> {
     pending: BTreeMap<usize, Vec<Row>>,
     /// Points of each bucket that this shard still has to do.
     left: BTreeMap<usize, usize>,
+    /// Other buckets with points of a key that is computed for one of them.
+    also: BTreeMap<&'a str, BTreeSet<usize>>,
     /// Segments written.
     number: u64,
     /// The columns that were written last: most rows have the same.
@@ -225,9 +239,11 @@ impl Saver<'_> {
                 }
                 outcome.computed += 1;
                 outcome.failed += usize::from(row.error.is_some());
-                let bucket = point / BUCKET;
-                self.pending.entry(bucket).or_default().push(*row);
-                self.left.entry(bucket).and_modify(|left| *left = left.saturating_sub(1));
+                let others = self.also.remove(row.key.as_str()).unwrap_or_default();
+                for bucket in others.into_iter().chain([point / BUCKET]) {
+                    self.pending.entry(bucket).or_default().push((*row).clone());
+                    self.left.entry(bucket).and_modify(|left| *left = left.saturating_sub(1));
+                }
             }
         }
         Ok(())

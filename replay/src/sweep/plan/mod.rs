@@ -1,7 +1,7 @@
 //! A plan: all points of a sweep with everything that is needed to compute them, but for the traces.
 //!
 //! Presets and files are taken in when the plan is made, so that a worker of another day, or with another folder, computes the
-//! same points. [`file`] is the plan as people write it, [`expand`](self::Plan::new) makes the points of it.
+//! same points. [`mod@file`] is the plan as people write it, [`expand`](self::Plan::new) makes the points of it.
 
 pub mod axis;
 mod expand;

@@ -182,13 +182,13 @@ mod tests {
     }
 
     fn table(rows: usize) -> Results {
-        let each = |i: usize| (i % 3 != 0).then_some(i);
+        let each = |i: usize| (!i.is_multiple_of(3)).then_some(i);
         Results {
             heading: Heading { name: "n".into(), plan: "p".into(), model_version: 1, points: rows },
             fields: vec![
                 field("int", Cells::Int((0..rows).map(|i| each(i).map(|i| i as i64 - 5)).collect())),
                 field("float", Cells::Float((0..rows).map(|i| each(i).map(|i| 0.1 * i as f64)).collect())),
-                field("flag", Cells::Flag((0..rows).map(|i| each(i).map(|i| i % 2 == 0)).collect())),
+                field("flag", Cells::Flag((0..rows).map(|i| each(i).map(|i| i.is_multiple_of(2))).collect())),
                 field("text", Cells::Text((0..rows).map(|i| each(i).map(|i| format!("é{}", i % 7))).collect())),
                 field("nothing", Cells::Float(vec![None; rows])),
             ],
