@@ -64,8 +64,8 @@ fn part(view: &View<'_>, objective: &Field, (name, rows): &(String, Vec<usize>))
 fn changes(view: &View<'_>, row: usize) -> String {
     let all: Vec<String> = Half::ALL
         .iter()
-        .flat_map(|half| view.changes(row, *half).1)
-        .map(|(key, value, _)| format!("<code>{}={}</code>", escape(&key), escape(&value)))
+        .flat_map(|half| view.changes(row, *half).list)
+        .map(|own| format!("<code>{}={}</code>", escape(&own.key), escape(&own.value)))
         .collect();
     if all.is_empty() { "as the presets".into() } else { all.join(" ") }
 }

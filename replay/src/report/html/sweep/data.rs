@@ -132,10 +132,11 @@ fn presets(view: &View<'_>) -> Value {
         // Many points have one machine or one policy.
         let mut first = |row: &usize| seen.insert((name(*row), view.configs[half as usize].of[*row]));
         for row in (0..view.results.rows()).filter(&mut first) {
-            let (Some(name), changes) = view.changes(row, half) else { continue };
+            let changes = view.changes(row, half);
+            let Some(name) = changes.preset else { continue };
             let known = own.entry(name).or_insert_with(|| json!({}));
-            for (key, _, preset) in changes {
-                known[key] = preset.into();
+            for own in changes.list {
+                known[own.key] = own.preset.into();
             }
         }
         all.insert(half.name().into(), Value::Object(own));

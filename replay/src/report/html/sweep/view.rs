@@ -28,8 +28,24 @@ pub struct View<'a> {
     presets: [BTreeMap<String, Option<Config>>; 2],
 }
 
-/// The preset's name, if there is one; then key, value, and the preset's value.
-pub type Changes = (Option<String>, Vec<(String, String, Option<String>)>);
+/// What a point changes of a preset.
+#[derive(Default)]
+pub struct Changes {
+    /// Name of the preset; nothing if the point was made from a file.
+    pub preset: Option<String>,
+    /// What differs from it.
+    pub list: Vec<Changed>,
+}
+
+/// A value that a point has.
+pub struct Changed {
+    /// Its key.
+    pub key: String,
+    /// Its value.
+    pub value: String,
+    /// What the preset has, if there is one.
+    pub preset: Option<String>,
+}
 
 impl<'a> View<'a> {
     /// Looks at results.
@@ -108,22 +124,25 @@ impl<'a> View<'a> {
         dimensions.filter_map(|(_, dimension)| own(dimension)).collect::<Vec<_>>().join(", ")
     }
 
-    /// The configuration of a point with what its preset has instead, where that differs: for each half the preset's name, if it is
-    /// one, and key, value and the preset's value. Of a file nothing is known but what varies in the sweep.
+    /// What a point changes of its preset. Of a file nothing is known but what varies in the sweep.
     pub fn changes(&self, row: usize, half: Half) -> Changes {
         let configs = &self.configs[half as usize];
-        let Some(own) = configs.row(row) else { return (None, Vec::new()) };
+        let Some(own) = configs.row(row) else { return Changes::default() };
         let name = self.results.field(half.name()).and_then(|field| label(field, row)).unwrap_or_default();
-        let pair = |key: &str, preset: Option<&Config>| {
-            Some((key.to_owned(), own.get(key)?.clone(), preset.and_then(|preset| preset.get(key).cloned())))
+        let changed = |key: &str, preset: Option<&Config>| {
+            let preset = preset.and_then(|preset| preset.get(key).cloned());
+            Some(Changed { key: key.into(), value: own.get(key)?.clone(), preset })
         };
         match self.presets[half as usize].get(&name).and_then(Option::as_ref) {
             Some(preset) => {
                 let differs = |key: &&String| preset.get(*key) != own.get(*key);
-                let list = own.keys().filter(differs).filter_map(|key| pair(key, Some(preset))).collect();
-                (Some(name), list)
+                let list = own.keys().filter(differs).filter_map(|key| changed(key, Some(preset))).collect();
+                Changes { preset: Some(name), list }
             }
-            None => (None, configs.varying().into_iter().filter_map(|key| pair(key, None)).collect()),
+            None => Changes {
+                preset: None,
+                list: configs.varying().into_iter().filter_map(|key| changed(key, None)).collect(),
+            },
         }
     }
 }
