@@ -16,7 +16,8 @@ pub fn text(found: &Comparison, tolerance: f64, top: usize) -> String {
             many(found.figures + found.counters, "column")
         );
     }
-    let mut out = format!("{} of A and {} of B match\n", many(found.matched, "point"), found.points[1]);
+    let (matched, [a, b]) = (many(found.matched, "point"), found.points);
+    let mut out = format!("matched: {matched}, of {a} in A and {b} in B\n");
     let names = |list: &[String]| list.iter().map(|own| vec![own.clone()]).collect::<Vec<_>>();
     section(&mut out, "vanished: points of A alone", names(&found.vanished), top);
     section(&mut out, "appeared: points of B alone", names(&found.appeared), top);
