@@ -39,7 +39,7 @@ pub fn run(args: &Args) -> Result<Exit> {
             text += &format!("{} rows of second attempts\n", own.duplicates);
         }
         if own.damaged > 0 {
-            text += &format!("{} damaged segments, ignored\n", own.damaged);
+            text += &format!("{} segments ignored: damaged, or of another plan\n", own.damaged);
         }
         if let Some(first) = own.missing.first() {
             text += &format!("{} missing, the first: {}\n", own.missing.len(), folder.plan().describe(*first));
