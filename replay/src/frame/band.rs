@@ -153,23 +153,32 @@ impl Band {
         list
     }
 
-    /// The tiles as work for a machine. The band must be closed, and its recorded steps are gone afterwards.
+    /// Gives the tiles to `put` as work for a machine, left to right. The band must be closed. Few are in memory at a time: the
+    /// operations of a tile are many times what was recorded of it.
     ///
     /// # Errors
-    /// A path that does not lead through the tree: that of the first tile.
-    pub fn work<S>(&mut self, builder: &Builder<'_, S>, how: How<'_>, nearby: &Nearby<'_>) -> Result<Vec<Built>>
+    /// A path that does not lead through the tree; what `put` returns. The tiles before have been given then.
+    pub fn work<S>(
+        &self,
+        builder: &Builder<'_, S>,
+        how: How<'_>,
+        nearby: &Nearby<'_>,
+        mut put: impl FnMut(Built) -> Result<()>,
+    ) -> Result<()>
     where
         S: PathSource + ?Sized,
     {
-        // Aprons first: they copy from neighbours whose steps are moved away below.
-        let aprons = (0..self.tiles.len()).into_par_iter().map(|i| self.apron_part(builder, how, nearby.below, i));
-        let aprons: Vec<_> = aprons.collect();
-        let tiles = self.recorded.par_iter_mut().zip(&self.tiles).zip(aprons).enumerate();
-        let built = tiles.map(|(i, ((tile, view), apron))| {
+        let build = |i: usize| {
+            let (view, tile) = (&self.tiles[i], &self.recorded[i]);
             let border = border_samples(how, view, (i > 0, nearby.above));
-            builder.own(view, tile)?.join(apron?, tile, border)
-        });
-        built.collect::<Vec<_>>().into_iter().collect()
+            builder.own(view, tile)?.join(self.apron_part(builder, how, nearby.below, i)?, tile, border)
+        };
+        let (count, group) = (self.recorded.len(), rayon::current_num_threads());
+        for first in (0..count).step_by(group) {
+            let built: Vec<_> = (first..count.min(first + group)).into_par_iter().map(build).collect();
+            built.into_iter().try_for_each(|tile| put(tile?))?;
+        }
+        Ok(())
     }
 
     /// What tile `i` does for its apron: nothing if that is shared. The closing row repeats its X step.

@@ -28,6 +28,10 @@ use band::{Band, How, Nearby, Reader};
 use counts::{FrameStats, TileStats};
 use states::{Blocks, StateMap};
 
+/// Memory for tiles that wait for their machine, bytes: thirty million operations, seconds of simulation. That bridges the
+/// reading of the next row of tiles, whose own operations may be so few that all fit or take 1 GB (glass, at 2048x1024).
+const BYTES_AHEAD: usize = 128 << 20;
+
 /// What a replay also makes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Options {
@@ -141,8 +145,8 @@ impl<'a, S: TileSource + ?Sized> Replayer<'a, S> {
 
 impl<S: PathSource + ?Sized> Replayer<'_, S> {
     /// Replays frame `frame` and gives its tiles to `consume` as work for a machine, in tile order. `tree` is the source's
-    /// topology. Later tiles are read and decided in the background meanwhile, two rows of tiles ahead at most. Gives also
-    /// what the paths of all tiles ask for, to be compared with what a machine did.
+    /// topology. Later tiles are read, decided and made work of in the background meanwhile, some rows of tiles ahead as long
+    /// as their work is small. Gives also what the paths of all tiles ask for, to be compared with what a machine did.
     ///
     /// # Errors
     /// As [`Replayer::frame`]; a path that does not lead through the tree; and what `consume` returns, after which it is not
@@ -159,22 +163,19 @@ impl<S: PathSource + ?Sized> Replayer<'_, S> {
         let mut rates = self.pacer.rates(frame, &camera);
         let reader = Reader { source, camera: &camera, frame, read, keep: true };
         let builder = Builder { source, tree };
-        let produce = |output: &Output<'_, (Band, Vec<TileStats>, Vec<Built>)>| {
+        let produce = |output: &Output<'_, Built>| {
             let mut above = false;
-            bands(&reader, rules, &mut rates, |Closed { how, mut band, stats, below }| {
-                let built = band.work(&builder, how, &Nearby { below, above })?;
+            bands(&reader, rules, &mut rates, |Closed { how, band, stats, below }| {
+                canvas.add(&band, stats);
+                band.work(&builder, how, &Nearby { below, above }, |tile| output.put(tile))?;
                 above = true;
-                output.put((band, stats, built))
+                Ok(())
             })
         };
         let mut paths = PathCounts::default();
-        ahead(produce, |(band, stats, built)| {
-            canvas.add(&band, stats);
-            drop(band);
-            built.into_iter().try_for_each(|tile| {
-                paths += tile.paths;
-                consume(tile.work)
-            })
+        ahead(BYTES_AHEAD, produce, |tile| {
+            paths += tile.paths;
+            consume(tile.work)
         })?;
         self.pacer.learn(frame, &camera, &rates, &canvas.tiles);
         Ok((canvas.finish(frame, Blocks::new(rates.blocks(), source.meta()), &mut self.comparer)?, paths))

@@ -7,6 +7,7 @@ use rayreel_formats::tile::{RayKind, RayNode, Tile};
 
 use super::check::{PathCounts, walk};
 use super::ops::Op;
+use super::stream::Weigh;
 use super::topology::Topology;
 use super::{NO_RAY, NO_TRIANGLE, RayWork, TileWork, Wave};
 use crate::error::{ReplayError, Result};
@@ -20,6 +21,12 @@ pub struct Built {
     pub work: TileWork,
     /// Sums over all its rays, apron included.
     pub paths: PathCounts,
+}
+
+impl Weigh for Built {
+    fn bytes(&self) -> usize {
+        self.work.ops.capacity() * size_of::<Op>() + self.work.rays.capacity() * size_of::<RayWork>()
+    }
 }
 
 /// Rays of some samples of one recorded tile, numbered from 0.
