@@ -29,7 +29,7 @@ use counts::{FrameStats, TileStats};
 use states::{Blocks, StateMap};
 
 /// Memory for tiles that wait for their machine, bytes: thirty million operations, seconds of simulation. That bridges the
-/// reading of the next row of tiles, whose own operations may be so few that all fit or take 1 GB (glass, at 2048x1024).
+/// reading of the next row of tiles, whose own operations may all fit, or take almost 1 GB (`lab`, `full`, 2048x1024).
 const BYTES_AHEAD: usize = 128 << 20;
 
 /// What a replay also makes.

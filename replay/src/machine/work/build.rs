@@ -25,7 +25,8 @@ pub struct Built {
 
 impl Weigh for Built {
     fn bytes(&self) -> usize {
-        self.work.ops.capacity() * size_of::<Op>() + self.work.rays.capacity() * size_of::<RayWork>()
+        let TileWork { ops, rays, .. } = &self.work;
+        size_of::<Self>() + ops.capacity() * size_of::<Op>() + rays.capacity() * size_of::<RayWork>()
     }
 }
 
