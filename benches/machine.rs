@@ -18,12 +18,12 @@ use std::time::Instant;
 
 use rayreel_formats::Limits;
 use rayreel_formats::trace::{Codec, Trace};
-use rayreel_replay::machine::config::{MachineConfig, NamedMachine, PRESETS};
-use rayreel_replay::machine::energy::{Counts, EnergyReport};
-use rayreel_replay::machine::simulate::simulate;
-use rayreel_replay::machine::stats::Stats;
-use rayreel_replay::machine::system::NoProbe;
-use rayreel_replay::machine::work::topology::Topology;
+use rayreel_machine::config::{MachineConfig, NamedMachine, PRESETS};
+use rayreel_machine::energy::{Counts, EnergyReport};
+use rayreel_machine::stats::Stats;
+use rayreel_machine::system::NoProbe;
+use rayreel_machine::work::topology::Topology;
+use rayreel_replay::simulate::simulate;
 use rayreel_replay::{NamedPolicy, Options, Replayer, Result};
 use rayreel_tracer::capture::{Grid, Output, capture, meta};
 use rayreel_tracer::{Settings, Tracer, build, convert};

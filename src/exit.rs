@@ -4,8 +4,9 @@ use std::process::ExitCode;
 
 use rayreel_formats::Error as TraceError;
 use rayreel_replay::ReplayError;
-use rayreel_replay::report::html::ReportError;
 use rayreel_scenes::SceneError;
+use rayreel_study::StudyError;
+use rayreel_study::report::html::ReportError;
 
 /// How a command ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -44,12 +45,15 @@ pub fn of(error: &anyhow::Error) -> Exit {
             !matches!(e, SceneError::UnknownScene { .. } | SceneError::IsFolder { .. } | SceneError::Io { .. })
         });
         let report = cause.downcast_ref().is_some_and(ReportError::is_bad_data);
-        scene
-            || report
-            || matches!(
-                cause.downcast_ref(),
-                Some(ReplayError::BadTile { .. } | ReplayError::Conflict { .. } | ReplayError::Table { .. })
+        let study = cause.downcast_ref().is_some_and(|e| {
+            matches!(
+                e,
+                StudyError::Conflict { .. }
+                    | StudyError::Table { .. }
+                    | StudyError::Replay(ReplayError::BadTile { .. })
             )
+        });
+        scene || report || study || matches!(cause.downcast_ref(), Some(ReplayError::BadTile { .. }))
     };
     if error.chain().any(bad_data) { Exit::BadData } else { Exit::Usage }
 }

@@ -24,10 +24,10 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use anyhow::{Context, Result};
+use rayreel_machine::config::NamedMachine;
 use rayreel_replay::NamedPolicy;
 use rayreel_replay::image::files::write_atomically;
-use rayreel_replay::machine::config::NamedMachine;
-use rayreel_replay::report::{html, study as contract};
+use rayreel_study::report::{html, study as contract};
 
 use self::cache::Cache;
 use self::plan::{Plan, Stage};

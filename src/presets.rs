@@ -2,8 +2,9 @@
 
 use anyhow::Result;
 use clap::Subcommand;
-use rayreel_replay::machine::config::schema::KEYS;
-use rayreel_replay::machine::config::{self, NamedMachine, Sourced};
+use rayreel_machine::MachineError;
+use rayreel_machine::config::schema::KEYS;
+use rayreel_machine::config::{self, NamedMachine, Sourced};
 use rayreel_replay::policy::{self, Policy, schema};
 use rayreel_replay::{NamedPolicy, ReplayError};
 use serde_json::{Map, Value, json};
@@ -45,7 +46,7 @@ pub fn run(args: &Args) -> Result<Exit> {
         Action::Show { preset, set, json } => match NamedMachine::load(preset, set) {
             Ok(machine) if *json => print_json(&machine_json(&machine))?,
             Ok(machine) => print(&machine_text(&machine))?,
-            Err(error @ ReplayError::UnknownMachine { .. }) => match NamedPolicy::load(preset, set) {
+            Err(error @ MachineError::UnknownMachine { .. }) => match NamedPolicy::load(preset, set) {
                 Ok(policy) => show_policy(&policy, *json)?,
                 // Neither: the message that knows a similar name is the better one.
                 Err(ReplayError::UnknownPreset { near, .. }) if !near.starts_with("did you mean") => {

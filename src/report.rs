@@ -3,9 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::Result;
-use rayreel_replay::report::html::{self, Written};
-use rayreel_replay::report::study::FILE as STUDY;
-use rayreel_replay::sweep::results::load::{self, is_sweep};
+use rayreel_study::report::html::{self, Written};
+use rayreel_study::report::study::FILE as STUDY;
+use rayreel_study::sweep::results::load::{self, is_sweep};
 use serde_json::json;
 
 use crate::common::{print, print_json};

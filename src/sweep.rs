@@ -76,7 +76,7 @@ pub fn run(args: &Args, quiet: bool) -> Result<Exit> {
 fn all(args: &AllArgs, quiet: bool) -> Result<Exit> {
     let file = args.plan.as_deref().unwrap_or_else(|| std::path::Path::new(""));
     let folder = folder::make(file, &args.place, args.run.traces.as_deref(), &args.run.cache)?;
-    match run::here(&folder, &args.run, rayreel_replay::sweep::shard::Shard::WHOLE, quiet)? {
+    match run::here(&folder, &args.run, rayreel_study::sweep::shard::Shard::WHOLE, quiet)? {
         Exit::Done => merge::all(&folder, 0.0),
         exit => Ok(exit),
     }

@@ -1,8 +1,7 @@
 //! The one error type of this crate.
 //!
 //! Messages are lowercase fragments that say where, what, and what to do about it; they do not repeat their source. Variants
-//! are sorted by who must act: whoever has the trace, whoever chose the policy, whoever chose the output, whoever wrote the
-//! calling code.
+//! are sorted by who must act.
 
 use std::io;
 use std::path::PathBuf;
@@ -77,54 +76,6 @@ pub enum ReplayError {
         /// What is missing.
         kernels: String,
     },
-    /// The machine stands still with work left: a fault of the model, or of a configuration that cannot work.
-    #[error(
-        "the machine makes no progress at cycle {cycle}: {state}; please report this with the trace and the command"
-    )]
-    Stuck {
-        /// T&I cycle.
-        cycle: u64,
-        /// What each core is doing.
-        state: String,
-    },
-    /// A plan of a sweep that cannot be carried out.
-    #[error("{at}: {detail}")]
-    Plan {
-        /// File, line and column.
-        at: String,
-        /// What is wrong, and what would be right.
-        detail: String,
-    },
-    /// A folder of a sweep that is not what it should be.
-    #[error("{}: {detail}", path.display())]
-    Sweep {
-        /// The folder or file.
-        path: PathBuf,
-        /// What is wrong, and what to do.
-        detail: String,
-    },
-    /// Two attempts at one point gave different rows.
-    #[error(
-        "point {key} has two different results: {detail}; the simulation is not deterministic, or two programs of one model \
-             version differ: keep the sweep folder and report this"
-    )]
-    Conflict {
-        /// Its key.
-        key: String,
-        /// The first value that differs.
-        detail: String,
-    },
-    /// A file of results that cannot be read or written.
-    #[error("{}: {detail}", path.display())]
-    Table {
-        /// The file.
-        path: PathBuf,
-        /// Why.
-        detail: String,
-    },
-    /// A signal asked to stop.
-    #[error("interrupted")]
-    Interrupted,
     /// There is nothing to replay.
     #[error("{what}; there is nothing to replay")]
     Nothing {
@@ -200,72 +151,6 @@ pub enum ReplayError {
         /// What is allowed.
         allowed: String,
     },
-    /// No machine preset of this name, and not a file.
-    #[error("no machine preset {name:?}; {near}, or give the path of a .toml file")]
-    UnknownMachine {
-        /// The name asked for.
-        name: String,
-        /// Names that exist.
-        near: String,
-    },
-    /// A machine file cannot be read.
-    #[error("cannot read the machine file {}", path.display())]
-    MachineFile {
-        /// The file.
-        path: PathBuf,
-        /// Why.
-        source: io::Error,
-    },
-    /// A machine is not TOML.
-    #[error("{origin} is not a valid machine: {detail}")]
-    MachineSyntax {
-        /// The file or the preset.
-        origin: String,
-        /// What the parser says, with line and column.
-        detail: String,
-    },
-    /// Machines extend one another in a circle, or in too long a row.
-    #[error("machine files extend one another in a circle or more than {limit} deep: {chain}; remove one `extends`")]
-    MachineCircle {
-        /// The files, each extending the next.
-        chain: String,
-        /// Most files in a row.
-        limit: usize,
-    },
-    /// A machine override is not of the form `key=value`.
-    #[error("cannot read the override {text:?}; write key=value, for example ti.trv_l1.size=32KiB")]
-    BadMachineOverride {
-        /// The override.
-        text: String,
-    },
-    /// A machine has no such key.
-    #[error("{origin}: no key {key:?} in a machine; {near}")]
-    UnknownMachineKey {
-        /// The file, the preset or the override.
-        origin: String,
-        /// The key.
-        key: String,
-        /// Keys that exist.
-        near: String,
-    },
-    /// A machine file leaves out a key.
-    #[error(
-        "{origin}: {key} is missing; set it, or write extends = \"sgrt-ti2\" to take what is left out from a preset"
-    )]
-    MissingMachineKey {
-        /// The file.
-        origin: String,
-        /// The key.
-        key: &'static str,
-    },
-    /// Values of a machine cannot stand together.
-    #[error("{origin}: {detail}")]
-    MachineConflict {
-        /// The file or the preset.
-        origin: String,
-        /// Which values, and what they break.
-        detail: String,
-    },
     /// An output file cannot be written.
     #[error("cannot {action} {}", path.display())]
     Output {
@@ -290,6 +175,9 @@ pub enum ReplayError {
         /// Which rule.
         detail: String,
     },
+    /// The machine.
+    #[error(transparent)]
+    Machine(#[from] rayreel_machine::MachineError),
 }
 
 impl ReplayError {

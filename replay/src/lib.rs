@@ -12,11 +12,10 @@
 pub mod error;
 pub mod frame;
 pub mod image;
-pub mod machine;
 pub mod policy;
-pub mod report;
+pub mod simulate;
 pub mod source;
-pub mod sweep;
+pub mod work;
 
 pub use error::{ReplayError, Result};
 pub use frame::{FrameReplay, Options, Replay, Replayer, replay, replay_each};

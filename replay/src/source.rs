@@ -4,7 +4,7 @@ use rayreel_formats::scene::{Camera, Meta};
 use rayreel_formats::tile::{Column, Tile};
 use rayreel_formats::trace::Trace;
 
-use crate::machine::work::topology::Topology;
+use rayreel_machine::work::topology::Topology;
 
 /// A recorded frame sequence. Every call may come from any thread.
 pub trait TileSource: Sync {

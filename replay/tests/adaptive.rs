@@ -1,16 +1,14 @@
 //! The adaptive policy against a slow second implementation, and against hits it must not see.
 
-mod common;
-
-use common::poison::Poisoned;
-use common::reference::{self, How, Outcome};
-use common::synthetic::{Look, Synthetic};
-use common::{adaptive, policy, switches};
 use rayreel_replay::frame::counts::RayCounts;
 use rayreel_replay::image::resolve::Resolver;
 use rayreel_replay::policy::view::SampleState;
 use rayreel_replay::policy::{Adaptive, Apron, Limit, Policy, Refine};
 use rayreel_replay::{FrameReplay, Options, TileSource, replay};
+use rayreel_testkit::poison::Poisoned;
+use rayreel_testkit::reference::{self, How, Outcome};
+use rayreel_testkit::synthetic::{Look, Synthetic};
+use rayreel_testkit::{adaptive, policy, switches};
 
 const FRAME: u32 = 6;
 

@@ -9,14 +9,14 @@ use std::path::{Path, PathBuf};
 
 use rayreel_formats::Limits;
 use rayreel_formats::trace::Trace;
-use rayreel_replay::machine::config::NamedMachine;
-use rayreel_replay::machine::counters::{Activity, Counter};
-use rayreel_replay::machine::simulate::{MachineFrame, simulate};
-use rayreel_replay::machine::srp::KernelId;
-use rayreel_replay::machine::stats::Stats;
-use rayreel_replay::machine::system::NoProbe;
-use rayreel_replay::machine::work::layout::Region;
-use rayreel_replay::machine::work::topology::Topology;
+use rayreel_machine::config::NamedMachine;
+use rayreel_machine::counters::{Activity, Counter};
+use rayreel_machine::srp::KernelId;
+use rayreel_machine::stats::Stats;
+use rayreel_machine::system::NoProbe;
+use rayreel_machine::work::layout::Region;
+use rayreel_machine::work::topology::Topology;
+use rayreel_replay::simulate::{MachineFrame, simulate};
 use rayreel_replay::{NamedPolicy, Options, Replayer, TileSource};
 
 const TRACES: [&str; 2] = ["v1_0_cornell.rtrace", "v1_0_teapot.rtrace"];

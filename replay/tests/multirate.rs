@@ -1,16 +1,14 @@
 //! Blocks of their own for each tile, against the slow second implementation: whatever neighbours have.
 
-mod common;
-
-use common::reference::{self, How};
-use common::synthetic::{Look, Random, Synthetic};
-use common::{preset, switches};
 use rayreel_formats::scene::{Camera, Meta};
 use rayreel_formats::tile::Tile;
 use rayreel_replay::image::psnr::SquaredError;
 use rayreel_replay::image::resolve::Resolver;
 use rayreel_replay::policy::{Adaptive, Foveated, Limit, Multirate, NamedPolicy, Policy, Target};
 use rayreel_replay::{FrameReplay, Options, TileSource, replay};
+use rayreel_testkit::reference::{self, How};
+use rayreel_testkit::synthetic::{Look, Random, Synthetic};
+use rayreel_testkit::{preset, switches};
 
 /// Synthetic frames whose tiles are flat or noisy by chance, so that blocks go up and down everywhere.
 struct Patchwork {

@@ -1,22 +1,20 @@
 //! Samples of which some hits are traced and some interpolated, as work for a machine: the rays that the second
 //! implementation traces, each once, each started by the SRP or spawned by its parent; and machines that do this work.
 
-mod common;
-
 use std::path::Path;
 
-use common::reference::{self, How, Outcome};
-use common::{preset, switches};
 use rayreel_formats::Limits;
 use rayreel_formats::tile::{RayKind, Tile};
 use rayreel_formats::trace::Trace;
-use rayreel_replay::machine::config::NamedMachine;
-use rayreel_replay::machine::simulate::simulate;
-use rayreel_replay::machine::srp::KernelId;
-use rayreel_replay::machine::system::NoProbe;
-use rayreel_replay::machine::work::{NO_RAY, NO_TRIANGLE, TileWork};
+use rayreel_machine::config::NamedMachine;
+use rayreel_machine::srp::KernelId;
+use rayreel_machine::system::NoProbe;
+use rayreel_machine::work::{NO_RAY, NO_TRIANGLE, TileWork};
 use rayreel_replay::policy::{Adaptive, Apron, Policy};
+use rayreel_replay::simulate::simulate;
 use rayreel_replay::{FrameReplay, NamedPolicy, Options, PathSource, Replayer};
+use rayreel_testkit::reference::{self, How, Outcome};
+use rayreel_testkit::{preset, switches};
 
 fn golden(name: &str) -> Trace {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../traces").join(name);

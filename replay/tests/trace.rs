@@ -1,12 +1,7 @@
 //! A trace file gives the same results as the frames it was written from.
 
-mod common;
-
 use std::path::Path;
 
-use common::policy;
-use common::reference;
-use common::synthetic::{Look, Synthetic};
 use rayreel_formats::Limits;
 use rayreel_formats::bvh::{Bvh, Shape, Triangle, Vertex};
 use rayreel_formats::columns::paths::Topology;
@@ -17,6 +12,9 @@ use rayreel_formats::tile::Paths;
 use rayreel_formats::trace::{Codec, Scratch, TileCodec, Trace, TraceWriter};
 use rayreel_replay::policy::{Apron, Policy, Refine};
 use rayreel_replay::{Options, TileSource, replay};
+use rayreel_testkit::policy;
+use rayreel_testkit::reference;
+use rayreel_testkit::synthetic::{Look, Synthetic};
 
 /// A tree over 40 triangles, four an object, as the synthetic frames number them.
 fn bvh() -> Bvh {
@@ -79,7 +77,7 @@ fn the_reference_runs_on_a_trace() {
     let path = folder.path().join("a.rtrace");
     write(&source, &path);
     let trace = Trace::open(&path, Limits::default()).unwrap();
-    let own = common::adaptive(2, Refine::Direct, Apron::Share);
+    let own = rayreel_testkit::adaptive(2, Refine::Direct, Apron::Share);
     let expected = reference::replay(&trace, &own, 6);
     let frame = replay(&trace, &Policy::Adaptive(own), [6], Options::default()).unwrap().frames.remove(0);
     let bits = |pixels: &[[f32; 3]]| pixels.iter().map(|p| p.map(f32::to_bits)).collect::<Vec<_>>();

@@ -1,25 +1,23 @@
 //! Policy to machine: the work that tiles become, on the golden traces, and paths that are checked against the tree.
 
-mod common;
-
 use std::path::Path;
 
-use common::policy;
 use rayreel_formats::Limits;
 use rayreel_formats::bvh::Child;
 use rayreel_formats::scene::{Camera, Meta};
 use rayreel_formats::tile::{RayKind, Tile, step};
 use rayreel_formats::trace::Trace;
+use rayreel_machine::work::check::{PathCounts, walk};
+use rayreel_machine::work::ops::Op;
+use rayreel_machine::work::synthetic::{Random, balanced_topology, random_path, random_tile};
+use rayreel_machine::work::topology::Topology;
+use rayreel_machine::work::{NO_RAY, TileWork};
 use rayreel_replay::error::ReplayError;
 use rayreel_replay::frame::counts::RayCounts;
-use rayreel_replay::machine::work::check::{PathCounts, walk};
-use rayreel_replay::machine::work::ops::Op;
-use rayreel_replay::machine::work::synthetic::{Random, balanced_topology, random_path, random_tile};
-use rayreel_replay::machine::work::topology::Topology;
-use rayreel_replay::machine::work::{NO_RAY, TileWork};
 use rayreel_replay::policy::view::SampleState;
 use rayreel_replay::policy::{Apron, Policy, Refine};
 use rayreel_replay::{FrameReplay, Options, PathSource, Replayer, TileSource};
+use rayreel_testkit::policy;
 
 fn golden(name: &str) -> Trace {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../traces").join(name);

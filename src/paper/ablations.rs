@@ -3,9 +3,9 @@
 use std::sync::Arc;
 
 use anyhow::Result;
+use rayreel_machine::config::NamedMachine;
 use rayreel_replay::NamedPolicy;
-use rayreel_replay::machine::config::NamedMachine;
-use rayreel_replay::report::study::Ablation;
+use rayreel_study::report::study::Ablation;
 
 use super::Setup;
 use super::plan::{Compared, Grid, Job, Plan, TILE};

@@ -7,10 +7,10 @@ use anyhow::Result;
 use rayreel_formats::scene::{Camera, Meta};
 use rayreel_formats::tile::Tile;
 use rayreel_formats::trace::Trace;
+use rayreel_machine::probes::Watch;
+use rayreel_machine::work::topology::Topology;
 use rayreel_replay::image::{Srgb8, errors, files, map, srgb};
-use rayreel_replay::machine::probes::Watch;
-use rayreel_replay::machine::simulate::{MachineFrame, MachineRun, simulate};
-use rayreel_replay::machine::work::topology::Topology;
+use rayreel_replay::simulate::{MachineFrame, MachineRun, simulate};
 use rayreel_replay::{FrameReplay, Options, PathSource, Replayer, TileSource};
 
 use super::cache::Entry;

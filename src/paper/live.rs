@@ -10,7 +10,7 @@ use rayreel_formats::bvh::Bvh;
 use rayreel_formats::scene::{Camera, Meta};
 use rayreel_formats::tile::Tile;
 use rayreel_formats::{Error, Result};
-use rayreel_replay::machine::work::topology::Topology;
+use rayreel_machine::work::topology::Topology;
 use rayreel_replay::{PathSource, TileSource};
 use rayreel_scenes::Scene;
 use rayreel_tracer::accel::Built;

@@ -4,8 +4,8 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use rayreel_formats::scene::Meta;
+use rayreel_machine::config::NamedMachine;
 use rayreel_replay::NamedPolicy;
-use rayreel_replay::machine::config::NamedMachine;
 use rayreel_scenes::Scene;
 
 use super::cache::Cache;

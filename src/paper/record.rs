@@ -1,14 +1,14 @@
 //! What is kept of a replay: the figures that the study is made of, frame by frame.
 
 use rayreel_formats::scene::Meta;
+use rayreel_machine::config::NamedMachine;
+use rayreel_machine::srp::KernelId;
 use rayreel_replay::NamedPolicy;
 use rayreel_replay::frame::counts::FrameStats;
-use rayreel_replay::machine::config::NamedMachine;
-use rayreel_replay::machine::simulate::MachineRun;
-use rayreel_replay::machine::srp::KernelId;
-use rayreel_replay::report::run::{Cost as RunCost, RunFigures};
-use rayreel_replay::report::study::{Component, Cost, Kernel, Quality, StateShare, TileFigures, Unit};
-use rayreel_replay::report::{Origin, Report, TileReport};
+use rayreel_replay::simulate::MachineRun;
+use rayreel_study::report::run::{Cost as RunCost, RunFigures};
+use rayreel_study::report::study::{Component, Cost, Kernel, Quality, StateShare, TileFigures, Unit};
+use rayreel_study::report::{Origin, Report, TileReport};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
@@ -121,7 +121,7 @@ fn tile(tile: &TileReport) -> TileFigures {
 impl Machine {
     fn new(report: &Report, run: &MachineRun) -> Self {
         let figures = &report.run;
-        let component = |c: &rayreel_replay::report::run::ComponentReport| Component {
+        let component = |c: &rayreel_study::report::run::ComponentReport| Component {
             component: c.name.into(),
             group: c.group.into(),
             mj: c.dynamic_mj + c.leakage_mj,

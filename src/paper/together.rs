@@ -3,8 +3,8 @@
 use std::sync::{Mutex, PoisonError};
 
 use anyhow::{Result, anyhow};
+use rayreel_machine::work::topology::Topology;
 use rayreel_replay::PathSource;
-use rayreel_replay::machine::work::topology::Topology;
 
 use super::cache::Entry;
 use super::jobs::{Stoppable, Task, pool};
@@ -74,7 +74,7 @@ mod tests {
 
     use rayreel_formats::Limits;
     use rayreel_formats::trace::Trace;
-    use rayreel_replay::machine::config::NamedMachine;
+    use rayreel_machine::config::NamedMachine;
     use rayreel_tracer::accel;
 
     use super::*;

@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 
 use anyhow::{Context, Result};
-use rayreel_replay::sweep::export::{ENGINES, Fill};
-use rayreel_replay::sweep::folder::{Folder, write_whole};
+use rayreel_study::sweep::export::{ENGINES, Fill};
+use rayreel_study::sweep::folder::{Folder, write_whole};
 
 use super::submit::absolute;
 use crate::common::print;

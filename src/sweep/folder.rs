@@ -4,10 +4,10 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
 use rayreel_formats::trace::Trace;
-use rayreel_replay::sweep::folder::{Created, Folder};
-use rayreel_replay::sweep::plan::Plan;
-use rayreel_replay::sweep::plan::locate::Text;
 use rayreel_store::Location;
+use rayreel_study::sweep::folder::{Created, Folder};
+use rayreel_study::sweep::plan::Plan;
+use rayreel_study::sweep::plan::locate::Text;
 
 use crate::traces::CacheArgs;
 
@@ -49,7 +49,7 @@ pub fn read(file: &Path, traces: Option<&str>, cache: &CacheArgs) -> Result<Plan
     let text = std::fs::read_to_string(file).with_context(|| format!("cannot read the plan {}", file.display()))?;
     let name = file.display().to_string();
     let folder = file.parent().unwrap_or(Path::new(""));
-    let sources = rayreel_replay::sweep::plan::Sources {
+    let sources = rayreel_study::sweep::plan::Sources {
         text: Text { name: &name, text: &text },
         folder,
         traces,

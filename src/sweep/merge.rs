@@ -5,9 +5,9 @@ use std::time::{Duration, Instant};
 
 use anyhow::Result;
 use rayreel_replay::image::files::write_atomically;
-use rayreel_replay::sweep::folder::Folder;
-use rayreel_replay::sweep::merge::{Merged, merge};
-use rayreel_replay::sweep::results::{csv, parquet};
+use rayreel_study::sweep::folder::Folder;
+use rayreel_study::sweep::merge::{Merged, merge};
+use rayreel_study::sweep::results::{csv, parquet};
 
 use super::jobs;
 use super::plan::duration;

@@ -3,9 +3,9 @@
 use std::path::PathBuf;
 
 use anyhow::Result;
-use rayreel_replay::sweep::estimate;
-use rayreel_replay::sweep::folder::Folder;
-use rayreel_replay::sweep::plan::Plan;
+use rayreel_study::sweep::estimate;
+use rayreel_study::sweep::folder::Folder;
+use rayreel_study::sweep::plan::Plan;
 use serde_json::json;
 
 use super::folder::{Place, opener, read};
@@ -82,7 +82,7 @@ pub fn run(args: &Args) -> Result<Exit> {
         let n = trace.samples;
         text += &format!("trace    {} ({}, {w}x{h}, {n}x{n}, {} frames)\n", trace.name, trace.scene, trace.frames.1);
     }
-    let names = |bases: &[rayreel_replay::sweep::plan::Base]| {
+    let names = |bases: &[rayreel_study::sweep::plan::Base]| {
         bases.iter().map(|base| base.name.as_str()).collect::<Vec<_>>().join(", ")
     };
     text += &format!("machines {}\npolicies {}\n", names(&plan.machines), names(&plan.policies));

@@ -6,11 +6,11 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 use anyhow::Result;
-use rayreel_replay::sweep::folder::{Folder, write_whole};
-use rayreel_replay::sweep::known::Known;
-use rayreel_replay::sweep::run::{self as shard_run, Outcome, Settings, Told};
-use rayreel_replay::sweep::segment::Writer;
-use rayreel_replay::sweep::shard::Shard;
+use rayreel_study::sweep::folder::{Folder, write_whole};
+use rayreel_study::sweep::known::Known;
+use rayreel_study::sweep::run::{self as shard_run, Outcome, Settings, Told};
+use rayreel_study::sweep::segment::Writer;
+use rayreel_study::sweep::shard::Shard;
 use serde_json::json;
 
 use super::folder::{Place, find, opener};
@@ -95,7 +95,7 @@ fn chosen(text: &str, offset: usize) -> Result<Shard> {
 pub fn here(folder: &Folder, args: &RunArgs, shard: Shard, quiet: bool) -> Result<Exit> {
     progress::stop_on_signal();
     let stop = Arc::new(AtomicBool::new(false));
-    let others = args.reuse.iter().map(|other| Folder::open(other)).collect::<rayreel_replay::Result<Vec<_>>>()?;
+    let others = args.reuse.iter().map(|other| Folder::open(other)).collect::<rayreel_study::Result<Vec<_>>>()?;
     let known = Known::load(&others)?;
     let writer = Writer { attempt: attempt(), host: host() };
     let open = opener(&args.cache, args.traces.as_deref());

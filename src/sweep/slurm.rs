@@ -5,10 +5,10 @@ use std::path::PathBuf;
 use std::process::{Command, Stdio};
 
 use anyhow::{Context, Result, bail};
-use rayreel_replay::sweep::slurm::limits::Limits;
-use rayreel_replay::sweep::slurm::queue::{self, Task};
-use rayreel_replay::sweep::slurm::sbatch::{name, parts, submitted};
-use rayreel_replay::sweep::submission::Submission;
+use rayreel_study::sweep::slurm::limits::Limits;
+use rayreel_study::sweep::slurm::queue::{self, Task};
+use rayreel_study::sweep::slurm::sbatch::{name, parts, submitted};
+use rayreel_study::sweep::submission::Submission;
 
 /// Whether this machine can submit.
 pub fn is_here() -> bool {

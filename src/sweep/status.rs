@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 
 use anyhow::Result;
-use rayreel_replay::sweep::folder::Folder;
-use rayreel_replay::sweep::status::status;
+use rayreel_study::sweep::folder::Folder;
+use rayreel_study::sweep::status::status;
 
 use super::jobs::Jobs;
 use crate::common::{print, print_json};

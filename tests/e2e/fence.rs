@@ -11,7 +11,7 @@ use rayreel_replay::{Options, replay};
 use crate::common::capture;
 use crate::common::scenes::text_of;
 use crate::common::trace::open;
-use crate::replay_common::preset;
+use rayreel_testkit::preset;
 
 /// Levels of 255 by which a channel must differ to be seen.
 const VISIBLE: u8 = 8;

@@ -4,9 +4,6 @@
 
 #[path = "../common/mod.rs"]
 mod common;
-/// The policies' slow second implementation.
-#[path = "../../replay/tests/common/mod.rs"]
-mod replay_common;
 
 mod browser;
 #[cfg(unix)]

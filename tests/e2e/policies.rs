@@ -10,9 +10,9 @@ use rayreel_replay::{FrameReplay, Options, TileSource, replay};
 use crate::common::capture;
 use crate::common::scenes::moving;
 use crate::common::trace::open;
-use crate::replay_common::poison::Poisoned;
-use crate::replay_common::reference::{self, How, Outcome};
-use crate::replay_common::{adaptive, preset, switches};
+use rayreel_testkit::poison::Poisoned;
+use rayreel_testkit::reference::{self, How, Outcome};
+use rayreel_testkit::{adaptive, preset, switches};
 
 /// Traces of several scenes and both grids; a tile of 24 is a multiple of every block.
 fn traces(folder: &Path) -> Vec<(String, Trace)> {

@@ -6,7 +6,7 @@ use std::path::Path;
 use crate::browser::Browser;
 use crate::page::Page;
 use crate::rayreel;
-use crate::replay_common::study::{PICTURE, write};
+use rayreel_testkit::study::{PICTURE, write};
 
 #[test]
 fn it_writes_one_page() {

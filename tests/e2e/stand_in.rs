@@ -14,8 +14,8 @@ use rayreel_tracer::trace::{Settings, Tracer};
 
 use crate::common::capture;
 use crate::common::trace::open;
-use crate::replay_common::reference::{self, Outcome};
-use crate::replay_common::{preset, rules::Hit};
+use rayreel_testkit::reference::{self, Outcome};
+use rayreel_testkit::{preset, rules::Hit};
 
 /// What was measured over the children of interpolated hits.
 #[derive(Default)]

@@ -10,13 +10,13 @@ use rayreel_formats::tile::Tile;
 use super::counts::{Counts, RayCounts, TileStats};
 use crate::error::{ReplayError, Result};
 use crate::image::psnr::SquaredError;
-use crate::machine::work::build::{Builder, Built, Part};
 use crate::policy::Apron;
 use crate::policy::adaptive::{Rules, TileRules};
 use crate::policy::rate::Rates;
 use crate::policy::tree::Forest;
 use crate::policy::view::{SampleState, TileView};
 use crate::source::{PathSource, TileSource};
+use crate::work::build::{Builder, Built, Part};
 
 /// The tiles of one row, left to right.
 pub(super) struct Band {

@@ -15,17 +15,17 @@ use crate::image::Image;
 use crate::image::compare::Comparer;
 use crate::image::flip::FlipMap;
 use crate::image::resolve::Resolver;
-use crate::machine::work::TileWork;
-use crate::machine::work::build::{Builder, Built};
-use crate::machine::work::check::PathCounts;
-use crate::machine::work::stream::{Output, ahead};
-use crate::machine::work::topology::Topology;
 use crate::policy::Policy;
 use crate::policy::adaptive::Rules;
 use crate::policy::rate::{Pacer, Rates};
 use crate::source::{PathSource, TileSource};
+use crate::work::build::{Builder, Built};
+use crate::work::stream::{Output, ahead};
 use band::{Band, How, Nearby, Reader};
 use counts::{FrameStats, TileStats};
+use rayreel_machine::work::TileWork;
+use rayreel_machine::work::check::PathCounts;
+use rayreel_machine::work::topology::Topology;
 use states::{Blocks, StateMap};
 
 /// Memory for tiles that wait for their machine, bytes: thirty million operations, seconds of simulation. That bridges the

@@ -89,7 +89,7 @@ fn read(spec: &str) -> Result<(String, String, String)> {
     }
     if !(spec.ends_with(".toml") || spec.contains(['/', '\\'])) {
         let names: Vec<_> = PRESETS.iter().map(|(name, _)| *name).collect();
-        return Err(ReplayError::UnknownPreset { name: spec.into(), near: schema::near(spec, &names) });
+        return Err(ReplayError::UnknownPreset { name: spec.into(), near: rayreel_settings::near(spec, &names) });
     }
     let path = Path::new(spec);
     let text =

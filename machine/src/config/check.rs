@@ -1,0 +1,117 @@
+//! What the values of a machine must hold together. Ranges of single values stand in `schema`.
+
+use super::{Kernels, L1, MachineConfig, Pipeline};
+use crate::error::{MachineError, Result};
+
+/// Checks values against one another; `origin` says where they are from.
+///
+/// # Errors
+/// [`MachineError::MachineConflict`], the first that is found, with the names and values of the keys.
+pub fn check(config: &MachineConfig, origin: &str) -> Result<()> {
+    let found = caches(config)
+        .or_else(|| ti(config))
+        .or_else(|| dram(config))
+        .or_else(|| kernels(&config.srp.kernels))
+        .or_else(|| srp(config));
+    found.map_or(Ok(()), |detail| Err(MachineError::MachineConflict { origin: origin.into(), detail }))
+}
+
+fn powers_of_two(values: &[(&str, u64)]) -> Option<String> {
+    let (name, value) = values.iter().find(|(_, value)| !value.is_power_of_two())?;
+    Some(format!("{name} = {value} is not a power of two"))
+}
+
+fn caches(config: &MachineConfig) -> Option<String> {
+    let line = u64::from(config.l2.line_bytes);
+    let l1 = |name: &str, own: &L1| cache(name, own.size.0, own.ways.into(), line);
+    powers_of_two(&[("l2.line_bytes", line), ("l2.banks", config.l2.banks.into())])
+        .or_else(|| l1("ti.trv_l1", &config.ti.trv_l1))
+        .or_else(|| l1("ti.ist_l1", &config.ti.ist_l1))
+        .or_else(|| l1("srp.l1", &config.srp.l1))
+        .or_else(|| cache("l2", config.l2.size.0, config.l2.ways.into(), line))
+        .or_else(|| {
+            let sets = config.l2.size.0 / (u64::from(config.l2.ways) * line);
+            let banks = u64::from(config.l2.banks);
+            (banks > sets).then(|| format!("l2.banks = {banks} is more than the {sets} sets of the L2"))
+        })
+}
+
+/// A set index is some bits of the line number: the number of sets must be a power of two.
+fn cache(name: &str, size: u64, ways: u64, line: u64) -> Option<String> {
+    if size < ways * line {
+        let lines = size / line;
+        return Some(format!("{name}.ways = {ways} is more than the {lines} lines of {line} bytes in {name}.size"));
+    }
+    let sets = size / (ways * line);
+    (!size.is_multiple_of(ways * line) || !sets.is_power_of_two()).then(|| {
+        format!("{name}.size = {size} bytes in {ways} ways of {line}-byte lines is not a power-of-two number of sets")
+    })
+}
+
+fn ti(config: &MachineConfig) -> Option<String> {
+    let ti = &config.ti;
+    match (ti.pipeline, ti.ist) {
+        (Pipeline::Unified, 1..) => {
+            Some(format!("ti.pipeline = \"unified\" tests triangles itself, so ti.ist = {} must be 0", ti.ist))
+        }
+        (Pipeline::Parallel | Pipeline::Single, 0) => {
+            Some("ti.ist = 0 leaves nobody to test triangles; only ti.pipeline = \"unified\" can do without".into())
+        }
+        _ => None,
+    }
+}
+
+fn dram(config: &MachineConfig) -> Option<String> {
+    let (dram, line) = (&config.dram, config.l2.line_bytes);
+    let below = |low: (&str, u32), high: (&str, u32)| {
+        (low.1 > high.1).then(|| format!("dram.{} = {} is more than dram.{} = {}", low.0, low.1, high.0, high.1))
+    };
+    powers_of_two(&[
+        ("dram.channels", dram.channels.into()),
+        ("dram.banks", dram.banks.into()),
+        ("dram.row_bytes", dram.row_bytes.into()),
+        ("dram.burst_bytes", dram.burst_bytes.into()),
+    ])
+    .or_else(|| {
+        (line < dram.burst_bytes)
+            .then(|| format!("l2.line_bytes = {line} is less than dram.burst_bytes = {}", dram.burst_bytes))
+    })
+    .or_else(|| below(("trcd", dram.trcd), ("tras", dram.tras)))
+    .or_else(|| below(("trp", dram.trp), ("trp_all", dram.trp_all)))
+    .or_else(|| below(("trrd", dram.trrd), ("tfaw", dram.tfaw)))
+    .or_else(|| {
+        // Between two refreshes at least one row must be opened, read and closed.
+        let need = dram.trfc + dram.trp_all + dram.tras + dram.trp;
+        (dram.trefi <= need).then(|| {
+            format!(
+                "dram.trefi = {} leaves no time between refreshes (tRFC, tRPab, tRAS and tRP take {need})",
+                dram.trefi
+            )
+        })
+    })
+    .or_else(|| below(("write_high", dram.write_high), ("write_queue_entries", dram.write_queue_entries)))
+    .or_else(|| {
+        (dram.write_low >= dram.write_high).then(|| {
+            format!("dram.write_low = {} must be less than dram.write_high = {}", dram.write_low, dram.write_high)
+        })
+    })
+}
+
+/// Adaptive sampling needs both of its kernels.
+fn kernels(kernels: &Kernels) -> Option<String> {
+    let (test, mix) = (kernels.similarity.ii_cycles, kernels.interpolate.ii_cycles);
+    ((test == 0) != (mix == 0)).then(|| {
+        format!(
+            "srp.kernels.similarity.ii_cycles = {test} and srp.kernels.interpolate.ii_cycles = {mix}: a machine has both \
+             kernels or (0) neither"
+        )
+    })
+}
+
+fn srp(config: &MachineConfig) -> Option<String> {
+    let srp = &config.srp;
+    if srp.batch_min > srp.batch_max {
+        return Some(format!("srp.batch_min = {} is more than srp.batch_max = {}", srp.batch_min, srp.batch_max));
+    }
+    (srp.sample.total() == 0).then(|| "all fields of srp.sample are 0: a sample must take some bytes".into())
+}

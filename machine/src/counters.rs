@@ -1,0 +1,58 @@
+//! Counters that say what they are: every group is declared beside the code that counts, with name, unit and meaning.
+
+/// One counter with its value.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Counter {
+    /// Name within its group.
+    pub name: &'static str,
+    /// Unit: `cycles`, `events`, `bytes`, `rays`, ...
+    pub unit: &'static str,
+    /// Meaning.
+    pub description: &'static str,
+    /// Value.
+    pub value: u64,
+}
+
+/// Declares a struct of `u64` counters that can be added and listed.
+macro_rules! counters {
+    ($(#[$doc:meta])* $vis:vis struct $name:ident { $($field:ident: $unit:literal, $text:literal;)* }) => {
+        $(#[$doc])*
+        #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+        $vis struct $name { $(#[doc = concat!($text, " (", $unit, ").")] pub $field: u64,)* }
+
+        impl $name {
+            /// All counters of the group, in declaration order.
+            pub fn list(&self) -> Vec<$crate::counters::Counter> {
+                vec![$($crate::counters::Counter {
+                    name: stringify!($field), unit: $unit, description: $text, value: self.$field,
+                },)*]
+            }
+        }
+
+        impl std::ops::AddAssign for $name {
+            fn add_assign(&mut self, other: Self) { $(self.$field += other.$field;)* }
+        }
+    };
+}
+pub(crate) use counters;
+
+counters! {
+    /// What an issue stage did in each cycle. Every cycle is in exactly one class, so the classes add up to the cycles of the run.
+    pub struct Activity {
+        busy: "cycles", "issued an operation";
+        bypass: "cycles", "issued an operation whose data had missed: it passes the pipe without work (miss_handling = \"retry\")";
+        fetch: "cycles", "operations wait for the L1's hit latency or its port";
+        memory: "cycles", "all waiting operations wait for L2 or DRAM";
+        mshr: "cycles", "the next lookup misses and no MSHR, accumulation row or L2 queue entry is free";
+        blocked: "cycles", "an operation is ready, but the stage behind is full";
+        starved: "cycles", "rays are here, but none needs this stage now";
+        idle: "cycles", "there is no ray";
+    }
+}
+
+impl Activity {
+    /// All cycles.
+    pub fn total(&self) -> u64 {
+        self.list().iter().map(|c| c.value).sum()
+    }
+}

@@ -1,0 +1,96 @@
+//! Tests of the DRAM: the device rule by rule, the controller by hand-worked sequences, both by an independent checker.
+
+mod checker;
+mod controller;
+mod device;
+
+use super::channel::Channel;
+use super::device::Command;
+use super::queue::Entry;
+use crate::config;
+use crate::memory::Cycle;
+
+/// LPDDR4-3200 x16 (JEDEC; memory specifications of DRAMSys).
+pub fn lpddr4() -> config::Dram {
+    config::Dram {
+        clock_mhz: 1600,
+        channels: 1,
+        banks: 8,
+        row_bytes: 2048,
+        burst_bytes: 32,
+        tccd: 8,
+        trcd: 29,
+        trp: 29,
+        trp_all: 34,
+        tras: 68,
+        trrd: 16,
+        tfaw: 64,
+        rl: 32,
+        wl: 14,
+        trtp: 12,
+        twr: 29,
+        twtr: 16,
+        trfc: 448,
+        trefi: 6246,
+        read_queue_entries: 32,
+        write_queue_entries: 32,
+        write_high: 24,
+        write_low: 8,
+        controller_cycles: 48,
+        sync_cycles: 2,
+    }
+}
+
+/// A channel with lines of 64 B, and what came out of it.
+struct Bench {
+    channel: Channel,
+    done: Vec<(Cycle, u32)>,
+}
+
+impl Bench {
+    fn new(config: &config::Dram) -> Self {
+        Self { channel: Channel::new(config, 64), done: Vec::new() }
+    }
+
+    fn push(&mut self, arrival: Cycle, bank: u8, row: u64, write: bool, token: u32) -> bool {
+        self.channel.push(Entry { arrival, row, bank, write, prepared: false, token, line: 0 })
+    }
+
+    fn read(&mut self, arrival: Cycle, bank: u8, row: u64) {
+        let token = self.channel.taken() as u32;
+        assert!(self.push(arrival, bank, row, false, token));
+    }
+
+    fn write(&mut self, arrival: Cycle, bank: u8, row: u64) {
+        assert!(self.push(arrival, bank, row, true, 0));
+    }
+
+    fn run(&mut self, limit: Cycle) {
+        let done = &mut self.done;
+        self.channel.run(limit, |end, entry| done.push((end, entry.token)));
+    }
+
+    /// Commands so far, as `name bank @cycle`.
+    fn commands(&self) -> Vec<String> {
+        let name = |command| match command {
+            Command::Activate => "ACT",
+            Command::Read => "RD",
+            Command::Write => "WR",
+            Command::Precharge => "PRE",
+            Command::PrechargeAll => "PREab",
+            Command::Refresh => "REF",
+        };
+        self.channel.history.iter().map(|&(at, command, bank, _)| format!("{} {bank} @{at}", name(command))).collect()
+    }
+}
+
+/// A small generator of test traffic.
+pub struct Dice(pub u64);
+
+impl Dice {
+    /// 0..below.
+    pub fn roll(&mut self, below: u64) -> u64 {
+        self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        (self.0 >> 33) % below
+    }
+}

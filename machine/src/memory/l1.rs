@@ -1,0 +1,169 @@
+//! A first-level cache: tags and miss status registers (MSHRs). It only reads, and it never blocks: a miss waits in its MSHR while
+//! other accesses go on.
+
+use super::tags::Tags;
+use super::{Cycle, Memory, Port, Request, Route};
+use crate::config;
+use crate::counters::counters;
+use crate::work::layout::Region;
+
+counters! {
+    /// What a first-level cache did.
+    pub struct CacheCounters {
+        lookups: "events", "accesses that were looked up: hits, misses and merges";
+        hits: "events", "lookups that found their line";
+        misses: "events", "lookups that started a fetch";
+        merges: "events", "lookups whose line was on its way already";
+        full: "events", "attempts refused because no MSHR was free or the L2 took no request";
+        fills: "events", "lines that arrived and were kept";
+        dropped: "events", "lines that arrived but were not kept, for the L2 had evicted them in the meantime";
+        evictions: "events", "lines that made room for another";
+        invalidations: "events", "lines dropped because they left the L2";
+    }
+}
+
+/// What came of an access.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Access {
+    /// The line is here: its data come `latency_cycles` later.
+    Hit,
+    /// The line was asked for.
+    Miss,
+    /// The line was on its way already.
+    Merged,
+    /// No MSHR is free, its row is full, or the L2 takes no request: nothing changed, ask again later.
+    Full,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Mshr {
+    line: u64,
+    waiters: u128,
+    keep: bool,
+}
+
+/// A first-level cache.
+#[derive(Clone, Debug)]
+pub struct L1Cache {
+    tags: Tags,
+    mshrs: Vec<Mshr>,
+    mshrs_max: usize,
+    waiters_max: u32,
+    port: Port,
+    counters: CacheCounters,
+}
+
+impl L1Cache {
+    /// A cache that asks through `port`.
+    pub fn new(config: &config::L1, line_bytes: u32, port: Port) -> Self {
+        Self {
+            tags: Tags::new(config.size.0, config.ways, line_bytes, config.replacement),
+            mshrs: Vec::with_capacity(config.mshrs as usize),
+            mshrs_max: config.mshrs as usize,
+            waiters_max: u128::BITS,
+            port,
+            counters: CacheCounters::default(),
+        }
+    }
+
+    /// The same with a ray accumulation buffer: an MSHR is a row of it, of which there are `rows`, each for `waiters` rays.
+    #[must_use]
+    pub fn with_rows(self, rows: u32, waiters: u32) -> Self {
+        Self { mshrs_max: self.mshrs_max.min(rows as usize), waiters_max: waiters, ..self }
+    }
+
+    /// Looks `line` up for `waiter` (0 to 127), who is told by [`L1Cache::fill`] when the line arrives.
+    #[inline]
+    pub fn access<M: Memory>(&mut self, now: Cycle, line: u64, region: Region, waiter: u8, memory: &mut M) -> Access {
+        self.look_up(now, line, region, 1 << waiter, memory)
+    }
+
+    /// As [`L1Cache::access`], but nobody waits: a miss starts the fetch, and whoever asked asks again.
+    #[inline]
+    pub fn fetch<M: Memory>(&mut self, now: Cycle, line: u64, region: Region, memory: &mut M) -> Access {
+        self.look_up(now, line, region, 0, memory)
+    }
+
+    #[inline]
+    fn look_up<M: Memory>(&mut self, now: Cycle, line: u64, region: Region, waiters: u128, memory: &mut M) -> Access {
+        if self.tags.touch(line) {
+            self.counters.lookups += 1;
+            self.counters.hits += 1;
+            return Access::Hit;
+        }
+        self.miss(now, line, region, waiters, memory)
+    }
+
+    fn miss<M: Memory>(&mut self, now: Cycle, line: u64, region: Region, waiters: u128, memory: &mut M) -> Access {
+        if let Some(mshr) = self.mshrs.iter_mut().find(|mshr| mshr.line == line) {
+            if mshr.waiters.count_ones() >= self.waiters_max {
+                self.counters.full += 1;
+                return Access::Full;
+            }
+            mshr.waiters |= waiters;
+            self.counters.lookups += 1;
+            self.counters.merges += 1;
+            return Access::Merged;
+        }
+        let request = Request { port: self.port, line, region, route: Route::Cached };
+        if self.mshrs.len() == self.mshrs_max || !memory.request(now, request) {
+            self.counters.full += 1;
+            return Access::Full;
+        }
+        self.mshrs.push(Mshr { line, waiters, keep: true });
+        self.counters.lookups += 1;
+        self.counters.misses += 1;
+        Access::Miss
+    }
+
+    /// Takes `line` in, frees its MSHR and returns who waited for it, bit `w` for waiter `w`.
+    ///
+    /// # Panics
+    /// When nobody asked for the line.
+    pub fn fill(&mut self, line: u64) -> u128 {
+        let at = self.mshrs.iter().position(|mshr| mshr.line == line);
+        let mshr = self.mshrs.swap_remove(at.expect("a line arrives only when it was asked for"));
+        if mshr.keep {
+            self.counters.fills += 1;
+            self.counters.evictions += u64::from(self.tags.fill(line).is_some());
+        } else {
+            self.counters.dropped += 1;
+        }
+        mshr.waiters
+    }
+
+    /// Drops `line`, which left an inclusive L2. If it is still on its way here, it will be handed to its waiters, but not kept.
+    pub fn invalidate(&mut self, line: u64) {
+        self.counters.invalidations += u64::from(self.tags.invalidate(line));
+        if let Some(mshr) = self.mshrs.iter_mut().find(|mshr| mshr.line == line) {
+            mshr.keep = false;
+        }
+    }
+
+    /// Whether `line` is here. Changes nothing.
+    #[inline]
+    pub fn contains(&self, line: u64) -> bool {
+        self.tags.contains(line)
+    }
+
+    /// Lines on their way.
+    #[inline]
+    pub fn outstanding(&self) -> usize {
+        self.mshrs.len()
+    }
+
+    /// Whether an MSHR is free.
+    #[inline]
+    pub fn has_free_mshr(&self) -> bool {
+        self.mshrs.len() < self.mshrs_max
+    }
+
+    /// What happened so far.
+    pub fn counters(&self) -> &CacheCounters {
+        &self.counters
+    }
+}
+
+#[cfg(test)]
+#[path = "l1_tests.rs"]
+mod tests;

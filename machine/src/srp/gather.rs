@@ -1,0 +1,173 @@
+//! What `shade` reads: vertex attributes and texels, gathered ahead of the array through the SRP's L1.
+//!
+//! * When a batch begins, the reads of its items are queued in item order. One line is looked up a SRP cycle; a hit is there
+//!   `srp.l1.latency_cycles` SRP cycles later (at least 1), a miss when its line has arrived. While all MSHRs are taken no line
+//!   is looked up. An item is not complete before its lines are there; later items move back with it. (Estimate.)
+//! * Attributes: the lines of the hit triangle. Texel: one a hit, as if each sample covered one texel (a perfect choice of the
+//!   mip level): 4x4-texel blocks in the order of the screen, apart by material and by depth. (Estimate.)
+
+use std::collections::VecDeque;
+
+use super::clock::Clock;
+use crate::config::MachineConfig;
+use crate::memory::l1::{Access, L1Cache};
+use crate::memory::{Cycle, Memory, Port};
+use crate::work::RayWork;
+use crate::work::layout::{Layout, Region};
+
+/// Most items of a batch that reads: the L1 tells waiters apart by 7 bits.
+pub const READERS: usize = 128;
+
+#[derive(Clone, Copy, Debug)]
+struct Read {
+    line: u64,
+    region: Region,
+    reader: u8,
+}
+
+/// The gather engine with its L1.
+pub struct Gather {
+    l1: L1Cache,
+    layout: Layout,
+    clock: Clock,
+    texel_block_bytes: u64,
+    textures: bool,
+    latency: u64,
+    mshrs: usize,
+    queue: VecDeque<Read>,
+    outstanding: usize,
+    missing: [u32; READERS],
+    ready: [u64; READERS],
+    looked_up: (Cycle, u64),
+    refused: bool,
+}
+
+impl Gather {
+    /// The gather engine of a machine.
+    pub fn new(config: &MachineConfig, layout: Layout, clock: Clock, port: Port) -> Self {
+        Self {
+            l1: L1Cache::new(&config.srp.l1, config.l2.line_bytes, port),
+            layout,
+            clock,
+            texel_block_bytes: 16 * u64::from(config.srp.texel_bytes),
+            textures: config.srp.textures,
+            latency: u64::from(config.srp.l1.latency_cycles.max(1)),
+            mshrs: config.srp.l1.mshrs.max(1) as usize,
+            queue: VecDeque::new(),
+            outstanding: 0,
+            missing: [0; READERS],
+            ready: [0; READERS],
+            looked_up: (0, 0),
+            refused: false,
+        }
+    }
+
+    /// The L1.
+    pub fn l1(&self) -> &L1Cache {
+        &self.l1
+    }
+
+    /// The L1, to drop lines that left an inclusive L2.
+    pub fn l1_mut(&mut self) -> &mut L1Cache {
+        &mut self.l1
+    }
+
+    /// Queues the reads of the hit of `ray` for item `reader` of the batch.
+    pub fn add(&mut self, reader: u8, ray: &RayWork) {
+        self.missing[reader as usize] = 0;
+        self.ready[reader as usize] = 0;
+        let attributes = self.layout.attribute(ray.triangle);
+        for line in attributes.first..=attributes.last {
+            self.push(line, Region::Attribute, reader);
+        }
+        if self.textures {
+            let line = self.layout.lines(self.texel_address(ray), 1).first;
+            self.push(line, Region::Texture, reader);
+        }
+    }
+
+    fn push(&mut self, line: u64, region: Region, reader: u8) {
+        self.queue.push_back(Read { line, region, reader });
+        self.missing[reader as usize] += 1;
+    }
+
+    /// 2^30 bytes a material, a quarter of them for each of four depths, blocks row by row, 4096 a row.
+    fn texel_address(&self, ray: &RayWork) -> u64 {
+        let block = u64::from(ray.y >> 2) << 12 | u64::from((ray.x >> 2) & 0xfff);
+        let plane = u64::from(ray.material & 0x3ff) << 30 | u64::from(ray.depth & 3) << 28;
+        Region::Texture.base() + plane + ((block * self.texel_block_bytes) & 0x0fff_ffff)
+    }
+
+    /// The SRP cycle from which on item `reader` has its data; `None` while it waits.
+    #[inline]
+    pub fn ready(&self, reader: usize) -> Option<u64> {
+        (self.missing[reader] == 0).then_some(self.ready[reader])
+    }
+
+    /// Looks up as many lines as SRP cycles begin in this T&I cycle; whether a lookup hit.
+    pub fn tick<M: Memory>(&mut self, now: Cycle, memory: &mut M) -> bool {
+        self.refused = false;
+        if self.queue.is_empty() {
+            return false;
+        }
+        let mut hit = false;
+        if self.looked_up.0 != now {
+            self.looked_up = (now, 0);
+        }
+        let (first, cycles) = (self.clock.srp(now), self.clock.srp_cycles_of(now));
+        while self.looked_up.1 < cycles && self.outstanding < self.mshrs {
+            let Some(&Read { line, region, reader }) = self.queue.front() else { break };
+            match self.l1.access(now, line, region, reader, memory) {
+                Access::Hit => {
+                    hit = true;
+                    let r = reader as usize;
+                    self.missing[r] = self.missing[r].saturating_sub(1); // with `srp.ideal` all items share a reader
+                    self.ready[r] = self.ready[r].max(first + self.looked_up.1 + self.latency);
+                }
+                Access::Miss => self.outstanding += 1,
+                Access::Merged => {}
+                Access::Full => {
+                    self.refused = true;
+                    break;
+                }
+            }
+            self.looked_up.1 += 1;
+            self.queue.pop_front();
+        }
+        hit
+    }
+
+    /// A line arrived.
+    pub fn fill(&mut self, now: Cycle, line: u64) {
+        let mut readers = self.l1.fill(line);
+        self.outstanding = self.outstanding.saturating_sub(1);
+        let at = self.clock.srp(now);
+        while readers != 0 {
+            let r = readers.trailing_zeros() as usize;
+            readers &= readers - 1;
+            self.missing[r] = self.missing[r].saturating_sub(1);
+            self.ready[r] = self.ready[r].max(at);
+        }
+    }
+
+    /// Whether nothing is under way.
+    pub fn is_idle(&self) -> bool {
+        self.queue.is_empty() && self.outstanding == 0
+    }
+
+    /// What is under way, for the message about a machine that stands still.
+    pub fn describe(&self) -> String {
+        let missing: u64 = self.missing.iter().map(|&m| u64::from(m)).sum();
+        format!("reads queued {}, lines out {}, reads missing {missing}", self.queue.len(), self.outstanding)
+    }
+
+    /// Whether memory refused the last request.
+    pub fn refused(&self) -> bool {
+        self.refused
+    }
+
+    /// When the engine can do something by itself.
+    pub fn next_event(&self, now: Cycle) -> Option<Cycle> {
+        (!self.queue.is_empty() && !self.refused && self.outstanding < self.mshrs).then_some(now + 1)
+    }
+}

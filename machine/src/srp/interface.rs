@@ -1,0 +1,238 @@
+//! The way of rays and hits between SRP and T&I unit.
+//!
+//! * Direct link: a ray occupies its direction for `ceil(ray_message_bytes / interface_bytes_per_cycle)` T&I cycles, a hit
+//!   likewise, never less than one: at most one message a cycle and direction. A message that starts at cycle t and takes n
+//!   cycles is there at t + n + 1. While the unit has no room, the ray at the end of the link waits and no other starts. (The
+//!   direct link: paper; width and latency: estimate.)
+//! * Memory: rays and hits are streams of lines (see `stream`); a ray enters the unit, and a hit the SRP, one a cycle. The SRP
+//!   does not begin new lines while [`UNWRITTEN_LINES`] wait for memory.
+//! * A result never waits for the SRP: its item goes into local memory at once. So the unit always drains, rays that wait for
+//!   room always enter in the end, and there is no deadlock.
+//! * `srp.ideal`: the direct link takes no time; its bytes are counted.
+
+use std::collections::VecDeque;
+
+use super::SrpPorts;
+use super::stats::{DmaCounters, InterfaceCounters};
+use super::stream::Stream;
+use crate::config::{Interface as Kind, MachineConfig};
+use crate::link::{RayRef, RayUnit};
+use crate::memory::{Cycle, Memory};
+use crate::work::layout::Region;
+
+/// Lines of rays that may wait to be written before the SRP's output queue stops draining.
+pub const UNWRITTEN_LINES: u64 = 16;
+
+/// One direction of the direct link.
+#[derive(Clone, Debug, Default)]
+struct Lane {
+    message_cycles: Cycle,
+    free_at: Cycle,
+    messages: VecDeque<(Cycle, RayRef)>,
+}
+
+impl Lane {
+    fn start(&mut self, at: Cycle, message: RayRef) {
+        let start = at.max(self.free_at);
+        self.free_at = start + self.message_cycles;
+        self.messages.push_back((self.free_at + 1, message));
+    }
+
+    fn arrived(&self, now: Cycle) -> bool {
+        self.messages.front().is_some_and(|(at, _)| *at <= now)
+    }
+}
+
+#[derive(Clone, Debug)]
+enum Way {
+    Ideal { hits: VecDeque<RayRef> },
+    Direct { rays: Lane, hits: Lane },
+    Memory { rays: Box<Stream>, hits: Box<Stream> },
+}
+
+/// Both directions between SRP and T&I unit.
+#[derive(Clone, Debug)]
+pub struct Interface {
+    way: Way,
+    ray_bytes: u64,
+    hit_bytes: u64,
+    entered_at: Option<Cycle>,
+    taken_at: Option<Cycle>,
+    blocked: bool,
+}
+
+impl Interface {
+    /// The interface of core `core`.
+    pub fn new(config: &MachineConfig, core: u32, ports: SrpPorts) -> Self {
+        let gpu = &config.gpu;
+        let (ray_bytes, hit_bytes) = (u64::from(gpu.ray_message_bytes), u64::from(gpu.hit_message_bytes));
+        let width = u64::from(gpu.interface_bytes_per_cycle.max(1));
+        let lane = |bytes: u64| Lane { message_cycles: bytes.div_ceil(width).max(1), ..Lane::default() };
+        let line_bytes = u64::from(config.l2.line_bytes);
+        let stream = |half: u64, bytes: u64| {
+            let address = Region::Ray.base() + (u64::from(core) << 32) + (half << 31);
+            Box::new(Stream::new(ports.dma, Region::Ray, address / line_bytes, line_bytes, bytes))
+        };
+        let way = match gpu.interface {
+            Kind::Memory => Way::Memory { rays: stream(0, ray_bytes), hits: stream(1, hit_bytes) },
+            Kind::Direct if config.srp.ideal => Way::Ideal { hits: VecDeque::new() },
+            Kind::Direct => Way::Direct { rays: lane(ray_bytes), hits: lane(hit_bytes) },
+        };
+        Self { way, ray_bytes, hit_bytes, entered_at: None, taken_at: None, blocked: false }
+    }
+
+    /// Moves lines of streams and takes the unit's results.
+    pub fn collect<U: RayUnit, M: Memory>(
+        &mut self,
+        now: Cycle,
+        unit: &mut U,
+        memory: &mut M,
+        counters: (&mut InterfaceCounters, &mut DmaCounters),
+    ) {
+        let results = unit.results();
+        while results.front().is_some_and(|(at, _)| *at <= now) {
+            let Some((at, ray)) = results.pop_front() else { break };
+            counters.0.hits += 1;
+            counters.0.hit_bytes += self.hit_bytes;
+            match &mut self.way {
+                Way::Ideal { hits } => hits.push_back(ray),
+                Way::Direct { hits, .. } => {
+                    hits.start(at, ray);
+                    counters.0.hit_busy += hits.message_cycles;
+                }
+                Way::Memory { hits, .. } => hits.push(now, ray),
+            }
+        }
+        if let Way::Memory { rays, hits } = &mut self.way {
+            rays.tick(now, memory, counters.1);
+            hits.tick(now, memory, counters.1);
+        }
+    }
+
+    /// The next hit that has reached the SRP.
+    pub fn take_hit(&mut self, now: Cycle) -> Option<RayRef> {
+        match &mut self.way {
+            Way::Ideal { hits } => hits.pop_front(),
+            Way::Direct { hits, .. } if hits.arrived(now) => hits.messages.pop_front().map(|(_, ray)| ray),
+            Way::Memory { hits, .. } if self.taken_at != Some(now) => {
+                let hit = hits.pop();
+                self.taken_at = hit.map(|_| now).or(self.taken_at);
+                hit
+            }
+            _ => None,
+        }
+    }
+
+    /// Puts a ray that has reached the unit into it, one a cycle.
+    pub fn enter<U: RayUnit>(&mut self, now: Cycle, unit: &mut U) {
+        let waiting = match &self.way {
+            Way::Ideal { .. } => false,
+            Way::Direct { rays, .. } => rays.arrived(now),
+            Way::Memory { rays, .. } => rays.has_ready(),
+        };
+        self.blocked = false;
+        if !waiting || self.entered_at == Some(now) {
+            return;
+        }
+        if !unit.has_room() {
+            self.blocked = true;
+            return;
+        }
+        let ray = match &mut self.way {
+            Way::Ideal { .. } => None,
+            Way::Direct { rays, .. } => rays.messages.pop_front().map(|(_, ray)| ray),
+            Way::Memory { rays, .. } => rays.pop(),
+        };
+        if let Some(ray) = ray {
+            unit.push(now, ray);
+            self.entered_at = Some(now);
+        }
+    }
+
+    /// Starts messages of the SRP's output queue. Returns whether the queue has drained.
+    pub fn send<U: RayUnit>(
+        &mut self,
+        now: Cycle,
+        output: &mut VecDeque<RayRef>,
+        unit: &mut U,
+        counters: &mut InterfaceCounters,
+    ) -> bool {
+        let before = output.len();
+        while !output.is_empty() && self.can_send(now, unit) {
+            let Some(ray) = output.pop_front() else { break };
+            counters.rays += 1;
+            counters.ray_bytes += self.ray_bytes;
+            match &mut self.way {
+                Way::Ideal { .. } => unit.push(now, ray),
+                Way::Direct { rays, .. } => {
+                    rays.start(now, ray);
+                    counters.ray_busy += rays.message_cycles;
+                }
+                Way::Memory { rays, .. } => rays.push(now, ray),
+            }
+        }
+        before != output.len()
+    }
+
+    fn can_send<U: RayUnit>(&mut self, now: Cycle, unit: &U) -> bool {
+        match &self.way {
+            Way::Ideal { .. } => {
+                self.blocked = !unit.has_room();
+                !self.blocked
+            }
+            Way::Direct { rays, .. } => rays.free_at <= now && !rays.arrived(now),
+            Way::Memory { rays, .. } => rays.unwritten_lines() < UNWRITTEN_LINES,
+        }
+    }
+
+    /// A line of a stream arrived; `false` if it belongs to none.
+    pub fn respond(&mut self, line: u64) -> bool {
+        let Way::Memory { rays, hits } = &mut self.way else { return false };
+        let Some(stream) = [rays, hits].into_iter().find(|s| s.owns(line)) else { return false };
+        stream.respond(line);
+        true
+    }
+
+    /// Whether a ray waits for room in the unit.
+    #[inline]
+    pub fn blocked(&self) -> bool {
+        self.blocked
+    }
+
+    /// Whether memory refused a request of a stream.
+    pub fn waits(&self) -> bool {
+        matches!(&self.way, Way::Memory { rays, hits } if rays.refused() || hits.refused())
+    }
+
+    /// When something happens here by itself, `output` being whether the SRP has rays to send.
+    pub fn next_event(&self, now: Cycle, output: bool) -> Option<Cycle> {
+        match &self.way {
+            Way::Ideal { .. } => None,
+            Way::Direct { rays, hits } => {
+                let hit = hits.messages.front().map(|(at, _)| (*at).max(now + 1));
+                let enter = match rays.messages.front() {
+                    Some(_) if self.blocked => None,
+                    Some((at, _)) => Some((*at).max(now + 1)),
+                    None => None,
+                };
+                let send = (output && !rays.arrived(now)).then(|| rays.free_at.max(now + 1));
+                earliest(earliest(hit, enter), send)
+            }
+            Way::Memory { rays, hits } => {
+                let moved = earliest(rays.next_event(now), hits.next_event(now));
+                let ready = (rays.has_ready() && !self.blocked) || hits.has_ready();
+                earliest(moved, ready.then_some(now + 1))
+            }
+        }
+    }
+}
+
+/// The earlier of two events.
+#[inline]
+pub fn earliest(a: Option<Cycle>, b: Option<Cycle>) -> Option<Cycle> {
+    match (a, b) {
+        (Some(a), Some(b)) => Some(a.min(b)),
+        (a, None) => a,
+        (None, b) => b,
+    }
+}

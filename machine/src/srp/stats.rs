@@ -1,0 +1,110 @@
+//! What the SRP counts.
+
+use super::kernels::KernelId;
+use crate::counters::counters;
+
+counters! {
+    /// Work of one kernel.
+    pub struct KernelCounters {
+        batches: "batches", "batches run";
+        items: "items", "items run";
+        cycles: "SRP cycles", "cycles of the array in this kernel, prologues included, stalls and inspector not";
+        ops: "operations", "operations executed";
+    }
+}
+
+counters! {
+    /// What the array did in each SRP cycle. Every cycle is in exactly one class, so the classes add up to the run.
+    pub struct SrpActivity {
+        raygen: "SRP cycles", "in the raygen kernel";
+        shade: "SRP cycles", "in the shade kernel";
+        miss: "SRP cycles", "in the miss kernel";
+        update: "SRP cycles", "in the update kernel";
+        similarity: "SRP cycles", "in the similarity kernel";
+        interpolate: "SRP cycles", "in the interpolate kernel";
+        resolve: "SRP cycles", "in the resolve kernel";
+        inspector: "SRP cycles", "sorting items by branch";
+        output: "SRP cycles", "a kernel has rays to send and the output queue is full";
+        memory: "SRP cycles", "a kernel waits for attributes or texels";
+        unit: "SRP cycles", "no batch is ready and rays are out";
+        transfer: "SRP cycles", "no batch is ready, no ray is out, and a tile waits for its transfers";
+        idle: "SRP cycles", "there is no tile";
+    }
+}
+
+impl SrpActivity {
+    /// All cycles.
+    pub fn total(&self) -> u64 {
+        self.list().iter().map(|c| c.value).sum()
+    }
+
+    /// Cycles in kernels and inspector.
+    pub fn busy_cycles(&self) -> u64 {
+        let Self { raygen, shade, miss, update, similarity, interpolate, resolve, inspector, .. } = *self;
+        raygen + shade + miss + update + similarity + interpolate + resolve + inspector
+    }
+
+    pub(super) fn busy(&mut self, kernel: KernelId, cycles: u64) {
+        *match kernel {
+            KernelId::Raygen => &mut self.raygen,
+            KernelId::Shade => &mut self.shade,
+            KernelId::Miss => &mut self.miss,
+            KernelId::Update => &mut self.update,
+            KernelId::Similarity => &mut self.similarity,
+            KernelId::Interpolate => &mut self.interpolate,
+            KernelId::Resolve => &mut self.resolve,
+        } += cycles;
+    }
+}
+
+counters! {
+    /// Traffic between SRP and T&I unit.
+    pub struct InterfaceCounters {
+        rays: "rays", "rays sent to the T&I unit";
+        hits: "hits", "hits received from the T&I unit";
+        ray_bytes: "bytes", "bytes of ray messages";
+        hit_bytes: "bytes", "bytes of hit messages";
+        ray_busy: "cycles", "T&I cycles in which the direct link carries rays";
+        hit_busy: "cycles", "T&I cycles in which the direct link carries hits";
+    }
+}
+
+counters! {
+    /// Traffic of the DMA and stream engines, whole lines.
+    pub struct DmaCounters {
+        framebuffer_written: "bytes", "pixels written to the framebuffer";
+        sample_written: "bytes", "sample attributes written: external geometry buffer or spill";
+        sample_read: "bytes", "sample attributes read";
+        border_written: "bytes", "border samples written for neighbouring tiles";
+        border_read: "bytes", "border samples of neighbouring tiles read";
+        gbuffer_written: "bytes", "G-buffer written by the rasteriser";
+        gbuffer_read: "bytes", "G-buffer read by the SRP";
+        ray_written: "bytes", "rays and hits written (interface through memory)";
+        ray_read: "bytes", "rays and hits read (interface through memory)";
+    }
+}
+
+counters! {
+    /// Local memory and tiles.
+    pub struct LocalCounters {
+        reads: "words", "4-byte reads of the tile buffer";
+        writes: "words", "4-byte writes of the tile buffer";
+        spilled_samples: "samples", "samples that did not fit into the tile buffer";
+        tiles: "tiles", "tiles finished";
+    }
+}
+
+/// Everything that an SRP counts.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct SrpStats {
+    /// Per kernel, in the order of [`KernelId::ALL`].
+    pub kernels: [KernelCounters; 7],
+    /// What the array did.
+    pub activity: SrpActivity,
+    /// Interface.
+    pub interface: InterfaceCounters,
+    /// DMA and streams.
+    pub dma: DmaCounters,
+    /// Local memory and tiles.
+    pub local: LocalCounters,
+}

@@ -1,0 +1,184 @@
+//! Messages through memory: written by one side, read by the other, out in order.
+//!
+//! Used for rays and hits of `interface = "memory"` and for the G-buffer of a rasteriser. As many messages as fit share a line
+//! and none straddles two unless it is larger than a line. A line is written when it is full, or [`FLUSH_CYCLES`] after its first
+//! message, so that few rays are not held back. One line a cycle is written and one read, at most [`READS`] reads outstanding,
+//! and a line is read at the earliest one cycle after memory accepted its write. (Estimate.)
+
+use std::collections::VecDeque;
+
+use super::dma::{READS, counter};
+use super::stats::DmaCounters;
+use crate::link::RayRef;
+use crate::memory::{Cycle, Memory, Port, Request, Route};
+use crate::work::layout::Region;
+
+/// T&I cycles after which a partly filled line is written.
+pub const FLUSH_CYCLES: Cycle = 64;
+/// Lines of the ring buffer that a stream runs through.
+const RING_LINES: u64 = 1 << 12;
+
+/// Lines that belong together: one line of several messages, or the lines of one large message.
+#[derive(Clone, Copy, Debug)]
+struct Packet {
+    messages: u32,
+    line: u64,
+    arrived: u64,
+}
+
+/// A stream of messages.
+#[derive(Clone, Debug)]
+pub struct Stream {
+    port: Port,
+    region: Region,
+    first_line: u64,
+    next_line: u64,
+    line_bytes: u64,
+    per_packet: u32,
+    packet_lines: u64,
+    messages: VecDeque<RayRef>,
+    open: u32,
+    open_since: Cycle,
+    packets: VecDeque<Packet>,
+    /// Lines of `packets` written and asked for, counted from the front packet.
+    written: u64,
+    asked: u64,
+    outstanding: usize,
+    ready: u32,
+    wrote_at: Option<Cycle>,
+    read_at: Option<Cycle>,
+    write_refused: bool,
+    read_refused: bool,
+}
+
+impl Stream {
+    /// A stream of messages of `message_bytes` from `first_line` on.
+    pub fn new(port: Port, region: Region, first_line: u64, line_bytes: u64, message_bytes: u64) -> Self {
+        let bytes = message_bytes.max(1);
+        Self {
+            port,
+            region,
+            first_line,
+            next_line: 0,
+            line_bytes,
+            per_packet: (line_bytes / bytes).max(1) as u32,
+            packet_lines: bytes.div_ceil(line_bytes),
+            messages: VecDeque::new(),
+            open: 0,
+            open_since: 0,
+            packets: VecDeque::new(),
+            written: 0,
+            asked: 0,
+            outstanding: 0,
+            ready: 0,
+            wrote_at: None,
+            read_at: None,
+            write_refused: false,
+            read_refused: false,
+        }
+    }
+
+    /// Adds a message.
+    pub fn push(&mut self, now: Cycle, message: RayRef) {
+        if self.open == 0 {
+            self.open_since = now;
+        }
+        self.open += 1;
+        self.messages.push_back(message);
+        if self.open == self.per_packet {
+            self.close();
+        }
+    }
+
+    /// Lines that wait to be written.
+    pub fn unwritten_lines(&self) -> u64 {
+        self.packets.len() as u64 * self.packet_lines - self.written
+    }
+
+    /// Ends the line that is being filled.
+    pub fn close(&mut self) {
+        if self.open > 0 {
+            self.packets.push_back(Packet { messages: self.open, line: self.first_line + self.next_line, arrived: 0 });
+            self.next_line = (self.next_line + self.packet_lines) % (RING_LINES * self.packet_lines);
+            self.open = 0;
+        }
+    }
+
+    /// Whether the stream uses this line.
+    pub fn owns(&self, line: u64) -> bool {
+        (self.first_line..self.first_line + RING_LINES * self.packet_lines).contains(&line)
+    }
+
+    /// Moves a line each way.
+    pub fn tick<M: Memory>(&mut self, now: Cycle, memory: &mut M, counters: &mut DmaCounters) {
+        if self.open > 0 && now >= self.open_since + FLUSH_CYCLES {
+            self.close();
+        }
+        (self.read_refused, self.write_refused) = (false, false);
+        // Read before write: a line is read a cycle after it was written.
+        if self.asked < self.written && self.outstanding < READS && self.read_at != Some(now) {
+            if memory.request(now, self.request(self.asked, Route::Read)) {
+                *counter(counters, self.region, true) += self.line_bytes;
+                (self.asked, self.outstanding, self.read_at) = (self.asked + 1, self.outstanding + 1, Some(now));
+            } else {
+                self.read_refused = true;
+            }
+        }
+        if self.unwritten_lines() > 0 && self.wrote_at != Some(now) {
+            if memory.request(now, self.request(self.written, Route::Write)) {
+                *counter(counters, self.region, false) += self.line_bytes;
+                (self.written, self.wrote_at) = (self.written + 1, Some(now));
+            } else {
+                self.write_refused = true;
+            }
+        }
+    }
+
+    fn request(&self, line: u64, route: Route) -> Request {
+        let packet = &self.packets[(line / self.packet_lines) as usize];
+        Request { port: self.port, line: packet.line + line % self.packet_lines, region: self.region, route }
+    }
+
+    /// A line arrived.
+    pub fn respond(&mut self, line: u64) {
+        let of = |p: &Packet| p.line <= line && line < p.line + self.packet_lines;
+        if let Some(place) = self.packets.iter().position(of) {
+            self.packets[place].arrived += 1;
+            self.outstanding -= 1;
+        }
+        while self.packets.front().is_some_and(|p| p.arrived == self.packet_lines) {
+            self.ready += self.packets.pop_front().map_or(0, |p| p.messages);
+            self.written -= self.packet_lines;
+            self.asked -= self.packet_lines;
+        }
+    }
+
+    /// Whether a message can be taken.
+    pub fn has_ready(&self) -> bool {
+        self.ready > 0
+    }
+
+    /// Takes the next message that has arrived.
+    pub fn pop(&mut self) -> Option<RayRef> {
+        if self.ready == 0 {
+            return None;
+        }
+        self.ready -= 1;
+        self.messages.pop_front()
+    }
+
+    /// Whether memory refused a request of the last tick.
+    pub fn refused(&self) -> bool {
+        self.read_refused || self.write_refused
+    }
+
+    /// When the stream can do something by itself. Messages that can be taken are the taker's event.
+    pub fn next_event(&self, now: Cycle) -> Option<Cycle> {
+        let reads = self.asked < self.written && self.outstanding < READS && !self.read_refused;
+        let writes = self.unwritten_lines() > 0 && !self.write_refused;
+        if reads || writes {
+            return Some(now + 1);
+        }
+        (self.open > 0).then_some((self.open_since + FLUSH_CYCLES).max(now + 1))
+    }
+}

@@ -1,0 +1,107 @@
+//! Traffic: spill, borders, external geometry buffer, interface through memory, rasteriser.
+
+use super::mocks::{Mem, Unit, mixed, run, srp, uniform};
+use crate::config::{Bytes, GeometryBuffer, Interface, MachineConfig, PrimaryVisibility};
+use crate::memory::Route;
+use crate::srp::{FLUSH_CYCLES, Srp};
+use crate::test_config::machine;
+use crate::work::layout::Region;
+use crate::work::{TileWork, Wave};
+
+fn finished(config: &MachineConfig, work: TileWork) -> (Srp, Unit, Mem) {
+    let (mut s, mut unit, mut memory) = (srp(config), Unit::new(64, 50), Mem::new(64, 20));
+    run(&mut s, vec![work], &mut unit, &mut memory, true);
+    (s, unit, memory)
+}
+
+#[test]
+fn what_does_not_fit_is_written_and_read_once() {
+    let mut config = machine();
+    config.srp.local_memory = Bytes(2 * 1990); // a share of 1990 bytes: 99 samples of 20 bytes and a half
+    let mut work = uniform(0, 1, None, 0);
+    (work.rect.width, work.rect.height, work.apron_samples) = (10, 10, 3);
+    let (s, ..) = finished(&config, work.clone());
+    // 2060 - 1990 = 70 bytes: 4 samples, 80 bytes, 2 lines.
+    assert_eq!(s.stats().local.spilled_samples, 4);
+    assert_eq!((s.stats().dma.sample_written, s.stats().dma.sample_read), (128, 128));
+    config.srp.local_memory = Bytes(2 * 2060);
+    assert_eq!(finished(&config, work).0.stats().local.spilled_samples, 0);
+}
+
+#[test]
+fn borders_are_written_and_read_once() {
+    let mut work = uniform(3, 1, None, 0);
+    work.border_samples = 10;
+    let (s, _, memory) = finished(&machine(), work);
+    assert_eq!((s.stats().dma.border_written, s.stats().dma.border_read), (256, 256));
+    let order: Vec<Route> =
+        memory.log.iter().filter(|(_, r)| r.region == Region::Border).map(|(_, r)| r.route).collect();
+    assert_eq!(order, [[Route::Write; 4], [Route::Read; 4]].concat());
+}
+
+#[test]
+fn an_external_geometry_buffer_is_written_and_read_by_waves() {
+    let mut config = machine();
+    config.gpu.geometry_buffer = GeometryBuffer::External;
+    let mut work = uniform(0, 20, None, 0);
+    work.waves.push(Wave { tests: 50, interpolated: 30, starts: Vec::new() });
+    let (s, ..) = finished(&config, work);
+    // Written: 20 samples x 16 bytes. Read: 50 x 2 x (4 + 4 + 1) + 30 x 2 x 6 = 1260 bytes, 20 lines.
+    assert_eq!((s.stats().dma.sample_written, s.stats().dma.sample_read), (320, 1280));
+    assert_eq!(s.stats().local.spilled_samples, 0);
+}
+
+#[test]
+fn local_memory_is_counted_by_field() {
+    let mut work = uniform(0, 2, Some(0), 1);
+    work.waves.push(Wave { tests: 5, interpolated: 3, starts: Vec::new() });
+    let (s, ..) = finished(&machine(), work);
+    // Words: object 1, normal 1, position 2, shadow 1, colour 1, flags 1.
+    let reads = 2 + 5 * 2 * 3 + 3 * 2 * 3 + 4;
+    let writes = 2 * 7 + 2 + 3 * 7;
+    assert_eq!((s.stats().local.reads, s.stats().local.writes), (reads, writes));
+}
+
+#[test]
+fn through_memory_a_ray_follows_its_line() {
+    let mut config = machine();
+    config.gpu.interface = Interface::Memory;
+    let (mut s, mut unit, mut memory) = (srp(&config), Unit::new(64, 50), Mem::new(64, 20));
+    run(&mut s, vec![uniform(0, 3, None, 0)], &mut unit, &mut memory, true);
+    // Rays are complete at 13, 15, 18. Two share a line, written at 16 as the streams moved before the kernel, read at 17,
+    // here at 37. The third is flushed 64 cycles after it came.
+    let rays: Vec<_> = memory.log.iter().filter(|(_, r)| r.region == Region::Ray).collect();
+    assert_eq!(rays[0].1.route, Route::Write);
+    assert_eq!(rays[0].0, 16);
+    assert_eq!((rays[1].0, rays[1].1.route, rays[1].1.line), (17, Route::Read, rays[0].1.line));
+    assert_eq!(unit.pushed.iter().map(|p| p.0).collect::<Vec<_>>(), [37, 38, 18 + FLUSH_CYCLES + 1 + 20]);
+    // Hits at 87 and 88, and at 153: the first two share a line.
+    let d = s.stats().dma;
+    assert_eq!((d.ray_written, d.ray_read), (4 * 64, 4 * 64));
+}
+
+#[test]
+fn a_rasteriser_delivers_primaries() {
+    let mut config = machine();
+    config.gpu.primary_visibility = PrimaryVisibility::Raster;
+    let work = uniform(0, 30, Some(1), 2);
+    let (s, unit, memory) = finished(&config, work);
+    assert_eq!(unit.pushed.len(), 60, "shadow rays only");
+    assert!(unit.pushed.iter().all(|(_, r)| r.ray % 3 != 0));
+    // 20 bytes a sample: 3 a line.
+    assert_eq!((s.stats().dma.gbuffer_written, s.stats().dma.gbuffer_read), (640, 640));
+    let first_read = memory.log.iter().find(|(_, r)| r.region == Region::GBuffer && r.route == Route::Read);
+    assert!(first_read.is_some_and(|(at, _)| *at >= 3));
+}
+
+#[test]
+fn raster_and_memory_work_on_mixed_tiles() {
+    let mut config = machine();
+    config.gpu.primary_visibility = PrimaryVisibility::Raster;
+    config.gpu.interface = Interface::Memory;
+    let work = mixed(0, 50, 4);
+    let (rays, primaries) = (work.rays.len(), 100);
+    let (s, unit, _) = finished(&config, work);
+    assert_eq!(unit.pushed.len(), rays - primaries);
+    assert_eq!(s.stats().local.tiles, 1);
+}

@@ -1,0 +1,226 @@
+//! A tile slot: from the first wave to the pixels in the framebuffer.
+//!
+//! ```text
+//! free -> [reads of the wave -> tests -> interpolations and started rays] per wave -> border and spill traffic -> resolve -> store -> free
+//! ```
+//!
+//! A step begins when the one before is completely done: no item queued or running, no ray out, no transfer of this tile under
+//! way. So a wave begins when the one before is done (paper: tests see what was traced before). Started rays are queued in the
+//! order of the wave. Slots do not wait for one another: with two tiles in flight SRP and T&I unit overlap.
+//!
+//! Store: the pixels of the tile, row by row, into a row-major framebuffer of one frame. Border samples: `sample.total()` bytes
+//! each, written and read once, at the end of the tile. (Estimate.)
+
+use super::FrameShape;
+use super::dma::Dma;
+use super::kernels::KernelId;
+use super::local::TileBuffer;
+use super::queues::Queues;
+use super::raster::Raster;
+use super::stats::LocalCounters;
+use crate::link::RayRef;
+use crate::memory::Route;
+use crate::work::layout::{Layout, Region};
+use crate::work::{TileWork, Wave};
+use rayreel_formats::scene::Rect;
+use rayreel_formats::tile::RayKind;
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Phase {
+    Free,
+    Reads,
+    Tests,
+    Samples,
+    Traffic,
+    Resolve,
+    Store,
+}
+
+/// What a slot uses beside its own state.
+pub struct Outside<'a> {
+    /// DMA engine.
+    pub dma: &'a mut Dma,
+    /// Rasteriser, if primary visibility is its work.
+    pub raster: Option<&'a mut Raster>,
+    /// Tile buffer.
+    pub buffer: &'a TileBuffer,
+    /// Addresses.
+    pub layout: Layout,
+    /// Framebuffer.
+    pub shape: FrameShape,
+    /// Core.
+    pub core: u32,
+    /// Counters.
+    pub counters: &'a mut LocalCounters,
+}
+
+/// A tile slot.
+#[derive(Clone, Debug)]
+pub struct Slot {
+    /// The tile.
+    pub work: TileWork,
+    /// Number of the tile in the order in which this core got them.
+    pub age: u64,
+    /// Items queued or running, and rays out.
+    pub pending: u32,
+    /// Rays that have not come back, primaries that the rasteriser has not delivered.
+    pub rays_out: u32,
+    /// Item queues.
+    pub queues: Queues,
+    phase: Phase,
+    wave: usize,
+    written_bytes: u64,
+}
+
+impl Slot {
+    /// A free slot.
+    pub fn new() -> Self {
+        let work = TileWork {
+            frame: 0,
+            tile: 0,
+            rect: Rect { x: 0, y: 0, width: 0, height: 0 },
+            apron_samples: 0,
+            border_samples: 0,
+            secondary_hits: 0,
+            rays: Vec::new(),
+            ops: Vec::new(),
+            waves: Vec::new(),
+        };
+        Self {
+            work,
+            age: 0,
+            pending: 0,
+            rays_out: 0,
+            queues: Queues::default(),
+            phase: Phase::Free,
+            wave: 0,
+            written_bytes: 0,
+        }
+    }
+
+    /// Whether there is no tile.
+    pub fn is_free(&self) -> bool {
+        self.phase == Phase::Free
+    }
+
+    /// The wave that runs.
+    pub fn wave(&self) -> Option<&Wave> {
+        self.work.waves.get(self.wave)
+    }
+
+    /// Takes a tile.
+    pub fn give(&mut self, id: u8, age: u64, work: TileWork, outside: &mut Outside<'_>) {
+        assert!(self.is_free(), "tile slot {id} is taken");
+        (self.work, self.age, self.wave, self.written_bytes) = (work, age, 0, 0);
+        self.begin_wave(id, outside);
+    }
+
+    /// Takes the next step if the one before is done. Returns whether it did.
+    pub fn advance(&mut self, id: u8, outside: &mut Outside<'_>) -> bool {
+        if self.phase == Phase::Free || self.pending > 0 || outside.dma.pending(id) > 0 {
+            return false;
+        }
+        match self.phase {
+            Phase::Free => {}
+            Phase::Reads => {
+                let tests = self.wave().map_or(0, |w| w.tests);
+                self.queue(KernelId::Similarity, tests, outside);
+                self.phase = Phase::Tests;
+            }
+            Phase::Tests => {
+                self.begin_samples(id, outside);
+                self.phase = Phase::Samples;
+            }
+            Phase::Samples => {
+                let bytes = self.wave().map_or(0, |w| outside.buffer.wave_written_bytes(w));
+                self.transfer(id, Region::Sample, Route::Write, self.written_bytes, bytes, outside);
+                self.written_bytes += bytes;
+                self.wave += 1;
+                self.begin_wave(id, outside);
+            }
+            Phase::Traffic => {
+                self.queue(KernelId::Resolve, self.work.rect.len() as u32, outside);
+                self.phase = Phase::Resolve;
+            }
+            Phase::Resolve => {
+                self.store(id, outside);
+                self.phase = Phase::Store;
+            }
+            Phase::Store => {
+                outside.counters.tiles += 1;
+                self.phase = Phase::Free;
+            }
+        }
+        true
+    }
+
+    fn queue(&mut self, kernel: KernelId, items: u32, outside: &mut Outside<'_>) {
+        self.queues.push_count(kernel, items);
+        self.pending += items;
+        outside.buffer.count(kernel, false, items.into(), outside.counters);
+    }
+
+    fn begin_wave(&mut self, id: u8, outside: &mut Outside<'_>) {
+        let Some(wave) = self.wave() else { return self.end_waves(id, outside) };
+        let bytes = outside.buffer.wave_read_bytes(wave);
+        self.transfer(id, Region::Sample, Route::Read, 0, bytes, outside);
+        self.phase = Phase::Reads;
+    }
+
+    fn begin_samples(&mut self, id: u8, outside: &mut Outside<'_>) {
+        let interpolated = self.wave().map_or(0, |w| w.interpolated);
+        self.queue(KernelId::Interpolate, interpolated, outside);
+        let Some(wave) = self.work.waves.get(self.wave) else { return };
+        self.pending += wave.starts.len() as u32;
+        for &ray in &wave.starts {
+            match &mut outside.raster {
+                // A rasteriser sees what the eye sees; rays from interpolated hits are traced.
+                Some(raster) if self.work.rays[ray as usize].kind == RayKind::Primary => {
+                    self.rays_out += 1;
+                    raster.add(RayRef { slot: id, ray });
+                }
+                _ => self.queues.push_ray(KernelId::Raygen, ray),
+            }
+        }
+    }
+
+    fn end_waves(&mut self, id: u8, outside: &mut Outside<'_>) {
+        let sample = outside.buffer.sample_bytes();
+        let spilled = outside.buffer.spilled_samples(&self.work);
+        outside.counters.spilled_samples += spilled;
+        for route in [Route::Write, Route::Read] {
+            self.transfer(id, Region::Sample, route, 0, spilled * sample, outside);
+            let border = u64::from(self.work.border_samples) * sample;
+            self.transfer(id, Region::Border, route, 0, border, outside);
+        }
+        self.phase = Phase::Traffic;
+    }
+
+    /// Moves `bytes` from `offset` of this slot's (tile's, for borders) part of a region on.
+    fn transfer(&self, id: u8, region: Region, route: Route, offset: u64, bytes: u64, outside: &mut Outside<'_>) {
+        if bytes == 0 {
+            return;
+        }
+        let part = match region {
+            Region::Border => u64::from(self.work.tile) << 16,
+            _ => (u64::from(outside.core) << 34) + (u64::from(id) << 30),
+        };
+        outside.dma.add(id, region, route, outside.layout.lines(region.base() + part + offset, bytes));
+    }
+
+    fn store(&self, id: u8, outside: &mut Outside<'_>) {
+        let FrameShape { width_pixels, samples_per_axis, pixel_bytes } = outside.shape;
+        let (rect, per_pixel) = (self.work.rect, samples_per_axis.max(1));
+        if rect.is_empty() {
+            return;
+        }
+        let (left, right) = (rect.x / per_pixel, (rect.x + rect.width).div_ceil(per_pixel));
+        let (top, bottom) = (rect.y / per_pixel, (rect.y + rect.height).div_ceil(per_pixel));
+        for y in top..bottom {
+            let pixel = u64::from(y) * u64::from(width_pixels) + u64::from(left);
+            let address = Region::Framebuffer.base() + pixel * u64::from(pixel_bytes);
+            let lines = outside.layout.lines(address, u64::from(right - left) * u64::from(pixel_bytes));
+            outside.dma.add(id, Region::Framebuffer, Route::Write, lines);
+        }
+    }
+}

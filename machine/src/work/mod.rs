@@ -1,0 +1,93 @@
+//! What a policy hands to the machine: for each tile the rays that it traces, wave by wave, and what is done instead of the
+//! others.
+//!
+//! A wave is what the SRP can decide at one moment: first the R-samples, then the samples that the X step tests (those that
+//! pass are interpolated, those that fail are traced), then those of the Y step, and so on. Rays that hang on a hit (shadow
+//! and secondary rays) are spawned by the machine when that hit comes back.
+
+pub mod check;
+pub mod layout;
+pub mod ops;
+pub mod synthetic;
+pub mod topology;
+
+use rayreel_formats::scene::Rect;
+use rayreel_formats::tile::RayKind;
+
+use self::ops::Op;
+
+/// No ray.
+pub const NO_RAY: u32 = u32::MAX;
+/// No triangle: the ray left the scene.
+pub const NO_TRIANGLE: u32 = u32::MAX;
+
+/// One ray of a tile.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct RayWork {
+    /// Where its operations begin in [`TileWork::ops`].
+    pub ops_start: u32,
+    /// Number of its operations.
+    pub ops_len: u32,
+    /// What it is.
+    pub kind: RayKind,
+    /// Number of shadow rays of its hit; they are the rays that follow it directly.
+    pub shadows: u8,
+    /// The hit triangle; [`NO_TRIANGLE`] for a miss and for shadow rays.
+    pub triangle: u32,
+    /// Material of the hit triangle: the branch that shading takes.
+    pub material: u32,
+    /// The reflection ray of its hit; [`NO_RAY`] if there is none.
+    pub reflect: u32,
+    /// The refraction ray of its hit; [`NO_RAY`] if there is none.
+    pub refract: u32,
+    /// Sample in the frame's grid: column.
+    pub x: u32,
+    /// Sample in the frame's grid: row.
+    pub y: u32,
+    /// Bounces before this ray.
+    pub depth: u8,
+}
+
+/// One wave of a tile.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Wave {
+    /// Similarity tests (pairs of hits) made before anything of this wave is traced or interpolated.
+    pub tests: u32,
+    /// Hits and whole subtrees interpolated; one for a sample of which nothing is traced.
+    pub interpolated: u32,
+    /// The rays that the SRP starts, as indices into [`TileWork::rays`], row by row: primary rays, and rays of any kind that
+    /// leave an interpolated hit. All others are spawned by a hit that comes back.
+    pub starts: Vec<u32>,
+}
+
+/// The work of one tile.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct TileWork {
+    /// Frame number.
+    pub frame: u32,
+    /// Tile number in the frame.
+    pub tile: u32,
+    /// Its samples in the frame's grid.
+    pub rect: Rect,
+    /// Samples of neighbouring tiles that are traced again.
+    pub apron_samples: u32,
+    /// Samples at its borders whose attributes are kept for a neighbouring tile.
+    pub border_samples: u32,
+    /// Secondary hits that its similarity tests look at, kept beside the samples.
+    pub secondary_hits: u32,
+    /// The traced rays: each sample's in ray order (closest-hit ray, its shadow rays, then its children's subtrees).
+    pub rays: Vec<RayWork>,
+    /// The operations of all rays: every ray's are a valid path through the tree.
+    pub ops: Vec<Op>,
+    /// The waves, in order.
+    pub waves: Vec<Wave>,
+}
+
+impl TileWork {
+    /// The operations of ray `ray`.
+    #[inline]
+    pub fn path(&self, ray: u32) -> &[Op] {
+        let own = &self.rays[ray as usize];
+        &self.ops[own.ops_start as usize..][..own.ops_len as usize]
+    }
+}

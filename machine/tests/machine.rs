@@ -1,0 +1,302 @@
+//! Machines from presets, files and overrides: what is taken, where it is from, and what the errors say.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::Path;
+
+use proptest::prelude::*;
+use rayreel_machine::config::schema::{KEYS, Rule};
+use rayreel_machine::config::{Bytes, Class, MachineConfig, NamedMachine, PRESETS};
+use rayreel_replay::ReplayError;
+
+fn load(spec: &str, overrides: &[&str]) -> Result<NamedMachine, ReplayError> {
+    NamedMachine::load(spec, &overrides.iter().map(ToString::to_string).collect::<Vec<_>>())
+}
+
+/// Saves `text` in `folder` and loads it.
+fn file(folder: &Path, name: &str, text: &str) -> Result<NamedMachine, ReplayError> {
+    let path = folder.join(name);
+    fs::write(&path, text).unwrap();
+    load(path.to_str().unwrap(), &[])
+}
+
+#[test]
+fn the_keys_are_those_of_the_structs_in_their_order() {
+    fn leaves(value: &serde_json::Value, prefix: &str, out: &mut Vec<String>) {
+        match value.as_object() {
+            Some(map) => map.iter().for_each(|(k, v)| leaves(v, &format!("{prefix}.{k}"), out)),
+            None => out.push(prefix.trim_start_matches('.').to_owned()),
+        }
+    }
+    let config = load("sgrt-ti2", &[]).unwrap().config;
+    let mut found = Vec::new();
+    leaves(&serde_json::to_value(config).unwrap(), "", &mut found);
+    let tables = |name: &str| name.rsplit_once('.').map_or(String::new(), |(table, _)| table.to_owned());
+    assert_eq!(found.len(), KEYS.len());
+    for key in KEYS {
+        assert!(found.iter().any(|f| f == key.name), "{} is in no struct", key.name);
+    }
+    let order: Vec<_> = found.iter().filter(|f| !tables(f).starts_with("srp")).collect();
+    let keys: Vec<_> = KEYS.iter().map(|k| k.name).filter(|k| !tables(k).starts_with("srp")).collect();
+    assert_eq!(order, keys);
+}
+
+#[test]
+fn every_value_of_every_preset_has_a_class_and_a_source() {
+    assert_eq!(PRESETS.len(), 10);
+    for (name, _) in PRESETS {
+        let machine = load(name, &[]).unwrap();
+        assert_eq!(machine.name, *name);
+        machine.config.check().unwrap();
+        assert_eq!(
+            machine.values.iter().map(|v| v.key).collect::<Vec<_>>(),
+            KEYS.iter().map(|k| k.name).collect::<Vec<_>>()
+        );
+        for value in &machine.values {
+            assert!(!value.source.trim().is_empty() && value.class != Class::Override, "{name}: {value:?}");
+            for internal in ["hardware.md", "DESIGN", "[S", " section "] {
+                assert!(!value.source.contains(internal), "{name}: {} cites {internal}", value.key);
+            }
+        }
+        assert!(machine.chain.iter().all(|a| a.why.ends_with('.') && a.why.len() > 60), "{name} says why");
+    }
+}
+
+/// A preset names exactly what it changes, and no two are the same machine.
+#[test]
+fn presets_differ_from_their_base_in_what_they_name() {
+    let mut seen = BTreeMap::new();
+    for (name, text) in PRESETS {
+        let machine = load(name, &[]).unwrap();
+        if let Some(twin) = seen.insert(machine.canonical(), name) {
+            panic!("{name} is {twin}");
+        }
+        let table: toml::Table = text.parse().unwrap();
+        let Some(base) = table.get("extends") else { continue };
+        let base = load(base.as_str().unwrap(), &[]).unwrap();
+        for (own, old) in machine.values.iter().zip(&base.values) {
+            // A preset may restate a value with a source of its own (raycore's retry).
+            let restated = own.from == *name && own.source != old.source;
+            assert!((own.from == *name) == (own.value != old.value) || restated, "{name}: {}", own.key);
+        }
+        assert!(machine.values.iter().any(|v| v.from == *name));
+    }
+}
+
+#[test]
+fn presets_are_what_their_names_say() {
+    use rayreel_machine::config::{GeometryBuffer, Interface, MissHandling, Pipeline, PrimaryVisibility};
+    let of = |name: &str| load(name, &[]).unwrap().config;
+    let base = of("sgrt-ti2");
+    assert_eq!((base.gpu.cores, base.ti.trv, base.ti.ist, base.ti.aabbs_per_cycle), (4, 4, 1, 2));
+    assert_eq!((base.ti.clock_mhz, base.srp.clock_mhz, base.dram.clock_mhz), (500, 1000, 1600));
+    assert_eq!((base.ti.trv_l1.size, base.l2.size), (Bytes(16 << 10), Bytes(256 << 10)));
+    assert_eq!((base.energy.box_test_pj.femtojoules, base.energy.stack_pop_pj.femtojoules), (15_000, 260));
+    let ti1 = of("sgrt-ti1").ti;
+    assert_eq!((ti1.aabbs_per_cycle, ti1.pipeline), (1, Pipeline::Single));
+    assert_eq!(of("sgrt-ti2-retry").ti.miss_handling, MissHandling::Retry);
+    assert_eq!(of("sgrt-ti2-accumulate").ti.miss_handling, MissHandling::Accumulate);
+    assert_eq!(of("sgrt-ti2-rob").ti.miss_handling, MissHandling::Reorder);
+    assert!(of("sgrt-hybrid-number").layout.node_bytes < base.layout.node_bytes);
+    let raycore = of("raycore");
+    assert_eq!(
+        (raycore.ti.pipeline, raycore.ti.ist, raycore.srp.kernels.similarity.ii_cycles),
+        (Pipeline::Unified, 0, 0)
+    );
+    assert_eq!(of("hybrid-raster").gpu.primary_visibility, PrimaryVisibility::Raster);
+    assert_eq!(of("external-buffers").gpu.geometry_buffer, GeometryBuffer::External);
+    assert_eq!(of("no-direct-interface").gpu.interface, Interface::Memory);
+}
+
+#[test]
+fn overrides_change_one_value_each() {
+    let machine =
+        load("sgrt-ti2", &["ti.trv_l1.size=32KiB", " l2.inclusive = true ", "energy.box_test_pj=12.3456"]).unwrap();
+    assert_eq!(machine.name, "sgrt-ti2+ti.trv_l1.size=32KiB+l2.inclusive = true+energy.box_test_pj=12.3456");
+    assert_eq!(machine.config.ti.trv_l1.size, Bytes(32 << 10));
+    assert!(machine.config.l2.inclusive);
+    assert_eq!(machine.config.energy.box_test_pj.femtojoules, 12_346, "kept to the femtojoule");
+    let changed: Vec<_> = machine.values.iter().filter(|v| v.class == Class::Override).map(|v| v.key).collect();
+    assert_eq!(changed, ["ti.trv_l1.size", "l2.inclusive", "energy.box_test_pj"]);
+    assert_eq!(load("sgrt-ti2", &["ti.trv=8", "ti.trv=2"]).unwrap().config.ti.trv, 2, "the last one counts");
+    assert_eq!(
+        load("sgrt-ti2", &["ti.trv_l1.size=16384"]).unwrap().canonical(),
+        load("sgrt-ti2", &[]).unwrap().canonical()
+    );
+}
+
+#[test]
+fn impossible_values_are_named() {
+    let cases: &[(&[&str], &str)] = &[
+        (&["gpu.cores=0"], "gpu.cores = 0 is not allowed; it must be a whole number from 1 to 64"),
+        (&["gpu.cores=65"], "from 1 to 64"),
+        (&["gpu.cores=4.0"], "gpu.cores = 4.0 is not allowed"),
+        (&["gpu.tiles_in_flight=17"], "from 1 to 16"),
+        (&["gpu.interface=wifi"], "\"direct\" or \"memory\""),
+        (&["ti.clock_mhz=5001"], "from 1 to 5000"),
+        (&["ti.trv=0"], "from 1 to 16"),
+        (&["ti.ist=0"], "ti.ist = 0 leaves nobody to test triangles"),
+        (&["ti.pipeline=unified"], "so ti.ist = 1 must be 0"),
+        (&["ti.aabbs_per_cycle=3"], "from 1 to 2"),
+        (&["ti.rays_per_trv=129"], "from 1 to 128"),
+        (&["ti.ist_entries=129"], "from 1 to 128"),
+        (
+            &["ti.trv_l1.size=24KiB"],
+            "ti.trv_l1.size = 24576 bytes in 4 ways of 64-byte lines is not a power-of-two number of sets",
+        ),
+        (&["ti.trv_l1.size=1KiB", "ti.trv_l1.ways=32"], "ti.trv_l1.ways = 32 is more than the 16 lines"),
+        (&["ti.trv_l1.ways=0"], "from 1 to 64"),
+        (&["ti.trv_l1.size=2MiB"], "a size from 1KiB to 1MiB, such as 16KiB"),
+        (&["ti.trv_l1.size=16kb"], "a size from 1KiB"),
+        (&["ti.trv_l1.size=-1"], "a size from 1KiB"),
+        (&["l2.size=65MiB"], "to 64MiB"),
+        (&["l2.size=192KiB"], "l2.size = 196608 bytes"),
+        (&["l2.line_bytes=48"], "l2.line_bytes = 48 is not a power of two"),
+        (&["l2.banks=3"], "l2.banks = 3 is not a power of two"),
+        (&["l2.size=4KiB", "l2.banks=16"], "l2.banks = 16 is more than the 8 sets"),
+        (&["l2.line_bytes=16"], "l2.line_bytes = 16 is less than dram.burst_bytes = 32"),
+        (&["dram.tras=28"], "dram.trcd = 29 is more than dram.tras = 28"),
+        (&["dram.trp_all=28"], "dram.trp = 29 is more than dram.trp_all = 28"),
+        (&["dram.tfaw=15"], "dram.trrd = 16 is more than dram.tfaw = 15"),
+        (&["dram.trefi=579"], "dram.trefi = 579 leaves no time between refreshes"),
+        (&["dram.write_low=24"], "dram.write_low = 24 must be less than dram.write_high = 24"),
+        (&["dram.write_high=33"], "dram.write_high = 33 is more than dram.write_queue_entries = 32"),
+        (&["dram.channels=3"], "dram.channels = 3 is not a power of two"),
+        (&["srp.batch_min=257"], "srp.batch_min = 257 is more than srp.batch_max = 256"),
+        (&["srp.kernels.shade.ii_cycles=0"], "from 1 to 10000"),
+        (&["srp.kernels.similarity.ii_cycles=0"], "a machine has both kernels or (0) neither"),
+        (&["srp.ideal=1"], "true or false"),
+        (&["energy.box_test_pj=-1"], "a number of picojoules from 0 to 1000000"),
+        (&["energy.box_test_pj=nan"], "a number of picojoules"),
+        (&["ti.trv_l1.sise=3"], "did you mean ti.trv_l1.size"),
+        (&["trv_l1.latency=3"], "no key \"trv_l1.latency\" in a machine; "),
+        (&["zebra=3"], "`rayreel presets show sgrt-ti2` lists all keys"),
+        (&["ti=3"], "a table with clock_mhz, trv"),
+        (&["ti.trv.x=3"], "no key \"ti.trv.x\""),
+        (&["ti.trv"], "write key=value"),
+        (&["=4"], "write key=value"),
+        (&["ti.trv=[4]"], "ti.trv = [4] is not allowed"),
+    ];
+    for (overrides, part) in cases {
+        let text = load("sgrt-ti2", overrides).expect_err(&format!("{overrides:?}")).to_string();
+        assert!(text.contains(part), "{text:?} does not say {part:?}");
+        assert!(text.starts_with(char::is_lowercase), "{text}");
+    }
+    for (overrides, key) in
+        [(&["dram.trefi=580"], "trefi"), (&["ti.rays_per_trv=128"], "rays"), (&["dram.tras=29"], "tras")]
+    {
+        assert!(load("sgrt-ti2", overrides).is_ok(), "{key} at its limit");
+    }
+    assert!(load("sgrt-ti3", &[]).unwrap_err().to_string().contains("did you mean sgrt-ti2 or sgrt-ti1?"));
+    assert!(load("no/such.toml", &[]).unwrap_err().to_string().contains("cannot read the machine file no/such.toml"));
+}
+
+#[test]
+fn files_extend_presets_and_files() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    fs::write(folder.join("a.toml"), "extends = \"sgrt-ti2-rob\"\n[ti]\ntrv = 2\n").unwrap();
+    let b = "extends = \"./a.toml\"\nwhy = \"mine\"\n[l2]\nsize = { value = \"1MiB\", class = \"estimate\", source = \"me\" }\n";
+    let machine = file(folder, "b.toml", b).unwrap();
+    assert_eq!(machine.name, "b");
+    assert_eq!(
+        machine.chain.iter().map(|a| a.name.as_str()).collect::<Vec<_>>(),
+        ["b", "a", "sgrt-ti2-rob", "sgrt-ti2"]
+    );
+    let of = |key: &str| machine.values.iter().find(|v| v.key == key).unwrap();
+    assert_eq!((machine.config.ti.trv, machine.config.l2.size), (2, Bytes(1 << 20)));
+    assert_eq!((of("ti.trv").class, of("ti.trv").source.as_str()), (Class::Override, "set in a"));
+    assert_eq!((of("l2.size").class, of("l2.size").from.as_str()), (Class::Estimate, "b"));
+    assert_eq!(of("ti.miss_handling").from, "sgrt-ti2-rob");
+
+    for (text, part) in [
+        ("extends = \"me.toml\"", "in a circle"),
+        ("extends = \"sgrt-ti\"", "did you mean"),
+        ("extends = 3", "extends = 3 is not allowed; it must be a text in quotes"),
+        ("[ti]\ntrv = 4", "gpu.cores is missing; set it, or write extends"),
+        ("extends = ", "is not a valid machine"),
+        ("extends = \"sgrt-ti2\"\n[ti]\ntvr = 4", "did you mean ti.trv"),
+        ("extends = \"sgrt-ti2\"\n[ti]\ntrv = { value = 4, class = \"memory\" }", "ti.trv.source = \"(missing)\""),
+        (
+            "extends = \"sgrt-ti2\"\n[ti]\ntrv = { value = 4, class = \"memory\", source = \" \" }",
+            "ti.trv.source = \" \"",
+        ),
+        (
+            "extends = \"sgrt-ti2\"\n[ti]\ntrv = { value = 4, class = \"hearsay\", source = \"x\" }",
+            "ti.trv.class = \"hearsay\"",
+        ),
+        (
+            "extends = \"sgrt-ti2\"\n[ti]\ntrv = { value = 99, class = \"memory\", source = \"x\" }",
+            "me.toml: ti.trv = 99",
+        ),
+        (
+            "extends = \"sgrt-ti2\"\n[ti]\ntrv = { vale = 4 }",
+            "no key \"ti.trv.vale\" in a machine; did you mean value?",
+        ),
+        ("extends = \"sgrt-ti2\"\n[ti]\ntrv_l1 = 3", "a table with size, ways"),
+    ] {
+        let error = file(folder, "me.toml", text).unwrap_err().to_string();
+        assert!(error.contains(part), "{error:?} does not say {part:?}");
+    }
+}
+
+/// What a machine prints is a machine file that gives it back, classes and sources included.
+#[test]
+fn a_printed_machine_loads_again() {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, _) in PRESETS {
+        let machine = load(name, &["ti.ray_fifo_entries=7"]).unwrap();
+        let mut text = String::new();
+        for v in &machine.values {
+            let rule = KEYS.iter().find(|k| k.name == v.key).unwrap().rule;
+            text += &format!(
+                "{} = {{ value = {}, class = \"{}\", source = {:?} }}\n",
+                v.key,
+                rule.show(&v.value),
+                v.class,
+                v.source
+            );
+        }
+        let again = file(folder.path(), "again.toml", &text).unwrap();
+        assert_eq!(again.config, machine.config);
+        assert_eq!(again.canonical(), machine.canonical());
+        let parts = |m: &NamedMachine| m.values.iter().map(|v| (v.key, v.class, v.source.clone())).collect::<Vec<_>>();
+        assert_eq!(parts(&again), parts(&machine));
+    }
+}
+
+#[test]
+fn a_machine_made_by_code_is_checked_too() {
+    let mut config: MachineConfig = load("sgrt-ti2", &[]).unwrap().config;
+    config.check().unwrap();
+    config.ti.rays_per_trv = 0;
+    assert!(config.check().unwrap_err().to_string().contains("machine: ti.rays_per_trv = 0"));
+    config.ti.rays_per_trv = 1;
+    config.ti.ist = 0;
+    assert!(config.check().unwrap_err().to_string().contains("ti.ist = 0"));
+}
+
+proptest! {
+    #[test]
+    fn overrides_never_panic(text in "\\PC{0,40}") {
+        let _ = load("sgrt-ti2", &[&text]);
+    }
+
+    #[test]
+    fn what_loads_is_checked(key in 0usize..KEYS.len(), value in "[-+0-9a-zKMiB.\"\\[\\]{}= ]{0,12}") {
+        if let Ok(machine) = load("sgrt-ti2", &[&format!("{}={value}", KEYS[key].name)]) {
+            machine.config.check().unwrap();
+        }
+    }
+
+    #[test]
+    fn limits_are_inclusive(key in 0usize..KEYS.len()) {
+        if let Rule::Integer(low, high) = KEYS[key].rule {
+            let range = |v: i64| {
+                let loaded = load("sgrt-ti2", &[&format!("{}={v}", KEYS[key].name)]);
+                !matches!(loaded, Err(ReplayError::BadValue { .. }))
+            };
+            prop_assert!(range(low) && range(high) && !range(low - 1) && !range(high + 1));
+        }
+    }
+}

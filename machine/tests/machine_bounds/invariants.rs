@@ -1,0 +1,155 @@
+//! What is worked is the same on every machine; and every cycle and every joule is accounted for.
+
+use rayreel_machine::config::{MachineConfig, PRESETS, PrimaryVisibility};
+use rayreel_machine::energy::{Counts, EnergyReport, Group};
+use rayreel_machine::srp::{Needs, missing_kernels};
+use rayreel_machine::stats::Stats;
+use rayreel_machine::work::TileWork;
+use rayreel_machine::work::synthetic::Random;
+
+use super::bounds::Demand;
+use super::harness::{SHAPE, machine, random_machine, random_work, recorded, run_real};
+
+/// The same counts as they stand in the counters.
+fn done(stats: &Stats) -> Demand {
+    let mut sum = Demand::default();
+    for core in &stats.cores {
+        for unit in &core.ti.trv {
+            let e = unit.events;
+            sum.rays += e.rays;
+            sum.visits += e.node_visits - e.restart_visits;
+            sum.leaves += e.leaves;
+            sum.tests += e.triangle_tests;
+            sum.stack += e.stack_operations;
+            sum.culled += e.culled;
+        }
+        sum.tests += core.ti.ist.iter().map(|unit| unit.events.triangle_tests).sum::<u64>();
+        core.srp.kernels.iter().zip(&mut sum.items).for_each(|(kernel, items)| *items += kernel.items);
+    }
+    sum
+}
+
+/// Counts that have no counter of their own are left out: pushes are more on restarts.
+fn assert_work(what: &str, config: &MachineConfig, tiles: &[TileWork], stats: &Stats) {
+    let asked = Demand { pushes: 0, ends: 0, lights: 0, ..Demand::of(config, tiles) };
+    assert_eq!(done(stats), asked, "{what}");
+    let sum = |of: &dyn Fn(&rayreel_machine::stats::CoreStats) -> u64| stats.cores.iter().map(of).sum::<u64>();
+    assert_eq!(sum(&|c| c.ti.dispatch.rays), asked.rays, "{what}");
+    assert_eq!((sum(&|c| c.srp.interface.rays), sum(&|c| c.srp.interface.hits)), (asked.rays, asked.rays), "{what}");
+    assert_eq!(sum(&|c| c.srp.local.tiles), tiles.len() as u64, "{what}");
+    let k = &config.srp.kernels;
+    let each = [k.raygen, k.shade, k.miss, k.update, k.similarity, k.interpolate, k.resolve];
+    let ops: u64 = asked.items.iter().zip(each).map(|(n, k)| n * u64::from(k.ops)).sum();
+    let lights = Demand::of(config, tiles).lights * u64::from(k.light.ops);
+    assert_eq!(sum(&|c| c.srp.kernels.iter().map(|k| k.ops).sum()), ops + lights, "{what}");
+    let boxes = sum(&|c| c.ti.trv.iter().map(|t| t.events.box_tests).sum());
+    let visits = sum(&|c| c.ti.trv.iter().map(|t| t.events.node_visits).sum());
+    assert_eq!(boxes, 2 * visits, "{what}: two boxes a visit");
+}
+
+/// Every cycle of every stage is in one class.
+fn assert_accounts(what: &str, stats: &Stats) {
+    for core in &stats.cores {
+        for (name, activity) in core.ti.trv.iter().flat_map(|unit| &unit.stages) {
+            assert_eq!(activity.total(), stats.cycles, "{what}: {name}");
+        }
+        for unit in &core.ti.ist {
+            assert_eq!(unit.activity.total(), stats.cycles, "{what}: triangles");
+        }
+        assert_eq!(core.srp.activity.total(), core.srp_cycles, "{what}: SRP");
+        let l1s = core.ti.trv.iter().map(|t| t.l1).chain(core.ti.ist.iter().map(|i| i.l1)).chain([core.srp_l1]);
+        for l1 in l1s {
+            assert_eq!(l1.lookups, l1.hits + l1.misses + l1.merges, "{what}");
+            assert_eq!(l1.misses, l1.fills + l1.dropped, "{what}: every line arrived");
+        }
+    }
+    let l2 = stats.memory.l2;
+    assert_eq!((l2.lookups, l2.misses), (l2.hits + l2.misses + l2.merges, l2.fills), "{what}: L2");
+    let asked: u64 = stats.cores.iter().flat_map(|c| c.ti.trv.iter().map(|t| t.l1.misses)).sum::<u64>()
+        + stats.cores.iter().flat_map(|c| c.ti.ist.iter().map(|i| i.l1.misses)).sum::<u64>()
+        + stats.cores.iter().map(|c| c.srp_l1.misses).sum::<u64>();
+    assert_eq!(l2.lookups, asked, "{what}: the L2 is asked for what the L1s miss");
+    for c in &stats.memory.channels {
+        // Rows may be open for writes that wait at the end.
+        let (rows, lines) = (c.row_hits + c.row_closed + c.row_conflicts, c.read_lines + c.write_lines);
+        assert!(lines <= rows && rows <= lines + 32, "{what}: {rows} rows, {lines} lines");
+    }
+}
+
+/// E = sum of parts, by component and by group; power x time = E, in whole femtojoules.
+fn assert_energy(what: &str, config: &MachineConfig, stats: &Stats) {
+    let counts = Counts {
+        cycles: stats.cycles,
+        cores: stats.cores.iter().map(|core| (&core.ti, &core.srp, core.srp_l1)).collect(),
+        l2: stats.memory.l2,
+        dram: stats.memory.dram(),
+        traffic: stats.memory.traffic,
+    };
+    let report = EnergyReport::new(config, &counts);
+    let parts: u128 = report.components.iter().map(|c| c.dynamic_fj + c.leakage_fj).sum();
+    let groups: u128 = [Group::Ti, Group::Srp, Group::Memory].map(|g| report.group_fj(g)).iter().sum();
+    assert!(parts > 0 && parts == report.gpu_fj() && groups == parts, "{what}");
+    let with_memory = report.ti_with_memory_fj();
+    assert!(report.ti_fj() <= with_memory && with_memory < parts, "{what}");
+    // Twice the time at the same counts: leakage doubles to a rounding a component, nothing else moves.
+    let twice = EnergyReport::new(config, &Counts { cycles: 2 * stats.cycles, ..counts });
+    for (one, two) in report.components.iter().zip(&twice.components) {
+        assert_eq!(one.dynamic_fj, two.dynamic_fj, "{what}: {}", one.name);
+        assert!((2 * one.leakage_fj).abs_diff(two.leakage_fj) <= 1, "{what}: {}", one.name);
+    }
+    let seconds = stats.cycles as f64 / (f64::from(config.ti.clock_mhz) * 1e6);
+    let watts = parts as f64 * 1e-15 / seconds;
+    assert!(
+        (watts * seconds * 1e15 / parts as f64 - 1.0).abs() < 1e-12 && watts > 0.01 && watts < 20.0,
+        "{what}: {watts} W"
+    );
+}
+
+fn assert_all(what: &str, config: &MachineConfig, tiles: &[TileWork], stats: &Stats) {
+    assert_work(what, config, tiles, stats);
+    assert_accounts(what, stats);
+    assert_energy(what, config, stats);
+}
+
+#[test]
+fn every_preset_does_the_recorded_work() {
+    let mut refused = 0;
+    for (i, work) in recorded().iter().enumerate() {
+        let sum = Demand::of(&machine("sgrt-ti2", &[]), &work.tiles);
+        let paths = &work.paths;
+        assert_eq!(
+            (sum.rays, sum.visits, sum.tests, sum.pushes, sum.culled, sum.stack - sum.culled - sum.ends),
+            (paths.rays, paths.node_visits, paths.triangle_tests, paths.pushes, paths.culled, paths.pops)
+        );
+        // Some tiles of the Cornell box under both policies, the teapot under the adaptive one.
+        let tiles = if i < 2 { &work.tiles[5..7] } else { &work.tiles[..] };
+        if i == 2 {
+            continue;
+        }
+        for (name, _) in PRESETS {
+            let config = machine(name, &[]);
+            let needs = tiles.iter().map(Needs::of).fold(Needs::default(), Needs::or);
+            if missing_kernels(&config, &needs).is_empty() {
+                let stats = run_real(&config, (&work.tree, tiles), work.shape);
+                assert_all(&format!("{}, {name}", work.name), &config, tiles, &stats);
+            } else {
+                refused += 1;
+            }
+        }
+    }
+    assert_eq!(refused, 2, "RayCore cannot interpolate, and every other machine can");
+}
+
+#[test]
+fn random_machines_do_the_same_work() {
+    for seed in 0..30 {
+        let (tree, tiles) = random_work(seed);
+        let mut config = random_machine(&mut Random(seed + 77));
+        config.l2.inclusive = seed % 3 == 0;
+        if seed % 5 == 0 {
+            config.gpu.primary_visibility = PrimaryVisibility::Raster;
+        }
+        let stats = run_real(&config, (&tree, &tiles), SHAPE);
+        assert_all(&format!("seed {seed}"), &config, &tiles, &stats);
+    }
+}

@@ -1,0 +1,114 @@
+//! A frame through policy and machine.
+
+use crate::error::{ReplayError, Result};
+use crate::frame::counts::FrameStats;
+use crate::frame::{FrameReplay, Replayer};
+use crate::source::PathSource;
+use rayreel_machine::config::MachineConfig;
+use rayreel_machine::energy::{Counts, EnergyReport};
+use rayreel_machine::memory::system::MemorySystem;
+use rayreel_machine::srp::{FrameShape, Needs, missing_kernels};
+use rayreel_machine::stats::{MemoryStats, Stats};
+use rayreel_machine::system::{Probe, System};
+use rayreel_machine::work::check::PathCounts;
+use rayreel_machine::work::topology::Topology;
+
+/// A replayed frame with what it cost on a machine.
+#[derive(Clone, Debug)]
+pub struct MachineFrame {
+    /// Picture and counts.
+    pub replay: FrameReplay,
+    /// What the machine did.
+    pub stats: Stats,
+    /// What it cost.
+    pub energy: EnergyReport,
+    /// What the paths asked for, whatever machine does it.
+    pub paths: PathCounts,
+}
+
+/// What a machine did with a frame, without its picture.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct MachineRun {
+    /// What the machine did.
+    pub stats: Stats,
+    /// What it cost.
+    pub energy: EnergyReport,
+    /// What the paths asked for, whatever machine does it.
+    pub paths: PathCounts,
+}
+
+impl MachineRun {
+    /// Adds another frame of the same machine.
+    pub fn add(&mut self, other: &Self) {
+        self.stats.add(&other.stats);
+        self.energy.add(&other.energy);
+        self.paths += other.paths;
+    }
+}
+
+/// Replays `frames` one by one on a machine, each with cold caches; gives each picture to `sink` and keeps what was counted.
+/// `probe` may watch.
+///
+/// # Errors
+/// As [`simulate`], and what `sink` returns; [`ReplayError::Nothing`] if there is no frame.
+pub fn simulate_each<S: PathSource + ?Sized, P: Probe>(
+    replayer: &mut Replayer<'_, S>,
+    frames: impl IntoIterator<Item = u32>,
+    machine: (&str, &MachineConfig),
+    probe: &mut P,
+    mut sink: impl FnMut(FrameReplay) -> Result<()>,
+) -> Result<(Vec<FrameStats>, Vec<MachineRun>)> {
+    let tree = replayer.source().topology();
+    let (mut counted, mut runs) = (Vec::new(), Vec::new());
+    for frame in frames {
+        probe.begin(frame);
+        let MachineFrame { replay, stats, energy, paths } = simulate(replayer, frame, &tree, machine, probe)?;
+        counted.push(replay.stats.clone());
+        runs.push(MachineRun { stats, energy, paths });
+        sink(replay)?;
+    }
+    if runs.is_empty() {
+        return Err(ReplayError::Nothing { what: "no frame was chosen" });
+    }
+    Ok((counted, runs))
+}
+
+/// Replays frame `frame` and runs its rays through a machine that starts with cold caches. `probe` may watch.
+///
+/// # Errors
+/// As [`Replayer::frame_with`]; [`ReplayError::MissingKernel`] if the machine cannot run the policy; [`ReplayError::Stuck`] if
+/// the machine stands still.
+pub fn simulate<S: PathSource + ?Sized, P: Probe>(
+    replayer: &mut Replayer<'_, S>,
+    frame: u32,
+    tree: &Topology,
+    machine: (&str, &MachineConfig),
+    probe: &mut P,
+) -> Result<MachineFrame> {
+    let (name, config) = machine;
+    let meta = replayer.source().meta();
+    let shape =
+        FrameShape { width_pixels: meta.width, samples_per_axis: meta.samples, pixel_bytes: config.layout.pixel_bytes };
+    let mut system = System::new(config, tree, shape, MemorySystem::new(config));
+    let (replay, paths) = replayer.frame_with(frame, tree, |work| {
+        let missing = missing_kernels(config, &Needs::of(&work));
+        if missing.is_empty() {
+            return Ok(system.feed(work, probe)?);
+        }
+        Err(ReplayError::MissingKernel { machine: name.into(), kernels: missing.join(" and ") })
+    })?;
+    let (mut stats, memory) = system.finish(probe)?;
+    stats.memory = MemoryStats::of(&memory);
+    let energy = EnergyReport::new(config, &counts(&stats));
+    Ok(MachineFrame { replay, stats, energy, paths })
+}
+
+fn counts(stats: &Stats) -> Counts<'_> {
+    Counts {
+        cycles: stats.cycles,
+        cores: stats.cores.iter().map(|core| (&core.ti, &core.srp, core.srp_l1)).collect(),
+        l2: stats.memory.l2,
+        dram: stats.memory.dram(),
+        traffic: stats.memory.traffic,
+    }
+}

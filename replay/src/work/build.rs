@@ -1,0 +1,302 @@
+//! A decided tile as work for the machine: the rays of its traced samples, wave by wave.
+//!
+//! Every path is checked against the tree while it is turned into operations. What a tile traces of its neighbours
+//! (`Apron::Retrace`) stands behind its own rays.
+
+use rayreel_formats::tile::{RayKind, RayNode, Tile};
+
+use super::stream::Weigh;
+use crate::error::{ReplayError, Result};
+use crate::policy::view::{SampleState, TileView, WaveCounts};
+use crate::source::PathSource;
+use rayreel_machine::work::check::{PathCounts, walk};
+use rayreel_machine::work::ops::Op;
+use rayreel_machine::work::topology::Topology;
+use rayreel_machine::work::{NO_RAY, NO_TRIANGLE, RayWork, TileWork, Wave};
+
+/// A tile as work, and what its paths ask for.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Built {
+    /// The work.
+    pub work: TileWork,
+    /// Sums over all its rays, apron included.
+    pub paths: PathCounts,
+}
+
+impl Weigh for Built {
+    fn bytes(&self) -> usize {
+        let TileWork { ops, rays, .. } = &self.work;
+        size_of::<Self>() + ops.capacity() * size_of::<Op>() + rays.capacity() * size_of::<RayWork>()
+    }
+}
+
+/// Rays of some samples of one recorded tile, numbered from 0.
+#[derive(Debug, Default)]
+pub(crate) struct Part {
+    rays: Vec<RayWork>,
+    waves: Vec<Wave>,
+    paths: PathCounts,
+    samples: u32,
+    secondary_hits: u32,
+    ops: Vec<Op>,
+}
+
+/// Turns samples into rays.
+pub(crate) struct Builder<'a, S: ?Sized> {
+    pub source: &'a S,
+    pub tree: &'a Topology,
+}
+
+/// The last node of each depth on the way down a ray tree.
+const DEPTHS: usize = 16;
+
+impl<S: PathSource + ?Sized> Builder<'_, S> {
+    /// All that a tile traces, tests and interpolates itself.
+    pub fn own(&self, view: &TileView, tile: &Tile) -> Result<Part> {
+        let rect = view.rect();
+        let mut part = Part::default();
+        let samples = (rect.y..rect.y + rect.height).flat_map(|y| (rect.x..rect.x + rect.width).map(move |x| (x, y)));
+        self.samples(&mut part, view, tile, samples)?;
+        part.count(view.waves());
+        part.secondary_hits = view.secondary_hits();
+        Ok(part)
+    }
+
+    /// Those of `samples` that were traced.
+    pub fn apron(&self, part: &mut Part, view: &TileView, tile: &Tile, samples: &[(u32, u32)]) -> Result<()> {
+        self.samples(part, view, tile, samples.iter().copied())
+    }
+
+    /// Appends the rays of those of `samples` that were traced.
+    fn samples(
+        &self,
+        part: &mut Part,
+        view: &TileView,
+        tile: &Tile,
+        samples: impl Iterator<Item = (u32, u32)>,
+    ) -> Result<()> {
+        let rect = view.rect();
+        let index = tile.tree.ray_index();
+        if index.last().is_none_or(|&rays| rays as usize != tile.paths.spans.len()) {
+            let detail = format!("{} paths where {} rays belong", tile.paths.spans.len(), tile.tree.ray_count());
+            return Err(bad(tile, detail));
+        }
+        for (x, y) in samples {
+            let Some((state, wave)) = view.state(x, y) else { continue };
+            if state == SampleState::Interpolated {
+                continue;
+            }
+            let sample = (y - rect.y) as usize * rect.width as usize + (x - rect.x) as usize;
+            part.samples += 1;
+            let traces = |node| view.traces_hit(sample, node);
+            self.sample(part, tile, &index, (sample, wave, traces), (x, y))?;
+        }
+        Ok(())
+    }
+
+    /// Appends those rays of a sample's tree that `traces` tells of, by hit. A ray whose parent was not traced (a primary ray,
+    /// or the child of an interpolated hit) is one that the SRP starts.
+    fn sample(
+        &self,
+        part: &mut Part,
+        tile: &Tile,
+        index: &[u32],
+        (sample, wave, traces): (usize, u8, impl Fn(usize) -> bool),
+        at: (u32, u32),
+    ) -> Result<()> {
+        // Per depth the last hit: its ray if it was traced, what it is, and whether its children were announced.
+        let mut line = Line { above: [None; DEPTHS] };
+        let nodes = tile.tree.sample(sample);
+        for (i, node) in nodes.clone().enumerate() {
+            let own = &tile.tree.nodes[node];
+            let parent = line.parent(own, i == 0).map_err(|detail| bad(tile, detail))?;
+            let ray = traces(i).then_some(part.rays.len() as u32);
+            if let Some(ray) = ray {
+                match parent.map(|up| &mut part.rays[up as usize]) {
+                    Some(up) if own.class.kind() == RayKind::Reflection => up.reflect = ray,
+                    Some(up) => up.refract = ray,
+                    None => part.wave(wave).starts.push(ray),
+                }
+                self.rays(part, tile, node, index[node], at)?;
+            }
+            line.note(own, ray).map_err(|()| lacking(tile, at))?;
+        }
+        line.finish().map_err(|()| lacking(tile, at))
+    }
+
+    /// Appends the ray of a node and the shadow rays of its hit.
+    fn rays(&self, part: &mut Part, tile: &Tile, node: usize, number: u32, (x, y): (u32, u32)) -> Result<()> {
+        let own = &tile.tree.nodes[node];
+        let triangle = tile.hits[node].triangle;
+        let shadows = own.shadows.count();
+        if own.hit != (triangle < self.tree.triangles) || !own.hit && (shadows > 0 || own.reflect || own.refract) {
+            return Err(bad(tile, format!("ray {number} of sample ({x}, {y}) and its hit disagree")));
+        }
+        let mut ray = RayWork {
+            ops_start: 0,
+            ops_len: 0,
+            kind: own.class.kind(),
+            shadows: shadows as u8,
+            triangle: if own.hit { triangle } else { NO_TRIANGLE },
+            material: if own.hit { self.source.material_of(triangle) } else { 0 },
+            reflect: NO_RAY,
+            refract: NO_RAY,
+            x,
+            y,
+            depth: own.class.depth() as u8,
+        };
+        self.ray(part, tile, number, ray)?;
+        // Shadow rays have the place of the ray they hang on, and no surface of their own.
+        (ray.kind, ray.shadows, ray.triangle, ray.material) = (RayKind::Shadow, 0, NO_TRIANGLE, 0);
+        (1..=shadows).try_for_each(|shadow| self.ray(part, tile, number + shadow, ray))
+    }
+
+    /// Checks the path of a ray and appends it.
+    fn ray(&self, part: &mut Part, tile: &Tile, number: u32, ray: RayWork) -> Result<()> {
+        let (start, len) = tile.paths.spans[number as usize];
+        let ops_start = part.ops.len() as u32;
+        let shadow = ray.kind == RayKind::Shadow;
+        let broken = |step, detail| ReplayError::BadPath {
+            frame: tile.frame,
+            tile: tile.index,
+            x: ray.x,
+            y: ray.y,
+            ray: number,
+            step,
+            detail,
+        };
+        let steps = tile.paths.steps.get(start as usize..).and_then(|rest| rest.get(..len as usize));
+        let steps = steps.ok_or_else(|| broken(0, "its steps are not in the tile"))?;
+        let walked =
+            walk(self.tree, steps, shadow, &mut part.ops, &mut part.paths).map_err(|f| broken(f.step, f.detail))?;
+        if u32::try_from(part.ops.len()).is_err() {
+            return Err(bad(tile, format!("{} operations are more than a tile can have", part.ops.len())));
+        }
+        if !shadow && walked.hit != ray.triangle {
+            return Err(broken(len, "the path ends at another triangle than the recorded hit"));
+        }
+        part.rays.push(RayWork { ops_start, ops_len: part.ops.len() as u32 - ops_start, ..ray });
+        Ok(())
+    }
+}
+
+/// The last hit of each depth on the way down a ray tree.
+struct Line {
+    above: [Option<Above>; DEPTHS],
+}
+
+/// A hit whose children may be still to come.
+#[derive(Clone, Copy)]
+struct Above {
+    class: u16,
+    /// Its ray in the work, if that is traced.
+    ray: Option<u32>,
+    reflect: bool,
+    refract: bool,
+}
+
+impl Line {
+    /// The ray that spawned `node`, if it is traced. The hit above must be there and have announced the child.
+    fn parent(&mut self, node: &RayNode, primary: bool) -> Result<Option<u32>, String> {
+        let class = node.class;
+        if (class.0 == 1) != primary || class.0 == 0 {
+            let wanted = if primary { "primary" } else { "secondary" };
+            return Err(format!("ray class {} where a {wanted} ray belongs", class.0));
+        }
+        let Some(parent) = class.parent() else { return Ok(None) };
+        let slot = self.above[parent.depth() as usize].as_mut().filter(|above| above.class == parent.0);
+        let reflects = class.kind() == RayKind::Reflection;
+        let open = slot.map(|above| (above.ray, if reflects { &mut above.reflect } else { &mut above.refract }));
+        match open {
+            Some((ray, awaited)) if *awaited => {
+                *awaited = false;
+                Ok(ray)
+            }
+            _ => Err(format!("ray class {} has no parent", class.0)),
+        }
+    }
+
+    /// Takes note of `node`; an error if a child of the hit that was last at its depth did not come.
+    fn note(&mut self, node: &RayNode, ray: Option<u32>) -> Result<(), ()> {
+        let above = Above { class: node.class.0, ray, reflect: node.reflect, refract: node.refract };
+        match self.above[node.class.depth() as usize].replace(above) {
+            Some(old) if old.reflect || old.refract => Err(()),
+            _ => Ok(()),
+        }
+    }
+
+    /// An error if a child that was announced did not come.
+    fn finish(&self) -> Result<(), ()> {
+        let awaited = self.above.iter().flatten().any(|above| above.reflect || above.refract);
+        if awaited { Err(()) } else { Ok(()) }
+    }
+}
+
+impl Part {
+    fn wave(&mut self, wave: u8) -> &mut Wave {
+        let wave = usize::from(wave);
+        if self.waves.len() <= wave {
+            self.waves.resize(wave + 1, Wave::default());
+        }
+        &mut self.waves[wave]
+    }
+
+    /// Adds tests and interpolated samples.
+    pub fn count(&mut self, waves: &[WaveCounts]) {
+        for (wave, counts) in (0..).zip(waves) {
+            let own = self.wave(wave);
+            own.tests += counts.tests;
+            own.interpolated += counts.interpolated;
+        }
+    }
+
+    /// Joins what a tile does itself with what it does for its apron.
+    ///
+    /// # Errors
+    /// When the operations cannot be numbered.
+    pub fn join(mut self, apron: Self, tile: &Tile, border_samples: u32) -> Result<Built> {
+        let (op_base, ray_base) = (self.ops.len() as u32, self.rays.len() as u32);
+        if u32::try_from(self.ops.len() + apron.ops.len()).is_err() {
+            return Err(bad(tile, "its operations are more than a tile can have".into()));
+        }
+        self.ops.extend(apron.ops);
+        let moved = |ray: u32| if ray == NO_RAY { NO_RAY } else { ray + ray_base };
+        self.rays.extend(apron.rays.iter().map(|ray| RayWork {
+            ops_start: ray.ops_start + op_base,
+            reflect: moved(ray.reflect),
+            refract: moved(ray.refract),
+            ..*ray
+        }));
+        for (number, wave) in (0..).zip(apron.waves) {
+            let own = self.wave(number);
+            own.tests += wave.tests;
+            own.interpolated += wave.interpolated;
+            own.starts.extend(wave.starts.into_iter().map(moved));
+        }
+        while self.waves.last().is_some_and(|wave| *wave == Wave::default()) {
+            self.waves.pop();
+        }
+        let mut paths = self.paths;
+        paths += apron.paths;
+        let work = TileWork {
+            frame: tile.frame,
+            tile: tile.index,
+            rect: tile.rect,
+            apron_samples: apron.samples,
+            border_samples,
+            secondary_hits: self.secondary_hits,
+            rays: self.rays,
+            ops: self.ops,
+            waves: self.waves,
+        };
+        Ok(Built { work, paths })
+    }
+}
+
+fn lacking(tile: &Tile, at: (u32, u32)) -> ReplayError {
+    bad(tile, format!("sample {at:?} lacks a ray that was spawned"))
+}
+
+fn bad(tile: &Tile, detail: String) -> ReplayError {
+    ReplayError::BadTile { frame: tile.frame, tile: tile.index, detail }
+}

@@ -1,0 +1,4 @@
+//! Decided tiles as work for the machine.
+
+pub mod build;
+pub(crate) mod stream;

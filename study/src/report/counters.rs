@@ -1,0 +1,159 @@
+//! Everything that a machine counted, by name: summed over cores and units, and each unit's own account of its cycles.
+
+use serde_json::{Map, Value, json};
+
+use rayreel_machine::counters::{Activity, Counter};
+use rayreel_machine::memory::l1::CacheCounters;
+use rayreel_machine::srp::{KernelId, SrpStats};
+use rayreel_machine::stats::Stats;
+use rayreel_machine::work::layout::Region;
+use rayreel_replay::simulate::MachineRun;
+
+/// All counters: `group/name` to value, unit and description.
+pub(super) fn counters(run: &MachineRun) -> Value {
+    let mut all = List::default();
+    let stats = &run.stats;
+    all.one("run/cycles", "cycles", "length of the run, T&I clock", stats.cycles);
+    all.one("run/tiles", "tiles", "tiles of the frames", stats.tiles);
+    all.add("paths", run.paths.list());
+    ti(&mut all, stats);
+    srp(&mut all, stats);
+    all.add("l2", stats.memory.l2.list());
+    all.add("dram", stats.memory.dram().list());
+    for (region, what) in REGIONS {
+        let traffic = &stats.memory.traffic;
+        let name = region.name();
+        let (read, written) = (traffic.read[region as usize], traffic.written[region as usize]);
+        all.one(&format!("traffic/{name}_read"), "bytes", &format!("read from DRAM: {what}"), read);
+        all.one(&format!("traffic/{name}_written"), "bytes", &format!("written to DRAM: {what}"), written);
+    }
+    Value::Object(all.0)
+}
+
+/// What traffic is for.
+const REGIONS: [(Region, &str); 9] = [
+    (Region::Node, "inner nodes"),
+    (Region::Triangle, "triangles"),
+    (Region::Attribute, "vertex attributes"),
+    (Region::Texture, "texels"),
+    (Region::Ray, "rays and hits on their way through memory"),
+    (Region::Sample, "sample attributes that the tile buffer does not hold"),
+    (Region::Border, "sample attributes kept for neighbouring tiles"),
+    (Region::GBuffer, "the G-buffer of the rasteriser"),
+    (Region::Framebuffer, "pixels"),
+];
+
+/// Counters in order of the report.
+#[derive(Default)]
+struct List(Map<String, Value>);
+
+impl List {
+    fn one(&mut self, name: &str, unit: &str, description: &str, value: u64) {
+        self.0.insert(name.into(), json!({ "value": value, "unit": unit, "description": description }));
+    }
+
+    fn add(&mut self, group: &str, counters: Vec<Counter>) {
+        for Counter { name, unit, description, value } in counters {
+            self.one(&format!("{group}/{name}"), unit, description, value);
+        }
+    }
+}
+
+/// Adds a group of counters over units.
+fn sum<T: Default + std::ops::AddAssign>(values: impl IntoIterator<Item = T>) -> T {
+    let mut total = T::default();
+    values.into_iter().for_each(|value| total += value);
+    total
+}
+
+fn ti(all: &mut List, stats: &Stats) {
+    all.add("ti/dispatch", sum(stats.cores.iter().map(|core| core.ti.dispatch)).list());
+    for (name, activity) in stages(stats) {
+        all.add(&format!("ti/trv/{name}"), activity.list());
+    }
+    all.add("ti/trv", sum(stats.trv().map(|unit| unit.events)).list());
+    all.add("ti/trv/buffer", sum(stats.trv().map(|unit| unit.front)).list());
+    all.add("ti/trv/l1", trv_l1(stats).list());
+    all.add("ti/ist/test", ist_activity(stats).list());
+    all.add("ti/ist", sum(stats.ist().map(|unit| unit.events)).list());
+    all.add("ti/ist/buffer", sum(stats.ist().map(|unit| unit.front)).list());
+    all.add("ti/ist/l1", ist_l1(stats).list());
+}
+
+fn srp(all: &mut List, stats: &Stats) {
+    let srp = srp_sum(stats);
+    all.add("srp/activity", srp.activity.list());
+    for kernel in KernelId::ALL {
+        all.add(&format!("srp/kernel/{}", kernel.name()), srp.kernels[kernel as usize].list());
+    }
+    all.add("srp/interface", srp.interface.list());
+    all.add("srp/dma", srp.dma.list());
+    all.add("srp/local", srp.local.list());
+    all.add("srp/l1", srp_l1(stats).list());
+}
+
+/// Activity of each issue stage of the traversal units, all units together.
+pub(super) fn stages(stats: &Stats) -> Vec<(&'static str, Activity)> {
+    let mut stages: Vec<(&'static str, Activity)> = Vec::new();
+    for (name, activity) in stats.trv().flat_map(|unit| unit.stages.iter().copied()) {
+        match stages.iter_mut().find(|(known, _)| *known == name) {
+            Some((_, total)) => *total += activity,
+            None => stages.push((name, activity)),
+        }
+    }
+    stages
+}
+
+/// Activity of the intersection units.
+pub(super) fn ist_activity(stats: &Stats) -> Activity {
+    sum(stats.ist().map(|unit| unit.activity))
+}
+
+/// L1s of the traversal units.
+pub(super) fn trv_l1(stats: &Stats) -> CacheCounters {
+    sum(stats.trv().map(|unit| unit.l1))
+}
+
+/// L1s of the intersection units.
+pub(super) fn ist_l1(stats: &Stats) -> CacheCounters {
+    sum(stats.ist().map(|unit| unit.l1))
+}
+
+/// L1s of the SRPs.
+pub(super) fn srp_l1(stats: &Stats) -> CacheCounters {
+    sum(stats.cores.iter().map(|core| core.srp_l1))
+}
+
+/// All SRPs.
+pub(super) fn srp_sum(stats: &Stats) -> SrpStats {
+    let mut total = SrpStats::default();
+    for own in stats.cores.iter().map(|core| &core.srp) {
+        total.kernels.iter_mut().zip(&own.kernels).for_each(|(sum, more)| *sum += *more);
+        total.activity += own.activity;
+        total.interface += own.interface;
+        total.dma += own.dma;
+        total.local += own.local;
+    }
+    total
+}
+
+/// Each issue stage of each unit with the cycles that it spent in each class. The classes of a stage add up to the run.
+pub(super) fn units(stats: &Stats) -> Value {
+    let mut rows = Vec::new();
+    let mut row = |core: usize, unit: &str, index: usize, stage: &str, cycles: u64, classes: Vec<Counter>| {
+        let classes: Map<_, _> = classes.into_iter().map(|c| (c.name.to_owned(), c.value.into())).collect();
+        rows.push(json!({
+            "core": core, "unit": unit, "index": index, "stage": stage, "cycles": cycles, "classes": classes,
+        }));
+    };
+    for (i, core) in stats.cores.iter().enumerate() {
+        for (j, unit) in core.ti.trv.iter().enumerate() {
+            unit.stages.iter().for_each(|(name, own)| row(i, "trv", j, name, stats.cycles, own.list()));
+        }
+        for (j, unit) in core.ti.ist.iter().enumerate() {
+            row(i, "ist", j, "test", stats.cycles, unit.activity.list());
+        }
+        row(i, "srp", 0, "array", core.srp_cycles, core.srp.activity.list());
+    }
+    Value::Array(rows)
+}

@@ -1,0 +1,178 @@
+//! The machine's part of the printed page: speed, utilisation, caches, memory, power, shader.
+
+use std::fmt::{self, Formatter};
+
+use super::Report;
+use super::counters::{ist_activity, ist_l1, srp_l1, srp_sum, stages, trv_l1};
+use super::format::{amount, digits, grouped, percent};
+use super::run::Cost;
+use rayreel_machine::config::{Dram, MachineConfig};
+use rayreel_machine::counters::Activity;
+use rayreel_machine::energy::{Component, watts};
+use rayreel_machine::srp::KernelId;
+use rayreel_machine::stats::Stats;
+use rayreel_machine::work::layout::Region;
+use rayreel_replay::simulate::MachineRun;
+
+/// Writes the page of a report's machine, if it has one.
+pub(super) fn write(f: &mut Formatter<'_>, report: &Report) -> fmt::Result {
+    let Some((config, run)) = &report.machine_run else { return Ok(()) };
+    speed(f, report, config)?;
+    utilisation(f, &run.stats)?;
+    shader(f, &run.stats)?;
+    caches(f, &run.stats)?;
+    memory(f, config, &run.stats)?;
+    power(f, config, run)
+}
+
+fn speed(f: &mut Formatter<'_>, report: &Report, config: &MachineConfig) -> fmt::Result {
+    let name = report.machine.as_deref().unwrap_or_default();
+    let (cores, ti, srp) = (config.gpu.cores, config.ti.clock_mhz, config.srp.clock_mhz);
+    let many = if cores == 1 { "core" } else { "cores" };
+    writeln!(f, "\nmachine {name}: {cores} {many}, T&I at {ti} MHz, SRP at {srp} MHz\n")?;
+    let run = &report.run;
+    writeln!(f, "  {:<18} {:>16}", "cycles", grouped(run.cycles.unwrap_or_default()))?;
+    let mut row = |name: &str, value: String, rate: Option<f64>, unit: &str| {
+        writeln!(f, "  {name:<18} {value:>16} {:>20}", amount(rate, unit))
+    };
+    row("time", small(run.time_ms, "ms", "us"), run.fps, "frames/s")?;
+    row("rays", grouped(run.rays_machine.unwrap_or_default()), run.mrays_per_s, "Mrays/s")?;
+    writeln!(f, "\n  {:<18} {:>16} {:>20} {:>16}", "", "T&I units", "and their memory", "whole GPU")?;
+    let costs = [run.ti, run.ti_with_memory.unwrap_or_default(), run.gpu.unwrap_or_default()];
+    let mut row = |name: &str, shown: fn(&Cost) -> String| {
+        let [ti, memory, gpu] = costs.each_ref().map(|cost| shown(cost).trim_end().to_owned());
+        writeln!(f, "  {name:<18} {ti:>16} {memory:>20} {gpu:>16}")
+    };
+    row("power", |c| small(c.power_w, "W", "mW"))?;
+    row("energy", |c| small(c.energy_mj, "mJ", "uJ"))?;
+    row("energy a ray", |c| amount(c.energy_per_ray_nj, "nJ"))?;
+    row("frames/s a watt", |c| amount(c.perf_per_watt, ""))
+}
+
+/// An amount in `unit`, or in its thousandth part if it is below one.
+fn small(value: Option<f64>, unit: &str, thousandth: &str) -> String {
+    if value.is_some_and(|v| v < 1.0) { amount(value.map(|v| v * 1e3), thousandth) } else { amount(value, unit) }
+}
+
+/// What the issue stages of the T&I units did, in percent of their cycles.
+fn utilisation(f: &mut Formatter<'_>, stats: &Stats) -> fmt::Result {
+    write!(f, "\n{:<15}", "T&I units, %")?;
+    Activity::default().list().iter().try_for_each(|class| write!(f, "{:>8}", class.name))?;
+    writeln!(f)?;
+    let (trv, ist) = (stats.trv().count(), stats.ist().count());
+    for (name, activity) in stages(stats) {
+        row(f, &format!("{trv} TRV {name}"), &activity)?;
+    }
+    if ist > 0 {
+        row(f, &format!("{ist} IST"), &ist_activity(stats))?;
+    }
+    let rays: u64 = stats.trv().map(|unit| unit.events.ray_cycles).sum();
+    if stats.cycles > 0 && trv > 0 {
+        let mean = rays as f64 / stats.cycles as f64 / trv as f64;
+        writeln!(f, "  rays in a TRV, mean {mean:>8.1}")?;
+    }
+    Ok(())
+}
+
+fn row(f: &mut Formatter<'_>, name: &str, activity: &Activity) -> fmt::Result {
+    let all = activity.total();
+    write!(f, "  {name:<13}")?;
+    activity.list().iter().try_for_each(|class| write!(f, "{:>8}", percent(class.value, all)))?;
+    writeln!(f)
+}
+
+/// Cycles of the SRPs by kernel, and why they stood still.
+fn shader(f: &mut Formatter<'_>, stats: &Stats) -> fmt::Result {
+    let srp = srp_sum(stats);
+    let activity = srp.activity;
+    let all: u64 = activity.total();
+    let busy = srp.kernels.iter().map(|kernel| kernel.cycles).sum::<u64>() + activity.inspector;
+    writeln!(f, "\n{:<34} {:>12} {:>15} {:>8} {:>7}", "SRP", "items", "SRP cycles", "% busy", "% all")?;
+    let line = |f: &mut Formatter<'_>, name: &str, items: String, cycles: u64, of_busy: bool| {
+        let busy = if of_busy { percent(cycles, busy) } else { String::new() };
+        writeln!(f, "  {name:<32} {items:>12} {:>15} {busy:>8} {:>7}", grouped(cycles), percent(cycles, all))
+    };
+    for kernel in KernelId::ALL {
+        let own = srp.kernels[kernel as usize];
+        line(f, kernel.name(), grouped(own.items), own.cycles, true)?;
+    }
+    line(f, "inspector", String::new(), activity.inspector, true)?;
+    line(f, "busy", String::new(), busy, true)?;
+    for (name, cycles) in [
+        ("waits for room for rays", activity.output),
+        ("waits for attributes and texels", activity.memory),
+        ("waits for the T&I unit", activity.unit),
+        ("waits for transfers of tiles", activity.transfer),
+        ("has no tile", activity.idle),
+    ] {
+        line(f, name, String::new(), cycles, false)?;
+    }
+    Ok(())
+}
+
+fn caches(f: &mut Formatter<'_>, stats: &Stats) -> fmt::Result {
+    writeln!(f, "\n{:<15}{:>15}{:>14}{:>12}{:>12}", "caches", "lookups", "hits %", "merged %", "misses %")?;
+    let mut row = |name: &str, lookups: u64, hits: u64, merges: u64, misses: u64| {
+        let [hits, merges, misses] = [hits, merges, misses].map(|n| percent(n, lookups));
+        writeln!(f, "  {name:<13}{:>15}{hits:>14}{merges:>12}{misses:>12}", grouped(lookups))
+    };
+    for (name, cache) in [("TRV L1", trv_l1(stats)), ("IST L1", ist_l1(stats)), ("SRP L1", srp_l1(stats))] {
+        row(name, cache.lookups, cache.hits, cache.merges, cache.misses)?;
+    }
+    let l2 = stats.memory.l2;
+    row("L2", l2.lookups, l2.hits, l2.merges, l2.misses)
+}
+
+/// Peak bandwidth, bytes a microsecond.
+fn peak(dram: &Dram) -> f64 {
+    let bytes = f64::from(dram.channels) * f64::from(dram.burst_bytes) * f64::from(dram.clock_mhz);
+    bytes / f64::from(dram.tccd)
+}
+
+fn memory(f: &mut Formatter<'_>, config: &MachineConfig, stats: &Stats) -> fmt::Result {
+    let (traffic, dram) = (&stats.memory.traffic, stats.memory.dram());
+    let microseconds = stats.cycles as f64 / f64::from(config.ti.clock_mhz);
+    let peak = peak(&config.dram);
+    let (scale, read, written) =
+        if traffic.total() < 20_000_000 { (1e-3, "read kB", "written kB") } else { (1e-6, "read MB", "written MB") };
+    writeln!(f, "\n{:<15}{read:>15}{written:>14}{:>12}{:>12}", "DRAM", "GB/s", "% of peak")?;
+    let mut row = |name: &str, read: u64, written: u64| {
+        let rate = if microseconds > 0.0 { (read + written) as f64 / microseconds } else { 0.0 };
+        let (gigabytes, share) = (digits(rate * 1e-3), format!("{:.1}", 100.0 * rate / peak));
+        let [read, written] = [read, written].map(|bytes| format!("{:.1}", bytes as f64 * scale));
+        writeln!(f, "  {name:<13}{read:>15}{written:>14}{gigabytes:>12}{share:>12}")
+    };
+    for region in Region::ALL {
+        let (read, written) = (traffic.read[region as usize], traffic.written[region as usize]);
+        if read + written > 0 {
+            row(region.name(), read, written)?;
+        }
+    }
+    row("all", traffic.read.iter().sum(), traffic.written.iter().sum())?;
+    let rows = dram.row_hits + dram.row_closed + dram.row_conflicts;
+    let hits = [dram.row_hits, dram.row_closed, dram.row_conflicts].map(|n| percent(n, rows));
+    writeln!(f, "  row hits {} %, closed banks {} %, row conflicts {} %", hits[0], hits[1], hits[2])?;
+    let latency = dram.read_latency as f64 / f64::from(config.dram.clock_mhz) * 1e3;
+    let latency = super::run::ratio(latency, dram.read_lines as f64);
+    writeln!(f, "  a read takes {} in controller and DRAM, on average", amount(latency, "ns"))
+}
+
+fn power(f: &mut Formatter<'_>, config: &MachineConfig, run: &MachineRun) -> fmt::Result {
+    let total = run.energy.gpu_fj();
+    let milliwatts = |fj: u128| format!("{:.1}", watts(fj, run.stats.cycles, config.ti.clock_mhz) * 1e3);
+    let (scale, unit) = if total < 20_000_000_000_000 { (1e-9, "uJ") } else { (1e-12, "mJ") };
+    let joules = |fj: u128| format!("{:.2}", fj as f64 * scale);
+    let part = |fj: u128| if total == 0 { "-".into() } else { format!("{:.1}", 100.0 * fj as f64 / total as f64) };
+    let (dynamic, leakage) = (format!("dynamic {unit}"), format!("leakage {unit}"));
+    writeln!(f, "\n{:<15}{dynamic:>15}{leakage:>14}{:>12}{:>12}", "power", "mW", "% of GPU")?;
+    let mut row = |name: &str, dynamic: u128, leakage: u128| {
+        let all = dynamic + leakage;
+        let (dynamic, leakage) = (joules(dynamic), joules(leakage));
+        writeln!(f, "  {name:<13}{dynamic:>15}{leakage:>14}{:>12}{:>12}", milliwatts(all), part(all))
+    };
+    for Component { name, dynamic_fj, leakage_fj, .. } in &run.energy.components {
+        row(name, *dynamic_fj, *leakage_fj)?;
+    }
+    let sum = |of: fn(&Component) -> u128| run.energy.components.iter().map(of).sum();
+    row("whole GPU", sum(|c| c.dynamic_fj), sum(|c| c.leakage_fj))
+}

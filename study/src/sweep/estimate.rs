@@ -1,0 +1,71 @@
+//! How long a plan will take, from a look at its first points.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+use rayreel_formats::trace::Trace;
+
+use super::compute::compute;
+use super::decoded::Decoded;
+use super::plan::{Plan, PointRef};
+use rayreel_machine::probes::Watch;
+use rayreel_replay::source::{PathSource, TileSource};
+
+/// Longest look at a trace.
+const LOOK: Duration = Duration::from_millis(700);
+
+/// Most traces that are looked at.
+const TRACES: usize = 3;
+
+/// Part of a point that must be done before it is believed.
+const PART: f64 = 0.002;
+
+/// Work of a plan in core-seconds of this machine; nothing if no point went far enough in the time.
+///
+/// The first point of each of up to three traces is begun and, after a second at most, left; the others are taken to cost the same
+/// per sample of the grid. Good for a shard size, not for a bet: a policy that traces a tenth of the rays costs a fifth of this.
+pub fn core_seconds(plan: &Plan, open: &dyn Fn(&str) -> Result<Trace, String>) -> Option<f64> {
+    let samples = |p: &PointRef| {
+        let own = &plan.traces[p.trace];
+        f64::from(own.size.0) * f64::from(own.size.1) * f64::from(own.samples * own.samples) * f64::from(p.frames.1)
+    };
+    let mut rates = Vec::new();
+    for trace in 0..plan.traces.len().min(TRACES) {
+        let Some(point) = plan.points.iter().find(|point| point.trace == trace) else { continue };
+        let Ok(opened) = open(&plan.traces[trace].location) else { continue };
+        if let Some(seconds) = look(plan, point, opened) {
+            rates.push(seconds / samples(point));
+        }
+    }
+    let mean = rates.iter().sum::<f64>() / rates.len() as f64;
+    // A point that shares its key with another is computed once.
+    let mut keys: Vec<(&String, f64)> = plan.points.iter().map(|point| (&point.key, samples(point))).collect();
+    keys.sort_by_key(|(key, _)| *key);
+    keys.dedup_by_key(|(key, _)| *key);
+    (!rates.is_empty()).then(|| mean * keys.iter().map(|(_, samples)| samples).sum::<f64>())
+}
+
+/// Seconds that a point would take.
+fn look(plan: &Plan, point: &PointRef, trace: Trace) -> Option<f64> {
+    let resolved = plan.resolve(point).ok()?;
+    let stop = Arc::new(AtomicBool::new(false));
+    let source = Decoded::new(Arc::new(trace), 0, Arc::clone(&stop));
+    let tree = source.topology();
+    let whole = f64::from(source.meta().tile_count()) * f64::from(point.frames.1);
+    let (start, mut part, mut before, mut last) = (Instant::now(), (0.0, 0.0), 0, 0);
+    let tiles = u64::from(source.meta().tile_count());
+    let mut watch = Watch::new(|now| {
+        before += if now < last { tiles } else { 0 };
+        last = now;
+        part = ((before + now) as f64 / whole, start.elapsed().as_secs_f64());
+        if start.elapsed() > LOOK {
+            stop.store(true, Ordering::Relaxed);
+        }
+    });
+    let ended = compute(&resolved, &point.key, &source, &tree, &mut watch);
+    match ended {
+        Ok(_) => Some(start.elapsed().as_secs_f64()),
+        Err(_) => (part.0 > PART).then(|| part.1 / part.0),
+    }
+}

@@ -1,0 +1,153 @@
+//! The folder of a sweep.
+//!
+//! ```text
+//! SWEEP/plan.json                          the plan, written once
+//!       segments/000012/ATTEMPT-000003.seg rows of points 768..832, written by one attempt, never changed
+//!       sealed/000012.seg                  all rows of these points: any attempt writes the same bytes
+//!       columns/HASH.json                  what the columns of the rows are
+//!       attempts/ATTEMPT.json              who did what, when: telemetry, in no result
+//!       submissions/001.json               what was submitted to a cluster
+//!       logs/                              output of cluster jobs
+//!       results.parquet, results.csv       made by merge
+//! ```
+//!
+//! Rows lie by *buckets* of consecutive points and not by shards: so every way of splitting the plan finds what any other way
+//! has finished. Every file is complete or absent.
+
+use std::fs;
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+use super::plan::{BUCKET, Plan};
+use crate::error::{Result, StudyError};
+
+/// The folder with its plan.
+#[derive(Clone, Debug)]
+pub struct Folder {
+    path: PathBuf,
+    plan: Plan,
+    id: String,
+}
+
+/// What came of [`Folder::create`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Created {
+    /// The plan was written.
+    New,
+    /// The folder held this very plan.
+    Known,
+}
+
+/// Name of the plan in its folder.
+pub const PLAN: &str = "plan.json";
+
+impl Folder {
+    /// Puts a plan into a folder. The plan of a folder never changes.
+    ///
+    /// # Errors
+    /// The folder holds another plan, or cannot be written.
+    pub fn create(path: &Path, plan: Plan) -> Result<(Self, Created)> {
+        let (id, file) = (plan.id(), path.join(PLAN));
+        if file.exists() {
+            let known = Self::open(path)?;
+            if known.id == id {
+                return Ok((known, Created::Known));
+            }
+            let detail = format!(
+                "holds plan {} ({} points), not plan {id} ({} points); choose another folder with -o, and --reuse this one to keep \
+                 the rows that both need",
+                known.id,
+                known.plan.points.len(),
+                plan.points.len()
+            );
+            return Err(StudyError::Sweep { path: path.into(), detail });
+        }
+        fs::create_dir_all(path).map_err(|e| StudyError::output(path, "create", e))?;
+        write_whole(&file, &plan.to_json()?, "plan")?;
+        Ok((Self { path: path.into(), plan, id }, Created::New))
+    }
+
+    /// Opens the folder of a sweep.
+    ///
+    /// # Errors
+    /// No plan in it, or one that this program cannot carry out.
+    pub fn open(path: &Path) -> Result<Self> {
+        let file = path.join(PLAN);
+        let bad = |detail: String| StudyError::Sweep { path: file.clone(), detail };
+        let bytes = fs::read(&file)
+            .map_err(|e| bad(format!("{e}; is this the folder of a sweep? `rayreel sweep plan` makes one")))?;
+        let plan = Plan::from_json(&bytes).map_err(bad)?;
+        let id = plan.id();
+        Ok(Self { path: path.into(), plan, id })
+    }
+
+    /// Where it is.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Its plan.
+    pub fn plan(&self) -> &Plan {
+        &self.plan
+    }
+
+    /// The id of its plan.
+    pub fn id(&self) -> &str {
+        &self.id
+    }
+
+    /// How many buckets its points are in.
+    pub fn buckets(&self) -> usize {
+        self.plan.points.len().div_ceil(BUCKET)
+    }
+
+    /// The points of a bucket.
+    pub fn bucket(&self, bucket: usize) -> std::ops::Range<usize> {
+        bucket * BUCKET..((bucket + 1) * BUCKET).min(self.plan.points.len())
+    }
+
+    /// The folder of a bucket's segments.
+    pub fn segments(&self, bucket: usize) -> PathBuf {
+        self.path.join("segments").join(format!("{bucket:06}"))
+    }
+
+    /// The file of a bucket that is done.
+    pub fn sealed(&self, bucket: usize) -> PathBuf {
+        self.path.join("sealed").join(format!("{bucket:06}.seg"))
+    }
+
+    /// The descriptions of columns.
+    pub fn columns(&self) -> PathBuf {
+        self.path.join("columns")
+    }
+
+    /// Telemetry.
+    pub fn attempts(&self) -> PathBuf {
+        self.path.join("attempts")
+    }
+}
+
+/// Writes a file that is complete or absent, whatever happens when: a temporary file of its own (two writers do not meet), on
+/// disk before it has its name, and the name on disk before this returns.
+///
+/// # Errors
+/// When it cannot be written.
+pub fn write_whole(path: &Path, bytes: &[u8], writer: &str) -> Result<()> {
+    let folder = path.parent().unwrap_or(Path::new("."));
+    let write = || -> io::Result<()> {
+        fs::create_dir_all(folder)?;
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        let temporary = folder.join(format!(".{name}.{writer}.{}.tmp", std::process::id()));
+        let mut file = fs::File::create(&temporary)?;
+        let written = file.write_all(bytes).and_then(|()| file.sync_all()).and_then(|()| fs::rename(&temporary, path));
+        if written.is_err() {
+            // Nothing more can be done if this fails too; the first error is the one to report.
+            let _ = fs::remove_file(&temporary);
+        }
+        written?;
+        #[cfg(unix)]
+        fs::File::open(folder)?.sync_all()?;
+        Ok(())
+    };
+    write().map_err(|source| StudyError::output(path, "write", source))
+}

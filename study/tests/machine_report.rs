@@ -1,0 +1,235 @@
+//! What a report says of a machine, and the timeline, on a recorded trace: every figure follows from the counters.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+use rayreel_formats::Limits;
+use rayreel_formats::trace::Trace;
+use rayreel_machine::config::NamedMachine;
+use rayreel_machine::system::NoProbe;
+use rayreel_machine::timeline::Timeline;
+use rayreel_replay::simulate::{MachineRun, simulate_each};
+use rayreel_replay::{NamedPolicy, Options, Replayer};
+use rayreel_study::report::{Origin, Report, keys};
+use serde_json::Value;
+
+fn trace() -> Trace {
+    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../traces/v1_0_cornell.rtrace");
+    Trace::open(&path, Limits::default()).unwrap()
+}
+
+/// The first frame of the trace, `times` times, as JSON with the page, the runs and the timeline.
+fn run(machine: &str, overrides: &[&str], times: usize) -> (Value, String, Vec<MachineRun>, Value) {
+    let trace = trace();
+    let overrides: Vec<_> = overrides.iter().map(ToString::to_string).collect();
+    let machine = NamedMachine::load(machine, &overrides).unwrap();
+    let policy = NamedPolicy::load(if machine.name.starts_with("raycore") { "full" } else { "adaptive" }, &[]).unwrap();
+    let mut replayer = Replayer::new(&trace, &policy.policy, Options::default()).unwrap();
+    let mut timeline = Timeline::new(&machine.config);
+    let named = (machine.name.as_str(), &machine.config);
+    let frames = std::iter::repeat_n(trace.meta().first_frame, times);
+    let (stats, runs) = simulate_each(&mut replayer, frames.clone(), named, &mut timeline, |_| Ok(())).unwrap();
+    let unwatched = simulate_each(&mut replayer, frames, named, &mut NoProbe, |_| Ok(())).unwrap();
+    assert_eq!(runs, unwatched.1, "looking changes nothing");
+    let origin = Origin { trace: "cornell".into(), trace_digest: None };
+    let report = Report::new(&origin, &policy, trace.meta(), &stats).with_machine(&machine, &runs);
+    let json = serde_json::from_str(&report.to_json().unwrap()).unwrap();
+    (json, report.to_string(), runs, serde_json::from_str(&timeline.to_json()).unwrap())
+}
+
+fn number(value: &Value) -> f64 {
+    value.as_f64().unwrap_or_else(|| panic!("{value} is no number"))
+}
+
+#[track_caller]
+fn near(a: f64, b: f64) {
+    assert!((a - b).abs() <= 1e-9 * a.abs().max(b.abs()), "{a} {b}");
+}
+
+#[test]
+fn figures_follow_from_the_counters() {
+    let (json, _, runs, _) = run("sgrt-ti2", &[], 2);
+    let counter = |name: &str| json["counters"][name]["value"].as_u64().unwrap_or_else(|| panic!("{name}"));
+    let cycles = json["cycles"].as_u64().unwrap();
+    assert_eq!(cycles, runs.iter().map(|run| run.stats.cycles).sum::<u64>());
+    assert_eq!(cycles, counter("run/cycles"));
+    near(number(&json["time_ms"]), cycles as f64 / 500e3);
+    let seconds = number(&json["time_ms"]) / 1e3;
+    near(number(&json["fps"]), 2.0 / seconds);
+    // All rays of the policy come back from the units, and the paths' work is done.
+    let rays = counter("ti/dispatch/rays");
+    assert_eq!((json["rays_machine"].as_u64(), counter("paths/rays")), (Some(rays), rays));
+    assert_eq!(rays, json["rays_traced"].as_u64().unwrap() + json["rays_apron"].as_u64().unwrap());
+    assert_eq!(counter("ti/ist/triangle_tests"), counter("paths/triangle_tests"));
+    near(number(&json["mrays_per_s"]), rays as f64 / seconds / 1e6);
+    let components = json["energy"].as_array().unwrap();
+    let sum = |group: &str| {
+        let own = components.iter().filter(|c| group == "all" || c["group"] == group);
+        own.map(|c| number(&c["dynamic_mj"]) + number(&c["leakage_mj"])).sum::<f64>()
+    };
+    for (cost, group) in [(&json, "ti"), (&json["gpu"], "all")] {
+        near(number(&cost["energy_mj"]), sum(group));
+        near(number(&cost["power_w"]) * seconds * 1e3, number(&cost["energy_mj"]));
+        near(number(&cost["perf_per_watt"]), number(&json["fps"]) / number(&cost["power_w"]));
+        near(number(&cost["energy_per_ray_nj"]) * rays as f64, number(&cost["energy_mj"]) * 1e6);
+    }
+    let between = [&json, &json["ti_with_memory"], &json["gpu"]].map(|cost| number(&cost["energy_mj"]));
+    assert!(between.is_sorted(), "{between:?}");
+    // Frames that are alike cost alike.
+    let frames = json["frames"].as_array().unwrap();
+    assert_eq!(frames.len(), 2);
+    for key in ["cycles", "time_ms", "rays_machine", "energy_mj"] {
+        near(number(&frames[0][key]) + number(&frames[1][key]), number(&json[key]));
+    }
+    near(number(&frames[0]["gpu"]["power_w"]), number(&json["gpu"]["power_w"]));
+}
+
+#[test]
+fn every_cycle_of_every_unit_is_in_a_class() {
+    for (machine, stages) in [("sgrt-ti2", 4 * (4 * 3 + 1 + 1)), ("raycore", 6 * 2)] {
+        let (json, ..) = run(machine, &[], 1);
+        let units = json["units"].as_array().unwrap();
+        if machine == "sgrt-ti2" {
+            assert_eq!(units.len(), stages, "{machine}");
+        }
+        let mut sums = BTreeMap::new();
+        for unit in units {
+            let classes = unit["classes"].as_object().unwrap();
+            let all: u64 = classes.values().map(|v| v.as_u64().unwrap()).sum();
+            assert_eq!(Some(all), unit["cycles"].as_u64(), "{unit}");
+            let group = match (unit["unit"].as_str().unwrap(), unit["stage"].as_str().unwrap()) {
+                ("srp", _) => "srp/activity".to_owned(),
+                (unit, stage) => format!("ti/{unit}/{stage}"),
+            };
+            for (name, value) in classes {
+                *sums.entry(format!("{group}/{name}")).or_insert(0) += value.as_u64().unwrap();
+            }
+        }
+        for (name, sum) in sums {
+            assert_eq!(json["counters"][&name]["value"].as_u64(), Some(sum), "{name}");
+        }
+    }
+}
+
+#[test]
+fn everything_is_described() {
+    let (json, ..) = run("no-direct-interface", &["ti.trv_l1.size=32KiB"], 1);
+    assert_eq!(json["machine"], "no-direct-interface+ti.trv_l1.size=32KiB");
+    for (key, ..) in keys::FIGURES {
+        assert!(json.get(*key).is_some(), "{key}");
+        for part in ["unit", "description"] {
+            assert!(!json["descriptions"][key][part].as_str().unwrap().is_empty(), "{key}");
+        }
+    }
+    for (name, counter) in json["counters"].as_object().unwrap() {
+        assert!(counter["value"].is_u64() && !counter["unit"].as_str().unwrap().is_empty(), "{name}: {counter}");
+        assert!(counter["description"].as_str().unwrap().len() > 4, "{name}: {counter}");
+    }
+    for group in [
+        "ti/trv/inner/busy",
+        "ti/trv/l1/hits",
+        "ti/ist/test/busy",
+        "ti/dispatch/full",
+        "srp/activity/idle",
+        "srp/l1/hits",
+    ] {
+        assert!(json["counters"][group].is_object(), "{group}");
+    }
+    for group in ["srp/kernel/shade/cycles", "srp/interface/rays", "srp/dma/ray_written", "srp/local/tiles", "l2/hits"]
+    {
+        assert!(json["counters"][group].is_object(), "{group}");
+    }
+    assert!(json["counters"]["traffic/ray_read"]["value"].as_u64() > Some(0), "rays travel through memory");
+    let value = &json["machine_config"]["ti.trv_l1.size"];
+    assert_eq!((&value["value"], &value["class"]), (&32768.into(), &"override".into()));
+    assert!(json["machine_config"]["ti.clock_mhz"]["source"].is_string());
+}
+
+#[test]
+fn the_page_can_be_read() {
+    for machine in ["sgrt-ti2", "raycore", "hybrid-raster"] {
+        let (json, page, ..) = run(machine, &[], 2);
+        let rate = format!("{:.2} Mrays/s", number(&json["mrays_per_s"]));
+        let rate = &rate[..rate.find('.').unwrap()];
+        for part in [
+            "machine ",
+            "cycles",
+            "frames/s",
+            "Mrays/s",
+            "TRV L1",
+            "row hits ",
+            "% of GPU",
+            "shade",
+            "starved",
+            "PSNR",
+            rate,
+        ] {
+            assert!(page.contains(part), "{machine}: no {part:?} in\n{page}");
+        }
+        for line in page.lines() {
+            assert!(line.chars().count() <= 100 && !line.contains("NaN") && !line.contains("inf "), "{line:?}\n{page}");
+        }
+    }
+}
+
+/// Length of a counter's steps times their height, per process and name; and its events.
+fn integrals(timeline: &Value) -> BTreeMap<(u64, String), f64> {
+    let mut sums = BTreeMap::new();
+    let mut last: BTreeMap<(u64, String), (f64, f64)> = BTreeMap::new();
+    for event in timeline["traceEvents"].as_array().unwrap() {
+        if event["ph"] != "C" {
+            continue;
+        }
+        let key = (event["pid"].as_u64().unwrap(), event["name"].as_str().unwrap().to_owned());
+        let args = event["args"].as_object().unwrap();
+        let now = (number(&event["ts"]), number(args.values().next().unwrap()));
+        if let Some(before) = last.insert(key.clone(), now) {
+            assert!(now.0 > before.0, "time goes on: {event}");
+            *sums.entry(key).or_insert(0.0) += (now.0 - before.0) * before.1;
+        } else {
+            sums.insert(key, 0.0);
+        }
+    }
+    assert!(last.values().all(|end| end.1 == 0.0), "all counters end at 0");
+    sums
+}
+
+#[test]
+fn the_timeline_loses_no_busy_cycle() {
+    for (machine, times) in [("sgrt-ti2", 2), ("sgrt-ti1", 1)] {
+        let (json, _, runs, timeline) = run(machine, &[], times);
+        let found = integrals(&timeline);
+        let length = number(&json["time_ms"]) * 1e3;
+        // A unit's busy time in microseconds of 100 %; each step is rounded to a hundredth of a percent.
+        let check = |core: usize, name: &str, percent_microseconds: f64| {
+            let own = found[&(core as u64, name.to_owned())];
+            assert!((own - percent_microseconds).abs() < 0.011 * length, "{name}: {own} {percent_microseconds}");
+            assert!(own > 0.0, "{name} is never busy");
+        };
+        for unit in json["units"].as_array().unwrap() {
+            let (core, index) = (unit["core"].as_u64().unwrap() as usize, &unit["index"]);
+            let busy = unit["classes"]["busy"].as_f64();
+            match (unit["unit"].as_str().unwrap(), unit["stage"].as_str().unwrap()) {
+                ("srp", _) => {
+                    let own = runs.iter().map(|run| run.stats.cores[core].srp.activity.busy_cycles()).sum::<u64>();
+                    check(core, "SRP", own as f64 / 10.0);
+                }
+                ("ist", _) => check(core, &format!("IST {index}"), busy.unwrap() / 5.0),
+                (_, stage) => check(core, &format!("TRV {index} {stage}"), busy.unwrap() / 5.0),
+            }
+        }
+        let bursts = runs.iter().map(|run| run.stats.memory.dram());
+        let bytes: u64 = bursts.map(|dram| (dram.reads + dram.writes) * 32).sum();
+        check(runs[0].stats.cores.len(), "DRAM", bytes as f64 / 25_600.0 * 100.0);
+        // Frames follow one another.
+        let frames: Vec<_> = timeline["traceEvents"].as_array().unwrap().iter().filter(|e| e["ph"] == "X").collect();
+        assert_eq!(frames.len(), times);
+        let mut end = 0.0;
+        for frame in frames {
+            near(number(&frame["ts"]), end);
+            end += number(&frame["dur"]);
+        }
+        assert!((end - length).abs() < 0.01, "{end} {length}");
+        assert!(timeline["traceEvents"].as_array().unwrap().iter().all(|e| e["pid"].is_u64() && e["name"].is_string()));
+    }
+}

@@ -1,0 +1,467 @@
+//! Sweeps on the golden trace: plans, keys, segments, runs and merges, through the crate's own functions.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+
+use rayreel_formats::Limits;
+use rayreel_formats::trace::Trace;
+use rayreel_study::StudyError;
+use rayreel_study::sweep::folder::Folder;
+use rayreel_study::sweep::known::Known;
+use rayreel_study::sweep::merge::merge;
+use rayreel_study::sweep::plan::locate::Text;
+use rayreel_study::sweep::plan::{Plan, Sources};
+use rayreel_study::sweep::results::{Cells, csv, parquet};
+use rayreel_study::sweep::run::{Outcome, Settings, run};
+use rayreel_study::sweep::segment::{self, Writer};
+use rayreel_study::sweep::shard::Shard;
+use rayreel_study::sweep::status::status;
+use rayreel_study::sweep::version::MODEL_VERSION;
+use serde_json::json;
+
+fn golden() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../traces/v1_0_cornell.rtrace")
+}
+
+fn open(location: &str) -> Result<Trace, String> {
+    Trace::open(Path::new(location), Limits::default()).map_err(|e| e.to_string())
+}
+
+/// The plan of a text whose trace is the golden one.
+fn plan(body: &str) -> Result<Plan, String> {
+    let text = format!("traces = [{:?}]\n{body}", golden().display().to_string());
+    plan_of(&text)
+}
+
+fn plan_of(text: &str) -> Result<Plan, String> {
+    let text = Text { name: "plan.toml", text };
+    Plan::new(&Sources { text, folder: Path::new(""), traces: None, stem: "plan", open: &open })
+        .map_err(|e| e.to_string())
+}
+
+/// Small, but with a machine, without one, with an axis that is for one policy only, and with points that fail.
+const SMALL: &str = r#"
+machines = ["sgrt-ti2", "raycore", "none"]
+policies = ["full", "adaptive"]
+exclude = ["machine == 'none' and block == 4"]
+[[axis]]
+name = "block"
+key = "block"
+values = [2, 4]
+only = ["adaptive"]
+"#;
+
+struct Sweep {
+    folder: Folder,
+    _place: tempfile::TempDir,
+}
+
+impl Sweep {
+    fn new(plan: Plan) -> Self {
+        let place = tempfile::tempdir().unwrap();
+        let (folder, _) = Folder::create(&place.path().join("sweep"), plan).unwrap();
+        Self { folder, _place: place }
+    }
+
+    fn run(&self, shard: Shard, attempt: &str) -> Outcome {
+        self.run_with(shard, attempt, &Known::default())
+    }
+
+    fn run_with(&self, shard: Shard, attempt: &str, known: &Known) -> Outcome {
+        run(&self.folder, &settings(shard, attempt, known, Arc::default()), |_| {}).unwrap()
+    }
+
+    fn bytes(&self) -> (Vec<u8>, Vec<u8>) {
+        let merged = merge(&self.folder).unwrap();
+        assert!(merged.missing.is_empty());
+        (parquet::encode(&merged.results).unwrap(), csv::encode(&merged.results).unwrap())
+    }
+
+    fn segments(&self) -> Vec<PathBuf> {
+        let folder = self.folder.segments(0);
+        let all = std::fs::read_dir(folder).map(|all| all.map(|own| own.unwrap().path()).collect());
+        all.unwrap_or_default()
+    }
+}
+
+fn settings<'a>(shard: Shard, attempt: &str, known: &'a Known, stop: Arc<AtomicBool>) -> Settings<'a> {
+    Settings {
+        shard,
+        threads: 2,
+        memory: 64 << 20,
+        flush: Duration::ZERO,
+        writer: Writer { attempt: attempt.into(), host: "here".into() },
+        stop,
+        open: &open,
+        known,
+    }
+}
+
+#[test]
+fn a_plan_has_every_combination_once_in_its_order() {
+    let own = plan(SMALL).unwrap();
+    let all: Vec<String> = (0..own.points.len()).map(|i| own.describe(i)).collect();
+    let want = [
+        "sgrt-ti2 under full",
+        "sgrt-ti2 under adaptive block=2",
+        "sgrt-ti2 under adaptive block=4",
+        "raycore under full",
+        "raycore under adaptive block=2",
+        "raycore under adaptive block=4",
+        "none under full",
+        "none under adaptive block=2",
+    ];
+    let want = want.map(|own| format!("v1_0_cornell.rtrace frames 0..1 on {own}"));
+    assert_eq!(all, want);
+}
+
+#[test]
+fn axes_go_forward_together_when_zipped() {
+    let own = plan(
+        r#"policies = ["full"]
+        machines = ["sgrt-ti2"]
+        [[axis]]
+        name = "l1"
+        keys = ["ti.trv_l1.size", "ti.ist_l1.size"]
+        values = ["8KiB", "16KiB"]
+        zip = "caches"
+        [[axis]]
+        name = "trv"
+        key = "ti.trv"
+        values = [1, 2, 4]
+        [[axis]]
+        name = "l2"
+        key = "l2.size"
+        values = ["64KiB", "128KiB"]
+        zip = "caches""#,
+    )
+    .unwrap();
+    let labels = |i: usize| own.describe(i).split(" under full ").nth(1).unwrap().to_owned();
+    let all: Vec<String> = (0..own.points.len()).map(labels).collect();
+    assert_eq!(
+        all,
+        [
+            "l1=8KiB trv=1 l2=64KiB",
+            "l1=8KiB trv=2 l2=64KiB",
+            "l1=8KiB trv=4 l2=64KiB",
+            "l1=16KiB trv=1 l2=128KiB",
+            "l1=16KiB trv=2 l2=128KiB",
+            "l1=16KiB trv=4 l2=128KiB",
+        ]
+    );
+    let machine = own.resolve(&own.points[5]).unwrap().machine.unwrap();
+    assert_eq!(machine.config.ti.trv, 4);
+    assert_eq!(
+        (machine.config.ti.trv_l1.size.0, machine.config.ti.ist_l1.size.0, machine.config.l2.size.0),
+        (16384, 16384, 131_072)
+    );
+}
+
+#[test]
+fn bad_plans_are_one_error_with_its_place() {
+    let axis = |body: &str| format!("policies = [\"full\"]\n[[axis]]\nname = \"x\"\n{body}");
+    let cases = [
+        ("policies = [\"full\"]\npolicy = \"full\"".to_owned(), "plan.toml:3:1: unknown field `policy`"),
+        ("policies = [\"full\"\n".to_owned(), "plan.toml:"),
+        ("machines = [\"sgrt-ti2\"]".to_owned(), "missing field `policies`"),
+        ("policies = []".to_owned(), "plan.toml:2:12: policies is empty"),
+        ("policies = [\"fulll\"]".to_owned(), "plan.toml:2:13: no policy preset \"fulll\"; did you mean full"),
+        ("policies = [\"full\"]\nmachines = [\"sgrt\"]".to_owned(), "plan.toml:3:13: no machine preset \"sgrt\""),
+        ("policies = [\"full\", \"full\"]".to_owned(), "plan.toml:2:21: \"full\" stands here twice"),
+        (
+            "policies = [\"full\"]\nframes = [\"3\"]".to_owned(),
+            "plan.toml:3:11: frames \"3\": v1_0_cornell.rtrace holds frames 0..1",
+        ),
+        ("policies = [\"full\"]\nframes = [\"x\"]".to_owned(), "write \"all\", \"3\" or \"0..10\""),
+        (axis("key = \"ti.trv\"\nvalues = []"), "plan.toml:6:10: axis \"x\" has no values"),
+        (
+            axis("key = \"ti.trvs\"\nvalues = [1]"),
+            "plan.toml:3:1: sgrt-ti2 under full x=1: override \"ti.trvs=1\": no key",
+        ),
+        (axis("key = \"ti.trv\"\nvalues = [\"many\"]"), "plan.toml:3:1: sgrt-ti2 under full x=many"),
+        (axis("key = \"block\"\nvalues = [2]"), "in a policy of kind \"full\""),
+        (axis("key = \"ti.trv\"\nrange = { from = 1, to = 1e9 }"), "would have more than 65536 values"),
+        (
+            axis("key = \"ti.trv\"\nvalues = [1]\nonly = [\"multirate\"]"),
+            "is only for \"multirate\", which is no machine or policy",
+        ),
+        (
+            axis("key = \"ti.trv\"\nvalues = [1]\n[[axis]]\nname = \"x\"\nkey = \"l2.size\"\nvalues = [1]"),
+            "plan.toml:8:8: a second axis \"x\"",
+        ),
+        (
+            axis(
+                "key = \"ti.trv\"\nvalues = [1]\nzip = \"z\"\n[[axis]]\nname = \"y\"\nkey = \"l2.size\"\nvalues = [1, 2]\nzip = \"z\"",
+            ),
+            "axes \"x\" and \"y\" go forward together but have 1 and 2 values",
+        ),
+        (
+            "policies = [\"full\"]\nexclude = [\"l1 > 3\"]".to_owned(),
+            "plan.toml:3:12: exclude \"l1 > 3\": a name in it is none of trace",
+        ),
+        ("policies = [\"full\"]\nexclude = [\"width >\"]".to_owned(), "plan.toml:3:12: exclude \"width >\""),
+        (
+            "policies = [\"full\"]\nexclude = [\"width > 0\"]".to_owned(),
+            "the plan has no points: every one is excluded",
+        ),
+        (
+            "policies = [\"full\"]\n[[axis]]\nname = \"cycles\"\nkey = \"ti.trv\"\nvalues = [1]".to_owned(),
+            "plan.toml:4:8: axis \"cycles\": results have a column of that name",
+        ),
+    ];
+    for (body, want) in cases {
+        let got = plan(&body).map(|own| own.points.len());
+        assert!(got.as_ref().is_err_and(|e| e.contains(want)), "{body}\n  gave {got:?}\n  want {want}");
+    }
+    let missing = plan_of("traces = [\"a\",\n \"/nowhere/b.rtrace\"]\npolicies = [\"full\"]").unwrap_err();
+    assert!(missing.starts_with("plan.toml:1:11: trace "), "{missing}");
+    assert!(missing.ends_with("nor can these be opened: /nowhere/b.rtrace"), "{missing}");
+    let missing = plan_of("traces = [\n \"/nowhere/*.rtrace\"]\npolicies = [\"full\"]").unwrap_err();
+    assert!(missing.starts_with("plan.toml:2:2: no file matches /nowhere/*.rtrace"), "{missing}");
+}
+
+#[test]
+fn ranges_that_explode_are_refused_before_they_do() {
+    let axis = |name: &str, key: &str| {
+        format!("[[axis]]\nname = \"{name}\"\nkey = \"{key}\"\nrange = {{ from = 1, to = 2000 }}\n")
+    };
+    let text = format!("policies = [\"full\"]\n{}{}", axis("a", "ti.trv"), axis("b", "ti.rays_per_trv"));
+    let error = plan(&text).unwrap_err();
+    assert!(error.contains("more than 1000000 points: a 2000 x b 2000"), "{error}");
+}
+
+#[test]
+fn keys_change_with_what_matters_and_with_nothing_else() {
+    let base = "policies = [\"adaptive\"]\n[[axis]]\nname = \"l1\"\nkey = \"ti.trv_l1.size\"\nvalues = [\"8KiB\", \"16KiB\"]\n";
+    let keys = |text: &str| -> Vec<String> { plan(text).unwrap().points.iter().map(|p| p.key.clone()).collect() };
+    let own = keys(base);
+    assert_ne!(own[0], own[1], "another value");
+    assert!(own.iter().all(|key| key.len() == 32));
+    // The order, comments and names are nothing.
+    let turned =
+        format!("# a comment\nname = \"other\"\n{}", base.replace("[\"8KiB\", \"16KiB\"]", "[16384, 8192] # bytes"));
+    assert_eq!(keys(&turned), [own[1].clone(), own[0].clone()]);
+    // The default of a machine written out is the default.
+    assert_eq!(keys(&format!("set = [\"ti.trv=4\"]\n{base}")), own);
+    // Constants, policies and frames are not.
+    for other in [
+        "set = [\"energy.trv_l1_read_pj=5.8\"]",
+        "set = [\"similarity.normal_deg=11\"]",
+        "machines = [\"sgrt-ti2-rob\"]",
+    ] {
+        let other = keys(&format!("{other}\n{base}"));
+        assert!(other.iter().all(|key| !own.contains(key)), "{other:?}");
+    }
+}
+
+#[test]
+fn however_it_is_split_the_result_is_the_same() {
+    let whole = Sweep::new(plan(SMALL).unwrap());
+    let outcome = whole.run(Shard::WHOLE, "a");
+    assert_eq!((outcome.points, outcome.computed, outcome.skipped), (8, 8, 0));
+    // A machine without the kernels of adaptive sampling: two rows that say so, and the sweep goes on.
+    assert_eq!(outcome.failed, 2, "raycore under adaptive");
+    assert_eq!(whole.run(Shard::WHOLE, "b").skipped, 8, "nothing twice");
+    assert!(whole.segments().is_empty(), "sealed");
+    for count in [2, 3, 8, 20] {
+        let split = Sweep::new(plan(SMALL).unwrap());
+        let computed: usize =
+            (0..count).rev().map(|index| split.run(Shard { index, count }, &format!("a{index}")).computed).sum();
+        assert_eq!(computed, 8);
+        assert!(split.bytes() == whole.bytes(), "{count} shards");
+    }
+    let merged = merge(&whole.folder).unwrap();
+    assert_eq!((merged.failed, merged.duplicates), (2, 0));
+    let results = merged.results;
+    assert_eq!(parquet::decode(parquet::encode(&results).unwrap(), Path::new("r")).unwrap(), results);
+    let texts = |name: &str| match &results.field(name).unwrap().cells {
+        Cells::Text(own) => own.clone(),
+        other => panic!("{name}: {other:?}"),
+    };
+    assert_eq!(texts("status").iter().flatten().filter(|s| *s == "failed").count(), 2);
+    assert!(texts("error")[4].as_ref().unwrap().contains("machine raycore has no kernel"));
+    // Without a machine there are rays, and no cycles.
+    let (rays, cycles) = (&results.field("rays_traced").unwrap().cells, &results.field("cycles").unwrap().cells);
+    assert!(rays.number(6).unwrap() > 0.0 && cycles.number(0).unwrap() > 0.0);
+    assert_eq!(cycles.number(6), None);
+    assert_eq!(rays.number(0), rays.number(6), "full on any machine");
+    let names: std::collections::BTreeSet<_> = results.fields.iter().map(|field| &field.name).collect();
+    assert_eq!(names.len(), results.fields.len());
+    let described = |f: &&rayreel_study::sweep::results::Field| !f.description.is_empty();
+    assert_eq!(results.fields.iter().filter(described).count(), results.fields.len());
+}
+
+#[test]
+fn second_attempts_do_no_harm_and_differences_are_told() {
+    let sweep = Sweep::new(plan(SMALL).unwrap());
+    sweep.run(Shard { index: 0, count: 2 }, "first");
+    // A zombie that began before: it has not seen the rows of the first.
+    let other = Sweep::new(plan(SMALL).unwrap());
+    other.run(Shard { index: 0, count: 2 }, "zombie");
+    for path in other.segments() {
+        std::fs::copy(&path, sweep.folder.segments(0).join(path.file_name().unwrap())).unwrap();
+    }
+    sweep.run(Shard { index: 1, count: 2 }, "second");
+    let merged = merge(&sweep.folder).unwrap();
+    assert!(merged.missing.is_empty());
+    // And one that is wrong.
+    let mut row = Known::load([&sweep.folder]).unwrap().rows.into_values().find(|row| row.error.is_none()).unwrap();
+    let key = row.key.clone();
+    row.figures.insert("rays_traced".into(), json!(7));
+    let writer = Writer { attempt: "evil".into(), host: "h".into() };
+    segment::write(&sweep.folder, 0, 0, &[row], &writer).unwrap();
+    match merge(&sweep.folder) {
+        Err(StudyError::Conflict { key: told, detail }) => {
+            assert_eq!(told, key);
+            assert!(detail.contains("rays_traced is "), "{detail}");
+        }
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn torn_empty_and_foreign_segments_are_computed_again() {
+    let want = {
+        let sweep = Sweep::new(plan(SMALL).unwrap());
+        sweep.run(Shard::WHOLE, "a");
+        sweep.bytes()
+    };
+    type Damage = fn(&[u8]) -> Vec<u8>;
+    let damage: [(&str, Damage); 5] = [
+        ("torn head", |bytes| bytes[..30].to_vec()),
+        ("empty", |_| Vec::new()),
+        ("torn body", |bytes| bytes[..bytes.len() - 5].to_vec()),
+        ("a flipped bit", |bytes| {
+            let mut own = bytes.to_vec();
+            let at = own.len() - 40;
+            own[at] ^= 1;
+            own
+        }),
+        ("of another plan", |bytes| {
+            let text = String::from_utf8(bytes.to_vec()).unwrap();
+            let at = text.find("\"plan\":\"").unwrap() + 8;
+            let mut own = text.into_bytes();
+            own[at] = if own[at] == b'0' { b'1' } else { b'0' };
+            own
+        }),
+    ];
+    for (what, damage) in damage {
+        let sweep = Sweep::new(plan(SMALL).unwrap());
+        sweep.run(Shard { index: 0, count: 2 }, "a");
+        let path = sweep.segments().pop().unwrap();
+        let bytes = std::fs::read(&path).unwrap();
+        std::fs::write(&path, damage(&bytes)).unwrap();
+        let before = status(&sweep.folder).unwrap();
+        assert_eq!(before.damaged, 1, "{what}");
+        assert!(before.missing.len() > 4, "{what}");
+        assert_eq!(merge(&sweep.folder).unwrap().missing, before.missing);
+        sweep.run(Shard::WHOLE, "b");
+        assert!(sweep.bytes() == want, "{what}");
+    }
+}
+
+#[test]
+fn an_interrupted_run_keeps_what_is_finished() {
+    let sweep = Sweep::new(plan(SMALL).unwrap());
+    let want = {
+        let other = Sweep::new(plan(SMALL).unwrap());
+        other.run(Shard::WHOLE, "a");
+        other.bytes()
+    };
+    let (known, stop) = (Known::default(), Arc::new(AtomicBool::new(false)));
+    let own = settings(Shard::WHOLE, "a", &known, Arc::clone(&stop));
+    let own = Settings { threads: 1, ..own };
+    let first = run(&sweep.folder, &own, |told| stop.store(told.saved >= 2, Ordering::Relaxed)).unwrap();
+    assert!(first.interrupted && first.computed >= 2 && first.computed < 8, "{first:?}");
+    assert!(first.troubles.is_empty(), "{first:?}");
+    let second = sweep.run(Shard::WHOLE, "b");
+    assert_eq!(second.skipped, first.computed, "nothing lost");
+    assert_eq!(second.computed, 8 - first.computed, "nothing twice");
+    assert!(sweep.bytes() == want);
+}
+
+#[test]
+fn rows_of_another_sweep_are_taken() {
+    let first = Sweep::new(plan(SMALL).unwrap());
+    first.run(Shard::WHOLE, "a");
+    let wider = SMALL.replace("values = [2, 4]", "values = [8, 4, 2]");
+    let second = Sweep::new(plan(&wider).unwrap());
+    let outcome = second.run_with(Shard::WHOLE, "b", &Known::load([&first.folder]).unwrap());
+    assert_eq!((outcome.reused, outcome.computed, outcome.points), (8, 3, 11));
+    let alone = Sweep::new(plan(&wider).unwrap());
+    alone.run(Shard::WHOLE, "a");
+    assert!(second.bytes() == alone.bytes());
+}
+
+#[test]
+fn points_of_one_key_are_computed_once() {
+    // Two machines that are one, under two names.
+    let place = tempfile::tempdir().unwrap();
+    let file = place.path().join("twin.toml");
+    std::fs::write(&file, "extends = \"sgrt-ti2\"\nwhy = \"the same\"\n").unwrap();
+    let values: Vec<u32> = (1..=40).collect();
+    let text = format!(
+        "policies = [\"full\"]\nmachines = [\"sgrt-ti2\", {:?}]\n[[axis]]\nname = \"rays\"\nkey = \"ti.rays_per_trv\"\nvalues = {values:?}",
+        file.display().to_string()
+    );
+    let sweep = Sweep::new(plan(&text).unwrap());
+    // Some twins lie in another bucket of segments.
+    let outcome = sweep.run(Shard::WHOLE, "a");
+    assert_eq!((outcome.points, outcome.computed, outcome.failed), (80, 40, 0));
+    assert_eq!(sweep.run(Shard::WHOLE, "b").skipped, 80);
+    assert!(sweep.folder.sealed(0).exists() && sweep.folder.sealed(1).exists());
+    let results = merge(&sweep.folder).unwrap().results;
+    let cycles = &results.field("cycles").unwrap().cells;
+    assert!((0..40).all(|i| cycles.number(i).is_some() && cycles.number(i) == cycles.number(i + 40)));
+}
+
+#[test]
+fn another_trace_in_its_place_is_noticed() {
+    let mut own = plan(SMALL).unwrap();
+    own.traces[0].location = own.traces[0].location.replace("cornell", "teapot");
+    let sweep = Sweep::new(own);
+    let outcome = sweep.run(Shard::WHOLE, "a");
+    assert_eq!((outcome.computed, outcome.troubles.len()), (0, 8));
+    assert!(outcome.troubles[0].1.contains("is not the trace that the plan was made for"), "{:?}", outcome.troubles[0]);
+}
+
+#[test]
+fn a_folder_keeps_its_plan() {
+    let place = tempfile::tempdir().unwrap();
+    let path = place.path().join("sweep");
+    Folder::create(&path, plan(SMALL).unwrap()).unwrap();
+    Folder::create(&path, plan(SMALL).unwrap()).unwrap();
+    let error = Folder::create(&path, plan("policies = [\"full\"]").unwrap()).unwrap_err().to_string();
+    assert!(error.contains("holds plan") && error.contains("choose another folder"), "{error}");
+    let file = path.join("plan.json");
+    let text = std::fs::read_to_string(&file).unwrap();
+    for (from, to, want) in [
+        ("\"layout\":1", "\"layout\":9", "has layout 9"),
+        ("\"model\":1", "\"model\":9", "was made for model version 9"),
+        ("\"trace\":0", "\"trace\":5", "points nowhere"),
+        ("{", "[", "not a plan of a sweep"),
+    ] {
+        std::fs::write(&file, text.replacen(from, to, 1)).unwrap();
+        let error = Folder::open(&path).unwrap_err().to_string();
+        assert!(error.contains(want), "{error}");
+    }
+    let nowhere = Folder::open(place.path()).unwrap_err().to_string();
+    assert!(nowhere.contains("is this the folder of a sweep?"), "{nowhere}");
+}
+
+/// [`MODEL_VERSION`] and the BLAKE3 hash of `traces/machine.txt`, the golden results of machines and policies, that goes with it.
+const GOLDEN: (u32, &str) = (1, "6c7f26d3bfed8651c0017528f9c62f34b810bf6eacaea8807a0673290b2302d9");
+
+#[test]
+fn other_results_are_another_model() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../traces/machine.txt");
+    let hash = blake3::hash(&std::fs::read(path).unwrap()).to_string();
+    let (version, known) = GOLDEN;
+    assert!(
+        MODEL_VERSION == version && hash == known,
+        "golden results or model version changed: if results did, raise MODEL_VERSION (it is {MODEL_VERSION}), or sweeps would \
+         mix old rows with new ones; then write ({MODEL_VERSION}, {hash:?}) here"
+    );
+}
