@@ -1,11 +1,12 @@
 //! The page of a study: whole, well-formed, the same every time, and safe whatever the study holds.
 
-mod common;
+#[path = "common/study.rs"]
+mod made_up;
 
 use std::fs;
 use std::path::Path;
 
-use common::{pictures, study, write};
+use made_up::{pictures, study, write};
 use rayreel_study::report::html::{self, ReportError};
 use rayreel_study::report::study::{FILE, SCHEMA, Study, ViewerImages};
 use serde_json::Value;

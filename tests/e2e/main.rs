@@ -4,6 +4,9 @@
 
 #[path = "../common/mod.rs"]
 mod common;
+/// A made-up study and its pictures.
+#[path = "../../study/tests/common/study.rs"]
+mod made_up;
 
 mod browser;
 #[cfg(unix)]

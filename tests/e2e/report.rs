@@ -4,9 +4,9 @@ use std::fs;
 use std::path::Path;
 
 use crate::browser::Browser;
+use crate::made_up::{PICTURE, write};
 use crate::page::Page;
 use crate::rayreel;
-use rayreel_testkit::study::{PICTURE, write};
 
 #[test]
 fn it_writes_one_page() {
