@@ -7,14 +7,14 @@ use std::path::Path;
 use proptest::prelude::*;
 use rayreel_machine::config::schema::{KEYS, Rule};
 use rayreel_machine::config::{Bytes, Class, MachineConfig, NamedMachine, PRESETS};
-use rayreel_replay::ReplayError;
+use rayreel_machine::MachineError;
 
-fn load(spec: &str, overrides: &[&str]) -> Result<NamedMachine, ReplayError> {
+fn load(spec: &str, overrides: &[&str]) -> Result<NamedMachine, MachineError> {
     NamedMachine::load(spec, &overrides.iter().map(ToString::to_string).collect::<Vec<_>>())
 }
 
 /// Saves `text` in `folder` and loads it.
-fn file(folder: &Path, name: &str, text: &str) -> Result<NamedMachine, ReplayError> {
+fn file(folder: &Path, name: &str, text: &str) -> Result<NamedMachine, MachineError> {
     let path = folder.join(name);
     fs::write(&path, text).unwrap();
     load(path.to_str().unwrap(), &[])
@@ -294,7 +294,7 @@ proptest! {
         if let Rule::Integer(low, high) = KEYS[key].rule {
             let range = |v: i64| {
                 let loaded = load("sgrt-ti2", &[&format!("{}={v}", KEYS[key].name)]);
-                !matches!(loaded, Err(ReplayError::BadValue { .. }))
+                !matches!(loaded, Err(MachineError::BadValue { .. }))
             };
             prop_assert!(range(low) && range(high) && !range(low - 1) && !range(high + 1));
         }
