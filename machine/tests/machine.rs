@@ -5,9 +5,9 @@ use std::fs;
 use std::path::Path;
 
 use proptest::prelude::*;
+use rayreel_machine::MachineError;
 use rayreel_machine::config::schema::{KEYS, Rule};
 use rayreel_machine::config::{Bytes, Class, MachineConfig, NamedMachine, PRESETS};
-use rayreel_machine::MachineError;
 
 fn load(spec: &str, overrides: &[&str]) -> Result<NamedMachine, MachineError> {
     NamedMachine::load(spec, &overrides.iter().map(ToString::to_string).collect::<Vec<_>>())
