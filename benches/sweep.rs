@@ -25,10 +25,10 @@ use rayreel_study::sweep::known::Known;
 use rayreel_study::sweep::merge::merge;
 use rayreel_study::sweep::plan::locate::Text;
 use rayreel_study::sweep::plan::{Plan, Sources};
-use rayreel_study::sweep::results::{csv, parquet};
 use rayreel_study::sweep::run::{Settings, run};
 use rayreel_study::sweep::segment::Writer;
 use rayreel_study::sweep::shard::Shard;
+use rayreel_study::table::{csv, parquet};
 use rayreel_tracer::capture::{Grid, Output, capture, meta};
 use rayreel_tracer::{Settings as TraceSettings, build};
 

@@ -5,8 +5,8 @@ mod print;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
-use rayreel_study::sweep::compare::{Comparison, Options, Select, run as one};
-use rayreel_study::sweep::results::{Results, load};
+use rayreel_study::compare::{Comparison, Options, Select, run as one};
+use rayreel_study::table::{Results, load};
 
 use crate::common::{print, print_json};
 use crate::exit::Exit;

@@ -6,7 +6,7 @@ use rayreel_formats::Error as TraceError;
 use rayreel_replay::ReplayError;
 use rayreel_scenes::SceneError;
 use rayreel_study::StudyError;
-use rayreel_study::report::html::ReportError;
+use rayreel_study::html::ReportError;
 
 /// How a command ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -27,7 +27,7 @@ use anyhow::{Context, Result};
 use rayreel_machine::config::NamedMachine;
 use rayreel_replay::NamedPolicy;
 use rayreel_replay::image::files::write_atomically;
-use rayreel_study::report::{html, study as contract};
+use rayreel_study::{html, schema as contract};
 
 use self::cache::Cache;
 use self::plan::{Plan, Stage};

@@ -3,9 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::Result;
-use rayreel_study::report::html::{self, Written};
-use rayreel_study::report::study::FILE as STUDY;
-use rayreel_study::sweep::results::load::{self, is_sweep};
+use rayreel_study::html::{self, Written};
+use rayreel_study::schema::FILE as STUDY;
+use rayreel_study::table::load::{self, is_sweep};
 use serde_json::json;
 
 use crate::common::{print, print_json};

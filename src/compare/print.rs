@@ -2,8 +2,8 @@
 
 use std::fmt::Write as _;
 
-use rayreel_study::sweep::compare::{Change, Comparison, ConfigChange, StateChange};
-use rayreel_study::sweep::results::Role;
+use rayreel_study::compare::{Change, Comparison, ConfigChange, StateChange};
+use rayreel_study::table::Role;
 
 /// The whole text; no list is longer than `top`.
 pub fn text(found: &Comparison, tolerance: f64, top: usize) -> String {

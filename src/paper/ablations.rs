@@ -5,7 +5,7 @@ use std::sync::Arc;
 use anyhow::Result;
 use rayreel_machine::config::NamedMachine;
 use rayreel_replay::NamedPolicy;
-use rayreel_study::report::study::Ablation;
+use rayreel_study::schema::Ablation;
 
 use super::Setup;
 use super::plan::{Compared, Grid, Job, Plan, TILE};

@@ -5,7 +5,7 @@
 use std::sync::Arc;
 
 use rayreel_replay::image::psnr::{SquaredError, decibels};
-use rayreel_study::report::study::{Map, Track, TrackFrame};
+use rayreel_study::schema::{Map, Track, TrackFrame};
 
 use super::Setup;
 use super::plan::{Compared, Grid, Job, Kind, Picture, Plan, TILE};

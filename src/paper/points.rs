@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use rayreel_machine::config::NamedMachine;
 use rayreel_replay::Policy;
-use rayreel_study::report::study::{Cost, Gain, Point, ViewerImages, ViewerSet};
+use rayreel_study::schema::{Cost, Gain, Point, ViewerImages, ViewerSet};
 
 use super::Setup;
 use super::plan::{Compared, Grid, Job, Kind, Picture, Plan, TILE};

@@ -1,6 +1,6 @@
 //! What the paper states: Lee et al. 2016, Table 1, Figure 7 and the text around them.
 
-use rayreel_study::report::study::{GainBand, ModePolicy, PaperKernel, PaperPsnr, References};
+use rayreel_study::schema::{GainBand, ModePolicy, PaperKernel, PaperPsnr, References};
 
 use super::policies::{MODES, PAPER};
 

@@ -1,6 +1,6 @@
 //! The points for programs, beside the paper's values: paper.json.
 
-use rayreel_study::report::study::{Cost, Point, Study};
+use rayreel_study::schema::{Cost, Point, Study};
 use serde_json::{Value, json};
 
 use super::reference;

@@ -6,7 +6,7 @@ use anyhow::Result;
 use rayreel_machine::config::schema::KEYS;
 use rayreel_machine::config::{NamedMachine, Sourced};
 use rayreel_replay::NamedPolicy;
-use rayreel_study::report::study::{ConfigValue, ModeRays, Policy, SCHEMA, Scene, Study};
+use rayreel_study::schema::{ConfigValue, ModeRays, Policy, SCHEMA, Scene, Study};
 
 use super::policies::{Entry, MODES};
 use super::record::Record;

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use rayreel_study::report::study::{Ablation, Gain, Point, Study, Track};
+use rayreel_study::schema::{Ablation, Gain, Point, Study, Track};
 
 use super::policies::MODES;
 
@@ -232,7 +232,7 @@ fn animation(tracks: &[Track]) -> String {
     );
     for track in tracks {
         let frames = &track.frames;
-        let sum = |of: fn(&rayreel_study::report::study::TrackFrame) -> u64| frames.iter().map(of).sum::<u64>() as f64;
+        let sum = |of: fn(&rayreel_study::schema::TrackFrame) -> u64| frames.iter().map(of).sum::<u64>() as f64;
         let energy: Vec<f64> = frames.iter().filter_map(|f| f.energy_mj).collect();
         let energy = (!energy.is_empty()).then(|| energy.iter().sum::<f64>() / energy.len() as f64);
         let rate = frames.iter().map(|f| f.mean_rate).sum::<f64>() / frames.len().max(1) as f64;

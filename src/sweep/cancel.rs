@@ -4,10 +4,10 @@ use std::collections::BTreeSet;
 use std::path::PathBuf;
 
 use anyhow::{Result, bail};
+use rayreel_study::cluster::shell::quote;
+use rayreel_study::cluster::slurm::sbatch::parts;
+use rayreel_study::cluster::submission::Submission;
 use rayreel_study::sweep::folder::Folder;
-use rayreel_study::sweep::shell::quote;
-use rayreel_study::sweep::slurm::sbatch::parts;
-use rayreel_study::sweep::submission::Submission;
 
 use super::slurm;
 use crate::common::print;

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use anyhow::{Context, Result};
-use rayreel_study::sweep::export::{ENGINES, Fill};
+use rayreel_study::cluster::export::{ENGINES, Fill};
 use rayreel_study::sweep::folder::{Folder, write_whole};
 
 use super::submit::absolute;

@@ -1,13 +1,13 @@
 //! The jobs of a sweep, for people who ask how far it is.
 
 use anyhow::Result;
+use rayreel_study::cluster::slurm::indices;
+use rayreel_study::cluster::slurm::queue::Counts;
+use rayreel_study::cluster::slurm::sbatch::parts;
+use rayreel_study::cluster::submission::Submission;
 use rayreel_study::sweep::folder::Folder;
 use rayreel_study::sweep::shard::Shard;
-use rayreel_study::sweep::slurm::indices;
-use rayreel_study::sweep::slurm::queue::Counts;
-use rayreel_study::sweep::slurm::sbatch::parts;
 use rayreel_study::sweep::status::Status;
-use rayreel_study::sweep::submission::Submission;
 use serde_json::{Value, json};
 
 use super::slurm;

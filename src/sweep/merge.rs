@@ -7,7 +7,7 @@ use anyhow::Result;
 use rayreel_replay::image::files::write_atomically;
 use rayreel_study::sweep::folder::Folder;
 use rayreel_study::sweep::merge::{Merged, merge};
-use rayreel_study::sweep::results::{csv, parquet};
+use rayreel_study::table::{csv, parquet};
 
 use super::jobs;
 use super::plan::duration;

@@ -4,16 +4,16 @@ use std::path::PathBuf;
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 use anyhow::{Context, Result};
+use rayreel_study::cluster::shell::{line, quote};
+use rayreel_study::cluster::slurm::arrays::{Array, running, split};
+use rayreel_study::cluster::slurm::limits::Limits;
+use rayreel_study::cluster::slurm::queue::Task;
+use rayreel_study::cluster::slurm::sbatch::{self, Common, Options, parts};
+use rayreel_study::cluster::slurm::script::{self, Job};
+use rayreel_study::cluster::submission::{self, Jobs, SLURM, Submission};
 use rayreel_study::sweep::folder::{Folder, write_whole};
 use rayreel_study::sweep::plan::LAYOUT;
-use rayreel_study::sweep::shell::{line, quote};
-use rayreel_study::sweep::slurm::arrays::{Array, running, split};
-use rayreel_study::sweep::slurm::limits::Limits;
-use rayreel_study::sweep::slurm::queue::Task;
-use rayreel_study::sweep::slurm::sbatch::{self, Common, Options, parts};
-use rayreel_study::sweep::slurm::script::{self, Job};
 use rayreel_study::sweep::status::status;
-use rayreel_study::sweep::submission::{self, Jobs, SLURM, Submission};
 
 use super::submit::{HowArgs, absolute};
 use super::{merge, plan, slurm};

@@ -3,9 +3,9 @@
 use std::path::PathBuf;
 
 use anyhow::Result;
+use rayreel_study::cluster::submission::Submission;
 use rayreel_study::sweep::folder::Folder;
 use rayreel_study::sweep::shard::Shard;
-use rayreel_study::sweep::submission::Submission;
 
 use super::order::{How, Order, carry_out};
 use super::run::{self, RunArgs};

@@ -5,10 +5,10 @@ use std::path::PathBuf;
 use std::process::{Command, Stdio};
 
 use anyhow::{Context, Result, bail};
-use rayreel_study::sweep::slurm::limits::Limits;
-use rayreel_study::sweep::slurm::queue::{self, Task};
-use rayreel_study::sweep::slurm::sbatch::{name, parts, submitted};
-use rayreel_study::sweep::submission::Submission;
+use rayreel_study::cluster::slurm::limits::Limits;
+use rayreel_study::cluster::slurm::queue::{self, Task};
+use rayreel_study::cluster::slurm::sbatch::{name, parts, submitted};
+use rayreel_study::cluster::submission::Submission;
 
 /// Whether this machine can submit.
 pub fn is_here() -> bool {

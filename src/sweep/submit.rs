@@ -3,13 +3,13 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::{Result, bail};
+use rayreel_study::cluster::shell::quote;
+use rayreel_study::cluster::slurm::limits::Limits;
+use rayreel_study::cluster::slurm::sbatch::{self, Options};
+use rayreel_study::cluster::submission::Submission;
 use rayreel_study::sweep::estimate;
 use rayreel_study::sweep::folder::Folder;
 use rayreel_study::sweep::shard::Shard;
-use rayreel_study::sweep::shell::quote;
-use rayreel_study::sweep::slurm::limits::Limits;
-use rayreel_study::sweep::slurm::sbatch::{self, Options};
-use rayreel_study::sweep::submission::Submission;
 
 use super::folder::opener;
 use super::order::{How, Order, carry_out};

@@ -7,8 +7,8 @@ use std::fs;
 use std::path::Path;
 
 use made_up::{pictures, study, write};
-use rayreel_study::report::html::{self, ReportError};
-use rayreel_study::report::study::{FILE, SCHEMA, Study, ViewerImages};
+use rayreel_study::html::{self, ReportError};
+use rayreel_study::schema::{FILE, SCHEMA, Study, ViewerImages};
 use serde_json::Value;
 
 /// The page of a study.

@@ -8,17 +8,17 @@ use std::time::Duration;
 use rayreel_formats::Limits;
 use rayreel_formats::trace::Trace;
 use rayreel_study::StudyError;
+use rayreel_study::point::version::MODEL_VERSION;
 use rayreel_study::sweep::folder::Folder;
 use rayreel_study::sweep::known::Known;
 use rayreel_study::sweep::merge::merge;
 use rayreel_study::sweep::plan::locate::Text;
 use rayreel_study::sweep::plan::{Plan, Sources};
-use rayreel_study::sweep::results::{Cells, csv, parquet};
 use rayreel_study::sweep::run::{Outcome, Settings, run};
 use rayreel_study::sweep::segment::{self, Writer};
 use rayreel_study::sweep::shard::Shard;
 use rayreel_study::sweep::status::status;
-use rayreel_study::sweep::version::MODEL_VERSION;
+use rayreel_study::table::{Cells, csv, parquet};
 use serde_json::json;
 
 fn golden() -> PathBuf {
@@ -289,7 +289,7 @@ fn however_it_is_split_the_result_is_the_same() {
     assert_eq!(rays.number(0), rays.number(6), "full on any machine");
     let names: std::collections::BTreeSet<_> = results.fields.iter().map(|field| &field.name).collect();
     assert_eq!(names.len(), results.fields.len());
-    let described = |f: &&rayreel_study::sweep::results::Field| !f.description.is_empty();
+    let described = |f: &&rayreel_study::table::Field| !f.description.is_empty();
     assert_eq!(results.fields.iter().filter(described).count(), results.fields.len());
 }
 

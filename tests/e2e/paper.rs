@@ -6,7 +6,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
-use rayreel_study::report::study::{SCHEMA, Study};
+use rayreel_study::schema::{SCHEMA, Study};
 use serde_json::Value;
 
 use crate::common::{Ran, capture};

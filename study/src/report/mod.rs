@@ -5,11 +5,9 @@
 
 mod counters;
 mod format;
-pub mod html;
 pub mod keys;
 mod page;
 pub mod run;
-pub mod study;
 pub mod table;
 
 use rayreel_formats::scene::Meta;

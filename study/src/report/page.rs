@@ -2,10 +2,10 @@
 
 use std::fmt::{self, Formatter};
 
-use super::Report;
-use super::counters::{ist_activity, ist_l1, srp_l1, srp_sum, stages, trv_l1};
-use super::format::{amount, digits, grouped, percent};
-use super::run::Cost;
+use crate::report::Report;
+use crate::report::counters::{ist_activity, ist_l1, srp_l1, srp_sum, stages, trv_l1};
+use crate::report::format::{amount, digits, grouped, percent};
+use crate::report::run::Cost;
 use rayreel_machine::config::{Dram, MachineConfig};
 use rayreel_machine::counters::Activity;
 use rayreel_machine::energy::{Component, watts};

@@ -2,8 +2,8 @@
 
 use std::fmt::{self, Display};
 
-use super::format::{amount, grouped, ratio, share};
-use super::{Figures, FrameReport, Report, page};
+use crate::report::format::{amount, grouped, ratio, share};
+use crate::report::{Figures, FrameReport, Report, page};
 use rayreel_replay::frame::counts::RayCounts;
 
 impl Display for Report {

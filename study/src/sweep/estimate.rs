@@ -6,9 +6,9 @@ use std::time::{Duration, Instant};
 
 use rayreel_formats::trace::Trace;
 
-use super::compute::compute;
-use super::decoded::Decoded;
-use super::plan::{Plan, PointRef};
+use crate::point::compute::compute;
+use crate::point::decoded::Decoded;
+use crate::sweep::plan::{Plan, PointRef};
 use rayreel_machine::probes::Watch;
 use rayreel_replay::source::{PathSource, TileSource};
 

@@ -18,8 +18,8 @@ use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-use super::plan::{BUCKET, Plan};
 use crate::error::{Result, StudyError};
+use crate::sweep::plan::{BUCKET, Plan};
 
 /// The folder with its plan.
 #[derive(Clone, Debug)]

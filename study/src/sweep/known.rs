@@ -2,11 +2,11 @@
 
 use std::collections::BTreeMap;
 
-use super::folder::Folder;
-use super::merge::gather;
-use super::row::{Column, Row};
-use super::segment;
 use crate::error::Result;
+use crate::point::row::{Column, Row};
+use crate::sweep::folder::Folder;
+use crate::sweep::merge::gather;
+use crate::sweep::segment;
 
 /// Rows by key, and what their columns are. A row is a pure function of its key, so it does not matter which plan asked for it.
 #[derive(Clone, Debug, Default, PartialEq)]

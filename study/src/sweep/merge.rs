@@ -9,13 +9,13 @@ use std::path::PathBuf;
 
 use serde_json::Value;
 
-use super::folder::Folder;
-use super::plan::{Axis, Plan, PointRef, Scalar};
-use super::results::{Cells, Field, Heading, Results, Role};
-use super::row::{Column, Row, role_of};
-use super::segment;
-use super::version::MODEL_VERSION;
 use crate::error::{Result, StudyError};
+use crate::point::row::{Column, Row, role_of};
+use crate::point::version::MODEL_VERSION;
+use crate::sweep::folder::Folder;
+use crate::sweep::plan::{Axis, Plan, PointRef, Scalar};
+use crate::sweep::segment;
+use crate::table::{Cells, Field, Heading, Results, Role};
 use rayreel_machine::config::schema::{KEYS, Rule};
 
 /// What a merge found.

@@ -9,24 +9,12 @@
 //! not matter who computes it, when, or how often. Rows lie in immutable [`segment`]s of a [`folder::Folder`], and [`merge`] puts
 //! them together in the order of the plan. No part of this knows a scheduler: a cluster only calls [`run`] with a shard.
 
-pub mod analysis;
-pub mod compare;
-mod compute;
-pub mod decoded;
 pub mod estimate;
-pub mod export;
 pub mod folder;
 pub mod known;
 pub mod merge;
 pub mod plan;
-pub mod point;
-pub mod results;
-pub mod row;
 pub mod run;
 pub mod segment;
 pub mod shard;
-pub mod shell;
-pub mod slurm;
 pub mod status;
-pub mod submission;
-pub mod version;

@@ -13,15 +13,15 @@ use std::time::{Duration, Instant};
 
 use rayreel_formats::trace::Trace;
 
-use super::compute::{chain, compute};
-use super::decoded::Decoded;
-use super::folder::Folder;
-use super::known::Known;
-use super::plan::BUCKET;
-use super::row::{Column, Row};
-use super::segment::{self, Writer};
-use super::shard::Shard;
 use crate::error::Result;
+use crate::point::compute::{chain, compute};
+use crate::point::decoded::Decoded;
+use crate::point::row::{Column, Row};
+use crate::sweep::folder::Folder;
+use crate::sweep::known::Known;
+use crate::sweep::plan::BUCKET;
+use crate::sweep::segment::{self, Writer};
+use crate::sweep::shard::Shard;
 use rayreel_machine::probes::Watch;
 use rayreel_machine::work::topology::Topology;
 use rayreel_replay::source::{PathSource, TileSource};

@@ -12,10 +12,10 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use super::folder::{Folder, write_whole};
-use super::plan::LAYOUT;
-use super::row::{Column, Row};
 use crate::error::{Result, StudyError};
+use crate::point::row::{Column, Row};
+use crate::sweep::folder::{Folder, write_whole};
+use crate::sweep::plan::LAYOUT;
 
 /// The first line.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]

@@ -2,10 +2,10 @@
 
 use serde::Serialize;
 
-use super::folder::Folder;
-use super::segment;
-use super::shard::Shard;
 use crate::error::Result;
+use crate::sweep::folder::Folder;
+use crate::sweep::segment;
+use crate::sweep::shard::Shard;
 
 /// How far a sweep is, from its segments alone.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use rayreel_replay::image::Srgb8;
 use rayreel_replay::image::files::write_png;
-use rayreel_study::report::study::*;
+use rayreel_study::schema::*;
 
 const SCENES: [&str; 2] = ["teapot", "chess"];
 const MODES: [&str; 2] = ["2x2", "1x1"];

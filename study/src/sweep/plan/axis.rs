@@ -5,9 +5,9 @@ use std::ops::Range;
 use serde::{Deserialize, Serialize};
 use toml::Value;
 
-use super::file::{AxisFile, Span};
-use super::locate::Text;
 use crate::error::Result;
+use crate::sweep::plan::file::{AxisFile, Span};
+use crate::sweep::plan::locate::Text;
 use rayreel_machine::config::units::Bytes;
 
 /// Most values of one axis.

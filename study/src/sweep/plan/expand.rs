@@ -8,14 +8,14 @@ use std::path::Path;
 use rayreel_formats::trace::Trace;
 use toml::Spanned;
 
-use super::axis::{Axis, Scalar};
-use super::file::{At, PlanFile};
-use super::filter::{Filters, environment};
-use super::locate::Text;
-use super::{Base, LAYOUT, Plan, PointRef, TraceRef};
 use crate::error::{Result, StudyError};
-use crate::sweep::point::{Key, key};
-use crate::sweep::version::MODEL_VERSION;
+use crate::point::key::{Key, key};
+use crate::point::version::MODEL_VERSION;
+use crate::sweep::plan::axis::{Axis, Scalar};
+use crate::sweep::plan::file::{At, PlanFile};
+use crate::sweep::plan::filter::{Filters, environment};
+use crate::sweep::plan::locate::Text;
+use crate::sweep::plan::{Base, LAYOUT, Plan, PointRef, TraceRef};
 use rayreel_machine::config::NamedMachine;
 use rayreel_replay::policy::NamedPolicy;
 
@@ -265,7 +265,7 @@ fn check_axes(file: &PlanFile, axes: &[Axis], text: Text<'_>) -> Result<()> {
         if axes[..i].iter().any(|other| other.name == axis.name) {
             return Err(text.error(&name_at, format!("a second axis {:?}; give it another name", axis.name)));
         }
-        if RESERVED.contains(&axis.name.as_str()) || crate::sweep::row::is_figure(&axis.name) {
+        if RESERVED.contains(&axis.name.as_str()) || crate::point::row::is_figure(&axis.name) {
             return Err(
                 text.error(&name_at, format!("axis {:?}: results have a column of that name; take another", axis.name))
             );

@@ -18,8 +18,8 @@
 use serde::Deserialize;
 use toml::{Spanned, Value};
 
-use super::locate::Text;
 use crate::error::Result;
+use crate::sweep::plan::locate::Text;
 
 /// A value with its place in the file.
 pub type At<T> = Spanned<T>;

@@ -9,9 +9,9 @@ use minijinja::value::Value;
 use minijinja::{Environment, ErrorKind, Expression, UndefinedBehavior};
 use toml::Spanned;
 
-use super::axis::Scalar;
-use super::locate::Text;
 use crate::error::{Result, StudyError};
+use crate::sweep::plan::axis::Scalar;
+use crate::sweep::plan::locate::Text;
 
 /// The expressions of a plan.
 pub struct Filters<'a> {

@@ -12,8 +12,8 @@ pub mod locate;
 use serde::{Deserialize, Serialize};
 
 use crate::error::{Result, StudyError};
-use crate::sweep::point::{Key, Point};
-use crate::sweep::version::MODEL_VERSION;
+use crate::point::key::{Key, Point};
+use crate::point::version::MODEL_VERSION;
 use rayreel_machine::config::NamedMachine;
 use rayreel_machine::config::schema::is_machine_override;
 use rayreel_replay::policy::NamedPolicy;

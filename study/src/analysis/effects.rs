@@ -1,0 +1,86 @@
+//! Main effects: how much an axis moves a result when everything else is averaged.
+
+use crate::analysis::dims::Dimension;
+use crate::table::Cells;
+
+/// What a dimension does to a result.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Effect {
+    /// Mean of the result at each value of the dimension; none where no point has it.
+    pub means: Vec<Option<f64>>,
+    /// Mean over all points that have a value of the dimension.
+    pub overall: f64,
+    /// The values with the least and the most mean.
+    pub ends: [usize; 2],
+}
+
+impl Effect {
+    /// The effect over rows that have both; nothing with fewer than two values of the dimension.
+    pub fn new(dimension: &Dimension, result: &Cells) -> Option<Self> {
+        let mut sums = vec![(0.0, 0_u32); dimension.values.len()];
+        let rows = dimension.of.iter().enumerate().filter_map(|(row, value)| Some(((*value)?, result.number(row)?)));
+        for (value, number) in rows.filter(|(_, number)| number.is_finite()) {
+            sums[value].0 += number;
+            sums[value].1 += 1;
+        }
+        let mean = |(sum, count): &(f64, u32)| (*count > 0).then(|| sum / f64::from(*count));
+        let means: Vec<Option<f64>> = sums.iter().map(mean).collect();
+        let (sum, count) = sums.iter().fold((0.0, 0), |all, own| (all.0 + own.0, all.1 + own.1));
+        let known = || means.iter().enumerate().filter_map(|(value, mean)| Some((value, (*mean)?)));
+        // The first of equal ones, so that the page is the same every time.
+        let least = known().min_by(|a, b| a.1.total_cmp(&b.1))?.0;
+        let most = known().rev().max_by(|a, b| a.1.total_cmp(&b.1))?.0;
+        (known().count() > 1).then(|| Self { overall: sum / f64::from(count), ends: [least, most], means })
+    }
+
+    /// How far an end lies from the mean over all, as a share of that.
+    pub fn end(&self, end: usize) -> f64 {
+        let mean = self.means[self.ends[end]].unwrap_or(self.overall);
+        if self.overall == 0.0 { 0.0 } else { (mean - self.overall) / self.overall.abs() }
+    }
+
+    /// The distance of the ends, as a share of the mean over all.
+    pub fn share(&self) -> f64 {
+        self.end(1) - self.end(0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tables::{axis, figure};
+    use super::*;
+
+    fn close(a: f64, b: f64) {
+        assert!((a - b).abs() < 1e-12, "{a} is not {b}");
+    }
+
+    /// time = 10 a + b over all pairs of a in 1, 2, 3 and b in 0, 4: the means over b are 12, 22, 32, those over a 20 and 24, and
+    /// the mean of all is 22.
+    #[test]
+    fn of_a_sum_it_is_the_part_of_each_axis() {
+        let pairs: Vec<(i64, i64)> = [1, 2, 3].into_iter().flat_map(|a| [(a, 0), (a, 4)]).collect();
+        let column = |name: &str, of: fn(&(i64, i64)) -> i64| {
+            axis(name, Cells::Int(pairs.iter().map(|p| Some(of(p))).collect()))
+        };
+        let (a, b) = (Dimension::new(&column("a", |p| p.0)), Dimension::new(&column("b", |p| p.1)));
+        let time = Cells::Float(pairs.iter().map(|(a, b)| Some((10 * a + b) as f64)).collect());
+        let effect = Effect::new(&a, &time).unwrap();
+        assert_eq!(effect.means, [Some(12.0), Some(22.0), Some(32.0)]);
+        assert_eq!((effect.overall, effect.ends), (22.0, [0, 2]));
+        close(effect.share(), 20.0 / 22.0);
+        close(effect.end(0), -10.0 / 22.0);
+        close(Effect::new(&b, &time).unwrap().share(), 4.0 / 22.0);
+        // An axis that changes nothing.
+        close(Effect::new(&a, &Cells::Float(vec![Some(5.0); 6])).unwrap().share(), 0.0);
+    }
+
+    #[test]
+    fn points_without_a_value_do_not_count() {
+        let a = Dimension::new(&axis("a", Cells::Int(vec![Some(1), Some(2), None, Some(1)])));
+        let effect = Effect::new(&a, &Cells::Float(vec![Some(2.0), Some(6.0), Some(1e9), None])).unwrap();
+        assert_eq!((effect.overall, effect.means.as_slice()), (4.0, &[Some(2.0), Some(6.0)][..]));
+        close(effect.share(), 1.0);
+        assert_eq!(Effect::new(&a, &Cells::Float(vec![Some(2.0), None, None, None])), None, "one value is no axis");
+        assert_eq!(Effect::new(&a, &figure("none", &[f64::NAN; 4]).cells), None);
+    }
+}

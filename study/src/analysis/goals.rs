@@ -1,0 +1,124 @@
+//! Which way a result is better, and which results a reader asks for first.
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+
+use crate::table::{Cells, Results, Role};
+
+/// Which way a result is better.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Goal {
+    /// Less is better.
+    Min,
+    /// More is better.
+    Max,
+}
+
+/// Ends of the names of results of which more is better; of all others less is.
+const MORE: &[&str] = &[
+    "psnr_db",
+    "flicker_db",
+    "ssim",
+    "identical",
+    "rays_saved",
+    "samples_interpolated",
+    "similarity_ratio",
+    "fps",
+    "rays_per_s",
+    "perf_per_watt",
+];
+
+/// Results that a reader asks for first, in this order.
+const HEADLINES: &[&str] =
+    &["time_ms", "energy_mj", "gpu_energy_mj", "perf_per_watt", "gpu_perf_per_watt", "psnr_db", "flip", "rays_traced"];
+
+/// How many of them a page shows without being asked.
+const SHOWN: usize = 6;
+
+/// Which way the result of this name is better.
+pub fn goal(name: &str) -> Goal {
+    if MORE.iter().any(|end| name.ends_with(end)) { Goal::Max } else { Goal::Min }
+}
+
+/// The results to show first: those of the list that vary; without any, the first that do.
+pub fn headlines(results: &Results) -> Vec<&str> {
+    let mut own: Vec<&str> =
+        HEADLINES.iter().copied().filter(|name| varies_within(results, name)).take(SHOWN).collect();
+    if own.is_empty() {
+        let other =
+            results.fields.iter().filter(|f| matches!(f.role, Role::Figure | Role::Counter) && varies(&f.cells));
+        own = other.map(|field| field.name.as_str()).take(SHOWN).collect();
+    }
+    own
+}
+
+/// Whether a column holds two different numbers.
+pub fn varies(cells: &Cells) -> bool {
+    let mut numbers = (0..cells.len()).filter_map(|row| cells.number(row));
+    let first = numbers.next();
+    numbers.any(|other| Some(other) != first)
+}
+
+/// Whether a result has two different numbers on the same trace: what another trace changes is no merit of a machine or policy.
+pub fn varies_within(results: &Results, name: &str) -> bool {
+    let Some(field) = results.field(name) else { return false };
+    let trace = |row: usize| results.field("trace").and_then(|field| field.cells.text(row));
+    let mut known = BTreeMap::new();
+    let numbers = (0..field.cells.len()).filter_map(|row| Some((row, field.cells.number(row)?)));
+    numbers.into_iter().any(|(row, number)| *known.entry(trace(row)).or_insert(number) != number)
+}
+
+/// The two results of the first chart: quality against efficiency if pictures differ, else time against energy: of the whole GPU if
+/// the sweep changes it outside the T&I units.
+pub fn first_pair(results: &Results, whole_gpu: bool) -> Option<[&str; 2]> {
+    let pairs: &[[&str; 2]] = &[
+        ["psnr_db", "perf_per_watt"],
+        ["time_ms", if whole_gpu { "gpu_energy_mj" } else { "energy_mj" }],
+        ["cycles", "energy_mj"],
+        ["psnr_db", "rays_traced"],
+    ];
+    let known = |name: &str| results.field(name).map(|field| field.name.as_str());
+    let pair = pairs.iter().find(|pair| pair.iter().all(|name| varies_within(results, name)));
+    if let Some([x, y]) = pair {
+        return Some([known(x)?, known(y)?]);
+    }
+    let other = headlines(results);
+    Some([other.first()?, other.get(1).or(other.first())?])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tables::{figure, table, words};
+    use super::*;
+
+    #[test]
+    fn the_first_chart_depends_on_what_varies() {
+        let (same, varying) = (|name| figure(name, &[1.0, 1.0]), |name| figure(name, &[1.0, 2.0]));
+        let pictures = table(vec![varying("time_ms"), varying("perf_per_watt"), varying("psnr_db")]);
+        assert_eq!(first_pair(&pictures, true), Some(["psnr_db", "perf_per_watt"]));
+        let machines = table(vec![varying("time_ms"), varying("energy_mj"), varying("gpu_energy_mj"), same("psnr_db")]);
+        assert_eq!(first_pair(&machines, false), Some(["time_ms", "energy_mj"]));
+        assert_eq!(first_pair(&machines, true), Some(["time_ms", "gpu_energy_mj"]));
+        assert_eq!(headlines(&machines), ["time_ms", "energy_mj", "gpu_energy_mj"]);
+        assert_eq!(first_pair(&table(vec![varying("odd")]), true), Some(["odd", "odd"]));
+        assert_eq!(first_pair(&table(vec![same("odd")]), true), None);
+        // Another scene has another PSNR whatever the machine: that is no reason to show it first.
+        let scenes = words("trace", Role::Point, &["a", "a", "b", "b"]);
+        let four = |name, values: [f64; 4]| figure(name, &values);
+        let two = table(vec![
+            scenes,
+            four("psnr_db", [30.0, 30.0, 40.0, 40.0]),
+            four("perf_per_watt", [1.0, 2.0, 3.0, 4.0]),
+            four("time_ms", [1.0, 2.0, 3.0, 4.0]),
+            four("energy_mj", [1.0, 2.0, 3.0, 4.0]),
+        ]);
+        assert_eq!(first_pair(&two, false), Some(["time_ms", "energy_mj"]));
+        assert_eq!(headlines(&two), ["time_ms", "energy_mj", "perf_per_watt"]);
+        assert_eq!(
+            [goal("gpu_perf_per_watt"), goal("worst_tile_psnr_db"), goal("energy_mj")],
+            [Goal::Max, Goal::Max, Goal::Min]
+        );
+    }
+}

@@ -1,0 +1,200 @@
+//! The changes of matched points, column by column.
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+
+use crate::analysis::configs::{Configs, Half};
+use crate::analysis::dims::label;
+use crate::compare::pairs::{Pairs, names};
+use crate::compare::{Options, Select};
+use crate::table::{Cells, Field, Results, Role};
+
+/// A figure or counter that changed.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Change {
+    /// Its name.
+    pub name: String,
+    /// Its unit.
+    pub unit: String,
+    /// What it is.
+    pub description: String,
+    /// Whether it is a figure or a counter.
+    pub role: Role,
+    /// How many points changed by more than the tolerance.
+    pub changed: usize,
+    /// How many points have it on either side.
+    pub compared: usize,
+    /// The change that is largest.
+    pub largest: Largest,
+    /// Mean relative change over all points that have it on both sides, from another value than zero; with its sign.
+    pub mean_relative: Option<f64>,
+}
+
+/// One change.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Largest {
+    /// The point.
+    pub point: String,
+    /// The value in A.
+    pub a: Option<f64>,
+    /// The value in B.
+    pub b: Option<f64>,
+    /// (b - a) / |a|; none from zero, and where one side has no value.
+    pub relative: Option<f64>,
+}
+
+/// A configuration value that changed.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct ConfigChange {
+    /// Its key.
+    pub key: String,
+    /// How many points changed.
+    pub changed: usize,
+    /// The first point that did.
+    pub point: String,
+    /// The value in A.
+    pub a: Option<String>,
+    /// The value in B.
+    pub b: Option<String>,
+}
+
+/// A point that can be computed in one table only, or fails otherwise.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct StateChange {
+    /// The point.
+    pub point: String,
+    /// Why it failed in A, if it did.
+    pub a: Option<String>,
+    /// Why it failed in B, if it did.
+    pub b: Option<String>,
+}
+
+/// Columns of both tables, and the names of those of either alone.
+pub fn columns<'a>(a: &'a Results, b: &'a Results, select: &Select) -> (Vec<(&'a Field, &'a Field)>, [Vec<String>; 2]) {
+    let own = |results: &'a Results| {
+        let result = |field: &&Field| matches!(field.role, Role::Figure | Role::Counter) && select.takes(&field.name);
+        results.fields.iter().filter(result).collect::<Vec<_>>()
+    };
+    let find = |list: &[&'a Field], name: &str| list.iter().copied().find(|field| field.name == name);
+    let (of_a, of_b) = (own(a), own(b));
+    let both = of_a.iter().filter_map(|field| Some((*field, find(&of_b, &field.name)?))).collect();
+    let alone = |list: &[&'a Field], other: &[&'a Field]| {
+        list.iter().filter(|field| find(other, &field.name).is_none()).map(|field| field.name.clone()).collect()
+    };
+    (both, [alone(&of_a, &of_b), alone(&of_b, &of_a)])
+}
+
+/// Figures and counters that changed: from nothing or from zero first, then by their largest relative change.
+pub fn results(columns: &[(&Field, &Field)], pairs: &Pairs, tolerance: f64) -> Vec<Change> {
+    let mut changes: Vec<Change> = columns.iter().filter_map(|(a, b)| change(a, b, pairs, tolerance)).collect();
+    changes.sort_by(|a, b| size(b.largest.relative).total_cmp(&size(a.largest.relative)));
+    changes
+}
+
+/// How large a change is.
+fn size(relative: Option<f64>) -> f64 {
+    relative.map_or(f64::INFINITY, f64::abs)
+}
+
+fn change(a: &Field, b: &Field, pairs: &Pairs, tolerance: f64) -> Option<Change> {
+    let (mut changed, mut compared, mut sum, mut count) = (0, 0, 0.0, 0_u32);
+    let mut largest: Option<Largest> = None;
+    for (row_a, row_b, point) in &pairs.both {
+        let (x, y) = (a.cells.number(*row_a), b.cells.number(*row_b));
+        if x.is_none() && y.is_none() {
+            continue;
+        }
+        compared += 1;
+        let relative = relative(x, y);
+        if let Some(relative) = relative {
+            sum += relative;
+            count += 1;
+        }
+        if x == y || relative.is_some_and(|relative| relative.abs() <= tolerance) {
+            continue;
+        }
+        changed += 1;
+        // The first of equal ones.
+        if largest.as_ref().is_none_or(|known| size(relative) > size(known.relative)) {
+            largest = Some(Largest { point: point.clone(), a: x, b: y, relative });
+        }
+    }
+    largest.map(|largest| Change {
+        name: b.name.clone(),
+        unit: b.unit.clone(),
+        description: b.description.clone(),
+        role: b.role,
+        changed,
+        compared,
+        largest,
+        mean_relative: (count > 0).then(|| sum / f64::from(count)),
+    })
+}
+
+/// The relative change; none from zero to something, or without both values.
+fn relative(a: Option<f64>, b: Option<f64>) -> Option<f64> {
+    let (a, b) = (a?, b?);
+    if a == b {
+        return Some(0.0);
+    }
+    let relative = (b - a) / a.abs();
+    relative.is_finite().then_some(relative)
+}
+
+/// Points whose failure changed.
+pub fn states(a: &Results, b: &Results, pairs: &Pairs) -> Vec<StateChange> {
+    let error = |results: &Results, row: usize| results.field("error").and_then(|field| field.cells.text(row));
+    let state = |(row_a, row_b, point): &(usize, usize, String)| StateChange {
+        point: point.clone(),
+        a: error(a, *row_a),
+        b: error(b, *row_b),
+    };
+    pairs.both.iter().map(state).filter(|own| own.a != own.b).collect()
+}
+
+/// Configuration values that changed: of machine and policy, the traces' fingerprints, the model's version, and the columns by which
+/// points were not matched.
+pub fn configuration(tables: [&Results; 2], pairs: &Pairs, options: &Options) -> Vec<ConfigChange> {
+    let mut changes: BTreeMap<(usize, String), ConfigChange> = BTreeMap::new();
+    let mut differ = |order: usize, key: &str, point: &str, [a, b]: [Option<String>; 2]| {
+        if a == b || !options.select.takes(key) {
+            return;
+        }
+        let own = changes.entry((order, key.to_owned())).or_insert_with(|| ConfigChange {
+            key: key.into(),
+            changed: 0,
+            point: point.into(),
+            a,
+            b,
+        });
+        own.changed += 1;
+    };
+    let words = names(tables[0], tables[1]).into_iter().filter(|name| options.across.iter().any(|own| own == name));
+    for name in words.chain(["trace_fingerprint", "model_version"]) {
+        let fields = tables.map(|table| table.field(name));
+        for (a, b, point) in &pairs.both {
+            let of = |field: Option<&Field>, row: usize| field.and_then(|field| label(field, row));
+            differ(0, name, point, [of(fields[0], *a), of(fields[1], *b)]);
+        }
+    }
+    for half in Half::ALL {
+        let texts = tables.map(|table| table.field(half.column()).map(|field| &field.cells));
+        let configs = tables.map(|table| Configs::new(table, half));
+        for (a, b, point) in &pairs.both {
+            if let [Some(Cells::Text(of_a)), Some(Cells::Text(of_b))] = texts
+                && of_a[*a] == of_b[*b]
+            {
+                continue;
+            }
+            let own = [configs[0].row(*a), configs[1].row(*b)];
+            let mut keys: Vec<&String> = own.iter().flatten().flat_map(|own| own.keys()).collect();
+            keys.sort_unstable();
+            keys.dedup();
+            for key in keys {
+                differ(1, key, point, own.map(|own| own.and_then(|own| own.get(key).cloned())));
+            }
+        }
+    }
+    changes.into_values().collect()
+}

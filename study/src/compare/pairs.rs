@@ -1,0 +1,84 @@
+//! Which point of one table is which of the other.
+
+use std::collections::{BTreeMap, VecDeque};
+
+use crate::analysis::dims::{IDENTITY, label};
+use crate::error::{Result, StudyError};
+use crate::table::{Field, Results, Role};
+
+/// The points of two tables.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Pairs {
+    /// Rows of the points of both, and what they are, in the order of the second.
+    pub both: Vec<(usize, usize, String)>,
+    /// Points of the first alone.
+    pub vanished: Vec<String>,
+    /// Points of the second alone.
+    pub appeared: Vec<String>,
+}
+
+impl Pairs {
+    /// Matches points by trace, frames, machine, policy and axes, but for the columns of `across`. Points that are alike are matched
+    /// in order.
+    ///
+    /// # Errors
+    /// A column of `across` that is none of these.
+    pub fn new(a: &Results, b: &Results, across: &[String]) -> Result<Self> {
+        let names = names(a, b);
+        if let Some(unknown) = across.iter().find(|own| !names.contains(&own.as_str())) {
+            let detail = format!("no point has a column {unknown:?}; points are known by {}", names.join(", "));
+            return Err(StudyError::Usage { detail });
+        }
+        let names: Vec<&str> = names.into_iter().filter(|name| !across.iter().any(|own| own == name)).collect();
+        let mut known: BTreeMap<Vec<Option<String>>, VecDeque<usize>> = BTreeMap::new();
+        for row in 0..a.rows() {
+            known.entry(identity(a, &names, row)).or_default().push_back(row);
+        }
+        let (mut both, mut appeared) = (Vec::new(), Vec::new());
+        let mut taken = vec![false; a.rows()];
+        for row in 0..b.rows() {
+            let own = identity(b, &names, row);
+            match known.get_mut(&own).and_then(VecDeque::pop_front) {
+                Some(other) => {
+                    taken[other] = true;
+                    both.push((other, row, describe(&names, &own)));
+                }
+                None => appeared.push(describe(&names, &own)),
+            }
+        }
+        let gone = (0..a.rows()).filter(|row| !taken[*row]);
+        let vanished = gone.map(|row| describe(&names, &identity(a, &names, row))).collect();
+        Ok(Self { both, vanished, appeared })
+    }
+}
+
+/// Columns that say what a point is: those of the first table, then what only the second has.
+pub fn names<'a>(a: &'a Results, b: &'a Results) -> Vec<&'a str> {
+    let tells = |field: &&Field| field.role == Role::Axis || IDENTITY.contains(&field.name.as_str());
+    let mut names: Vec<&str> = Vec::new();
+    for field in a.fields.iter().chain(&b.fields).filter(tells) {
+        if !names.contains(&field.name.as_str()) {
+            names.push(&field.name);
+        }
+    }
+    names
+}
+
+fn identity(results: &Results, names: &[&str], row: usize) -> Vec<Option<String>> {
+    names.iter().map(|name| results.field(name).and_then(|field| label(field, row))).collect()
+}
+
+/// A point in words, as messages of a sweep have it.
+fn describe(names: &[&str], values: &[Option<String>]) -> String {
+    let value = |name: &str| names.iter().position(|own| *own == name).and_then(|at| values[at].as_deref());
+    let mut parts: Vec<String> = value("trace").map(str::to_owned).into_iter().collect();
+    if let (Some(first), Some(count)) = (value("first_frame"), value("frames")) {
+        let end = first.parse::<u64>().unwrap_or(0).saturating_add(count.parse().unwrap_or(0));
+        parts.push(format!("frames {first}..{end}"));
+    }
+    parts.extend(value("machine").map(|name| format!("on {name}")));
+    parts.extend(value("policy").map(|name| format!("under {name}")));
+    let axes = names.iter().zip(values).filter(|(name, _)| !IDENTITY.contains(name));
+    parts.extend(axes.filter_map(|(name, value)| Some(format!("{name}={}", value.as_ref()?))));
+    if parts.is_empty() { "the point".into() } else { parts.join(" ") }
+}

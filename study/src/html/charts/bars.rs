@@ -1,0 +1,147 @@
+//! Bars: groups of upright ones (the paper's Figure 7), and rows of level ones (a value for each policy).
+
+use crate::html::charts::WIDTH;
+use crate::html::charts::scale::{Scale, extent};
+use crate::html::charts::svg::{Svg, n, shortened, text_width};
+use crate::html::text::factor;
+
+/// An upright bar of a group.
+pub struct Bar {
+    /// Its height; nothing leaves a gap.
+    pub value: Option<f64>,
+    /// Colour class.
+    pub class: &'static str,
+    /// What it says when asked.
+    pub tip: String,
+}
+
+/// Bars side by side over one name.
+pub struct Group {
+    /// The name.
+    pub name: String,
+    /// The bars.
+    pub bars: Vec<Bar>,
+    /// What the paper states for the last bar: least and, if stated, most.
+    pub band: Option<(f64, Option<f64>)>,
+}
+
+/// Height of the upright chart.
+const HEIGHT: f64 = 250.0;
+
+/// Groups of upright bars over a common axis of factors. A line marks 1, the reference.
+pub fn grouped(groups: &[Group], label: &str) -> String {
+    let [left, right, top, bottom] = [34.0, WIDTH - 4.0, 14.0, HEIGHT - 26.0];
+    let values = groups.iter().flat_map(|g| {
+        let (least, most) = g.band.unwrap_or((0.0, None));
+        g.bars.iter().filter_map(|b| b.value).chain([least, most.unwrap_or(least)])
+    });
+    let [_, most] = extent(values).unwrap_or([0.0, 1.0]);
+    // Room above the highest bar for its number.
+    let y = Scale::exact([0.0, most.max(1.0) * 1.09], 6, [bottom, top]);
+    let mut svg = Svg::new(WIDTH, HEIGHT);
+    for tick in y.ticks() {
+        svg.line([left, y.at(tick)], [right, y.at(tick)], "grid");
+        svg.text(left - 5.0, y.at(tick) + 4.0, "tick e", &factor_tick(&y, tick));
+    }
+    svg.line([left, y.at(1.0)], [right, y.at(1.0)], "one");
+    let slot = (right - left) / groups.len().max(1) as f64;
+    for (i, group) in groups.iter().enumerate() {
+        upright(&mut svg, group, [left + slot * i as f64, slot], &y, bottom);
+    }
+    svg.line([left, bottom], [right, bottom], "axis");
+    svg.finish(label, "")
+}
+
+fn factor_tick(scale: &Scale, tick: f64) -> String {
+    scale.label(tick) + "×"
+}
+
+/// One group in its slot: left end and width.
+fn upright(svg: &mut Svg, group: &Group, [start, slot]: [f64; 2], y: &Scale, bottom: f64) {
+    // The last place is the paper's bracket.
+    let places = group.bars.len() as f64 + 0.8;
+    let (pad, middle) = (slot * 0.08, start + slot / 2.0);
+    let width = ((slot - 2.0 * pad) / places).min(24.0);
+    let first = middle - width * places / 2.0;
+    for (i, bar) in group.bars.iter().enumerate() {
+        let Some(value) = bar.value else { continue };
+        let x = first + width * i as f64;
+        svg.mark([x + 0.75, y.at(value), width - 1.5, bottom - y.at(value)], bar.class, 1.0, &bar.tip);
+        if i + 1 == group.bars.len() {
+            let text = factor(value).trim_end_matches('×').to_owned();
+            // Over the gap that the low bar of power leaves, and clear of the bracket at the right.
+            svg.text(x + width + 1.0, y.at(value) - 4.0, "value e", &text);
+        }
+    }
+    if let Some(band) = group.band {
+        bracket(svg, first + width * (places - 0.3), band, y);
+    }
+    svg.text(middle, bottom + 17.0, "label m", &shortened(&group.name, (slot / 6.2) as usize));
+}
+
+/// What the paper states: from least to most, or an arrow upwards from least.
+fn bracket(svg: &mut Svg, x: f64, (least, most): (f64, Option<f64>), y: &Scale) {
+    let (low, high) = (y.at(least), most.map_or(y.at(least) - 16.0, |m| y.at(m)));
+    let cap = |at: f64| format!("M{} {}h7", n(x - 3.5), n(at));
+    let top = match most {
+        Some(_) => cap(high),
+        None => format!("M{} {}l3.5 -5l3.5 5", n(x - 3.5), n(high + 5.0)),
+    };
+    svg.path(&format!("{}M{x} {}V{}{top}", cap(low), n(low), n(high), x = n(x)), "paper", "");
+}
+
+/// A level bar.
+pub struct Row {
+    /// Name at its left.
+    pub name: String,
+    /// Its length.
+    pub value: f64,
+    /// What stands behind its end.
+    pub text: String,
+    /// Colour class.
+    pub class: String,
+    /// What it says when asked.
+    pub tip: String,
+}
+
+/// Height of a row.
+const ROW: f64 = 22.0;
+
+/// Level bars over an axis of factors that reaches `most`; the zone is what the paper states.
+pub fn rows(rows: &[Row], most: f64, zone: Option<(f64, Option<f64>)>, label: &str) -> String {
+    let top = if zone.is_some() { 20.0 } else { 6.0 };
+    let (height, left) = (top + ROW * rows.len() as f64 + 22.0, name_width(rows.iter().map(|r| r.name.as_str())));
+    let bottom = height - 22.0;
+    let behind = rows.iter().map(|r| text_width(&r.text)).fold(0.0, f64::max) + 8.0;
+    let x = Scale::exact([0.0, most.max(1.0)], 6, [left, WIDTH - behind]);
+    let mut svg = Svg::new(WIDTH, height);
+    if let Some((least, end)) = zone {
+        let (a, b) = (x.at(least), end.map_or(WIDTH - behind, |m| x.at(m)));
+        svg.rect([a, top - 4.0, (b - a).max(2.0), bottom - top + 4.0], "zone");
+        let text =
+            end.map_or_else(|| format!("paper ≥ {}", factor(least)), |m| format!("paper {least} to {}", factor(m)));
+        let middle = (f64::midpoint(a, b)).clamp(text_width(&text) / 2.0, WIDTH - text_width(&text) / 2.0);
+        svg.text(middle, top - 8.0, "note m", &text);
+    }
+    for tick in x.ticks() {
+        svg.line([x.at(tick), top - 4.0], [x.at(tick), bottom], "grid");
+        svg.text(x.at(tick), bottom + 15.0, "tick m", &factor_tick(&x, tick));
+    }
+    for (i, row) in rows.iter().enumerate() {
+        let y = top + ROW * i as f64;
+        svg.text(left - 6.0, y + 13.5, "label e", &shortened(&row.name, NAME_MAX));
+        svg.mark([left, y + 3.0, x.at(row.value) - left, ROW - 7.0], &row.class, 1.0, &row.tip);
+        svg.text(x.at(row.value) + 5.0, y + 13.5, "value s", &row.text);
+    }
+    svg.line([x.at(1.0), top - 4.0], [x.at(1.0), bottom], "one");
+    svg.line([left, top - 4.0], [left, bottom], "axis");
+    svg.finish(label, "")
+}
+
+/// Most characters of a name beside a bar.
+pub const NAME_MAX: usize = 15;
+
+/// Room for the longest of some names.
+pub fn name_width<'a>(names: impl Iterator<Item = &'a str>) -> f64 {
+    names.map(|name| text_width(&shortened(name, NAME_MAX))).fold(30.0, f64::max) + 8.0
+}

@@ -1,0 +1,68 @@
+//! Level bars made of parts: energy by component, cycles by state, kernels.
+
+use crate::html::charts::WIDTH;
+use crate::html::charts::bars::{NAME_MAX, name_width};
+use crate::html::charts::scale::Scale;
+use crate::html::charts::svg::{Svg, shortened, text_width};
+
+/// A part of a bar.
+pub struct Part {
+    /// Its length.
+    pub value: f64,
+    /// Colour class.
+    pub class: String,
+    /// Shade of the colour, 0 to 1.
+    pub opacity: f64,
+    /// What it says when asked.
+    pub tip: String,
+}
+
+/// A bar, or a heading between bars.
+pub enum Row {
+    /// A heading.
+    Head(String),
+    /// A bar.
+    Bar {
+        /// Name at its left.
+        name: String,
+        /// Its parts, from the left.
+        parts: Vec<Part>,
+        /// What stands behind its end.
+        text: String,
+    },
+}
+
+/// Height of a bar with the gap below it.
+const ROW: f64 = 21.0;
+
+/// Draws the bars. The axis reaches `most`; `tick` writes a value along it.
+pub fn stacked(rows: &[Row], most: f64, tick: impl Fn(&Scale, f64) -> String, label: &str) -> String {
+    let names = rows.iter().filter_map(|row| if let Row::Bar { name, .. } = row { Some(name.as_str()) } else { None });
+    let texts = rows.iter().map(|row| if let Row::Bar { text, .. } = row { text_width(text) } else { 0.0 });
+    let (left, behind) = (name_width(names), texts.fold(0.0, f64::max) + 10.0);
+    let bottom = 4.0 + ROW * rows.len() as f64;
+    let x = Scale::exact([0.0, if most > 0.0 { most } else { 1.0 }], 5, [left, WIDTH - behind]);
+    let mut svg = Svg::new(WIDTH, bottom + 22.0);
+    for value in x.ticks() {
+        svg.line([x.at(value), 2.0], [x.at(value), bottom], "grid");
+        svg.text(x.at(value), bottom + 15.0, "tick m", &tick(&x, value));
+    }
+    for (i, row) in rows.iter().enumerate() {
+        let y = 4.0 + ROW * i as f64;
+        match row {
+            Row::Head(text) => svg.text(0.0, y + 14.0, "head s", text),
+            Row::Bar { name, parts, text } => {
+                svg.text(left - 6.0, y + 13.0, "label e", &shortened(name, NAME_MAX));
+                let mut start = 0.0;
+                for part in parts.iter().filter(|part| part.value > 0.0) {
+                    let (a, b) = (x.at(start), x.at(start + part.value));
+                    svg.mark([a, y + 2.0, b - a, ROW - 6.0], &part.class, part.opacity, &part.tip);
+                    start += part.value;
+                }
+                svg.text(x.at(start) + 5.0, y + 13.0, "value s", text);
+            }
+        }
+    }
+    svg.line([left, 2.0], [left, bottom], "axis");
+    svg.finish(label, "")
+}

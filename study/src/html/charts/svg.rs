@@ -1,0 +1,125 @@
+//! A small SVG writer: escapes what it is given and prints coordinates the same way everywhere.
+
+use std::fmt::Write as _;
+
+use crate::html::text::escape;
+
+/// An SVG picture in the making.
+pub struct Svg {
+    width: f64,
+    height: f64,
+    body: String,
+}
+
+/// A coordinate with two places at most.
+pub fn n(value: f64) -> String {
+    // Values near the end of the floating-point range; SVG has no word for what they give.
+    let value = if value.is_finite() { value } else { 0.0 };
+    let text = format!("{value:.2}");
+    let short = text.trim_end_matches('0').trim_end_matches('.');
+    if short == "-0" { "0".into() } else { short.into() }
+}
+
+/// A rectangle: left, top, width, height.
+pub type Rect = [f64; 4];
+
+impl Svg {
+    /// An empty picture.
+    pub fn new(width: f64, height: f64) -> Self {
+        Self { width, height, body: String::new() }
+    }
+
+    /// A rectangle.
+    pub fn rect(&mut self, [x, y, w, h]: Rect, class: &str) {
+        let _ = write!(self.body, "<rect {}/>", at([x, y, w.max(0.0), h.max(0.0)], class));
+    }
+
+    /// A rectangle that tells something when asked; `opacity` tells the shades of one colour apart.
+    pub fn mark(&mut self, [x, y, w, h]: Rect, class: &str, opacity: f64, tip: &str) {
+        let fade = if opacity < 1.0 { format!(" fill-opacity=\"{}\"", n(opacity)) } else { String::new() };
+        let rect = at([x, y, w.max(0.0), h.max(0.0)], class);
+        let _ = write!(self.body, "<rect {rect}{fade} data-mark=\"\"><title>{}</title></rect>", escape(tip));
+    }
+
+    /// A line.
+    pub fn line(&mut self, [x1, y1]: [f64; 2], [x2, y2]: [f64; 2], class: &str) {
+        let _ = write!(
+            self.body,
+            "<line x1=\"{}\" y1=\"{}\" x2=\"{}\" y2=\"{}\" class=\"{class}\"/>",
+            n(x1),
+            n(y1),
+            n(x2),
+            n(y2)
+        );
+    }
+
+    /// Text; `class` says how it is aligned (`s`, `m`, `e`).
+    pub fn text(&mut self, x: f64, y: f64, class: &str, text: &str) {
+        let _ = write!(self.body, "<text x=\"{}\" y=\"{}\" class=\"{class}\">{}</text>", n(x), n(y), escape(text));
+    }
+
+    /// A path; `extra` are more attributes, already escaped.
+    pub fn path(&mut self, d: &str, class: &str, extra: &str) {
+        let _ = write!(self.body, "<path d=\"{d}\" class=\"{class}\"{extra}/>");
+    }
+
+    /// SVG as it is.
+    pub fn raw(&mut self, svg: &str) {
+        self.body.push_str(svg);
+    }
+
+    /// The element, described by `label`; `extra` are more attributes, already escaped.
+    pub fn finish(self, label: &str, extra: &str) -> String {
+        format!(
+            "<svg class=\"chart\" viewBox=\"0 0 {} {}\" role=\"img\" aria-label=\"{}\"{extra}>{}</svg>\n",
+            n(self.width),
+            n(self.height),
+            escape(label),
+            self.body
+        )
+    }
+}
+
+fn at([x, y, w, h]: Rect, class: &str) -> String {
+    format!("x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" class=\"{class}\"", n(x), n(y), n(w), n(h))
+}
+
+/// Markers that differ in shape, so that colour is never all that tells them apart. About 10 units across.
+pub fn marker(shape: usize, x: f64, y: f64) -> String {
+    let points: &[[f64; 2]] = match shape % 6 {
+        0 => return format!("M{} {}a5 5 0 1 0 10 0a5 5 0 1 0 -10 0z", n(x - 5.0), n(y)),
+        1 => &[[-4.4, -4.4], [4.4, -4.4], [4.4, 4.4], [-4.4, 4.4]],
+        2 => &[[0.0, -5.6], [5.4, 4.2], [-5.4, 4.2]],
+        3 => &[[0.0, -6.2], [6.2, 0.0], [0.0, 6.2], [-6.2, 0.0]],
+        4 => &[[0.0, 5.6], [5.4, -4.2], [-5.4, -4.2]],
+        _ => &[
+            [-1.8, -5.5],
+            [1.8, -5.5],
+            [1.8, -1.8],
+            [5.5, -1.8],
+            [5.5, 1.8],
+            [1.8, 1.8],
+            [1.8, 5.5],
+            [-1.8, 5.5],
+            [-1.8, 1.8],
+            [-5.5, 1.8],
+            [-5.5, -1.8],
+            [-1.8, -1.8],
+        ],
+    };
+    let corners: Vec<String> = points.iter().map(|[dx, dy]| format!("{} {}", n(x + dx), n(y + dy))).collect();
+    format!("M{}z", corners.join("L"))
+}
+
+/// Width of a text of 12 units, roughly: what a browser will use is not known here.
+pub fn text_width(text: &str) -> f64 {
+    text.chars().count() as f64 * 6.4
+}
+
+/// The text cut to so many characters.
+pub fn shortened(text: &str, most: usize) -> String {
+    if text.chars().count() <= most {
+        return text.to_owned();
+    }
+    text.chars().take(most.saturating_sub(1)).chain(['…']).collect()
+}

@@ -1,0 +1,54 @@
+//! One page of HTML from a study or from the results of a sweep: `rayreel report`.
+//!
+//! The page needs no network and no other file. Charts are SVG made here; the script adds what only makes sense on a screen
+//! (the image viewer, tooltips, search), and the page reads and prints without it. The same study gives the same bytes.
+
+mod charts;
+mod error;
+mod load;
+mod page;
+mod parts;
+mod sections;
+mod shell;
+pub mod sweep;
+mod text;
+mod view;
+
+use std::path::Path;
+
+pub use error::ReportError;
+pub use load::load;
+
+use crate::schema::Study;
+use rayreel_replay::image::files::write_atomically;
+
+/// A page that was written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Written {
+    /// Size of the file.
+    pub bytes: usize,
+    /// Size of the pictures in it, as files.
+    pub picture_bytes: usize,
+    /// How many they are.
+    pub pictures: usize,
+}
+
+/// Makes the page of the study in `folder` and writes it to `file`.
+///
+/// # Errors
+/// When the study or one of its pictures is missing or damaged, or `file` cannot be written.
+pub fn write(folder: &Path, file: &Path) -> crate::Result<Written, ReportError> {
+    let study = load(folder)?;
+    write_study(&study, folder, file)
+}
+
+/// Makes the page of a study whose pictures lie in `folder` and writes it to `file`.
+///
+/// # Errors
+/// When a picture is missing or damaged, or `file` cannot be written.
+pub fn write_study(study: &Study, folder: &Path, file: &Path) -> crate::Result<Written, ReportError> {
+    let pictures = sections::viewer::Pictures::load(study, |name| load::picture(folder, name))?;
+    let html = page::page(study, &pictures);
+    write_atomically(file, html.as_bytes()).map_err(|e| ReportError::Write { source: Box::new(e) })?;
+    Ok(Written { bytes: html.len(), picture_bytes: pictures.bytes(), pictures: pictures.len() })
+}

@@ -1,0 +1,120 @@
+//! Pieces of HTML that sections share. Arguments called `html` are HTML already; all others are escaped here.
+
+use crate::html::text::escape;
+use crate::html::view::{View, mode_name, mode_reference};
+
+/// A section of the page.
+pub struct Section {
+    /// Anchor.
+    pub id: &'static str,
+    /// Heading.
+    pub title: String,
+    /// HTML below the heading.
+    pub html: String,
+}
+
+impl Section {
+    /// A section, unless it is empty.
+    pub fn new(id: &'static str, title: &str, html: String) -> Option<Self> {
+        (!html.is_empty()).then(|| Self { id, title: title.into(), html })
+    }
+}
+
+/// A chart with its name above and a sentence below that says how to read it.
+pub fn card(title: &str, html: &str, caption: &str) -> String {
+    let caption = if caption.is_empty() { String::new() } else { format!("<p>{}</p>", escape(caption)) };
+    let caption = format!("<figcaption><strong>{}</strong>{caption}</figcaption>", escape(title));
+    format!("<figure class=\"card\">{caption}{html}</figure>\n")
+}
+
+/// A paragraph that says how to read what stands above it.
+pub fn how_to_read(text: &str) -> String {
+    format!("<p class=\"read\">{}</p>\n", escape(text))
+}
+
+/// A grid of cards.
+pub fn grid(html: &str) -> String {
+    format!("<div class=\"grid\">\n{html}</div>\n")
+}
+
+/// A column of a table.
+pub struct Column {
+    /// Head.
+    pub name: String,
+    /// Whether it holds numbers, which stand right.
+    pub number: bool,
+}
+
+impl Column {
+    /// A column of words.
+    pub fn words(name: &str) -> Self {
+        Self { name: name.into(), number: false }
+    }
+
+    /// A column of numbers.
+    pub fn number(name: &str) -> Self {
+        Self { name: name.into(), number: true }
+    }
+}
+
+/// A table; the first cell of a row heads it. `rows` hold a class and cells, which are HTML.
+pub fn table(caption: &str, columns: &[Column], rows: &[(String, Vec<String>)]) -> String {
+    let class = |column: &Column| if column.number { " class=\"num\"" } else { "" };
+    let head = |c: &Column| format!("<th scope=\"col\"{}>{}</th>", class(c), escape(&c.name));
+    let row = |(own, cells): &(String, Vec<String>)| {
+        let cell = |(i, (column, html)): (usize, (&Column, &String))| match i {
+            0 => format!("<th scope=\"row\"{}>{html}</th>", class(column)),
+            _ => format!("<td{}>{html}</td>", class(column)),
+        };
+        let cells: String = columns.iter().zip(cells).enumerate().map(cell).collect();
+        let own = if own.is_empty() { String::new() } else { format!(" class=\"{own}\"") };
+        format!("<tr{own}>{cells}</tr>\n")
+    };
+    let (head, body): (String, String) = (columns.iter().map(head).collect(), rows.iter().map(row).collect());
+    format!(
+        "<div class=\"scroll{many}\" tabindex=\"0\" role=\"region\" aria-label=\"{label}\"><table><caption>{label}</caption>\
+         <thead><tr>{head}</tr></thead>\n<tbody>\n{body}</tbody></table></div>\n",
+        label = escape(caption),
+        // Wide ones get smaller type on paper.
+        many = if columns.len() > 11 { " many" } else { "" }
+    )
+}
+
+/// An entry of a legend: a square of a colour class, and what it stands for.
+pub fn key(class: &str, name: &str) -> String {
+    let square = format!("<rect x=\"2\" y=\"2\" width=\"12\" height=\"12\" class=\"{class}\"/>");
+    symbol(&square, name)
+}
+
+/// An entry of a legend: a drawing of 16 by 16 units, and what it stands for.
+pub fn symbol(svg: &str, name: &str) -> String {
+    format!("<li><svg viewBox=\"0 0 16 16\" aria-hidden=\"true\">{svg}</svg>{}</li>", escape(name))
+}
+
+/// A legend of entries.
+pub fn legend(html: &str) -> String {
+    format!("<ul class=\"legend\">{html}</ul>\n")
+}
+
+/// Something to unfold.
+pub fn details(summary: &str, html: &str) -> String {
+    format!("<details><summary>{}</summary>\n{html}</details>\n", escape(summary))
+}
+
+/// What `part` makes of each mode, under the mode's name; the script shows one mode at a time.
+pub fn by_mode(view: &View<'_>, mut part: impl FnMut(&str) -> String) -> String {
+    let mut html = String::new();
+    for mode in view.modes() {
+        let own = part(mode);
+        if own.is_empty() {
+            continue;
+        }
+        let name = escape(&mode_name(mode));
+        let against = escape(&format!("against {}", mode_reference(mode)));
+        html += &format!(
+            "<div class=\"mode\" data-mode=\"{}\" data-name=\"{name}\"><h3>{name} <small>{against}</small></h3>\n{own}</div>\n",
+            escape(mode)
+        );
+    }
+    html
+}

@@ -1,0 +1,78 @@
+//! One choice changed at a time.
+
+use crate::html::parts::{Column, Section, how_to_read, table};
+use crate::html::text::{escape, factor, fixed, or_dash, percent, psnr};
+use crate::html::view::View;
+use crate::schema::Ablation;
+
+/// The section.
+pub fn section(view: &View<'_>) -> Option<Section> {
+    let all = &view.study.ablations;
+    let mut groups: Vec<&str> = Vec::new();
+    for own in all {
+        if !groups.contains(&own.group.as_str()) {
+            groups.push(&own.group);
+        }
+    }
+    let mut html = String::new();
+    for group in groups {
+        let rows: Vec<&Ablation> = all.iter().filter(|a| a.group == group).collect();
+        html += &group_table(group, &rows);
+    }
+    if !html.is_empty() {
+        html += &how_to_read(
+            "Each table changes one choice and keeps all others. The marked row is the unchanged one; the numbers in brackets \
+             compare with it: factors for cycles, power and performance per watt of the whole GPU, decibels for PSNR.",
+        );
+    }
+    Section::new("ablations", "Ablations", html)
+}
+
+fn group_table(group: &str, all: &[&Ablation]) -> String {
+    let columns = [
+        Column::words("Choice"),
+        Column::words("Scene"),
+        Column::words("Policy"),
+        Column::number("Rays of all"),
+        Column::number("Cycles"),
+        Column::number("Power, W"),
+        Column::number("Performance/W"),
+        Column::number("PSNR"),
+    ];
+    let mut rows = Vec::new();
+    for own in all {
+        let base = all.iter().find(|b| b.base && b.scene == own.scene && b.mode == own.mode && b.policy == own.policy);
+        let base = base.filter(|_| !own.base);
+        let note = if own.note.is_empty() { String::new() } else { format!("<small>{}</small>", escape(&own.note)) };
+        let cells = vec![
+            format!("{}{note}", escape(&own.name)),
+            format!("{} <small>{}</small>", escape(&own.scene), escape(&own.mode.replace('x', "×"))),
+            escape(&own.policy),
+            percent(own.rays_traced as f64 / own.rays_full.max(1) as f64),
+            or_dash(own.cycles, |v| {
+                super::super::text::count(v) + &times(v as f64, base.and_then(|b| b.cycles).map(|v| v as f64))
+            }),
+            or_dash(own.power_w, |v| fixed(v, 3) + &times(v, base.and_then(|b| b.power_w))),
+            or_dash(own.perf_per_watt, |v| fixed(v, 1) + &times(v, base.and_then(|b| b.perf_per_watt))),
+            psnr(own.psnr_db) + &difference(own.psnr_db, base.and_then(|b| b.psnr_db)),
+        ];
+        rows.push((if own.base { "strong".into() } else { String::new() }, cells));
+    }
+    table(&capitalised(group), &columns, &rows)
+}
+
+fn times(value: f64, base: Option<f64>) -> String {
+    base.filter(|b| *b > 0.0).map(|b| format!(" <small>({})</small>", factor(value / b))).unwrap_or_default()
+}
+
+fn difference(value: Option<f64>, base: Option<f64>) -> String {
+    let (Some(value), Some(base)) = (value, base) else { return String::new() };
+    let sign = if value > base { "+" } else { "" };
+    format!(" <small>({sign}{})</small>", fixed(value - base, 2))
+}
+
+/// The text with a capital first letter.
+fn capitalised(text: &str) -> String {
+    let mut rest = text.chars();
+    rest.next().map_or_else(String::new, |first| first.to_uppercase().chain(rest).collect())
+}

@@ -1,0 +1,101 @@
+//! The animation, frame by frame.
+
+use crate::html::charts::lines::{Line, Lines};
+use crate::html::parts::{Column, Section, card, grid, how_to_read, table};
+use crate::html::text::{escape, fixed, or_dash, percent, psnr};
+use crate::html::view::{View, mode_name};
+use crate::schema::{Track, TrackFrame};
+
+/// What is drawn: title, unit, value of a frame, whether the axis begins at zero.
+type Figure = (&'static str, &'static str, fn(&TrackFrame) -> Option<f64>, bool);
+
+const FIGURES: [Figure; 6] = [
+    ("Rays traced", "rays", |f| Some(f.rays_traced as f64), true),
+    ("Mean rate: traced samples per sample", "", |f| Some(f.mean_rate), true),
+    ("PSNR, dB", "dB", |f| f.psnr_db, false),
+    ("Power of the T&I units, W", "W", |f| f.power_w, true),
+    ("Energy of the T&I units, mJ", "mJ", |f| f.energy_mj, true),
+    ("Time of a frame, ms", "ms", |f| f.time_ms, true),
+];
+
+/// The section.
+pub fn section(view: &View<'_>) -> Option<Section> {
+    let mut groups: Vec<(&str, &str)> = Vec::new();
+    for track in &view.study.tracks {
+        if !groups.contains(&(&track.scene, &track.mode)) {
+            groups.push((&track.scene, &track.mode));
+        }
+    }
+    let mut html = String::new();
+    for (scene, mode) in groups {
+        let tracks: Vec<&Track> = view.study.tracks.iter().filter(|t| t.scene == scene && t.mode == mode).collect();
+        let policies: Vec<&str> = tracks.iter().map(|t| t.policy.as_str()).collect();
+        html += &format!("<h3>{} <small>{}</small></h3>\n", escape(scene), escape(&mode_name(mode).to_lowercase()));
+        html += &view.legend(&policies);
+        html += &grid(&FIGURES.iter().map(|figure| chart(view, scene, &tracks, figure)).collect::<String>());
+        html += &totals(scene, &tracks);
+    }
+    if !html.is_empty() {
+        html += &how_to_read(
+            "One line for each policy over the frames of the camera path; point at a frame to read its values. A missing piece of \
+             a PSNR line is a frame that equals the reference. Flicker is the error of the change from frame to frame: smaller is \
+             steadier.",
+        );
+    }
+    Section::new("animation", "The animation, frame by frame", html)
+}
+
+fn chart(view: &View<'_>, scene: &str, tracks: &[&Track], (title, unit, value, zero): &Figure) -> String {
+    // Frames without any value are left out: where only some are simulated, the line goes from one to the next.
+    let known = tracks.iter().flat_map(|t| t.frames.iter().filter(|f| value(f).is_some()).map(|f| f.frame));
+    let mut frames: Vec<u32> = known.collect();
+    frames.sort_unstable();
+    frames.dedup();
+    let line = |track: &&Track| {
+        let mut values = vec![None; frames.len()];
+        for frame in &track.frames {
+            if let Ok(i) = frames.binary_search(&frame.frame) {
+                values[i] = value(frame);
+            }
+        }
+        let look = view.look(&track.policy);
+        Line { name: track.policy.clone(), values, class: look.class(), dash: look.dash() }
+    };
+    let lines: Vec<Line> = tracks.iter().map(line).filter(|l| l.values.iter().any(Option::is_some)).collect();
+    if lines.is_empty() {
+        return String::new();
+    }
+    let means = lines.iter().map(|l| {
+        let known: Vec<f64> = l.values.iter().flatten().copied().collect();
+        format!("{} {}", l.name, fixed(known.iter().sum::<f64>() / known.len() as f64, 3))
+    });
+    let label = format!("Line chart, {scene}: {title} over frames. Means: {}.", means.collect::<Vec<_>>().join(", "));
+    card(title, &Lines { unit, frames: &frames, lines, zero: *zero }.draw(&label), "")
+}
+
+fn totals(scene: &str, tracks: &[&Track]) -> String {
+    let columns = [
+        Column::words("Policy"),
+        Column::number("Frames"),
+        Column::number("Rays traced of all"),
+        Column::number("T&I energy, mJ a frame"),
+        Column::number("PSNR"),
+        Column::number("Flicker"),
+    ];
+    let row = |track: &&Track| {
+        let (full, traced) =
+            track.frames.iter().fold((0, 0), |(full, traced), f| (full + f.rays_full, traced + f.rays_traced));
+        let energy: Vec<f64> = track.frames.iter().filter_map(|f| f.energy_mj).collect();
+        let energy = Some(energy).filter(|e| !e.is_empty()).map(|e| e.iter().sum::<f64>() / e.len() as f64);
+        let cells = vec![
+            escape(&track.policy),
+            track.frames.len().to_string(),
+            percent(traced as f64 / (full as f64).max(1.0)),
+            or_dash(energy, |e| fixed(e, 3)),
+            psnr(track.psnr_db),
+            or_dash(track.flicker, |f| fixed(f, 4)),
+        ];
+        (String::new(), cells)
+    };
+    table(&format!("{scene}: whole path"), &columns, &tracks.iter().map(row).collect::<Vec<_>>())
+}

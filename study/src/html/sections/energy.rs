@@ -1,0 +1,96 @@
+//! Energy by component.
+
+use crate::html::charts::stacked::{Part, Row, stacked};
+use crate::html::parts::{Column, Section, by_mode, card, details, grid, how_to_read, key, legend, table};
+use crate::html::text::{digits, escape, fixed, or_dash, percent};
+use crate::html::view::{View, mode_name};
+use crate::schema::{Component, Point};
+
+/// Group, name for people, colour class.
+const GROUPS: [(&str, &str, &str); 3] =
+    [("ti", "T&I units", "e0"), ("srp", "SRPs", "e1"), ("memory", "L2 and DRAM", "e2")];
+
+/// The section.
+pub fn section(view: &View<'_>) -> Option<Section> {
+    if view.points.iter().all(|p| p.energy.is_empty()) {
+        return None;
+    }
+    let mut html = legend(&GROUPS.iter().map(|(_, name, class)| key(class, name)).collect::<String>());
+    html += &by_mode(view, |mode| {
+        grid(&view.scenes(mode).iter().map(|scene| chart(view, scene, mode)).collect::<String>())
+    });
+    html += &how_to_read(
+        "Energy of the whole GPU for the scene's frame, mJ; shades are the components of a group. Shorter is better. A component \
+         that stays long where rays are saved is what limits the gain.",
+    );
+    html += &details("Numbers: every component", &by_mode(view, |mode| numbers(view, mode)));
+    Section::new("energy", "Energy by component", html)
+}
+
+fn total(point: &Point) -> f64 {
+    point.energy.iter().map(|c| c.mj).sum()
+}
+
+fn chart(view: &View<'_>, scene: &str, mode: &str) -> String {
+    let points: Vec<&Point> = view.of(scene, mode).into_iter().filter(|p| !p.energy.is_empty()).collect();
+    let most = points.iter().map(|p| total(p)).fold(0.0, f64::max);
+    if points.is_empty() {
+        return String::new();
+    }
+    let row = |point: &&Point| Row::Bar {
+        name: point.policy.clone(),
+        parts: parts(point),
+        text: format!("{} mJ", digits(total(point))),
+    };
+    let text: Vec<String> = points.iter().map(|p| format!("{} {} mJ", p.policy, digits(total(p)))).collect();
+    let label = format!("Stacked bars, {scene}: energy by component. {}.", text.join("; "));
+    let rows: Vec<Row> = points.iter().map(row).collect();
+    card(scene, &stacked(&rows, most, |scale, tick| scale.label(tick), &label), "")
+}
+
+fn parts(point: &Point) -> Vec<Part> {
+    let all = total(point).max(f64::MIN_POSITIVE);
+    let mut parts = Vec::new();
+    let mut add = |own: Vec<&Component>, group: &str, class: &str| {
+        for (i, component) in own.iter().enumerate() {
+            parts.push(Part {
+                value: component.mj,
+                class: class.into(),
+                opacity: (1.0 - 0.13 * i as f64).max(0.3),
+                tip: format!(
+                    "{}\n{} ({group})\n{} mJ, {}",
+                    point.policy,
+                    component.component,
+                    digits(component.mj),
+                    percent(component.mj / all)
+                ),
+            });
+        }
+    };
+    for (group, name, class) in GROUPS {
+        add(point.energy.iter().filter(|c| c.group == group).collect(), name, class);
+    }
+    let known = |c: &&Component| GROUPS.iter().all(|(group, ..)| *group != c.group);
+    add(point.energy.iter().filter(known).collect(), "other", "e3");
+    parts
+}
+
+fn numbers(view: &View<'_>, mode: &str) -> String {
+    let points =
+        || view.scenes(mode).into_iter().flat_map(|scene| view.of(scene, mode)).filter(|p| !p.energy.is_empty());
+    let mut names: Vec<&str> = Vec::new();
+    for component in points().flat_map(|p| &p.energy) {
+        if !names.contains(&component.component.as_str()) {
+            names.push(&component.component);
+        }
+    }
+    let mut columns = vec![Column::words("Scene"), Column::words("Policy"), Column::number("All")];
+    columns.extend(names.iter().map(|name| Column::number(name)));
+    let row = |point: &Point| {
+        let mut cells = vec![escape(&point.scene), escape(&point.policy), fixed(total(point), 3)];
+        let of = |name: &&str| point.energy.iter().find(|c| c.component == *name);
+        cells.extend(names.iter().map(|name| or_dash(of(name), |c| fixed(c.mj, 3))));
+        (String::new(), cells)
+    };
+    table(&format!("{}: energy, mJ", mode_name(mode)), &columns, &points().map(row).collect::<Vec<_>>())
+}

@@ -1,0 +1,99 @@
+//! The paper's Figure 7: performance, power and performance per watt of its own policies, T&I units alone.
+
+use crate::html::charts::bars::{Bar, Group, grouped};
+use crate::html::parts::{Column, Section, by_mode, card, details, how_to_read, key, legend, symbol, table};
+use crate::html::text::{escape, factor, or_dash};
+use crate::html::view::{View, geometric_mean, mode_name, mode_reference};
+use crate::schema::{Gain, Point};
+
+/// Name and colour class of the three bars of a scene.
+const BARS: [(&str, &str); 3] = [("performance", "b0"), ("power", "b1"), ("performance per watt", "b2")];
+
+fn values(gain: Option<Gain>) -> [Option<f64>; 3] {
+    gain.map_or([None; 3], |g| [Some(g.performance), Some(g.power), Some(g.perf_per_watt)])
+}
+
+/// The section.
+pub fn section(view: &View<'_>) -> Option<Section> {
+    let mut charts = String::new();
+    for mode in view.modes() {
+        charts += &view.paper_policy(mode).map(|policy| chart(view, mode, policy)).unwrap_or_default();
+    }
+    if charts.is_empty() {
+        return None;
+    }
+    let bars: String = BARS.iter().map(|(name, class)| key(class, name)).collect();
+    let bracket = symbol("<path d=\"M4 2h8M8 2v12M4 14h8\" class=\"paper\"/>", "the paper's performance per watt");
+    let mut html = legend(&(bars + &bracket)) + &format!("<div class=\"grid two\">\n{charts}</div>\n");
+    html += &how_to_read(
+        "Each bar is the adaptive policy relative to tracing every sample in the same scene and mode; the line at 1× is the \
+         reference. Bars of performance and performance per watt should be high, power near 1×. Brackets show what the paper \
+         states: from least to most, or an arrow where it states a least value only. Its scenes are of the same kind and size \
+         as these, but not the same models.",
+    );
+    if let Some(power) = view.study.references.power {
+        html +=
+            &how_to_read(&format!("The paper states {} of the reference's power, mean of all scenes.", factor(power)));
+    }
+    html +=
+        &details("Numbers: every policy, T&I units alone and whole GPU", &by_mode(view, |mode| numbers(view, mode)));
+    Section::new("figure7", "The paper's Figure 7", html)
+}
+
+fn chart(view: &View<'_>, mode: &str, policy: &str) -> String {
+    let gain = |point: &Point| point.ti_gain.or(point.gpu_gain);
+    let points: Vec<&Point> =
+        view.scenes(mode).into_iter().filter_map(|scene| view.point(scene, mode, policy)).collect();
+    if points.iter().all(|p| gain(p).is_none()) {
+        return String::new();
+    }
+    let alone = if points.iter().all(|p| p.ti_gain.is_some()) { "T&I units alone" } else { "whole GPU" };
+    let group = |name: &str, own: [Option<f64>; 3], band| {
+        let bar = |((what, class), value): (&(&str, &'static str), Option<f64>)| Bar {
+            value,
+            class,
+            tip: format!("{name}\n{policy}, {alone}\n{what} {}", or_dash(value, factor)),
+        };
+        Group { name: name.to_owned(), bars: BARS.iter().zip(own).map(bar).collect(), band }
+    };
+    let mut groups: Vec<Group> = points
+        .iter()
+        .map(|p| group(&p.scene, values(gain(p)), view.band(&p.scene).map(|b| (b.least, b.most))))
+        .collect();
+    let text: Vec<String> =
+        points.iter().map(|p| format!("{} {}", p.scene, or_dash(gain(p).map(|g| g.perf_per_watt), factor))).collect();
+    if points.len() > 1 {
+        let mean = |i: usize| geometric_mean(points.iter().map(|p| values(gain(p))[i]));
+        groups.push(group("mean", [mean(0), mean(1), mean(2)], None));
+    }
+    let name = format!("{}: {policy} against {}", mode_name(mode), mode_reference(mode));
+    let label = format!("Bar chart. {name}, {alone}; performance per watt: {}.", text.join(", "));
+    card(&name, &grouped(&groups, &label), &format!("{alone}; geometric mean at the right."))
+}
+
+fn numbers(view: &View<'_>, mode: &str) -> String {
+    let mut columns = vec![Column::words("Scene"), Column::words("Policy")];
+    for part in ["T&I", "GPU"] {
+        columns.extend(["performance", "power", "perf/W"].map(|name| Column::number(&format!("{part} {name}"))));
+    }
+    if mode == "1x1" {
+        columns.push(Column::number("perf/W over FSAA 2×2"));
+    }
+    columns.push(Column::words("Paper perf/W"));
+    let mut rows = Vec::new();
+    for scene in view.scenes(mode) {
+        for point in view.of(scene, mode).into_iter().filter(|p| p.kind != "full") {
+            let mut cells = vec![escape(&point.scene), escape(&point.policy)];
+            cells.extend(values(point.ti_gain).into_iter().chain(values(point.gpu_gain)).map(|v| or_dash(v, factor)));
+            if mode == "1x1" {
+                cells.push(or_dash(point.fsaa_gain.map(|g| g.perf_per_watt), factor));
+            }
+            cells.push(or_dash(view.band(scene), |band| match band.most {
+                Some(most) => format!("{} to {}", band.least, factor(most)),
+                None => format!("≥ {}", factor(band.least)),
+            }));
+            rows.push((String::new(), cells));
+        }
+    }
+    table(&format!("{}: factors over {}", mode_name(mode), mode_reference(mode)), &columns, &rows)
+}

@@ -1,0 +1,165 @@
+//! Every policy: Pareto charts of performance per watt and PSNR, bars beside the paper's bands, and the numbers.
+
+use crate::html::charts::bars::{Row, rows};
+use crate::html::charts::scatter::{Dot, frontier, scatter};
+use crate::html::parts::{Column, Section, by_mode, card, details, grid, how_to_read, table};
+use crate::html::text::{amount, count, decibels, escape, factor, fixed, or_dash, percent, psnr};
+use crate::html::view::{View, gain, geometric_mean, mode_name};
+use crate::schema::Point;
+
+/// The section.
+pub fn section(view: &View<'_>) -> Option<Section> {
+    if view.points.iter().all(|p| gain(p).is_none()) {
+        let numbers = by_mode(view, |mode| numbers(view, mode));
+        return Section::new("policies", "All policies", numbers);
+    }
+    let mut policies = view.policies(None);
+    policies.extend(view.points.iter().find(|p| p.kind == "full").map(|p| p.policy.as_str()));
+    let mut html = view.legend(&policies);
+    html += &by_mode(view, |mode| grid(&pareto(view, mode)));
+    html += &how_to_read(
+        "Further right is closer to the reference picture, further up does more with a watt. The line joins the policies that \
+         none beats in both; those that are beaten are dimmed. Point at one for its numbers, or choose a chart with the \
+         tabulator key and go through its points with the arrow keys.",
+    );
+    html += "<h3 id=\"bars\">Performance per watt of every policy</h3>\n";
+    html += &by_mode(view, |mode| grid(&bars(view, mode)));
+    html += &how_to_read(
+        "Factors over tracing every sample. The shaded zone is what the paper states for its policy in this scene. Behind each \
+         bar stands its PSNR.",
+    );
+    html += &details("Numbers of every policy", &by_mode(view, |mode| numbers(view, mode)));
+    Section::new("policies", "All policies: efficiency against quality", html)
+}
+
+fn tip(point: &Point) -> String {
+    let mut text = format!("{}\n{}", point.policy, point.scene);
+    for (part, gain) in [("T&I alone", point.ti_gain), ("GPU", point.gpu_gain)] {
+        let Some(gain) = gain else { continue };
+        text += &format!(
+            "\n{part}: {} perf/W, {} performance, {} power",
+            factor(gain.perf_per_watt),
+            factor(gain.performance),
+            factor(gain.power)
+        );
+    }
+    if let Some(quality) = point.quality {
+        text += &format!("\nPSNR {}", psnr(quality.psnr_db));
+        text += &quality.worst_tile_psnr_db.map(|v| format!(", worst tile {}", decibels(v))).unwrap_or_default();
+    }
+    text + &format!("\n{} of {} rays traced", amount(point.rays_traced as f64, ""), amount(point.rays_full as f64, ""))
+}
+
+fn dot(view: &View<'_>, point: &Point) -> Option<Dot> {
+    let (full, look) = (point.kind == "full", view.look(&point.policy));
+    // What is compared with itself is the same picture at the same cost.
+    let x = if full { None } else { point.quality?.psnr_db };
+    let y = gain(point).or(full.then_some(1.0))?;
+    Some(Dot { name: point.policy.clone(), x, y, class: look.class(), shape: look.shape, tip: tip(point) })
+}
+
+fn pareto(view: &View<'_>, mode: &str) -> String {
+    let mut html = overall(view, mode);
+    for scene in view.scenes(mode) {
+        let dots: Vec<Dot> = view.of(scene, mode).into_iter().filter_map(|point| dot(view, point)).collect();
+        html += &chart(scene, &dots, "performance per watt");
+    }
+    html
+}
+
+fn chart(title: &str, dots: &[Dot], y_name: &str) -> String {
+    if dots.len() < 2 {
+        return String::new();
+    }
+    let best = frontier(dots);
+    let on: Vec<String> = dots
+        .iter()
+        .zip(&best)
+        .filter(|(_, on)| **on)
+        .map(|(d, _)| format!("{} {} at {}", d.name, factor(d.y), psnr(d.x)))
+        .collect();
+    let label = format!("Scatter chart, {title}: {y_name} against PSNR. Not beaten: {}.", on.join("; "));
+    card(title, &scatter(dots, ["PSNR, dB", y_name], &label), "")
+}
+
+/// All scenes in one chart: the mean gain and the worst picture.
+fn overall(view: &View<'_>, mode: &str) -> String {
+    let scenes = view.scenes(mode).len();
+    if scenes < 2 {
+        return String::new();
+    }
+    let mut dots = Vec::new();
+    for policy in view.policies(Some(mode)) {
+        let Some(points) = view.everywhere(mode, policy) else { continue };
+        let Some(mean) = geometric_mean(points.iter().map(|p| gain(p))) else { continue };
+        let Some(qualities) = points.iter().map(|p| p.quality).collect::<Option<Vec<_>>>() else { continue };
+        let least = qualities.iter().map(|q| q.psnr_db.unwrap_or(f64::INFINITY)).fold(f64::INFINITY, f64::min);
+        let (x, look) = (least.is_finite().then_some(least), view.look(policy));
+        let tip = format!("{policy}\nall {scenes} scenes\nmean {} perf/W\nworst PSNR {}", factor(mean), psnr(x));
+        dots.push(Dot { name: policy.to_owned(), x, y: mean, class: look.class(), shape: look.shape, tip });
+    }
+    let title = format!("All {scenes} scenes: geometric mean, and worst PSNR");
+    chart(&title, &dots, "performance per watt, mean")
+}
+
+fn bars(view: &View<'_>, mode: &str) -> String {
+    let most = view.points.iter().filter(|p| p.mode == mode).filter_map(|p| gain(p)).fold(1.0, f64::max);
+    let mut html = String::new();
+    for scene in view.scenes(mode) {
+        let points = view.of(scene, mode).into_iter().filter(|p| p.kind != "full");
+        let row = |point: &Point| {
+            let value = gain(point)?;
+            let psnr_text = point.quality.map(|q| format!(" · {}", psnr(q.psnr_db))).unwrap_or_default();
+            Some(Row {
+                name: point.policy.clone(),
+                value,
+                text: factor(value) + &psnr_text,
+                class: view.look(&point.policy).class(),
+                tip: tip(point),
+            })
+        };
+        let all: Vec<Row> = points.filter_map(row).collect();
+        if all.is_empty() {
+            continue;
+        }
+        let text: Vec<String> = all.iter().map(|r| format!("{} {}", r.name, r.text)).collect();
+        let label = format!("Bar chart, {scene}: performance per watt and PSNR. {}.", text.join("; "));
+        html += &card(scene, &rows(&all, most, view.band(scene).map(|b| (b.least, b.most)), &label), "");
+    }
+    html
+}
+
+fn numbers(view: &View<'_>, mode: &str) -> String {
+    let columns = [
+        Column::words("Scene"),
+        Column::words("Policy"),
+        Column::number("Rays traced"),
+        Column::number("of all"),
+        Column::number("Mean rate"),
+        Column::number("GPU time, ms"),
+        Column::number("GPU power, W"),
+        Column::number("GPU energy, mJ"),
+        Column::number("T&I perf/W, frames/J"),
+        Column::number("PSNR"),
+    ];
+    let mut rows = Vec::new();
+    for scene in view.scenes(mode) {
+        for point in view.of(scene, mode) {
+            let cells = vec![
+                escape(scene),
+                escape(&point.policy),
+                count(point.rays_traced),
+                percent(point.rays_traced as f64 / point.rays_full.max(1) as f64),
+                fixed(point.mean_rate, 3),
+                or_dash(point.gpu, |c| fixed(c.time_ms, 3)),
+                or_dash(point.gpu, |c| fixed(c.power_w, 3)),
+                or_dash(point.gpu, |c| fixed(c.energy_mj, 3)),
+                or_dash(point.ti, |c| fixed(c.perf_per_watt, 1)),
+                or_dash(point.quality.filter(|_| point.kind != "full"), |q| psnr(q.psnr_db)),
+            ];
+            let class = if point.kind == "full" { "paper-row" } else { "" };
+            rows.push((class.into(), cells));
+        }
+    }
+    table(&format!("{}: every policy", mode_name(mode)), &columns, &rows)
+}

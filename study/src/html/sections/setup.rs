@@ -1,0 +1,73 @@
+//! What was rendered and how: scenes and policies.
+
+use crate::html::parts::{Column, Section, details, table};
+use crate::html::text::{count, escape, fixed, or_dash};
+use crate::html::view::{View, mode_name};
+
+/// The section.
+pub fn section(view: &View<'_>) -> Option<Section> {
+    let html = scenes(view) + &policies(view);
+    Section::new("setup", "Scenes and policies", html)
+}
+
+fn scenes(view: &View<'_>) -> String {
+    let all = &view.study.scenes;
+    if all.is_empty() {
+        return String::new();
+    }
+    let mut modes: Vec<&str> = Vec::new();
+    for mode in all.iter().flat_map(|s| s.rays_full.iter().map(|r| r.mode.as_str())) {
+        if !modes.contains(&mode) {
+            modes.push(mode);
+        }
+    }
+    let mut columns = vec![
+        Column::words("Scene"),
+        Column::number("Triangles"),
+        Column::number("The paper's"),
+        Column::number("Lights"),
+        Column::number("Frame"),
+    ];
+    columns.extend(modes.iter().map(|mode| Column::number(&format!("Rays, {}", mode_name(mode).to_lowercase()))));
+    let row = |scene: &crate::schema::Scene| {
+        let paper = scene.paper_triangles.filter(|n| *n > 0).map(|n| {
+            format!(
+                "{} <small>({}{}\u{202f}%)</small>",
+                count(n),
+                sign(scene.triangles, n),
+                fixed(100.0 * (scene.triangles as f64 / n as f64 - 1.0), 1)
+            )
+        });
+        let mut cells = vec![
+            escape(&scene.name),
+            count(scene.triangles),
+            or_dash(paper, |p| p),
+            scene.lights.to_string(),
+            scene.frame.to_string(),
+        ];
+        let rays = |mode: &&str| or_dash(scene.rays_full.iter().find(|r| r.mode == *mode), |r| count(r.rays));
+        cells.extend(modes.iter().map(rays));
+        (String::new(), cells)
+    };
+    "<h3>Scenes</h3>\n".to_owned() + &table("Scenes", &columns, &all.iter().map(row).collect::<Vec<_>>())
+}
+
+fn sign(own: u64, paper: u64) -> &'static str {
+    if own > paper { "+" } else { "" }
+}
+
+fn policies(view: &View<'_>) -> String {
+    let policy = |p: &crate::schema::Policy| {
+        let file = if p.config_toml.is_empty() {
+            String::new()
+        } else {
+            details(
+                &format!("{}: every value", p.name),
+                &format!("<pre tabindex=\"0\">{}</pre>", escape(&p.config_toml)),
+            )
+        };
+        format!("<dt>{}</dt><dd>{}{file}</dd>\n", escape(&p.name), escape(&p.summary))
+    };
+    let all: String = view.study.policies.iter().map(policy).collect();
+    if all.is_empty() { all } else { format!("<h3>Policies</h3>\n<dl class=\"policies\">\n{all}</dl>\n") }
+}

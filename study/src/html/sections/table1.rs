@@ -1,0 +1,83 @@
+//! The paper's Table 1: PSNR, with the other quality figures beside it.
+
+use crate::html::parts::{Column, Section, by_mode, details, how_to_read, table};
+use crate::html::text::{decibels, escape, fixed, or_dash, psnr};
+use crate::html::view::{View, mode_name, mode_reference};
+use crate::schema::Point;
+
+/// The section.
+pub fn section(view: &View<'_>) -> Option<Section> {
+    let compared = |p: &&Point| p.quality.is_some() && p.kind != "full";
+    if !view.points.iter().any(compared) {
+        return None;
+    }
+    let mut html = by_mode(view, |mode| psnr_table(view, mode));
+    html += &how_to_read(
+        "PSNR on 8-bit sRGB against the picture with every sample traced, same mode; higher is closer. Above about 40 dB the \
+         difference is hard to see. The last rows are the paper's, measured on its own models.",
+    );
+    html += &details("SSIM, FLIP and the worst tile", &by_mode(view, |mode| others(view, mode)));
+    Section::new("table1", "Table 1: image quality", html)
+}
+
+fn psnr_table(view: &View<'_>, mode: &str) -> String {
+    let scenes = view.scenes(mode);
+    let mut columns = vec![Column::words("Policy")];
+    columns.extend(scenes.iter().map(|scene| Column::number(scene)));
+    columns.push(Column::number("Least"));
+    let mut rows = Vec::new();
+    for policy in view.policies(Some(mode)) {
+        let qualities: Vec<_> =
+            scenes.iter().map(|scene| view.point(scene, mode, policy).and_then(|p| p.quality)).collect();
+        if qualities.iter().all(Option::is_none) {
+            continue;
+        }
+        let mut cells = vec![escape(policy)];
+        cells.extend(qualities.iter().map(|q| or_dash(*q, |q| psnr(q.psnr_db))));
+        let least =
+            qualities.iter().flatten().map(|q| q.psnr_db.unwrap_or(f64::INFINITY)).fold(f64::INFINITY, f64::min);
+        cells.push(psnr(least.is_finite().then_some(least)));
+        let class = if view.headline == Some(policy) { "strong" } else { "" };
+        rows.push((class.into(), cells));
+    }
+    let stated = &view.study.references.psnr;
+    if stated.iter().any(|p| p.mode == mode) {
+        let mut cells = vec!["the paper".to_owned()];
+        let own: Vec<Option<f64>> = scenes
+            .iter()
+            .map(|scene| stated.iter().find(|p| p.mode == mode && p.scene == *scene).map(|p| p.psnr_db))
+            .collect();
+        cells.extend(own.iter().map(|v| or_dash(*v, decibels)));
+        let least = own.iter().flatten().copied().fold(f64::INFINITY, f64::min);
+        cells.push(or_dash(least.is_finite().then_some(least), decibels));
+        rows.push(("paper-row".into(), cells));
+    }
+    table(&format!("PSNR, {}", mode_name(mode).to_lowercase()), &columns, &rows)
+}
+
+fn others(view: &View<'_>, mode: &str) -> String {
+    let columns = [
+        Column::words("Scene"),
+        Column::words("Policy"),
+        Column::number("PSNR"),
+        Column::number("Worst tile"),
+        Column::number("SSIM"),
+        Column::number("FLIP"),
+    ];
+    let mut rows = Vec::new();
+    for scene in view.scenes(mode) {
+        for point in view.of(scene, mode).into_iter().filter(|p| p.kind != "full") {
+            let Some(quality) = point.quality else { continue };
+            let cells = vec![
+                escape(scene),
+                escape(&point.policy),
+                psnr(quality.psnr_db),
+                psnr(quality.worst_tile_psnr_db),
+                or_dash(quality.ssim, |v| fixed(v, 4)),
+                or_dash(quality.flip, |v| fixed(v, 4)),
+            ];
+            rows.push((String::new(), cells));
+        }
+    }
+    table(&format!("Quality against {}", mode_reference(mode)), &columns, &rows)
+}

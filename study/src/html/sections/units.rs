@@ -1,0 +1,98 @@
+//! What the units did with their cycles.
+
+use crate::html::charts::stacked::{Part, Row, stacked};
+use crate::html::parts::{Section, by_mode, card, grid, how_to_read, key, legend};
+use crate::html::text::percent;
+use crate::html::view::View;
+use crate::schema::{Point, StateShare, Unit};
+
+/// States that are known, with their colour class and what they mean; any other is grey.
+const STATES: [(&str, &str, &str); 11] = [
+    ("busy", "s0", "works"),
+    ("bypass", "s1", "passes operations whose data had missed"),
+    ("fetch", "s2", "waits for the L1's latency or port"),
+    ("memory", "s3", "waits for L2 or DRAM"),
+    ("mshr", "s4", "no room for another miss"),
+    ("blocked", "s5", "the stage behind is full"),
+    ("output", "s5", "the queue of rays to the T&I unit is full"),
+    ("unit", "s6", "waits for rays in the T&I unit"),
+    ("transfer", "s4", "waits for a tile's transfers"),
+    ("starved", "s6", "rays are here, but none needs this stage"),
+    ("idle", "s7", "no ray"),
+];
+
+/// What an SRP works on: its kernels, and the step that sorts items by branch before them.
+const KERNELS: [&str; 8] = ["raygen", "shade", "miss", "update", "similarity", "interpolate", "resolve", "inspector"];
+
+/// Share of the cycles in which the unit works.
+fn busy(unit: &Unit) -> f64 {
+    unit.shares.iter().filter(|s| s.state == "busy" || KERNELS.contains(&s.state.as_str())).map(|s| s.share).sum()
+}
+
+/// The section.
+pub fn section(view: &View<'_>) -> Option<Section> {
+    if view.points.iter().all(|p| p.units.is_empty()) {
+        return None;
+    }
+    let used =
+        |state: &str| view.points.iter().flat_map(|p| &p.units).flat_map(|u| &u.shares).any(|s| s.state == state);
+    let known = STATES.iter().filter(|(state, ..)| used(state));
+    let keys = known.map(|(state, class, what)| key(class, &format!("{state}: {what}")));
+    let mut html = legend(&keys.collect::<String>());
+    html += &by_mode(view, |mode| {
+        grid(&view.scenes(mode).iter().map(|scene| chart(view, scene, mode)).collect::<String>())
+    });
+    html += &how_to_read(
+        "Each bar is all cycles of one kind of unit; the number is the share in which it works (of an SRP, all its kernels). Full sampling stands beside the paper's policy \
+         and the one of the summary: if the T&I units were held up by the SRP, their idle part would grow.",
+    );
+    Section::new("units", "Utilisation of the units", html)
+}
+
+/// The points worth comparing: full, the paper's policy, the summary's.
+pub fn compared<'a>(view: &View<'a>, scene: &str, mode: &str) -> Vec<&'a Point> {
+    let wanted = [view.paper_policy(mode), view.headline];
+    view.of(scene, mode).into_iter().filter(|p| p.kind == "full" || wanted.contains(&Some(p.policy.as_str()))).collect()
+}
+
+fn chart(view: &View<'_>, scene: &str, mode: &str) -> String {
+    let points: Vec<&Point> = compared(view, scene, mode).into_iter().filter(|p| !p.units.is_empty()).collect();
+    let mut names: Vec<&str> = Vec::new();
+    for unit in points.iter().flat_map(|p| &p.units) {
+        if !names.contains(&unit.unit.as_str()) {
+            names.push(&unit.unit);
+        }
+    }
+    let (mut rows, mut text) = (Vec::new(), Vec::new());
+    for name in names {
+        rows.push(Row::Head(name.to_owned()));
+        for point in &points {
+            let Some(unit) = point.units.iter().find(|u| u.unit == name) else { continue };
+            let busy = busy(unit);
+            text.push(format!("{name} under {} {}", point.policy, percent(busy)));
+            rows.push(Row::Bar { name: point.policy.clone(), parts: parts(unit, &point.policy), text: percent(busy) });
+        }
+    }
+    if rows.is_empty() {
+        return String::new();
+    }
+    let label = format!("Stacked bars, {scene}: cycles by state. Busy: {}.", text.join("; "));
+    card(scene, &stacked(&rows, 1.0, |_, tick| percent(tick).replace(".0", ""), &label), "")
+}
+
+fn parts(unit: &Unit, policy: &str) -> Vec<Part> {
+    let mut kernels = 0;
+    let part = |share: &StateShare| {
+        let (mut class, mut opacity, mut meaning) = ("s8", 1.0, String::new());
+        if let Some((_, own, what)) = STATES.iter().find(|(state, ..)| *state == share.state) {
+            (class, meaning) = (own, format!(": {what}"));
+        } else if KERNELS.contains(&share.state.as_str()) {
+            // Two shades in turn tell the kernels apart.
+            (class, opacity, meaning) = ("s0", if kernels % 2 == 0 { 1.0 } else { 0.72 }, ": works".into());
+            kernels += 1;
+        }
+        let tip = format!("{}\n{policy}\n{} {}{meaning}", unit.unit, share.state, percent(share.share));
+        Part { value: share.share, class: class.into(), opacity, tip }
+    };
+    unit.shares.iter().map(part).collect()
+}

@@ -1,0 +1,102 @@
+//! Which axis moves which result by how much.
+
+use crate::analysis::dims::Dimension;
+use crate::analysis::effects::Effect;
+use crate::html::parts::{Column, Section, how_to_read, table};
+use crate::html::sweep::number::{number, signed_percent};
+use crate::html::sweep::view::View;
+use crate::html::text::{escape, or_dash, percent};
+use crate::table::Field;
+
+/// The section.
+pub fn section(view: &View<'_>) -> Option<Section> {
+    if view.dimensions.is_empty() || view.headlines.is_empty() {
+        return None;
+    }
+    let cards: String = view.headlines.iter().map(|field| card(view, field)).collect();
+    let read = "For each value of an axis the result is averaged over all points that have it. A bar reaches from the least to the \
+                most of these means, as far as they lie from the mean of all: its length is the main effect. Axes whose values some \
+                points lack are averaged over those that have one. Effects that axes have only together do not show here; the heat \
+                map shows them.";
+    let controls = "<div class=\"controls only-js\"><label class=\"wide\">Another result <select id=\"effects-result\"></select></label>\
+                    <output id=\"effects-of\"></output></div>\n";
+    let html = format!(
+        "{controls}<div id=\"effects-cards\" class=\"grid two\">\n{cards}</div>\n<div id=\"effects-table\">{}</div>\n{}",
+        all(view),
+        how_to_read(read)
+    );
+    Section::new("effects", "Sensitivity", html)
+}
+
+/// The bars of one result.
+fn card(view: &View<'_>, field: &Field) -> String {
+    let effects = view.effects(field);
+    let low = effects.iter().map(|(_, own)| own.end(0)).fold(0.0, f64::min);
+    let high = effects.iter().map(|(_, own)| own.end(1)).fold(0.0, f64::max);
+    let width = if high > low { high - low } else { 1.0 };
+    let at = |end: f64| (end - low) / width * 100.0;
+    let bar = |(dimension, own): &(&Dimension, Effect)| {
+        let (from, to) = (at(own.end(0)), at(own.end(1)));
+        format!(
+            "<li data-axis=\"{name}\" data-share=\"{share:.6}\"><span class=\"bar-name\">{name}<small>{ends}</small></span>\
+             <span class=\"bar-track\" data-mark=\"\" data-tip=\"{tip}\"><span class=\"bar-fill\" style=\"left:{from:.2}%;width:{:.2}%\">\
+             </span><span class=\"bar-mid\" style=\"left:{:.2}%\"></span></span><span class=\"bar-value\">{}</span></li>\n",
+            to - from,
+            at(0.0),
+            percent(own.share()),
+            name = escape(&dimension.name),
+            share = own.share(),
+            ends = escape(&ends(dimension, own)),
+            tip = escape(&tip(field, dimension, own)),
+        )
+    };
+    let bars: String = effects.iter().map(bar).collect();
+    let mean =
+        effects.first().map(|(_, own)| format!("mean {} {}", number(own.overall), unit(field))).unwrap_or_default();
+    format!(
+        "<figure class=\"card\" data-result=\"{name}\"><figcaption><strong>{name}</strong> <small>{}</small><p>{}</p></figcaption>\
+         <ul class=\"bars\">\n{bars}</ul></figure>\n",
+        escape(mean.trim_end()),
+        escape(&field.description),
+        name = escape(&field.name),
+    )
+}
+
+fn unit(field: &Field) -> &str {
+    if field.unit == "1" { "" } else { &field.unit }
+}
+
+/// Where the least and the most is.
+fn ends(dimension: &Dimension, effect: &Effect) -> String {
+    let value = |end: usize| &dimension.values[effect.ends[end]];
+    if effect.share() == 0.0 { "no change".into() } else { format!("{} to {}", value(0), value(1)) }
+}
+
+/// The mean of each value, for asking.
+fn tip(field: &Field, dimension: &Dimension, effect: &Effect) -> String {
+    let mut text = format!("{} by {}", field.name, dimension.name);
+    for (value, mean) in dimension.values.iter().zip(&effect.means).take(24) {
+        let Some(mean) = mean else { continue };
+        let share = if effect.overall == 0.0 { 0.0 } else { (mean - effect.overall) / effect.overall.abs() };
+        text += &format!("\n{value}: {} {} ({})", number(*mean), unit(field), signed_percent(share));
+    }
+    if dimension.values.len() > 24 {
+        text += "\n…";
+    }
+    text
+}
+
+/// Every axis against every result.
+fn all(view: &View<'_>) -> String {
+    let columns: Vec<Column> = [Column::words("Axis")]
+        .into_iter()
+        .chain(view.headlines.iter().map(|field| Column::number(&field.name)))
+        .collect();
+    let row = |dimension: &Dimension| {
+        let share = |field: &&Field| or_dash(Effect::new(dimension, &field.cells), |own| percent(own.share()));
+        let cells = [escape(&dimension.name)].into_iter().chain(view.headlines.iter().map(share)).collect();
+        (String::new(), cells)
+    };
+    let rows: Vec<_> = view.dimensions.iter().map(row).collect();
+    table("Main effects, % of the mean", &columns, &rows)
+}

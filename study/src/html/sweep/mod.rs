@@ -1,0 +1,33 @@
+//! The page of a sweep: what its results say, and the means to look further.
+//!
+//! Summary, sensitivities and best points are made here, so that the page reads without a script. The scripts draw the rest from
+//! the table that the page holds, and draw these again for the points that a reader chooses.
+
+mod best;
+mod columns;
+mod data;
+mod effects;
+mod explore;
+mod number;
+mod page;
+mod summary;
+mod view;
+
+use std::path::Path;
+
+use crate::html::{ReportError, Written};
+use crate::table::Results;
+use rayreel_replay::image::files::write_atomically;
+
+/// Makes the page of results and writes it to `file`.
+///
+/// # Errors
+/// When `file` cannot be written.
+pub fn write(results: &Results, file: &Path) -> crate::Result<Written, ReportError> {
+    let html = page::page(results);
+    write_atomically(file, html.as_bytes()).map_err(|e| ReportError::Write { source: Box::new(e) })?;
+    Ok(Written { bytes: html.len(), picture_bytes: 0, pictures: 0 })
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,94 @@
+//! What the sweep is of, and its best values at a glance.
+
+use crate::analysis::best::best;
+use crate::analysis::goals::{Goal, goal};
+use crate::html::parts::{Column, Section, how_to_read, table};
+use crate::html::sweep::number::value;
+use crate::html::sweep::view::View;
+use crate::html::text::{escape, or_dash};
+use crate::table::Field;
+
+/// Most traces of a tile.
+const TRACES: usize = 3;
+
+/// The section.
+pub fn section(view: &View<'_>) -> Option<Section> {
+    let tiles: String = view.headlines.iter().filter_map(|field| tile(view, field)).collect();
+    let tiles = if tiles.is_empty() { tiles } else { format!("<dl class=\"numbers\">\n{tiles}</dl>\n") };
+    let html = tiles + &axes(view) + &failures(view);
+    Section::new("summary", "Summary", if html.is_empty() { "<p>There are no points.</p>\n".into() } else { html })
+}
+
+/// The best value of a result, on each trace: on an easy one it is no merit.
+fn tile(view: &View<'_>, field: &Field) -> Option<String> {
+    let goal = goal(&field.name);
+    let first = |(name, rows): (String, Vec<usize>)| Some((name, *best(&field.cells, &rows, goal, 1).first()?));
+    let found: Vec<(String, usize)> = view.groups().into_iter().filter_map(first).collect();
+    found.first()?;
+    let word = if goal == Goal::Min { "least" } else { "most" };
+    let unit = if matches!(field.unit.as_str(), "" | "1") {
+        String::new()
+    } else {
+        format!(" <small>{}</small>", escape(&field.unit))
+    };
+    let on = |(name, row): &(String, usize)| {
+        let name = if name.is_empty() { String::new() } else { format!("<em>{}</em> ", escape(name)) };
+        format!("<b>{}{unit}</b><span>{name}{}</span>", value(field, *row), escape(&view.describe(*row, view.each)))
+    };
+    let shown: String = found.iter().take(TRACES).map(on).collect();
+    let more = if found.len() > TRACES {
+        format!("<span>and {} more traces</span>", found.len() - TRACES)
+    } else {
+        String::new()
+    };
+    let class = if found.len() > 1 { " several" } else { "" };
+    Some(format!(
+        "<div class=\"tile-number{class}\"><dt>{word} {}</dt><dd>{shown}{more}</dd></div>\n",
+        escape(&field.name),
+    ))
+}
+
+/// What varies.
+fn axes(view: &View<'_>) -> String {
+    if view.dimensions.is_empty() {
+        return String::new();
+    }
+    let columns =
+        [Column::words("Axis"), Column::number("Values"), Column::words("Which"), Column::words("What it is")];
+    let rows = view.dimensions.iter().map(|own| {
+        let (few, more) = own.values.split_at(own.values.len().min(12));
+        let more = if more.is_empty() { String::new() } else { format!(" and {} more", more.len()) };
+        let cells = vec![
+            escape(&own.name),
+            own.values.len().to_string(),
+            escape(&(few.join(", ") + &more)),
+            escape(&own.description),
+        ];
+        (String::new(), cells)
+    });
+    table("What varies", &columns, &rows.collect::<Vec<_>>())
+}
+
+/// Points without results.
+fn failures(view: &View<'_>) -> String {
+    let failed: Vec<(usize, String)> =
+        (0..view.results.rows()).filter_map(|row| Some((row, view.error(row)?))).collect();
+    if failed.is_empty() {
+        return String::new();
+    }
+    let columns = [Column::number("Point"), Column::words("What"), Column::words("Why")];
+    let row = |(row, why): &(usize, String)| {
+        (String::new(), vec![escape(&view.number(*row)), escape(&view.describe(*row, None)), escape(why)])
+    };
+    let some: Vec<_> = failed.iter().take(50).map(row).collect();
+    let more = if failed.len() > some.len() { format!(" The first {} are shown.", some.len()) } else { String::new() };
+    let read = format!("{} points could not be computed; they stand in no chart.{more}", failed.len());
+    table("Points that failed", &columns, &some) + &how_to_read(&read)
+}
+
+/// Cells of a point in its group: its dimensions, then some results.
+pub fn cells(view: &View<'_>, row: usize, results: &[&Field]) -> Vec<String> {
+    let dimensions = view.dimensions.iter().enumerate().filter(|(index, _)| Some(*index) != view.each);
+    let dimensions = dimensions.map(|(_, own)| or_dash(own.of[row], |value| escape(&own.values[value])));
+    dimensions.chain(results.iter().map(|field| escape(&value(field, row)))).collect()
+}

@@ -1,0 +1,66 @@
+use super::*;
+use crate::analysis::tables::{axis, field, figure, table, words};
+use crate::table::{Cells, Role};
+
+fn of(rows: usize) -> Results {
+    let number = |i: usize| Some(i as i64);
+    let floats = |factor: f64| (0..rows).map(|i| factor * (i + 1) as f64).collect::<Vec<_>>();
+    table(vec![
+        field("point", Role::Point, Cells::Int((0..rows).map(number).collect())),
+        words("machine", Role::Point, &vec!["sgrt-ti2"; rows]),
+        axis("a<b", Cells::Int((0..rows).map(|i| Some(i as i64 % 3)).collect())),
+        words("status", Role::Status, &vec!["done"; rows]),
+        figure("time_ms", &floats(1.5)),
+        figure("energy_mj", &floats(-0.25)),
+        words("machine_config", Role::Config, &vec![r#"{"ti.trv":5}"#; rows]),
+    ])
+}
+
+#[test]
+fn the_same_results_give_the_same_page() {
+    let html = page::page(&of(6));
+    assert_eq!(html, page::page(&of(6)));
+    assert!(html.starts_with("<!DOCTYPE html>"));
+    // The name of SVG is no address that anything loads.
+    assert!(!html.replace("http://www.w3.org/2000/svg", "").contains("://"), "nothing from elsewhere");
+    assert!(html.contains("a&lt;b") && !html.contains(">a<b"), "names are escaped");
+    assert!(html.contains("ti.trv=5"), "what differs from the preset stands there");
+    assert!(html.contains("Main effects") && html.contains("Least energy_mj"), "it reads without a script");
+}
+
+#[test]
+fn odd_tables_make_a_page_too() {
+    for rows in [0, 1, 2] {
+        assert!(page::page(&of(rows)).ends_with("</html>\n"), "{rows} rows");
+    }
+    assert!(page::page(&table(Vec::new())).contains("There are no points"));
+    let failed = table(vec![
+        words("status", Role::Status, &["failed", "failed"]),
+        words("error", Role::Status, &["<too> small", "too small"]),
+        figure("time_ms", &[f64::NAN, f64::NAN]),
+    ]);
+    let html = page::page(&failed);
+    assert!(html.contains("&lt;too&gt; small") && html.contains("2 failed"));
+}
+
+/// Ten thousand points of two hundred columns must still open on a phone.
+#[test]
+fn a_large_table_makes_a_page_of_bearable_size() {
+    let rows = 10_000;
+    let mut fields = of(rows).fields;
+    // A third counts of work, which few axes change; a third counts of one point, a third ratios.
+    for column in 0..200_u32 {
+        let value = |i: usize| {
+            let mixed = (i as u32 + 1).wrapping_mul(2_654_435_761).wrapping_add(column * 40_503) >> 8;
+            match column % 3 {
+                0 => f64::from(mixed % 12) * 1e5,
+                1 => f64::from(mixed % 1_000_000),
+                _ => f64::from(mixed) * 1e-7,
+            }
+        };
+        fields.push(figure(&format!("c{column}"), &(0..rows).map(value).collect::<Vec<_>>()));
+    }
+    let bytes = page::page(&table(fields)).len();
+    assert!(bytes < 16_000_000, "{bytes} bytes");
+    eprintln!("{bytes} bytes of 10000 points and 200 columns");
+}

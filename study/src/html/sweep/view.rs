@@ -1,0 +1,158 @@
+//! The results as the sections see them: dimensions, headline results, what a point is in words.
+
+use std::collections::BTreeMap;
+
+use crate::analysis::configs::{Config, Configs, Half};
+use crate::analysis::dims::{Dimension, dimensions, label};
+use crate::analysis::effects::Effect;
+use crate::analysis::goals::{first_pair, headlines, varies_within};
+use crate::table::{Field, Results};
+
+/// Results with what several sections look up in them.
+pub struct View<'a> {
+    /// The results.
+    pub results: &'a Results,
+    /// What varies.
+    pub dimensions: Vec<Dimension>,
+    /// The results to show first.
+    pub headlines: Vec<&'a Field>,
+    /// The results of the first chart.
+    pub pair: Option<[&'a str; 2]>,
+    /// What best points are best in.
+    pub objective: Option<&'a Field>,
+    /// The dimension by whose values points are told apart before they are compared: a hard scene is no bad machine.
+    pub each: Option<usize>,
+    /// Resolved machines and policies.
+    pub configs: [Configs; 2],
+    /// For each half what the presets of its names hold; nothing for a name that is no preset.
+    presets: [BTreeMap<String, Option<Config>>; 2],
+}
+
+/// What a point changes of a preset.
+#[derive(Default)]
+pub struct Changes {
+    /// Name of the preset; nothing if the point was made from a file.
+    pub preset: Option<String>,
+    /// What differs from it.
+    pub list: Vec<Changed>,
+}
+
+/// A value that a point has.
+pub struct Changed {
+    /// Its key.
+    pub key: String,
+    /// Its value.
+    pub value: String,
+    /// What the preset has, if there is one.
+    pub preset: Option<String>,
+}
+
+impl<'a> View<'a> {
+    /// Looks at results.
+    pub fn new(results: &'a Results) -> Self {
+        let configs = Half::ALL.map(|half| Configs::new(results, half));
+        let whole_gpu = configs[0].varying().iter().any(|key| !key.starts_with("ti."));
+        let pair = first_pair(results, whole_gpu);
+        let dimensions = dimensions(results);
+        let efficiency = results.field("perf_per_watt").filter(|field| varies_within(results, &field.name));
+        let whole = results.field("gpu_perf_per_watt").filter(|field| whole_gpu && varies_within(results, &field.name));
+        let objective = whole.or(efficiency).or_else(|| results.field(pair?[1]));
+        let each = dimensions.iter().position(|own| own.name == "trace");
+        let headlines = headlines(results).into_iter().filter_map(|name| results.field(name)).collect();
+        let presets = Half::ALL.map(|half| presets(results, half));
+        Self { results, dimensions, headlines, pair, objective, each, configs, presets }
+    }
+
+    /// How many points could not be computed.
+    pub fn failed(&self) -> usize {
+        let failed = |row: &usize| self.error(*row).is_some();
+        (0..self.results.rows()).filter(failed).count()
+    }
+
+    /// Why a point failed.
+    pub fn error(&self, row: usize) -> Option<String> {
+        let text = |name: &str| self.results.field(name).and_then(|field| field.cells.text(row));
+        let failed = text("status").is_some_and(|status| status != "done");
+        text("error").or_else(|| failed.then(|| "failed".into()))
+    }
+
+    /// The dimensions by their influence on a result, the strongest first.
+    pub fn effects(&self, result: &Field) -> Vec<(&Dimension, Effect)> {
+        let own = self.dimensions.iter().filter_map(|own| Some((own, Effect::new(own, &result.cells)?)));
+        let mut own: Vec<_> = own.collect();
+        own.sort_by(|a, b| b.1.share().total_cmp(&a.1.share()));
+        own
+    }
+
+    /// The dimensions but for the traces, those first that move the second result of the first chart most.
+    pub fn strongest(&self) -> Vec<&str> {
+        let result = self.pair.and_then(|[_, y]| self.results.field(y));
+        let ordered = result.map(|result| self.effects(result)).unwrap_or_default();
+        ordered.into_iter().map(|(own, _)| own.name.as_str()).filter(|name| *name != "trace").collect()
+    }
+
+    /// The dimension that tells points of the first chart apart best: policy, machine, or the axis with the most influence.
+    pub fn colour(&self) -> Option<&str> {
+        let known = |name: &str| self.dimensions.iter().map(|own| own.name.as_str()).find(|own| *own == name);
+        known("policy")
+            .or_else(|| known("machine"))
+            .or_else(|| self.strongest().first().copied())
+            .or_else(|| known("trace"))
+    }
+
+    /// Name and rows of each group of points that can be compared: all points, or those of each trace.
+    pub fn groups(&self) -> Vec<(String, Vec<usize>)> {
+        let rows = 0..self.results.rows();
+        let Some(dimension) = self.each.map(|index| &self.dimensions[index]) else {
+            return vec![(String::new(), rows.collect())];
+        };
+        let of = |value: usize| rows.clone().filter(|row| dimension.of[*row] == Some(value)).collect();
+        dimension.values.iter().enumerate().map(|(value, label)| (label.clone(), of(value))).collect()
+    }
+
+    /// The number of a point in its plan.
+    pub fn number(&self, row: usize) -> String {
+        self.results.field("point").and_then(|field| field.cells.text(row)).unwrap_or_else(|| row.to_string())
+    }
+
+    /// What a point is: its values of the dimensions but for the one of `except`.
+    pub fn describe(&self, row: usize, except: Option<usize>) -> String {
+        let own = |dimension: &Dimension| {
+            dimension.of[row].map(|value| format!("{} {}", dimension.name, dimension.values[value]))
+        };
+        let dimensions = self.dimensions.iter().enumerate().filter(|(index, _)| Some(*index) != except);
+        dimensions.filter_map(|(_, dimension)| own(dimension)).collect::<Vec<_>>().join(", ")
+    }
+
+    /// What a point changes of its preset. Of a file nothing is known but what varies in the sweep.
+    pub fn changes(&self, row: usize, half: Half) -> Changes {
+        let configs = &self.configs[half as usize];
+        let Some(own) = configs.row(row) else { return Changes::default() };
+        let name = self.results.field(half.name()).and_then(|field| label(field, row)).unwrap_or_default();
+        let changed = |key: &str, preset: Option<&Config>| {
+            let preset = preset.and_then(|preset| preset.get(key).cloned());
+            Some(Changed { key: key.into(), value: own.get(key)?.clone(), preset })
+        };
+        match self.presets[half as usize].get(&name).and_then(Option::as_ref) {
+            Some(preset) => {
+                let differs = |key: &&String| preset.get(*key) != own.get(*key);
+                let list = own.keys().filter(differs).filter_map(|key| changed(key, Some(preset))).collect();
+                Changes { preset: Some(name), list }
+            }
+            None => Changes {
+                preset: None,
+                list: configs.varying().into_iter().filter_map(|key| changed(key, None)).collect(),
+            },
+        }
+    }
+}
+
+/// What the presets of a column of names hold.
+fn presets(results: &Results, half: Half) -> BTreeMap<String, Option<Config>> {
+    let Some(field) = results.field(half.name()) else { return BTreeMap::new() };
+    let mut own = BTreeMap::new();
+    for name in (0..results.rows()).filter_map(|row| label(field, row)) {
+        own.entry(name).or_insert_with_key(|name| half.preset(name));
+    }
+    own
+}

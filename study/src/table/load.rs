@@ -1,0 +1,35 @@
+//! Reading results from where a person says that they are.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use crate::error::{Result, StudyError};
+use crate::sweep::folder::PLAN;
+use crate::table::{Results, parquet};
+
+/// The results in the folder of a sweep.
+pub const RESULTS: &str = "results.parquet";
+
+/// Whether a path is the folder of a sweep.
+pub fn is_sweep(path: &Path) -> bool {
+    path.join(PLAN).is_file()
+}
+
+/// The results of a Parquet file or of the folder of a sweep, and which file it was.
+///
+/// # Errors
+/// Nothing there, a sweep that was not merged, a file that is no table of ours.
+pub fn load(path: &Path) -> Result<(Results, PathBuf)> {
+    let missing = |path: &Path, detail: String| StudyError::Sweep { path: path.into(), detail };
+    let file = if path.is_dir() { path.join(RESULTS) } else { path.into() };
+    if path.is_dir() && !file.is_file() {
+        let detail = if is_sweep(path) {
+            format!("no {RESULTS}; `rayreel sweep merge {}` makes it", path.display())
+        } else {
+            format!("neither {RESULTS} nor {PLAN}: not the folder of a sweep")
+        };
+        return Err(missing(path, detail));
+    }
+    let bytes = fs::read(&file).map_err(|e| missing(&file, format!("cannot read it: {e}")))?;
+    Ok((parquet::decode(bytes, &file)?, file))
+}

@@ -1,0 +1,217 @@
+//! Results as Parquet: one optional column a field, zstd, and under the metadata key `rayreel` a JSON object with the heading and
+//! each column's unit, description and role. The bytes depend on the table alone.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use parquet::basic::{Compression, LogicalType, Repetition, Type as Physical, ZstdLevel};
+use parquet::column::reader::ColumnReader;
+use parquet::column::writer::ColumnWriter;
+use parquet::data_type::ByteArray;
+use parquet::errors::ParquetError;
+use parquet::file::metadata::KeyValue;
+use parquet::file::properties::WriterProperties;
+use parquet::file::reader::{FileReader, SerializedFileReader};
+use parquet::file::writer::SerializedFileWriter;
+use parquet::schema::types::Type;
+use serde::{Deserialize, Serialize};
+
+use crate::error::{Result, StudyError};
+use crate::table::{Cells, Field, Heading, Results, Role};
+
+/// The metadata key.
+const KEY: &str = "rayreel";
+
+/// Rows of a row group: readers that want a part of the rows read a part of the file.
+const GROUP: usize = 16_384;
+
+/// The value of the metadata key.
+#[derive(Serialize, Deserialize)]
+struct Metadata {
+    #[serde(flatten)]
+    heading: Heading,
+    columns: Vec<ColumnInfo>,
+}
+
+#[derive(Serialize, Deserialize)]
+struct ColumnInfo {
+    name: String,
+    unit: String,
+    description: String,
+    role: Role,
+}
+
+/// The table as a Parquet file.
+///
+/// # Errors
+/// Never for a table whose columns have different names.
+pub fn encode(results: &Results) -> Result<Vec<u8>> {
+    write(results).map_err(|e| StudyError::Usage { detail: format!("cannot write Parquet: {e}") })
+}
+
+/// Reads a file that [`encode`] made; `path` names it in messages.
+///
+/// # Errors
+/// Not Parquet, or not ours.
+pub fn decode(bytes: Vec<u8>, path: &Path) -> Result<Results> {
+    let bad = |detail: String| StudyError::Table { path: path.into(), detail };
+    let reader =
+        SerializedFileReader::new(bytes::Bytes::from(bytes)).map_err(|e| bad(format!("not a Parquet file: {e}")))?;
+    let pairs = reader.metadata().file_metadata().key_value_metadata();
+    let own = pairs.into_iter().flatten().find(|pair| pair.key == KEY).and_then(|pair| pair.value.as_deref());
+    let own = own.ok_or_else(|| bad("not the results of a sweep; `rayreel sweep merge` writes these".into()))?;
+    let own: Metadata = serde_json::from_str(own).map_err(|e| bad(format!("its metadata cannot be read: {e}")))?;
+    let columns = reader.metadata().file_metadata().schema_descr().num_columns();
+    if columns != own.columns.len() {
+        return Err(bad(format!("its metadata describe {} columns of {columns}", own.columns.len())));
+    }
+    let mut fields = Vec::new();
+    for (i, info) in own.columns.into_iter().enumerate() {
+        let cells = read(&reader, i).map_err(|e| bad(format!("column {}: {e}", info.name)))?;
+        let ColumnInfo { name, unit, description, role } = info;
+        fields.push(Field { name, unit, description, role, cells });
+    }
+    Ok(Results { heading: own.heading, fields })
+}
+
+fn write(results: &Results) -> Result<Vec<u8>, ParquetError> {
+    let column = |field: &Field| {
+        let (physical, logical) = match field.cells {
+            Cells::Int(_) => (Physical::INT64, None),
+            Cells::Float(_) => (Physical::DOUBLE, None),
+            Cells::Flag(_) => (Physical::BOOLEAN, None),
+            Cells::Text(_) => (Physical::BYTE_ARRAY, Some(LogicalType::String)),
+        };
+        let column = Type::primitive_type_builder(&field.name, physical);
+        column.with_repetition(Repetition::OPTIONAL).with_logical_type(logical).build().map(Arc::new)
+    };
+    let columns = results.fields.iter().map(column).collect::<Result<Vec<_>, _>>()?;
+    let schema = Arc::new(Type::group_type_builder("sweep").with_fields(columns).build()?);
+    let info = |field: &Field| ColumnInfo {
+        name: field.name.clone(),
+        unit: field.unit.clone(),
+        description: field.description.clone(),
+        role: field.role,
+    };
+    let metadata = Metadata { heading: results.heading.clone(), columns: results.fields.iter().map(info).collect() };
+    let metadata = serde_json::to_string(&metadata).map_err(|e| ParquetError::General(e.to_string()))?;
+    let properties = WriterProperties::builder()
+        .set_compression(Compression::ZSTD(ZstdLevel::try_new(3)?))
+        .set_created_by("rayreel".into())
+        .set_key_value_metadata(Some(vec![KeyValue::new(KEY.into(), metadata)]))
+        .build();
+    let mut writer = SerializedFileWriter::new(Vec::new(), schema, Arc::new(properties))?;
+    for start in (0..results.rows()).step_by(GROUP) {
+        let rows = start..(start + GROUP).min(results.rows());
+        let mut group = writer.next_row_group()?;
+        for field in &results.fields {
+            let mut column = group.next_column()?.ok_or_else(|| ParquetError::General("a column too many".into()))?;
+            match (&field.cells, column.untyped()) {
+                (Cells::Int(own), ColumnWriter::Int64ColumnWriter(to)) => {
+                    let (values, levels) = present(&own[rows.clone()], |v| *v);
+                    to.write_batch(&values, Some(&levels), None)?;
+                }
+                (Cells::Float(own), ColumnWriter::DoubleColumnWriter(to)) => {
+                    let (values, levels) = present(&own[rows.clone()], |v| *v);
+                    to.write_batch(&values, Some(&levels), None)?;
+                }
+                (Cells::Flag(own), ColumnWriter::BoolColumnWriter(to)) => {
+                    let (values, levels) = present(&own[rows.clone()], |v| *v);
+                    to.write_batch(&values, Some(&levels), None)?;
+                }
+                (Cells::Text(own), ColumnWriter::ByteArrayColumnWriter(to)) => {
+                    let (values, levels) = present(&own[rows.clone()], |v| ByteArray::from(v.as_str()));
+                    to.write_batch(&values, Some(&levels), None)?;
+                }
+                _ => return Err(ParquetError::General(format!("column {} is of another type", field.name))),
+            }
+            column.close()?;
+        }
+        group.close()?;
+    }
+    writer.into_inner()
+}
+
+/// The values that are there, and for each row whether it has one.
+fn present<T, U>(cells: &[Option<T>], value: impl Fn(&T) -> U) -> (Vec<U>, Vec<i16>) {
+    (cells.iter().flatten().map(value).collect(), cells.iter().map(|cell| i16::from(cell.is_some())).collect())
+}
+
+/// A whole column.
+fn read(reader: &SerializedFileReader<bytes::Bytes>, column: usize) -> Result<Cells, ParquetError> {
+    let physical = reader.metadata().file_metadata().schema_descr().column(column).physical_type();
+    let mut cells = match physical {
+        Physical::INT64 => Cells::Int(Vec::new()),
+        Physical::DOUBLE => Cells::Float(Vec::new()),
+        Physical::BOOLEAN => Cells::Flag(Vec::new()),
+        Physical::BYTE_ARRAY => Cells::Text(Vec::new()),
+        other => return Err(ParquetError::General(format!("no column of ours is of type {other}"))),
+    };
+    for group in 0..reader.num_row_groups() {
+        let group = reader.get_row_group(group)?;
+        let rows = usize::try_from(group.metadata().num_rows()).unwrap_or(0);
+        macro_rules! take {
+            ($from:ident, $own:ident, $value:expr) => {{
+                let (mut levels, mut values) = (Vec::new(), Vec::new());
+                $from.read_records(rows, Some(&mut levels), None, &mut values)?;
+                let mut values = values.into_iter();
+                for level in levels {
+                    $own.push(if level == 1 { values.next().map($value) } else { None });
+                }
+            }};
+        }
+        match (group.get_column_reader(column)?, &mut cells) {
+            (ColumnReader::Int64ColumnReader(mut from), Cells::Int(own)) => take!(from, own, |v| v),
+            (ColumnReader::DoubleColumnReader(mut from), Cells::Float(own)) => take!(from, own, |v| v),
+            (ColumnReader::BoolColumnReader(mut from), Cells::Flag(own)) => take!(from, own, |v| v),
+            (ColumnReader::ByteArrayColumnReader(mut from), Cells::Text(own)) => {
+                take!(from, own, |v: ByteArray| String::from_utf8_lossy(v.data()).into_owned());
+            }
+            _ => return Err(ParquetError::General("it changes its type".into())),
+        }
+    }
+    Ok(cells)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn field(name: &str, cells: Cells) -> Field {
+        Field { name: name.into(), unit: "u".into(), description: "d".into(), role: Role::Figure, cells }
+    }
+
+    fn table(rows: usize) -> Results {
+        let each = |i: usize| (!i.is_multiple_of(3)).then_some(i);
+        Results {
+            heading: Heading { name: "n".into(), plan: "p".into(), model_version: 1, points: rows },
+            fields: vec![
+                field("int", Cells::Int((0..rows).map(|i| each(i).map(|i| i as i64 - 5)).collect())),
+                field("float", Cells::Float((0..rows).map(|i| each(i).map(|i| 0.1 * i as f64)).collect())),
+                field("flag", Cells::Flag((0..rows).map(|i| each(i).map(|i| i.is_multiple_of(2))).collect())),
+                field("text", Cells::Text((0..rows).map(|i| each(i).map(|i| format!("é{}", i % 7))).collect())),
+                field("nothing", Cells::Float(vec![None; rows])),
+            ],
+        }
+    }
+
+    #[test]
+    fn what_is_written_reads_back() {
+        for rows in [0, 1, 1000, GROUP + 3] {
+            let table = table(rows);
+            let bytes = encode(&table).unwrap();
+            assert_eq!(bytes, encode(&table).unwrap(), "the same bytes");
+            assert_eq!(decode(bytes, Path::new("t.parquet")).unwrap(), table);
+        }
+    }
+
+    #[test]
+    fn damage_is_an_error_and_no_panic() {
+        let bytes = encode(&table(50)).unwrap();
+        for cut in (0..bytes.len()).step_by(7) {
+            assert!(decode(bytes[..cut].to_vec(), Path::new("t.parquet")).is_err(), "cut at {cut}");
+        }
+        let error = decode(b"PAR1 not at all PAR1".to_vec(), Path::new("t.parquet")).unwrap_err();
+        assert!(error.to_string().starts_with("t.parquet: not a Parquet file"), "{error}");
+    }
+}
