@@ -17,7 +17,7 @@ use crate::modelling::{
 
 /// How far the liquid climbs up the wall, and how far from it the surface is flat.
 const MENISCUS: DVec2 = DVec2::new(0.07, 0.035);
-/// Profile points nearer than this to the liquid's edge give way to it: no sliver triangles.
+/// Profile points nearer than this to the edge of the liquid are left out, so that no sliver triangles arise.
 const MERGE: f64 = 0.012;
 
 /// A vessel open at the top, standing on y = 0.
