@@ -20,8 +20,8 @@ fn sphere((low, high): (Vec3, Vec3)) -> (DVec3, f64) {
     ((low + high) / 2.0, if radius > 0.0 { radius } else { 1.0 })
 }
 
-/// The box that a camera should frame. One vertex in a hundred may lie outside at either end of each axis, so that a wide
-/// floor of few triangles does not make the model on it small.
+/// The box that a camera should frame. One vertex in a hundred may lie outside at either end of each axis, so that a
+/// wide floor of few triangles does not make the model on it small.
 pub(crate) fn main_bounds(positions: &[Vec3]) -> (Vec3, Vec3) {
     let (mut low, mut high) = (Vec3::ZERO, Vec3::ZERO);
     // In a small model every vertex counts.

@@ -17,8 +17,8 @@
 //!
 //! Invariants:
 //! - A scene that a loader returns has passed [`Scene::validate`].
-//! - The same input gives the same scene on every machine: no hash order, and every transcendental function is `libm`'s,
-//!   in `f64`. [`Scene::content_hash`] tells scenes apart.
+//! - The same input gives the same scene on every machine: no hash order, and every transcendental function is
+//!   `libm`'s, in `f64`. [`Scene::content_hash`] tells scenes apart.
 //! - No input makes a loader panic. [`SceneError`] says who must act, where, and what would put it right.
 
 mod builtin;

@@ -38,8 +38,8 @@ struct KeyframeTable {
     vfov_deg: Option<f32>,
 }
 
-/// The cameras that the table asks for. Beside keyframes, `up` and `vfov_deg` are the defaults of the keyframes. A table
-/// that places no camera gets one that frames `bounds`.
+/// The cameras that the table asks for. Beside keyframes, `up` and `vfov_deg` are the defaults of the keyframes. A
+/// table that places no camera gets one that frames `bounds`.
 pub(crate) fn cameras(file: &Path, table: &CameraTable, bounds: (Vec3, Vec3)) -> Result<Vec<Camera>, SceneError> {
     let up = table.up.map_or(Vec3::Y, Vec3::from);
     let vfov_deg = table.vfov_deg.unwrap_or(defaults::DEFAULT_VFOV_DEG);

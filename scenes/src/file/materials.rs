@@ -83,7 +83,8 @@ fn change_material(path: &Path, material: &mut Material, changes: &MaterialTable
     Ok(())
 }
 
-/// Changes the kind. A material that becomes glass gets an index and a specular colour with which it bends and reflects.
+/// Changes the kind. A material that becomes glass gets an index and a specular colour with which it bends and
+/// reflects.
 fn set_optics(material: &mut Material, optics: OpticsName) {
     material.optics = match optics {
         OpticsName::Opaque => Optics::Opaque,

@@ -20,8 +20,8 @@ pub fn paint(name: &str, side: u32, colour: impl Fn(f64, f64) -> DVec3) -> Textu
     Texture { name: name.to_owned(), width: side, height: side, texels }
 }
 
-/// Linear to 8-bit sRGB, rounded to the nearest code. Looked up in a table of the codes' lower bounds, because three powers
-/// a texel would take longer than the rest of a scene.
+/// Linear to 8-bit sRGB, rounded to the nearest code. Looked up in a table of the codes' lower bounds, because three
+/// powers a texel would take longer than the rest of a scene.
 fn encode(linear: f64) -> u8 {
     static BOUNDS: LazyLock<[f64; 255]> = LazyLock::new(|| std::array::from_fn(|i| decode((i as f64 + 0.5) / 255.0)));
     BOUNDS.partition_point(|bound| *bound <= linear) as u8

@@ -15,7 +15,8 @@ use crate::{
     warnings::Warnings,
 };
 
-/// The normal that stands in for a missing one on a corner without `vn`. A broken `vn` (zero or not finite) becomes NaN.
+/// The normal that stands in for a missing one on a corner without `vn`. A broken `vn` (zero or not finite) becomes
+/// NaN.
 pub(crate) const ABSENT_NORMAL: [f32; 3] = [0.0; 3];
 /// Stand-ins at the front of the rewritten `vn` list: absent, broken.
 const NORMAL_STAND_INS: usize = 2;

@@ -182,7 +182,8 @@ pub fn rack(out: &mut SceneBuilder, stock: &Stock, at: DVec3, turn: f64) {
     }
 }
 
-/// A board of `width` x `depth` with a round hole in its middle, cut like a slice of a longer one: no faces at its ends.
+/// A board of `width` x `depth` with a round hole in its middle, cut like a slice of a longer one: no faces at its
+/// ends.
 fn drilled(width: f64, depth: f64, thick: f64, hole: f64) -> Part {
     // A multiple of eight: then points stand in the corners of the board, and its edges are straight.
     const SIDES: usize = 24;

@@ -42,8 +42,8 @@ pub fn scene() -> Result<Scene, SceneError> {
     out.point_light([9.0, 13.5, 13.0], [0.74, 0.66, 0.52]);
     out.point_light([-10.5, 12.5, 8.0], [0.20, 0.24, 0.30]);
     out.point_light([-6.0, 11.0, -9.0], [0.36, 0.36, 0.36]);
-    // The horizon has the brightness of the walls: where the depth limit cuts a ray off behind several vessels, it shows
-    // the sky in that direction.
+    // The horizon has the brightness of the walls: where the depth limit cuts a ray off behind several vessels, it
+    // shows the sky in that direction.
     out.sky([0.20, 0.38, 0.72], [0.50, 0.65, 0.70], [0.36, 0.34, 0.30], 0.42);
     out.finish(path())
 }

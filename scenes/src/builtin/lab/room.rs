@@ -127,8 +127,8 @@ fn window(out: &mut SceneBuilder) {
     out.extend(&block::bevelled(sill, DVec3::new(right + 0.7, bottom + 0.12, BACK + 0.8), 0.06), white);
 }
 
-/// Hills and trees in the haze, as far as the window shows them: silhouettes that shine by themselves, because the lamps
-/// of the room do not reach them.
+/// Hills and trees in the haze, as far as the window shows them: silhouettes that shine by themselves, because the
+/// lamps of the room do not reach them.
 fn outside(out: &mut SceneBuilder) {
     let layers = [
         ("far hills", -70.0, 4.2, 4.0, 0.05, [0.34, 0.48, 0.56]),

@@ -1,7 +1,8 @@
 //! Local shading: what a hit contributes without its secondary rays.
 //!
-//! Emission, ambient light from the mean sky, Lambert diffuse and Phong highlight per unblocked light. No `pow` and no libm:
-//! the exponent is an integer, the sky a polynomial.
+//! Emission, ambient light from the mean sky, and for each light that is not blocked Lambert diffuse and a Phong
+//! highlight. Every operation is exact IEEE arithmetic: the Phong exponent is an integer and the sky a polynomial, so
+//! there is no `pow` and no libm.
 
 use rayreel_formats::math::Vec3;
 use rayreel_formats::rays::{self, Surface};
@@ -11,9 +12,9 @@ use rayreel_scenes as scenes;
 
 use crate::convert::vec3 as from_glam;
 
-/// The sky, ready for use.
+/// The gradient of the sky, in the arithmetic of the trace.
 #[derive(Debug)]
-pub struct Sky {
+pub struct SkyGradient {
     zenith: Vec3,
     horizon: Vec3,
     ground: Vec3,
@@ -21,7 +22,7 @@ pub struct Sky {
     pub ambient: Vec3,
 }
 
-impl Sky {
+impl SkyGradient {
     /// Prepares a scene's sky. Ambient light is its mean colour times the scene's fraction.
     pub fn new(sky: &scenes::Sky) -> Self {
         let (zenith, horizon, ground) = (from_glam(sky.zenith), from_glam(sky.horizon), from_glam(sky.ground));
@@ -39,9 +40,9 @@ impl Sky {
     }
 }
 
-/// A material's local part.
+/// What local shading needs of the material at a hit.
 #[derive(Clone, Copy, Debug)]
-pub struct Finish {
+pub struct ShadingInputs {
     /// Diffuse colour, texture included.
     pub diffuse: Vec3,
     /// Highlight colour.
@@ -52,24 +53,24 @@ pub struct Finish {
     pub emission: Vec3,
 }
 
-/// Whether `light` could show on this side of `surface`: only then is a shadow ray cast.
+/// Whether `light` is on the side of `surface` that is seen. Only then is a shadow ray cast.
 pub fn faces(surface: &Surface, light: &Light) -> bool {
     let to_light = rays::to_light(surface, light);
     to_light.dot(surface.face) > 0.0 && to_light.dot(surface.normal) > 0.0
 }
 
-/// The part of `finish` that one visible light adds, for a ray that came along `direction`.
-pub fn lit(surface: &Surface, direction: Vec3, finish: &Finish, light: &Light) -> Vec3 {
+/// The light that one visible light adds, reflected to a ray that came along `direction`.
+pub fn lit(surface: &Surface, direction: Vec3, inputs: &ShadingInputs, light: &Light) -> Vec3 {
     let (Light::Point { colour, .. } | Light::Directional { colour, .. }) = *light;
     let to_light = rays::to_light(surface, light).normalized();
     let cosine = to_light.dot(surface.normal);
     let mirrored = surface.normal * (2.0 * cosine) - to_light;
     let highlight = (-mirrored.dot(direction)).max(0.0);
-    let specular = if highlight > 0.0 { finish.specular * power(highlight, finish.shininess) } else { Vec3::ZERO };
-    colour.times(finish.diffuse * cosine + specular)
+    let specular = if highlight > 0.0 { inputs.specular * power(highlight, inputs.shininess) } else { Vec3::ZERO };
+    colour.times(inputs.diffuse * cosine + specular)
 }
 
-/// The state of a shadow ray: blocked, tinted by `passed` dielectric surfaces, or lit.
+/// The state of a shadow ray that was `blocked` or not, and that `passed` a dielectric surface or not.
 pub fn shadow_state(blocked: bool, passed: bool) -> ShadowState {
     match (blocked, passed) {
         (true, _) => ShadowState::Blocked,
