@@ -2,8 +2,8 @@
 //!
 //! A [`Scene`] is a triangle mesh with objects and materials, textures, lights, a sky, and a camera for each frame.
 //! [`load`] makes one from whatever a user may name: a built-in scene ([`builtin_names`]), an OBJ model
-//! ([`obj::load_obj`]) or a scene file in TOML. Camera paths in CSV are in [`camera`]; the tools that build the
-//! built-in scenes are in [`modelling`], for tests that make scenes.
+//! ([`obj::load_obj`]) or a scene file in TOML. [`camera`] reads camera paths in CSV. [`modelling`] holds the
+//! tools that make the built-in scenes; tests make theirs with them.
 //!
 //! Not here: rays, traces, hardware. This crate depends on no other crate of the project.
 //!

@@ -98,14 +98,14 @@ impl Scene {
     }
 
     fn validate_light(&self, index: usize, light: &Light) -> Result<(), SceneError> {
-        let (place, colour) = match light {
+        let (vector, colour) = match light {
             Light::Point { position, colour } => (*position, *colour),
             Light::Directional { to_light, colour } => (*to_light, *colour),
         };
-        if !place.is_finite() || !is_colour(colour) {
+        if !vector.is_finite() || !is_colour(colour) {
             return self.broken(format!("light {index} has a negative or non-finite value"));
         }
-        if matches!(light, Light::Directional { .. }) && !is_direction(place) {
+        if matches!(light, Light::Directional { .. }) && !is_direction(vector) {
             return self.broken(format!("light {index} shines from no direction"));
         }
         Ok(())

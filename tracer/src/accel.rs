@@ -9,15 +9,12 @@ use glam::Vec3A;
 use obvhs::BvhBuildParams;
 use obvhs::bvh2::{Bvh2, builder::build_bvh2};
 use obvhs::triangle::Triangle as BuildTriangle;
-use rayreel_formats::bvh::{Bvh, Shape, Triangle, Vertex};
+use rayreel_formats::bvh::{Bvh, MAX_LEAF_TRIANGLES, Shape, Triangle, Vertex};
 use rayreel_formats::math::Vec3;
 use rayreel_formats::oct::Oct;
 use rayreel_scenes::Scene;
 
 use crate::convert;
-
-/// Most triangles in a leaf: what the modelled traversal unit fetches at once.
-pub const LEAF_TRIANGLES: u32 = 4;
 
 /// A scene that the trace format cannot hold: it is too large, or too degenerate for a tree of bounded depth.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -38,7 +35,7 @@ pub struct Built {
     pub source: Vec<u32>,
 }
 
-/// Builds the BVH of a scene: obvhs' medium preset, at most [`LEAF_TRIANGLES`] triangles a leaf. The builder runs in
+/// Builds the BVH of a scene: obvhs' medium preset, at most [`MAX_LEAF_TRIANGLES`] triangles a leaf. The builder runs in
 /// one thread, so it gives the same tree on every run.
 ///
 /// # Errors
@@ -51,7 +48,7 @@ pub fn build(scene: &Scene) -> Result<Built, BuildError> {
         .iter()
         .map(|t| BuildTriangle { v0: corner(t.vertices[0]), v1: corner(t.vertices[1]), v2: corner(t.vertices[2]) })
         .collect();
-    let params = BvhBuildParams { max_prims_per_leaf: LEAF_TRIANGLES, ..BvhBuildParams::medium_build() };
+    let params = BvhBuildParams { max_prims_per_leaf: MAX_LEAF_TRIANGLES, ..BvhBuildParams::medium_build() };
     let bvh2 = build_bvh2(&triangles, params, &mut Duration::default());
     let (shape, source) = depth_first(&bvh2);
     let (triangles, vertices) = leaf_order(scene, &source);

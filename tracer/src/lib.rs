@@ -1,12 +1,11 @@
-//! The functional ray tracer of Rayreel: builds a BVH, traces Whitted ray trees, captures them into a trace file, and
-//! verifies a trace from the trace alone.
+//! The functional ray tracer of Rayreel: traces Whitted ray trees and records them, with every step of every ray.
 //!
 //! [`build`] makes the BVH of a scene, [`SampleGrid`] says what is traced, [`capture`](capture::capture) records it
 //! in a file, [`render`] keeps only the colours, [`verify`](verify::verify) checks a file. [`Tracer`] traces a tile
 //! at a time for callers that want no file.
 //!
-//! Not here: what decides where a ray goes (`rayreel-formats`, because a trace is rebuilt by the same functions),
-//! scenes (`rayreel-scenes`), sampling policies and hardware (they work on a trace and never trace).
+//! Not here: scenes (`rayreel-scenes`); what decides where a ray goes (`rayreel-formats`, whose functions also rebuild
+//! the rays of a trace); sampling policies and hardware (they work on a trace and never trace).
 //!
 //! ```
 //! use rayreel_formats::{Limits, trace::{Codec, Trace}};
@@ -28,9 +27,8 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! Invariants: shading uses what the trace stores, so normals, weights and colours are quantised before anything
-//! depends on them; one traversal loop serves rendering, recording and verification; no output depends on the number
-//! of threads.
+//! Invariants: shading uses only values as the trace stores them, quantised; one traversal loop serves rendering,
+//! recording and verification; no output depends on the number of threads.
 
 pub mod accel;
 pub mod capture;

@@ -1,8 +1,8 @@
 //! Local shading: what a hit contributes without its secondary rays.
 //!
 //! Emission, ambient light from the mean sky, and for each light that is not blocked Lambert diffuse and a Phong
-//! highlight. Every operation is exact IEEE arithmetic: the Phong exponent is an integer and the sky a polynomial, so
-//! there is no `pow` and no libm.
+//! highlight. The Phong exponent is an integer and the sky a polynomial: without `pow` and libm the colours are the same
+//! on every machine.
 
 use rayreel_formats::math::Vec3;
 use rayreel_formats::rays::{self, Surface};

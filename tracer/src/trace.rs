@@ -35,6 +35,14 @@ struct TileBuilder {
     scratch: TraversalScratch,
 }
 
+impl TileBuilder {
+    fn push(&mut self, node: RayNode, hit: Hit, radiance: Radiance) {
+        self.nodes.push(node);
+        self.hits.push(hit);
+        self.radiance.push(radiance);
+    }
+}
+
 /// A ray, with what its children need to know of the path so far.
 #[derive(Clone, Copy)]
 struct RayState {
@@ -46,6 +54,14 @@ struct RayState {
     travelled: f32,
     /// Width of the ray cone per unit of length.
     spread: f32,
+}
+
+/// A child ray that the material asks for.
+enum ChildRay {
+    /// It is traced.
+    Traced(RayState),
+    /// It is not: the limit of depth or weight ends the path here.
+    Truncated(Ray),
 }
 
 impl<'a> Tracer<'a> {
@@ -105,21 +121,19 @@ impl<'a> Tracer<'a> {
         let mut node = RayNode { class, hit: hit.is_some(), reflect: false, refract: false, shadows: Shadows(0) };
         let Some(hit) = hit else {
             let local = Half3::from_vec3(self.sky.colour(ray.direction));
-            out.nodes.push(node);
-            out.hits.push(Hit::MISS);
-            out.radiance.push(Radiance { local, ..Radiance::default() });
+            out.push(node, Hit::MISS, Radiance { local, ..Radiance::default() });
             return;
         };
         let normal = self.built.bvh.shading_normal(hit.triangle as usize, hit.u, hit.v);
         let surface = rays::surface(&ray, hit.t, self.traversal.corners(hit.triangle), normal);
         let mut local = self.local::<RECORD>(&state, &hit, &surface, &mut node.shadows, out);
-        let children = rays::children(&surface, ray.direction, self.built.bvh.material(hit.triangle as usize));
+        let material = self.built.bvh.material(hit.triangle as usize);
+        let children = rays::children(&surface, ray.direction, material);
         let reflection = self.child(&state, children.reflect, class.reflection(), hit.t, || {
             Some(rays::reflection(&surface, ray.direction))
         });
-        let ior = self.built.bvh.material(hit.triangle as usize).ior;
         let refraction = self.child(&state, children.refract, class.refraction(), hit.t, || {
-            rays::refraction(&surface, ray.direction, ior)
+            rays::refraction(&surface, ray.direction, material.ior)
         });
         // A truncated child shows the sky. In a bright room that is darker than the truth, but leaves no black
         // speckles.
@@ -131,13 +145,12 @@ impl<'a> Tracer<'a> {
         let traced = |child: &Option<ChildRay>| matches!(child, Some(ChildRay::Traced(_)));
         (node.reflect, node.refract) = (traced(&reflection), traced(&refraction));
         let kept = |weight: Option<Half3>, traced| if traced { weight.unwrap_or_default() } else { Half3::ZERO };
-        out.nodes.push(node);
-        out.hits.push(Hit { triangle: hit.triangle, t: hit.t, normal });
-        out.radiance.push(Radiance {
+        let radiance = Radiance {
             local: Half3::from_vec3(local),
             reflect: kept(children.reflect, node.reflect),
             refract: kept(children.refract, node.refract),
-        });
+        };
+        out.push(node, Hit { triangle: hit.triangle, t: hit.t, normal }, radiance);
         for child in [reflection, refraction] {
             if let Some(ChildRay::Traced(child)) = child {
                 self.trace::<RECORD>(child, out);
@@ -210,12 +223,4 @@ impl<'a> Tracer<'a> {
         }
         colour
     }
-}
-
-/// A child ray that the material asks for.
-enum ChildRay {
-    /// It is traced.
-    Traced(RayState),
-    /// It is not: the limit of depth or weight ends the path here.
-    Truncated(Ray),
 }

@@ -34,6 +34,17 @@ pub struct Verified {
     pub first: Option<Mismatch>,
 }
 
+impl Verified {
+    /// Adds what was found in a later tile.
+    fn add(&mut self, later: Self) {
+        self.tiles += later.tiles;
+        self.rays += later.rays;
+        self.steps += later.steps;
+        self.tiles_wrong += later.tiles_wrong;
+        self.first = self.first.take().or(later.first);
+    }
+}
+
 /// Something in a trace that does not follow from the rest of it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Mismatch {
@@ -68,11 +79,7 @@ pub fn verify(trace: &Trace, mut progress: impl FnMut(u64) -> bool) -> Result<Ve
         };
         let checked: Vec<Verified> = batch.par_iter().map_init(Default::default, check).collect::<Result<_>>()?;
         for one in checked {
-            total.tiles += one.tiles;
-            total.rays += one.rays;
-            total.steps += one.steps;
-            total.tiles_wrong += one.tiles_wrong;
-            total.first = total.first.or(one.first);
+            total.add(one);
         }
         if !progress(total.tiles) {
             break;
@@ -81,6 +88,7 @@ pub fn verify(trace: &Trace, mut progress: impl FnMut(u64) -> bool) -> Result<Ve
     Ok(total)
 }
 
+/// The check of one tile.
 struct TileCheck<'a> {
     trace: &'a Trace,
     bvh: &'a Bvh,

@@ -189,7 +189,11 @@ fn transmission(s: &Statements, dielectric: bool, place: &str, warnings: &mut Wa
     };
     if filter.max_element() < 0.5 && s.dissolve.is_none() && s.transparency.is_none() {
         warnings.add("tf", || {
-            format!("{place}: `Tf` {filter} without `d` is read as the strength of the filter, so the tint is {}; add `d` to have it as written", Vec3::ONE - filter)
+            format!(
+                "{place}: `Tf` {filter} without `d` is read as the strength of the filter, so the tint is {}; \
+                 add `d` to have it as written",
+                Vec3::ONE - filter
+            )
         });
         return Vec3::ONE - filter;
     }
