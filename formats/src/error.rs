@@ -8,7 +8,7 @@ use std::fmt;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use crate::container::{ChunkId, FormatVersion, NONE};
+use crate::id::{ChunkId, FormatVersion, NONE};
 
 /// Shorthand for results of this crate.
 pub type Result<T, E = Error> = std::result::Result<T, E>;

@@ -3,15 +3,16 @@
 //! This crate knows nothing of tracing or of hardware. `FORMAT.md` beside it specifies every byte.
 
 pub mod bvh;
-pub mod columns;
+mod columns;
 pub mod container;
 pub mod error;
 pub mod half;
+mod id;
 pub mod intersect;
 pub mod limits;
 pub mod math;
 pub mod oct;
-pub mod payload;
+mod payload;
 pub mod rays;
 pub mod scene;
 pub mod tile;
@@ -19,3 +20,7 @@ pub mod trace;
 
 pub use error::{Error, Result};
 pub use limits::Limits;
+pub use rays::{Ray, RayRebuilder};
+pub use scene::{Camera, Meta};
+pub use tile::Tile;
+pub use trace::{Trace, TraceWriter};

@@ -7,12 +7,11 @@ use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
 use rayreel_formats::bvh::Bvh;
-use rayreel_formats::columns::paths::Topology;
 use rayreel_formats::container::EncodedChunk;
 use rayreel_formats::math::Vec3;
 use rayreel_formats::scene::{Meta, Rect};
 use rayreel_formats::tile::Column;
-use rayreel_formats::trace::{Codec, Scratch, Started, Trace, TraceWriter};
+use rayreel_formats::trace::{BvhTopology, Codec, Scratch, Started, Trace, TraceWriter};
 use rayreel_formats::{Error, Limits, Result};
 use rayreel_scenes::Scene;
 
@@ -123,13 +122,13 @@ pub fn capture(
     output: &Output,
     mut progress: impl FnMut(&Progress) -> bool,
 ) -> Result<Outcome> {
-    rayreel_formats::payload::metadata::check_meta(meta, &Limits::default()).map_err(Error::usage)?;
+    meta.check(&Limits::default()).map_err(Error::usage)?;
     check_frames(scene, meta)?;
     let settings = Settings { max_depth: meta.max_depth, min_weight: meta.min_weight };
     let job = Job {
         tracer: Tracer::new(scene, built, settings),
         bvh: &built.bvh,
-        topology: Topology::new(&built.bvh),
+        topology: BvhTopology::new(&built.bvh),
         meta,
         codec: output.codec,
     };
@@ -186,7 +185,7 @@ fn start(output: &Output, meta: &Meta, bvh: &Bvh) -> Result<TraceWriter> {
 struct Job<'a> {
     tracer: Tracer<'a>,
     bvh: &'a Bvh,
-    topology: Topology,
+    topology: BvhTopology,
     meta: &'a Meta,
     codec: Codec,
 }

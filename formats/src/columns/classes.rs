@@ -115,13 +115,3 @@ impl Raster {
         self.cells[cell] = (self.stamp, value);
     }
 }
-
-impl Neighbours {
-    /// A context number: each neighbour's state, `f` of its value (below `states - 1`) plus one, or 0 where there is none;
-    /// west counts least.
-    #[inline]
-    pub fn context(&self, states: usize, f: impl Fn(u32) -> usize) -> usize {
-        let state = |v: Option<u32>| v.map_or(0, |v| 1 + f(v));
-        ((state(self.ne) * states + state(self.nw)) * states + state(self.n)) * states + state(self.w)
-    }
-}

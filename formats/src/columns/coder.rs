@@ -345,6 +345,18 @@ mod tests {
         }
     }
 
+    /// The last row of the table of check values in FORMAT.md.
+    #[test]
+    fn format_md_states_a_stream_of_numbers() {
+        let (mut coder, mut number) = (Encoder::default(), Number::default());
+        for value in [0, 1, 2, 7, 100, 65_535, 4_000_000_000, 0] {
+            number.code(&mut coder, value);
+        }
+        let stream: String = coder.finish().iter().map(|byte| format!("{byte:02X}")).collect();
+        let row = format!("| 0, 1, 2, 7, 100, 65535, 4000000000, 0 under one number model | {stream} |\n");
+        assert!(include_str!("../../FORMAT.md").contains(&row), "FORMAT.md lacks {row}");
+    }
+
     #[test]
     fn zigzag_is_its_own_inverse() {
         for v in [0, 1, -1, 2, -2, i32::MAX, i32::MIN] {

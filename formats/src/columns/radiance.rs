@@ -6,9 +6,8 @@
 
 use super::classes::{ClassRays, Neighbours, Order, Raster};
 use super::coder::{Bit, Coder, Decoder, Encoder, Number};
-use super::hits::{Geometry, RayRebuilder};
 use crate::half::Half3;
-use crate::rays::children;
+use crate::rays::{Geometry, RayRebuilder, children};
 use crate::tile::{Hit, Radiance, Tree};
 
 /// Contexts by the size of the neighbours' residuals.

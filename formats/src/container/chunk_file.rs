@@ -6,11 +6,11 @@ use std::path::{Path, PathBuf};
 
 use super::chunk_header::{CHUNK_HEADER_LEN, ChunkHeader, ChunkRecord, ENCODING_STORED, ENCODING_ZSTD, HeaderFault};
 use super::encoding::decompress;
-use super::id::ChunkKind;
 use super::source::{FileSource, Source};
 use super::tile::{ColumnInfo, TileDirectory};
 use super::wire::Mismatch;
 use crate::error::{Checked, Error, Place, Result, check_limit};
+use crate::id::ChunkKind;
 use crate::limits::Limits;
 
 /// First step of memory growth when reading, in bytes; each further step at most doubles what has arrived.

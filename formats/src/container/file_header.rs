@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
-use super::FormatVersion;
 use super::wire::{Fields, push_crc, split_crc};
 use crate::error::{Checked, Error, Place, Result};
+use crate::id::FormatVersion;
 
 /// Not ASCII, with both kinds of line ending: a transfer in text mode breaks it at once.
 pub(crate) const MAGIC: [u8; 8] = *b"\x89RRT\r\n\x1a\n";

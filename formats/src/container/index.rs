@@ -1,9 +1,9 @@
 //! The index: a table of all chunks of a file, and the totals of its columns.
 
 use super::chunk_header::{CHUNK_HEADER_LEN, ChunkRecord};
-use super::id::{ChunkId, ChunkKind};
 use super::tile::TileDirectory;
 use super::wire::Fields;
+use crate::id::{ChunkId, ChunkKind};
 
 /// Bytes before the entries.
 const INDEX_FIXED_LEN: u64 = 16;

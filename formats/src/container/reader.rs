@@ -2,16 +2,15 @@
 
 use std::path::Path;
 
-use super::FormatVersion;
 use super::chunk_file::{ChunkFile, TilePayload, mismatch};
 use super::chunk_header::{CHUNK_HEADER_LEN, ChunkHeader, ChunkRecord, ENCODING_ZSTD, HeaderFault};
 use super::file_header::{FILE_HEADER_LEN, FileHeader};
-use super::id::{ChunkId, ChunkKind};
 use super::index::{ColumnTotals, Index};
 use super::source::{MemorySource, Source};
 use super::tile::TileDirectory;
 use super::trailer::{TRAILER_LEN, Trailer, TrailerFault};
 use crate::error::{Checked, Error, Result, check_limit};
+use crate::id::{ChunkId, ChunkKind, FormatVersion};
 use crate::limits::Limits;
 
 /// What [`Reader::path`] gives for bytes in memory.

@@ -4,15 +4,14 @@ use std::collections::{BTreeSet, HashSet};
 use std::fs::{self, OpenOptions};
 use std::path::Path;
 
-use super::FormatVersion;
 use super::chunk_file::ChunkFile;
 use super::chunk_header::{CHUNK_HEADER_LEN, ChunkHeader, ChunkRecord};
-use super::id::{ChunkId, ChunkKind, NONE};
 use super::index::Index;
 use super::scan::{DamagedRange, Scan, scan_file};
 use super::walk::STEP;
 use super::writer::{Writer, lock, with_suffix};
 use crate::error::{Error, Result};
+use crate::id::{ChunkId, ChunkKind, FormatVersion, NONE};
 use crate::limits::Limits;
 
 /// What a repair did.

@@ -5,17 +5,16 @@ use std::fs::{File, OpenOptions};
 use std::io::{self, BufWriter, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
-use super::FormatVersion;
 use super::chunk_file::{ChunkFile, TilePayload};
 use super::chunk_header::ChunkRecord;
 use super::file_header::FILE_HEADER_LEN;
-use super::id::ChunkKind;
 use super::index::Index;
 use super::reader::read_file_header;
 use super::tile::TileDirectory;
 use super::walk::{Verdict, judge};
 use super::writer::{BUFFER_LEN, Writer, lock, partial_path};
 use crate::error::{Error, Result, check_limit};
+use crate::id::{ChunkId, ChunkKind, FormatVersion};
 use crate::limits::Limits;
 
 /// An unfinished file that can be read and continued.
@@ -120,7 +119,7 @@ fn header_is_torn(file: &ChunkFile) -> Result<bool> {
 
 /// The chunks from `offset` up to the first that is not whole, and where that is. The index counts as not whole: it would have
 /// to move.
-fn whole_chunks(file: &ChunkFile, mut offset: u64) -> Result<(Index, HashSet<super::ChunkId>, u64)> {
+fn whole_chunks(file: &ChunkFile, mut offset: u64) -> Result<(Index, HashSet<ChunkId>, u64)> {
     let (mut index, mut ids, mut buffer) = (Index::default(), HashSet::new(), Vec::new());
     while let Verdict::Whole(record, directory) = judge(file, offset, &mut buffer)? {
         if record.id.kind == ChunkKind::INDX || (!ids.insert(record.id) && record.id.kind.is_known()) {

@@ -2,15 +2,14 @@
 
 use std::path::Path;
 
-use super::FormatVersion;
 use super::chunk_file::ChunkFile;
 use super::chunk_header::{CHUNK_HEADER_LEN, ChunkRecord};
-use super::id::{ChunkId, ChunkKind};
 use super::reader::read_file_header;
 use super::source::Source;
 use super::trailer::{TRAILER_LEN, Trailer};
 use super::walk::{Verdict, find_header, judge};
 use crate::error::{Error, Result, check_limit};
+use crate::id::{ChunkId, ChunkKind, FormatVersion};
 use crate::limits::Limits;
 
 /// Bytes of a file that belong to no whole chunk.

@@ -5,16 +5,15 @@ use std::fs::{self, File, OpenOptions};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
-use super::FormatVersion;
 use super::chunk_header::ChunkRecord;
 use super::encoded::EncodedChunk;
 use super::encoding::{Encoding, compress};
 use super::file_header::FileHeader;
-use super::id::ChunkId;
 use super::index::Index;
 use super::tile::TileDirectory;
 use super::trailer::Trailer;
 use crate::error::{Error, Result};
+use crate::id::{ChunkId, FormatVersion};
 
 /// Level of the index's zstd frame. Fixed, so that the bytes of a file depend on its chunks alone.
 const INDEX_ZSTD_LEVEL: i32 = 9;

@@ -2,13 +2,14 @@
 
 use crate::bvh::Bvh;
 use crate::columns::classes::Order;
-use crate::columns::hits::Geometry;
-use crate::columns::paths::{PathScratch, Topology};
+use crate::columns::paths::{BvhTopology, PathScratch};
 use crate::columns::{hits, paths, radiance, tree};
-use crate::container::{ChunkId, ColumnEntry, EncodedChunk, NONE, compress, decompress};
+use crate::container::{ColumnEntry, EncodedChunk, compress, decompress};
 use crate::error::{Error, Result, check_limit};
+use crate::id::{ChunkId, NONE};
 use crate::limits::Limits;
 use crate::payload::canonical;
+use crate::rays::Geometry;
 use crate::scene::{Camera, Meta, Rect};
 use crate::tile::{Column, Hit, Paths, Radiance, Tile, Tree};
 
@@ -50,7 +51,7 @@ pub struct TileCodec<'a> {
     /// Triangles and materials.
     pub bvh: &'a Bvh,
     /// The tree, packed for walking.
-    pub topology: &'a Topology,
+    pub topology: &'a BvhTopology,
     /// The frame's camera.
     pub camera: &'a Camera,
     /// What decoding may cost.
@@ -91,11 +92,11 @@ impl TileCodec<'_> {
     ) -> Result<ColumnEntry> {
         let (code, raw_len, packed) = match codec {
             Codec::Plain(level) => {
-                let raw = canonical_bytes(tile, column);
+                let raw = tile.canonical_bytes(column);
                 (Codec::PLAIN, raw.len() as u64, compress(&raw, level)?)
             }
             Codec::Context => {
-                (Codec::CONTEXT, canonical_length(tile, column), self.context(tile, order, column, scratch))
+                (Codec::CONTEXT, canonical::length(tile, column), self.context(tile, order, column, scratch))
             }
         };
         Ok(ColumnEntry { id: column as u8, codec: code, raw_len, packed })
@@ -130,7 +131,7 @@ impl TileCodec<'_> {
             packed,
             |bytes| tree::decode(bytes, rect, self.lights(), depth, self.limits),
             |bytes| canonical::parse_tree(bytes, rect.len(), self.lights(), depth),
-            tree_length,
+            canonical::tree_length,
         );
         let tree = named(Column::Tree, decoded)?;
         check_limit("ray-tree nodes per tile", tree.nodes.len() as u64, self.limits.max_nodes_per_tile)?;
@@ -146,7 +147,7 @@ impl TileCodec<'_> {
             packed,
             |bytes| hits::decode(bytes, &Order::new(&tile.tree, tile.rect), self.geometry()),
             |bytes| canonical::parse_hits(bytes, &tile.tree, self.bvh.triangles.len()),
-            |_| hits_length(&tile.tree),
+            |_| canonical::hits_length(&tile.tree),
         );
         named(Column::Hits, decoded)
     }
@@ -160,7 +161,7 @@ impl TileCodec<'_> {
             packed,
             |bytes| radiance::decode(bytes, &Order::new(&tile.tree, tile.rect), &tile.hits, self.geometry()),
             |bytes| canonical::parse_radiance(bytes, &tile.tree),
-            |_| radiance_length(&tile.tree),
+            |_| canonical::radiance_length(&tile.tree),
         );
         named(Column::Radiance, decoded)
     }
@@ -176,7 +177,7 @@ impl TileCodec<'_> {
             packed,
             |bytes| paths::decode(bytes, &Order::new(tree, rect), lights, self.topology, self.limits, scratch),
             |bytes| canonical::parse_paths(bytes, tree.ray_count() as usize),
-            paths_length,
+            canonical::paths_length,
         );
         let paths = named(Column::Paths, decoded)?;
         check_limit("path steps per tile", paths.steps.len() as u64, self.limits.max_path_steps_per_tile)?;
@@ -205,40 +206,4 @@ fn decode<T>(
 
 fn named<T>(column: Column, result: std::result::Result<T, String>) -> Result<T> {
     result.map_err(|detail| Error::column(NONE, NONE, column.name(), detail))
-}
-
-/// A column as canonical bytes.
-pub(super) fn canonical_bytes(tile: &Tile, column: Column) -> Vec<u8> {
-    match column {
-        Column::Tree => canonical::tree(&tile.tree),
-        Column::Hits => canonical::hits(&tile.tree, &tile.hits),
-        Column::Radiance => canonical::radiance(&tile.tree, &tile.radiance),
-        Column::Paths => canonical::paths(&tile.paths),
-    }
-}
-
-/// The length of [`canonical_bytes`], without making them.
-fn canonical_length(tile: &Tile, column: Column) -> u64 {
-    match column {
-        Column::Tree => tree_length(&tile.tree),
-        Column::Hits => hits_length(&tile.tree),
-        Column::Radiance => radiance_length(&tile.tree),
-        Column::Paths => paths_length(&tile.paths),
-    }
-}
-
-fn tree_length(tree: &Tree) -> u64 {
-    tree.nodes.iter().map(|n| 1 + 4 * u64::from(n.hit)).sum()
-}
-
-fn hits_length(tree: &Tree) -> u64 {
-    tree.nodes.iter().map(|n| 12 * u64::from(n.hit)).sum()
-}
-
-fn radiance_length(tree: &Tree) -> u64 {
-    tree.nodes.iter().map(|n| 6 * (1 + u64::from(n.reflect) + u64::from(n.refract))).sum()
-}
-
-fn paths_length(paths: &Paths) -> u64 {
-    paths.spans.iter().map(|&(_, length)| 4 + u64::from(length)).sum()
 }

@@ -1,9 +1,8 @@
 //! Which trace a file holds, without reading its tiles.
 
-use super::Trace;
-use crate::container::ChunkKind;
+use super::reader::Trace;
 use crate::error::Result;
-use crate::payload::metadata;
+use crate::id::ChunkKind;
 use crate::scene::Meta;
 
 impl Trace {
@@ -17,12 +16,12 @@ impl Trace {
     /// # Errors
     /// Never for a trace that could be opened: its metadata were decoded.
     pub fn fingerprint(&self) -> Result<blake3::Hash> {
-        let meta = Meta { tool: String::new(), ..self.meta.clone() };
+        let meta = Meta { tool: String::new(), ..self.meta().clone() };
         let mut hasher = blake3::Hasher::new();
         hasher.update(b"rayreel trace fingerprint 1");
-        hasher.update(&metadata::encode("metadata", &meta)?);
+        hasher.update(&meta.to_payload()?);
         let mut chunks: Vec<_> = self
-            .reader
+            .reader()
             .chunks()
             .iter()
             .filter(|c| c.id.kind != ChunkKind::META && c.id.kind != ChunkKind::INDX)

@@ -14,47 +14,18 @@ mod models;
 mod rows;
 mod runs;
 mod steps;
+mod topology;
 
 use super::classes::{ClassRays, Order};
 use super::coder::{Decoder, Encoder};
-use crate::bvh::{Bvh, Child};
 use crate::limits::Limits;
 use crate::scene::Rect;
 use crate::tile::Paths;
-use labels::Labels;
-use rows::Rows;
 use runs::{RunDecoder, RunEncoder};
 use steps::{PathCoder, Place, RUNS};
 
-/// What the path codec needs of the tree, packed for walking.
-#[derive(Debug)]
-pub struct Topology {
-    children: Vec<[Child; 2]>,
-    /// Per triangle: bit 0, any ray may pass; bit 1, a shadow ray may pass.
-    passes: Vec<u8>,
-}
-
-impl Topology {
-    /// The topology of a tree.
-    pub fn new(bvh: &Bvh) -> Self {
-        let passes = |t: usize| {
-            let material = bvh.material(t);
-            u8::from(material.may_pass(false)) | u8::from(material.may_pass(true)) << 1
-        };
-        Self {
-            children: bvh.nodes.iter().map(|node| node.children).collect(),
-            passes: (0..bvh.triangles.len()).map(passes).collect(),
-        }
-    }
-}
-
-/// Memory of the codec, reused from tile to tile.
-#[derive(Debug, Default)]
-pub struct PathScratch {
-    nodes: Labels,
-    leaves: Labels,
-    rows: Rows,
-}
+pub(crate) use steps::PathScratch;
+pub use topology::BvhTopology;
 
 /// The streams of a tile: whether they are shadow rays, and per ray its sample and ray number.
 fn streams(order: &Order<'_>, lights: usize) -> Vec<(bool, Vec<(u32, u32)>)> {
@@ -84,7 +55,7 @@ pub fn encode(
     paths: &Paths,
     order: &Order<'_>,
     lights: usize,
-    topology: &Topology,
+    topology: &BvhTopology,
     scratch: &mut PathScratch,
 ) -> Vec<u8> {
     let runs: [RunEncoder; RUNS] = Default::default();
@@ -117,7 +88,7 @@ pub fn decode(
     mut bytes: &[u8],
     order: &Order<'_>,
     lights: usize,
-    topology: &Topology,
+    topology: &BvhTopology,
     limits: &Limits,
     scratch: &mut PathScratch,
 ) -> Result<Paths, String> {

@@ -1,6 +1,6 @@
 //! Walks the tree with a path and codes its steps.
 
-use super::labels::{Around, Cell, Ring};
+use super::labels::{Around, Cell, Labels, Ring};
 use super::leaf;
 use super::models::{
     EXPECTED, Expectation, Models, OUTCOMES, expect, outcome_context, outcome_model, pop_context, pop_model,
@@ -8,7 +8,7 @@ use super::models::{
 };
 use super::rows::{Known, Rows};
 use super::runs::Run;
-use super::{PathScratch, Topology};
+use super::topology::BvhTopology;
 use crate::bvh::{Child, MAX_TREE_DEPTH};
 use crate::columns::coder::{Bit, Coder};
 use crate::tile::step;
@@ -41,11 +41,19 @@ struct Waiting {
     context: u8,
 }
 
+/// Memory of the codec, reused from tile to tile.
+#[derive(Debug, Default)]
+pub struct PathScratch {
+    nodes: Labels,
+    leaves: Labels,
+    pub(super) rows: Rows,
+}
+
 /// The coder of one tile's paths.
 pub(super) struct PathCoder<'a, C, R> {
     pub coder: C,
     pub runs: [R; RUNS],
-    topology: &'a Topology,
+    topology: &'a BvhTopology,
     models: Models,
     pub scratch: &'a mut PathScratch,
     ring: Ring,
@@ -60,7 +68,13 @@ pub(super) struct PathCoder<'a, C, R> {
 
 impl<'a, C: Coder, R: Run> PathCoder<'a, C, R> {
     /// A coder at the start of a tile; at most `budget` steps are decoded.
-    pub fn new(coder: C, runs: [R; RUNS], topology: &'a Topology, scratch: &'a mut PathScratch, budget: u64) -> Self {
+    pub fn new(
+        coder: C,
+        runs: [R; RUNS],
+        topology: &'a BvhTopology,
+        scratch: &'a mut PathScratch,
+        budget: u64,
+    ) -> Self {
         let ring = Ring::new();
         scratch.nodes.start(topology.children.len());
         scratch.leaves.start(topology.passes.len());

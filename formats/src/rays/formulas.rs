@@ -1,7 +1,4 @@
-//! How every ray follows from camera, `t`, normal and material: the functions that the tracer itself calls.
-//!
-//! Scalar arithmetic in a written order only (see [`crate::math`]), so a ray rebuilt from a trace equals the traced one to the
-//! last bit on any machine. FORMAT.md states the same formulas.
+//! The formulas: primary, shadow, reflection and refraction rays, and the weights of the latter two.
 
 use crate::half::Half3;
 use crate::math::Vec3;
