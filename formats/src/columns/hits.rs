@@ -66,10 +66,13 @@ impl Models {
 }
 
 /// Codes the hits of a tile; `hits` holds one entry a node.
-pub fn encode(order: &Order<'_>, hits: &[Hit], geometry: Geometry<'_>) -> Vec<u8> {
+///
+/// # Errors
+/// Says which triangle is not there.
+pub fn encode(order: &Order<'_>, hits: &[Hit], geometry: Geometry<'_>) -> Result<Vec<u8>, String> {
     let mut coder = Encoder::default();
-    code(&mut coder, order, hits, geometry).expect("the tracer's own hits are on triangles that exist");
-    coder.finish()
+    code(&mut coder, order, hits, geometry)?;
+    Ok(coder.finish())
 }
 
 /// Decodes the hits of a tile.

@@ -73,7 +73,7 @@ impl TileCodec<'_> {
     /// Codes a whole tile as a chunk.
     ///
     /// # Errors
-    /// When zstd or the container refuses.
+    /// When a column does not fit the tile's tree or the BVH, zstd or the container refuses.
     pub fn encode(&self, tile: &Tile, codec: Codec, scratch: &mut Scratch) -> Result<EncodedChunk> {
         let order = Order::new(&tile.tree, tile.rect);
         let mut code = |column| self.column(tile, &order, column, codec, scratch);
@@ -81,8 +81,21 @@ impl TileCodec<'_> {
         EncodedChunk::tile(ChunkId::tile(tile.frame, tile.index), &columns)
     }
 
-    /// Codes one column.
+    /// Codes one column of a tile; errors name frame, tile and column.
     fn column(
+        &self,
+        tile: &Tile,
+        order: &Order<'_>,
+        column: Column,
+        codec: Codec,
+        scratch: &mut Scratch,
+    ) -> Result<ColumnEntry> {
+        named(column, check_size(tile, column))
+            .and_then(|()| self.code_column(tile, order, column, codec, scratch))
+            .map_err(|error| error.in_tile(tile.frame, tile.index))
+    }
+
+    fn code_column(
         &self,
         tile: &Tile,
         order: &Order<'_>,
@@ -96,7 +109,8 @@ impl TileCodec<'_> {
                 (Codec::PLAIN, raw.len() as u64, compress(&raw, level)?)
             }
             Codec::Context => {
-                (Codec::CONTEXT, canonical::length(tile, column), self.context(tile, order, column, scratch))
+                let packed = named(column, self.context(tile, order, column, scratch))?;
+                (Codec::CONTEXT, canonical::length(tile, column), packed)
             }
         };
         Ok(ColumnEntry { id: column as u8, codec: code, raw_len, packed })
@@ -105,17 +119,23 @@ impl TileCodec<'_> {
     /// How many bytes a column of a tile takes, coded by `codec`.
     ///
     /// # Errors
-    /// When zstd refuses.
+    /// As [`TileCodec::encode`].
     pub fn column_bytes(&self, tile: &Tile, column: Column, codec: Codec, scratch: &mut Scratch) -> Result<usize> {
         self.column(tile, &Order::new(&tile.tree, tile.rect), column, codec, scratch).map(|entry| entry.packed.len())
     }
 
     /// Codes one column with the column codec.
-    fn context(&self, tile: &Tile, order: &Order<'_>, column: Column, scratch: &mut Scratch) -> Vec<u8> {
+    fn context(
+        &self,
+        tile: &Tile,
+        order: &Order<'_>,
+        column: Column,
+        scratch: &mut Scratch,
+    ) -> std::result::Result<Vec<u8>, String> {
         match column {
-            Column::Tree => tree::encode(order, self.lights()),
+            Column::Tree => Ok(tree::encode(order, self.lights())),
             Column::Hits => hits::encode(order, &tile.hits, self.geometry()),
-            Column::Radiance => radiance::encode(order, &tile.hits, &tile.radiance, self.geometry()),
+            Column::Radiance => Ok(radiance::encode(order, &tile.hits, &tile.radiance, self.geometry())),
             Column::Paths => paths::encode(&tile.paths, order, self.lights(), self.topology, &mut scratch.paths),
         }
     }
@@ -201,6 +221,25 @@ fn decode<T>(
     match length(&decoded) {
         length if length == *raw_len => Ok(decoded),
         length => Err(format!("it has {length} canonical bytes, not the {raw_len} that the directory promises")),
+    }
+}
+
+/// Refuses a column that has another number of entries than the tile's tree asks for.
+fn check_size(tile: &Tile, column: Column) -> std::result::Result<(), String> {
+    let (nodes, rays) = (tile.tree.nodes.len(), tile.tree.ray_count() as usize);
+    let (found, wanted, of) = match column {
+        Column::Tree => (tile.tree.samples(), tile.rect.len(), "samples"),
+        Column::Hits => (tile.hits.len(), nodes, "nodes"),
+        Column::Radiance => (tile.radiance.len(), nodes, "nodes"),
+        Column::Paths => (tile.paths.spans.len(), rays, "rays"),
+    };
+    if found != wanted {
+        return Err(format!("it has {found} entries for {wanted} {of}"));
+    }
+    let outside = |&(start, length): &(u32, u32)| u64::from(start) + u64::from(length) > tile.paths.steps.len() as u64;
+    match (column, tile.paths.spans.iter().position(outside)) {
+        (Column::Paths, Some(ray)) => Err(format!("the path of ray {ray} is not among its steps")),
+        _ => Ok(()),
     }
 }
 

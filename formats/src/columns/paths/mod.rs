@@ -51,13 +51,16 @@ fn place(rect: Rect, sample: u32, any: bool) -> Place {
 }
 
 /// Codes the paths of a tile: the runs' streams, each behind its length (u32), then the main stream.
+///
+/// # Errors
+/// Says which ray has a path that does not fit the tree, and why.
 pub fn encode(
     paths: &Paths,
     order: &Order<'_>,
     lights: usize,
     topology: &BvhTopology,
     scratch: &mut PathScratch,
-) -> Vec<u8> {
+) -> Result<Vec<u8>, String> {
     let runs: [RunEncoder; RUNS] = Default::default();
     let mut coder = PathCoder::new(Encoder::default(), runs, topology, scratch, u64::MAX);
     let mut none = Vec::new();
@@ -66,8 +69,9 @@ pub fn encode(
         for (sample, ray) in rays {
             let given = paths.ray(ray as usize);
             let equals = |other: u32| paths.ray(other as usize) == given;
-            let coded = coder.ray(place(order.rect, sample, any), ray, given, equals, &mut none);
-            debug_assert!(coded.is_ok(), "the tracer records only paths of its own tree");
+            coder
+                .ray(place(order.rect, sample, any), ray, given, equals, &mut none)
+                .map_err(|why| format!("the path of ray {ray} does not fit the tree: {why}"))?;
         }
     }
     let mut out = Vec::new();
@@ -77,7 +81,7 @@ pub fn encode(
         out.extend_from_slice(&bytes);
     }
     out.extend_from_slice(&coder.coder.finish());
-    out
+    Ok(out)
 }
 
 /// Decodes the paths of a tile.

@@ -3,8 +3,7 @@
 use super::labels::Around;
 use crate::columns::coder::{Bit, Symbol};
 
-/// Neighbour labels of an inner node: not visited, or one of five outcomes.
-pub(super) const OUTCOMES: usize = 6;
+/// Neighbour labels of an inner node: not visited, or one of five outcomes; three bits each.
 const OUTCOME_CONTEXTS: usize = 8 * 8 * 8 * 8;
 /// Neighbour labels of a pop: none, visited, culled.
 const POP_CONTEXTS: usize = 256;

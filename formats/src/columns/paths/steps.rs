@@ -3,8 +3,8 @@
 use super::labels::{Around, Cell, Labels, Ring};
 use super::leaf;
 use super::models::{
-    EXPECTED, Expectation, Models, OUTCOMES, expect, outcome_context, outcome_model, pop_context, pop_model,
-    surprise_level, test_model,
+    EXPECTED, Expectation, Models, expect, outcome_context, outcome_model, pop_context, pop_model, surprise_level,
+    test_model,
 };
 use super::rows::{Known, Rows};
 use super::runs::Run;
@@ -195,6 +195,9 @@ impl<C: Coder, R: Run> PathCoder<'_, C, R> {
     }
 
     /// Codes the path of ray `ray`: a neighbour's, or step by step. Gives the ray whose path it shares.
+    ///
+    /// # Errors
+    /// Encoding: `given` is no path through this tree. Decoding: a step is impossible, or there are more than the budget.
     pub fn ray(
         &mut self,
         place: Place,
@@ -202,7 +205,7 @@ impl<C: Coder, R: Run> PathCoder<'_, C, R> {
         given: &[u8],
         equals: impl Fn(u32) -> bool,
         out: &mut Vec<u8>,
-    ) -> Result<Option<u32>, String> {
+    ) -> Result<Option<u32>, &'static str> {
         self.scratch.rows.go_to(place.y);
         let around = self.scratch.rows.around(place.x);
         if let Some(known) = self.known(place, &around, equals) {
@@ -234,14 +237,14 @@ impl<C: Coder, R: Run> PathCoder<'_, C, R> {
         cells: &[Cell; 4],
         given: &[u8],
         out: &mut Vec<u8>,
-    ) -> Result<(), String> {
+    ) -> Result<(), &'static str> {
         let start = out.len();
         let mut walk = Walk { any, path, cells, given: given.iter(), out, top: 0, hit: false, last: 0 };
         let mut current = Child::inner(0);
         self.surprises = 0;
         loop {
             let next = if current.is_leaf() {
-                self.visit_leaf(&mut walk, current);
+                self.visit_leaf(&mut walk, current)?;
                 None
             } else {
                 self.visit_node(&mut walk, current.node())?
@@ -249,11 +252,19 @@ impl<C: Coder, R: Run> PathCoder<'_, C, R> {
             if any && walk.hit {
                 break;
             }
-            let Some(child) = next.or_else(|| self.next_waiting(&mut walk)) else { break };
-            current = child;
+            current = match next {
+                Some(child) => child,
+                None => match self.next_waiting(&mut walk)? {
+                    Some(child) => child,
+                    None => break,
+                },
+            };
             if !C::ENCODES && (walk.out.len() - start) as u64 > self.budget {
-                return Err("the paths have more steps than a tile may hold".into());
+                return Err("the paths have more steps than a tile may hold");
             }
+        }
+        if C::ENCODES && walk.given.next().is_some() {
+            return Err("it goes on where the traversal ends");
         }
         self.budget = self.budget.saturating_sub((walk.out.len() - start) as u64);
         Ok(())
@@ -261,33 +272,42 @@ impl<C: Coder, R: Run> PathCoder<'_, C, R> {
 
     /// Codes what happens in a leaf.
     #[inline(always)]
-    fn visit_leaf(&mut self, walk: &mut Walk<'_>, child: Child) {
+    fn visit_leaf(&mut self, walk: &mut Walk<'_>, child: Child) -> Result<(), &'static str> {
         if child.count() == 0 {
-            return;
+            return Ok(());
         }
         let slot = self.scratch.leaves.slot(child.first());
         let around = self.scratch.leaves.around(slot, walk.cells);
-        let value = if C::ENCODES { leaf::take(&mut walk.given, child.count(), walk.any) } else { 0 };
-        let label = self.leaf(child, &around, walk.any, value);
+        let given = if C::ENCODES { leaf::take(&mut walk.given, child.count(), walk.any)? } else { 0 };
+        let label = self.leaf(child, &around, walk.any, given);
+        if C::ENCODES && label != given {
+            return Err("it passes a triangle that lets no ray through");
+        }
         self.scratch.leaves.set(slot, walk.path, label);
         if !C::ENCODES {
             leaf::put(label, walk.out);
         }
         walk.hit |= leaf::has_hit(label);
+        Ok(())
     }
 
     /// Codes what happens at an inner node, and gives the child to go on with.
     #[inline(always)]
-    fn visit_node(&mut self, walk: &mut Walk<'_>, node: usize) -> Result<Option<Child>, String> {
+    fn visit_node(&mut self, walk: &mut Walk<'_>, node: usize) -> Result<Option<Child>, &'static str> {
         let slot = self.scratch.nodes.slot(node);
         let around = self.scratch.nodes.around(slot, walk.cells);
-        let value = if C::ENCODES { walk.given.next().map_or(0, |v| v + 1) } else { 0 };
-        let label = self.outcome(slot, &around, walk.last, value);
+        let given = match walk.given.next() {
+            _ if !C::ENCODES => 0,
+            Some(&step) if is_outcome(step) => step + 1,
+            Some(_) => return Err("a step at an inner node is no outcome of its boxes"),
+            None => return Err("it ends at an inner node"),
+        };
+        let label = self.outcome(slot, &around, walk.last, given);
         self.scratch.nodes.set(slot, walk.path, label);
         walk.last = label;
         if !C::ENCODES {
-            if usize::from(label.wrapping_sub(1)) >= OUTCOMES - 1 {
-                return Err("a node visit has no such outcome".into());
+            if !is_outcome(label.wrapping_sub(1)) {
+                return Err("a node visit has no such outcome");
             }
             walk.out.push(label - 1);
         }
@@ -306,13 +326,21 @@ impl<C: Coder, R: Run> PathCoder<'_, C, R> {
 
     /// Codes pops until one is visited, and gives it.
     #[inline(always)]
-    fn next_waiting(&mut self, walk: &mut Walk<'_>) -> Option<Child> {
+    fn next_waiting(&mut self, walk: &mut Walk<'_>) -> Result<Option<Child>, &'static str> {
         while walk.top > 0 {
             walk.top -= 1;
             let waiting = self.stack[walk.top];
-            let value = C::ENCODES && walk.given.next() == Some(&step::POP);
+            let given = match walk.given.next() {
+                _ if !C::ENCODES => false,
+                Some(&step::POP) => true,
+                Some(&step::CULLED) => false,
+                _ => return Err("it ends, or does something else, where a child is popped"),
+            };
             // Until something is hit, nothing can hide a child.
-            let visited = walk.any || !walk.hit || self.pop(waiting, value);
+            let visited = walk.any || !walk.hit || self.pop(waiting, given);
+            if C::ENCODES && visited != given {
+                return Err("it drops a child although nothing can hide it");
+            }
             if !walk.any {
                 let label = if visited { 1 << 3 } else { 2 << 3 };
                 self.scratch.nodes.add(waiting.slot as usize, walk.path, label);
@@ -321,11 +349,17 @@ impl<C: Coder, R: Run> PathCoder<'_, C, R> {
                 walk.out.push(if visited { step::POP } else { step::CULLED });
             }
             if visited {
-                return Some(waiting.child);
+                return Ok(Some(waiting.child));
             }
         }
-        None
+        Ok(None)
     }
+}
+
+/// Whether a step is an outcome of an inner node.
+#[inline(always)]
+fn is_outcome(step: u8) -> bool {
+    step <= step::RIGHT_FIRST
 }
 
 /// A path on its way through the tree.
