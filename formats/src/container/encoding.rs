@@ -37,7 +37,7 @@ const STEP: usize = 1 << 20;
 /// Runs on the calling thread only, because zstd's output depends on whether it uses workers.
 ///
 /// # Errors
-/// [`Error::Usage`] for a level outside 1 to 22; [`Error::Decode`] if zstd itself fails.
+/// [`Error::Usage`] for a level outside 1 to 22; [`Error::Damaged`] if zstd itself fails.
 pub(crate) fn compress(raw: &[u8], level: i32) -> Result<Vec<u8>> {
     if !(1..=22).contains(&level) {
         return Err(Error::usage(format!("zstd level {level} is outside 1 to 22")));

@@ -9,7 +9,7 @@ use super::index::{ColumnTotals, Index};
 use super::source::{MemorySource, Source};
 use super::tile::TileDirectory;
 use super::trailer::{TRAILER_LEN, Trailer, TrailerFault};
-use crate::error::{Checked, Error, Result, check_limit};
+use crate::error::{Checked, Error, Missing, Result, check_limit};
 use crate::id::{ChunkId, ChunkKind, FormatVersion};
 use crate::limits::Limits;
 
@@ -32,8 +32,8 @@ impl Reader {
     /// Opens a file.
     ///
     /// # Errors
-    /// [`Error::NotATrace`], [`Error::UnsupportedVersion`]; [`Error::MissingIndex`] for an unfinished file;
-    /// [`Error::Truncated`], [`Error::ChecksumMismatch`], [`Error::Corrupt`], [`Error::LimitExceeded`]; [`Error::Io`].
+    /// [`Error::Incomplete`] for an unfinished file; [`Error::Unsupported`], [`Error::Damaged`], [`Error::LimitExceeded`],
+    /// [`Error::Io`].
     pub fn open(path: &Path, limits: Limits) -> Result<Self> {
         Self::from_file(ChunkFile::open(path, limits)?)
     }
@@ -113,7 +113,7 @@ impl Reader {
     /// The chunk with this id.
     ///
     /// # Errors
-    /// [`Error::MissingChunk`].
+    /// [`Error::Incomplete`].
     pub fn require(&self, id: ChunkId) -> Result<&ChunkRecord> {
         self.find(id).ok_or_else(|| Error::missing(self.path(), id))
     }
@@ -121,8 +121,8 @@ impl Reader {
     /// The payload of a chunk, unpacked. Header, checksum and length are checked.
     ///
     /// # Errors
-    /// [`Error::ChecksumMismatch`], [`Error::Corrupt`], [`Error::LimitExceeded`], [`Error::UnsupportedEncoding`],
-    /// [`Error::Truncated`] if the file or the record is not what it was; [`Error::Io`].
+    /// [`Error::Damaged`], also if the file or the record is not what it was; [`Error::Unsupported`], [`Error::LimitExceeded`],
+    /// [`Error::Io`].
     pub fn read(&self, record: &ChunkRecord) -> Result<Vec<u8>> {
         self.file.read(record, self.limits().max_chunk_raw_bytes)
     }
@@ -170,7 +170,7 @@ pub(crate) fn read_file_header(file: &ChunkFile) -> Result<FileHeader> {
 
 /// The trailer and its offset. A file without one was not finished, or lost its end.
 fn read_trailer(file: &ChunkFile) -> Result<(Trailer, u64)> {
-    let missing = || Error::MissingIndex { path: file.path().to_path_buf() };
+    let missing = || Error::Incomplete { path: file.path().to_path_buf(), missing: Missing::Index };
     let offset = file.len().checked_sub(TRAILER_LEN as u64).ok_or_else(missing)?;
     let mut bytes = [0; TRAILER_LEN];
     if file.fill(offset, &mut bytes)? < TRAILER_LEN {

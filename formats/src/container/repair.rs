@@ -10,7 +10,7 @@ use super::index::Index;
 use super::scan::{DamagedRange, Scan, scan_file};
 use super::walk::STEP;
 use super::writer::{Writer, lock, with_suffix};
-use crate::error::{Error, Result};
+use crate::error::{Error, Occupant, Result};
 use crate::id::{ChunkId, ChunkKind, FormatVersion, NONE};
 use crate::limits::Limits;
 
@@ -41,8 +41,8 @@ pub struct RepairReport {
 /// `OUTPUT.repairing`, which is removed if the repair fails.
 ///
 /// # Errors
-/// [`Error::Usage`] if input and output are the same file; [`Error::AlreadyExists`] if there is an output; the errors of
-/// [`scan`](super::scan()); [`Error::Corrupt`] if no chunk is whole.
+/// [`Error::Usage`] if input and output are the same file; [`Error::Occupied`] if there is an output; the errors of
+/// [`scan`](super::scan()); [`Error::Damaged`] if no chunk is whole.
 pub fn repair(input: &Path, output: &Path, limits: &Limits) -> Result<RepairReport> {
     refuse_existing(input, output)?;
     let file = ChunkFile::open(input, limits.clone())?;
@@ -59,7 +59,7 @@ pub fn repair(input: &Path, output: &Path, limits: &Limits) -> Result<RepairRepo
         .and_then(|mut writer| kept.iter().try_for_each(|record| writer.copy(&file, record)).map(|()| writer))
         .and_then(Writer::finish)
         .inspect_err(|error| {
-            if !matches!(error, Error::Busy { .. }) {
+            if !matches!(error, Error::Occupied { .. }) {
                 fs::remove_file(&temporary).ok();
             }
         })?;
@@ -81,7 +81,7 @@ fn refuse_existing(input: &Path, output: &Path) -> Result<()> {
     if fs::canonicalize(input).is_ok_and(|input| input == existing) {
         return Err(Error::usage("a file cannot be repaired in place; name another output"));
     }
-    Err(Error::AlreadyExists { path: output.to_path_buf(), hint: "name another output, or delete this file" })
+    Err(Error::occupied(output, Occupant::File { hint: "name another output, or delete this file" }))
 }
 
 /// The first chunk of every id in canonical order, and the number of chunks left out.

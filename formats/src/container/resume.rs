@@ -13,7 +13,7 @@ use super::reader::read_file_header;
 use super::tile::TileDirectory;
 use super::walk::{Verdict, judge};
 use super::writer::{BUFFER_LEN, Writer, lock, partial_path};
-use crate::error::{Error, Result, check_limit};
+use crate::error::{Error, Fault, Place, Result, Unknown, check_limit};
 use crate::id::{ChunkId, ChunkKind, FormatVersion};
 use crate::limits::Limits;
 
@@ -70,8 +70,8 @@ impl Writer {
     /// The chunks written next give the same file, byte for byte, as if nothing had happened.
     ///
     /// # Errors
-    /// [`Error::Busy`] if another process is writing the file; [`Error::NotATrace`], [`Error::ChecksumMismatch`] if its header
-    /// is damaged; [`Error::UnsupportedVersion`] if a newer version began it; [`Error::LimitExceeded`]; [`Error::Io`].
+    /// [`Error::Occupied`] if another process is writing the file; [`Error::Damaged`] if its header is; [`Error::Unsupported`]
+    /// if it is no trace or a newer version began it; [`Error::LimitExceeded`]; [`Error::Io`].
     pub fn resume(path: &Path, limits: &Limits) -> Result<Option<Resumed>> {
         let partial = partial_path(path)?;
         let file = match OpenOptions::new().read(true).write(true).open(&partial) {
@@ -94,7 +94,7 @@ impl Writer {
         let header = read_file_header(&found)?;
         let known = FormatVersion::CURRENT;
         if header.version > known {
-            return Err(Error::UnsupportedVersion { path: partial, found: header.version, known });
+            return Err(Error::unknown(Place::new(&partial, 0), Unknown::Version { found: header.version, known }));
         }
         let (index, ids, offset) = whole_chunks(&found, header.len)?;
         let dropped_bytes = found.len() - offset;
@@ -112,7 +112,7 @@ fn header_is_torn(file: &ChunkFile) -> Result<bool> {
         return Ok(true);
     }
     match read_file_header(file) {
-        Err(Error::Truncated { .. }) if file.len() < FILE_HEADER_LEN as u64 => Ok(true),
+        Err(Error::Damaged { fault: Fault::Truncated { .. }, .. }) if file.len() < FILE_HEADER_LEN as u64 => Ok(true),
         _ => Ok(false),
     }
 }

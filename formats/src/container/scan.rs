@@ -4,11 +4,12 @@ use std::path::Path;
 
 use super::chunk_file::ChunkFile;
 use super::chunk_header::{CHUNK_HEADER_LEN, ChunkRecord};
+use super::file_header::not_a_trace;
 use super::reader::read_file_header;
 use super::source::Source;
 use super::trailer::{TRAILER_LEN, Trailer};
 use super::walk::{Verdict, find_header, judge};
-use crate::error::{Error, Result, check_limit};
+use crate::error::{Error, Result, Unknown, check_limit};
 use crate::id::{ChunkId, ChunkKind, FormatVersion};
 use crate::limits::Limits;
 
@@ -56,7 +57,7 @@ impl Scan {
 /// time grows with the length of the file whatever it holds.
 ///
 /// # Errors
-/// [`Error::NotATrace`] if neither the file header nor any chunk is whole; [`Error::UnsupportedVersion`];
+/// [`Error::Unsupported`] if neither the file header nor any chunk is whole, or for another major version;
 /// [`Error::LimitExceeded`] for a whole header that asks for too much; [`Error::Io`]. Damage is not an error.
 pub fn scan(path: &Path, limits: &Limits) -> Result<Scan> {
     scan_file(&ChunkFile::open(path, limits.clone())?)
@@ -73,7 +74,9 @@ pub fn scan_source(source: Box<dyn Source>, path: &Path, limits: &Limits) -> Res
 pub(crate) fn scan_file(file: &ChunkFile) -> Result<Scan> {
     let (version, start) = match read_file_header(file) {
         Ok(header) => (Some(header.version), header.len),
-        Err(error @ (Error::Io { .. } | Error::UnsupportedVersion { .. })) => return Err(error),
+        Err(error @ (Error::Io { .. } | Error::Unsupported { what: Unknown::Version { .. }, .. })) => {
+            return Err(error);
+        }
         Err(_) => (None, 0),
     };
     let scan = Scan {
@@ -90,7 +93,7 @@ pub(crate) fn scan_file(file: &ChunkFile) -> Result<Scan> {
     let mut walk = Walk { file, scan, budget, damage: None, buffer: Vec::new() };
     walk.run(start)?;
     if walk.scan.version.is_none() && walk.scan.chunks.is_empty() {
-        return Err(Error::NotATrace { path: file.path().to_path_buf() });
+        return Err(not_a_trace(file.path()));
     }
     Ok(walk.scan)
 }

@@ -13,7 +13,7 @@ use super::index::Index;
 use super::tile::TileDirectory;
 use super::trailer::Trailer;
 use crate::durable::{PARTIAL, sync_folder_of};
-use crate::error::{Error, Result};
+use crate::error::{Error, Occupant, Result};
 use crate::id::{ChunkId, FormatVersion};
 
 /// Level of the index's zstd frame. Fixed, so that the bytes of a file depend on its chunks alone.
@@ -55,16 +55,16 @@ impl Writer {
     /// Starts a new file. `path` itself may exist: it is replaced by [`Writer::finish`], and left alone until then.
     ///
     /// # Errors
-    /// [`Error::AlreadyExists`] if a killed capture left `NAME.partial`; resume it or [`Writer::discard`] it.
+    /// [`Error::Occupied`] if a killed capture left `NAME.partial`; resume it or [`Writer::discard`] it.
     /// [`Error::Io`], among others if the folder does not exist.
     pub fn create(path: &Path) -> Result<Self> {
         let partial = partial_path(path)?;
         let file = OpenOptions::new().read(true).write(true).create_new(true).open(&partial);
         let file = file.map_err(|error| match error.kind() {
-            io::ErrorKind::AlreadyExists => Error::AlreadyExists {
-                path: partial.clone(),
-                hint: "a capture was cut short; continue it with --resume, or delete this file",
-            },
+            io::ErrorKind::AlreadyExists => {
+                let hint = "a capture was cut short; continue it with --resume, or delete this file";
+                Error::occupied(&partial, Occupant::File { hint })
+            }
             _ => Error::io(&partial, "create", error),
         })?;
         Self::start(file, partial, path.to_path_buf(), FormatVersion::CURRENT)
@@ -73,7 +73,7 @@ impl Writer {
     /// Deletes the `NAME.partial` of a killed capture, if there is one that nobody is writing.
     ///
     /// # Errors
-    /// [`Error::Busy`] if another process is writing it; [`Error::Io`].
+    /// [`Error::Occupied`] if another process is writing it; [`Error::Io`].
     pub fn discard(path: &Path) -> Result<()> {
         let partial = partial_path(path)?;
         let file = match OpenOptions::new().read(true).write(true).open(&partial) {
@@ -205,7 +205,7 @@ pub(super) fn lock(file: &File, path: &Path) -> Result<()> {
     // Elsewhere a lock would also keep out readers, which need none.
     #[cfg(unix)]
     if let Err(fs::TryLockError::WouldBlock) = file.try_lock() {
-        return Err(Error::Busy { path: path.to_path_buf() });
+        return Err(Error::occupied(path, Occupant::Writer));
     }
     let _ = (file, path);
     Ok(())
