@@ -19,7 +19,7 @@ use std::time::{Duration, Instant, SystemTime};
 use rayreel_formats::durable::write_whole;
 
 use super::memory::contains;
-use crate::CacheFolder;
+use crate::cache::CacheFolder;
 
 /// Digits of the name of an object's folder.
 const KEY_LEN: usize = 32;

@@ -6,11 +6,11 @@ use std::sync::Arc;
 
 use rayreel_formats::container::{ChunkRecord, Source};
 
-use super::Fetch;
 use super::ahead::Ahead;
 use super::disk::Disk;
+use super::fetch::Fetch;
 use super::memory::{Asked, Block, Memory};
-use crate::Traffic;
+use crate::traffic::Traffic;
 
 /// Reads from memory, else from disk, else from the object.
 #[derive(Debug)]
