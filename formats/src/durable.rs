@@ -1,10 +1,10 @@
 //! The one way in which a file is written whole.
 //!
-//! A reader finds the old file or the new one, never a part, whatever happens when: the bytes go to a temporary file in the
-//! same folder, are forced to the disk, and only then get the file's name.
+//! A reader finds the old file or the new one, never a part, whatever happens when: the bytes go to a temporary file in
+//! the same folder, are forced to the disk, and only then get the file's name.
 //!
-//! The temporary file of `NAME` is `.NAME.PID-NUMBER.partial`. Readers of a folder can leave out what starts with a dot or
-//! ends in [`PARTIAL`]. Such a file is left behind only by a process that was killed.
+//! The temporary file of `NAME` is `.NAME.PID-NUMBER.partial`. Readers of a folder can leave out what starts with a dot
+//! or ends in [`PARTIAL`]. Such a file is left behind only by a process that was killed.
 
 use std::ffi::OsString;
 use std::fs::{self, File};
@@ -15,8 +15,9 @@ use std::sync::atomic::{AtomicU64, Ordering};
 /// How the names of unfinished files end.
 pub const PARTIAL: &str = ".partial";
 
-/// Writes `parts`, one after the other, as the whole content of `path`, and replaces what was there. File and name are on the
-/// disk when this returns. Any number of threads and processes may write the same file at once: the last one wins.
+/// Writes `parts`, one after the other, as the whole content of `path`, and replaces what was there. File and name are
+/// on the disk when this returns. Any number of threads and processes may write the same file at once: the last one
+/// wins.
 ///
 /// The folder must exist.
 ///
@@ -38,8 +39,8 @@ fn replace(path: &Path, fill: impl FnOnce(&mut File) -> io::Result<()>) -> io::R
     sync_folder_of(path)
 }
 
-/// A new file beside `path`, under a name that nobody else has: the system refuses a second file of one name, also to other
-/// machines that share the folder.
+/// A new file beside `path`, under a name that nobody else has: the system refuses a second file of one name, also to
+/// other machines that share the folder.
 fn create_temporary(path: &Path) -> io::Result<(File, PathBuf)> {
     static NUMBER: AtomicU64 = AtomicU64::new(0);
     let Some(name) = path.file_name() else {

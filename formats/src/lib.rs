@@ -1,8 +1,8 @@
 //! The Rayreel trace file (`.rtrace`): what a ray tracer did, recorded once, to be read as often as one likes.
 //!
-//! A trace holds the BVH, the cameras, and for every sample of every frame its tree of rays: what each ray hit, the shading,
-//! the shadow states, and each step of its way through the BVH. It stores no ray: rays follow from camera and hits, to the
-//! last bit.
+//! A trace holds the BVH, the cameras, and for every sample of every frame its tree of rays: what each ray hit, the
+//! shading, the shadow states, and each step of its way through the BVH. It stores no ray: rays follow from camera and
+//! hits, to the last bit.
 //!
 //! - Read: [`Trace::open`], then [`Trace::tile`] for a [`Tile`] of columns, or [`Trace::rays`] for its rays.
 //! - Write: [`TraceWriter`], with tiles coded by [`trace::TileCodec`]; it goes on with a file that was cut short.
@@ -10,8 +10,8 @@
 //! - Below: [`container`], the chunks of a file; `repair` and `scan` for damaged ones.
 //! - Every reader has [`Limits`]; whatever goes wrong is an [`Error`] that says who must act.
 //!
-//! This crate knows nothing of scenes, tracing or hardware: those who capture and those who replay meet here. No input makes
-//! it panic, loop, or take more memory than its limits. `FORMAT.md` beside it specifies every byte.
+//! This crate knows nothing of scenes, tracing or hardware: those who capture and those who replay meet here. No input
+//! makes it panic, loop, or take more memory than its limits. `FORMAT.md` beside it specifies every byte.
 //!
 //! ```
 //! use rayreel_formats::intersect::intersect;

@@ -16,8 +16,8 @@ fn assert_same(a: &Tile, b: &Tile, what: &str) {
     assert!(a == b, "{what}: equal bytes, but not equal");
 }
 
-/// A random trace through a file; the tile edge, the triangles, the depth and the lights are given. `scratch` has seen other
-/// scenes before.
+/// A random trace through a file; the tile edge, the triangles, the depth and the lights are given. `scratch` has seen
+/// other scenes before.
 fn round_trip(seed: u64, edge: u32, triangles: u32, depth: u32, lights: u32, scratch: &mut Scratch) {
     let what = format!("seed {seed}, edge {edge}, {triangles} triangles, depth {depth}, {lights} lights");
     let content = Content::random(seed, (edge + edge / 2, edge), edge, triangles, depth, lights);

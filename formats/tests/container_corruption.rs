@@ -1,5 +1,5 @@
-//! The input is in the hands of an attacker. The contract: an error, or the content that was written; never a panic. (Memory is
-//! watched in `container_memory.rs`.)
+//! The input is in the hands of an attacker. The contract: an error, or the content that was written; never a panic.
+//! (Memory is watched in `container_memory.rs`.)
 
 mod container_support;
 

@@ -1,5 +1,5 @@
-//! What FORMAT.md says is what this crate does: `format_reader.py` follows the text chapter by chapter, shares no code with
-//! the crate, and must find in every trace what the crate finds.
+//! What FORMAT.md says is what this crate does: `format_reader.py` follows the text chapter by chapter, shares no code
+//! with the crate, and must find in every trace what the crate finds.
 //!
 //! Skipped where there is no python3, or none that can decompress zstd.
 
@@ -74,8 +74,8 @@ fn golden_traces() {
     }
 }
 
-/// Made-up tiles have what no tracer writes: cut-outs and dielectrics side by side, refractions where there are none, any `t`
-/// and normal, and hardly anything as predicted.
+/// Made-up tiles have what no tracer writes: cut-outs and dielectrics side by side, refractions where there are none,
+/// any `t` and normal, and hardly anything as predicted.
 #[test]
 fn made_up_traces_of_either_codec_and_of_both() {
     // Seed, size, tile edge, triangles, depth, lights.
@@ -163,8 +163,8 @@ fn columns_and_codecs_to_come() {
     assert!(digest(&trace).is_err());
 }
 
-/// The table of check values in the text is what this crate computes. (Its last row, a range-coded stream, is tested beside
-/// the coder.)
+/// The table of check values in the text is what this crate computes. (Its last row, a range-coded stream, is tested
+/// beside the coder.)
 #[test]
 fn check_values() {
     let words = |words: &[f32]| -> String {

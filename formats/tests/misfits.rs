@@ -1,5 +1,5 @@
-//! A tile that is not of one piece is refused when it is coded, with its frame, tile and column: no column is written that
-//! would read as something else.
+//! A tile that is not of one piece is refused when it is coded, with its frame, tile and column: no column is written
+//! that would read as something else.
 
 mod trace_support;
 

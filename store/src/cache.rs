@@ -13,15 +13,15 @@ const SIZE: &str = "RAYREEL_TRACE_CACHE_GB";
 pub struct CacheFolder {
     /// The folder; made when it is first needed.
     pub path: PathBuf,
-    /// Bytes it may hold. Past that, the objects that were not opened for longest are dropped; if only the present one is left,
-    /// no more of it is kept. Several processes that fill it at once may each add that much.
+    /// Bytes it may hold. Past that, the objects that were not opened for longest are dropped; if only the present one
+    /// is left, no more of it is kept. Several processes that fill it at once may each add that much.
     pub max_bytes: u64,
 }
 
 impl CacheFolder {
     /// The folder that a user names (`--trace-cache`), else that of `RAYREEL_TRACE_CACHE`, else `rayreel/traces` in
-    /// `XDG_CACHE_HOME` or `~/.cache`. `none` is no folder. `RAYREEL_TRACE_CACHE_GB` is its size in 10^9 bytes; 20 if not
-    /// set.
+    /// `XDG_CACHE_HOME` or `~/.cache`. `none` is no folder. `RAYREEL_TRACE_CACHE_GB` is its size in 10^9 bytes; 20 if
+    /// not set.
     ///
     /// # Errors
     /// When that is not a number.

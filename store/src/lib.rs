@@ -1,18 +1,19 @@
-//! Opens Rayreel traces by location: a local path or, with the feature `s3`, an object at `s3://`, `gs://`, `http://` or
-//! `https://`.
+//! Opens Rayreel traces by location: a local path or, with the feature `s3`, an object at `s3://`, `gs://`, `http://`
+//! or `https://`.
 //!
 //! - [`open`] takes a path or a URL, or a [`Location`] that was told apart before, and gives a [`Trace`].
 //! - [`Options`] say what a reader may spend and where fetched bytes are kept.
 //! - [`CacheFolder`] is such a place: a folder that several processes share.
 //! - [`Traffic`] counts what was fetched.
 //!
-//! A remote trace is read by ranges. Opening it costs a few requests; from then on only the tiles that are asked for are
-//! fetched, each whole tile in one request, a run of neighbours in fewer.
+//! A remote trace is read by ranges. Opening it costs a few requests; from then on only the tiles that are asked for
+//! are fetched, each whole tile in one request, a run of neighbours in fewer.
 //!
 //! This crate only brings bytes. What they mean is in [`rayreel_formats`]; it uploads nothing and lists no bucket.
 //!
-//! Invariants: bytes of two versions of an object are never mixed. A block in the cache is complete or absent, and checked
-//! when it is read: a damaged one is fetched again. No error or file name holds the query of a URL, which may be a signature.
+//! Invariants: bytes of two versions of an object are never mixed. A block in the cache is complete or absent, and
+//! checked when it is read: a damaged one is fetched again. No error or file name holds the query of a URL, which may
+//! be a signature.
 //!
 //! ```
 //! use rayreel_store::{Location, Options};

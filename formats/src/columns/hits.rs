@@ -1,27 +1,31 @@
 //! The hits column: triangle, `t` and shading normal of every hit.
 //!
-//! Given the triangle, `t` and the normal follow from the ray and the triangle by the functions that the tracer used, so they
-//! cost one well-predicted bit each; any other value is stored whole. A ray in turn follows from its parent's hit.
+//! Given the triangle, `t` and the normal follow from the ray and the triangle by the functions that the tracer used,
+//! so they cost one well-predicted bit each; any other value is stored whole. A ray in turn follows from its parent's
+//! hit.
 
-use super::classes::{ClassRays, Neighbours, Order, Raster};
+use super::classes::{ClassRays, CodingOrder, Neighbours, Raster};
 use super::coder::{Bit, Coder, Decoder, Encoder, Number, unzigzag, zigzag};
 use crate::intersect::intersect;
 use crate::oct::Oct;
 use crate::rays::{Geometry, RayRebuilder};
 use crate::tile::Hit;
 
-struct Models {
-    /// Is it this neighbour's triangle? By place in the list, number of neighbours left that agree, and their number.
+struct HitModels {
+    /// Is it this neighbour's triangle? By the neighbour's place in the list, how many from there on have the same
+    /// triangle, and how many are left.
     same: [[[Bit; 5]; 5]; 4],
+    /// Distance in leaf order from the first neighbour's triangle.
     distance: Number,
+    /// Distance from the triangle coded last, where no neighbour hit anything.
     distance_far: Number,
     t: Bit,
     normal: Bit,
 }
 
-impl Models {
+impl HitModels {
     fn new() -> Self {
-        // Prior: the predictions of `t` and normal hold.
+        // To begin with, the predictions of `t` and normal are taken to be right.
         let sure = Bit::of(65_000, 30);
         Self {
             same: [[[Bit::EVEN; 5]; 5]; 4],
@@ -32,7 +36,8 @@ impl Models {
         }
     }
 
-    /// Codes a triangle: one of the neighbours', or a distance in leaf order from the west's (or the last coded).
+    /// Codes a triangle: one of the neighbours', or its distance in leaf order from the first neighbour's, or from the
+    /// `last` one coded where there is no neighbour.
     fn triangle<C: Coder>(&mut self, coder: &mut C, near: &[u32], last: u32, triangle: u32) -> u32 {
         for (place, &candidate) in near.iter().enumerate() {
             if near[..place].contains(&candidate) {
@@ -69,7 +74,7 @@ impl Models {
 ///
 /// # Errors
 /// Says which triangle is not there.
-pub fn encode(order: &Order<'_>, hits: &[Hit], geometry: Geometry<'_>) -> Result<Vec<u8>, String> {
+pub fn encode(order: &CodingOrder<'_>, hits: &[Hit], geometry: Geometry<'_>) -> Result<Vec<u8>, String> {
     let mut coder = Encoder::default();
     code(&mut coder, order, hits, geometry)?;
     Ok(coder.finish())
@@ -79,13 +84,18 @@ pub fn encode(order: &Order<'_>, hits: &[Hit], geometry: Geometry<'_>) -> Result
 ///
 /// # Errors
 /// Says which triangle is not there.
-pub fn decode(bytes: &[u8], order: &Order<'_>, geometry: Geometry<'_>) -> Result<Vec<Hit>, String> {
+pub fn decode(bytes: &[u8], order: &CodingOrder<'_>, geometry: Geometry<'_>) -> Result<Vec<Hit>, String> {
     code(&mut Decoder::new(bytes), order, &[], geometry)
 }
 
-fn code<C: Coder>(coder: &mut C, order: &Order<'_>, hits: &[Hit], geometry: Geometry<'_>) -> Result<Vec<Hit>, String> {
-    let Order { tree, rect, classes } = order;
-    let mut models = Models::new();
+fn code<C: Coder>(
+    coder: &mut C,
+    order: &CodingOrder<'_>,
+    hits: &[Hit],
+    geometry: Geometry<'_>,
+) -> Result<Vec<Hit>, String> {
+    let CodingOrder { tree, rect, classes } = order;
+    let mut models = HitModels::new();
     let mut raster = Raster::new(*rect);
     let mut rays = RayRebuilder::new(tree, *rect, geometry);
     let mut out = vec![Hit::MISS; tree.nodes.len()];
@@ -111,7 +121,7 @@ fn code<C: Coder>(coder: &mut C, order: &Order<'_>, hits: &[Hit], geometry: Geom
             let normal = geometry.bvh.shading_normal(triangle as usize, u, v);
             let normal = models.normal(coder, normal, given.normal);
             out[index] = Hit { triangle, t, normal };
-            // Only a child asks for the surface.
+            // Only children need the surface.
             if tree.nodes[index].reflect || tree.nodes[index].refract {
                 rays.hit(node, &out[index]);
             }

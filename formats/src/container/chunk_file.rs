@@ -121,8 +121,8 @@ impl ChunkFile {
         Ok(bytes)
     }
 
-    /// Reads the header of a chunk and the first `len` bytes of its payload in one go, and checks the header against the
-    /// record. Gives the payload bytes.
+    /// Reads the header of a chunk and the first `len` bytes of its payload in one go, and checks the header against
+    /// the record. Gives the payload bytes.
     fn header_and(&self, record: &ChunkRecord, len: u64) -> Result<Vec<u8>> {
         let place = self.place(record.offset).of(record.id);
         if record.end() > self.len {

@@ -26,7 +26,7 @@ impl Encoding {
 
 /// A decoder gets at least this window whatever the content: 8 MiB, which RFC 8878 asks every decoder to support.
 const WINDOW_LOG_MIN: u32 = 23;
-/// And never more than this: 128 MiB, the most that zstd's own levels use.
+/// And never more than this: 128 MiB, the most that any level of zstd uses.
 const WINDOW_LOG_MAX: u32 = 27;
 
 /// First step of memory growth in bytes; small payloads need no second.

@@ -112,8 +112,8 @@ impl Index {
         Ok(index)
     }
 
-    /// Checks that the chunks fill the file from `start` to `end` without gap or overlap, that each is well formed, and that
-    /// the totals add up.
+    /// Checks that the chunks fill the file from `start` to `end` without gap or overlap, that each is well formed, and
+    /// that the totals add up.
     ///
     /// # Errors
     /// The first chunk at fault, or the end of the chunks, and a sentence on what is wrong.

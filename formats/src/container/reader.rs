@@ -31,9 +31,8 @@ pub struct Reader {
 impl Reader {
     /// Opens a file.
     ///
-    /// # Errors
-    /// [`Error::Incomplete`] for an unfinished file; [`Error::Unsupported`], [`Error::Damaged`], [`Error::LimitExceeded`],
-    /// [`Error::Io`].
+    /// # Errors [`Error::Incomplete`] for an unfinished file; [`Error::Unsupported`], [`Error::Damaged`],
+    /// [`Error::LimitExceeded`], [`Error::Io`].
     pub fn open(path: &Path, limits: Limits) -> Result<Self> {
         Self::from_file(ChunkFile::open(path, limits)?)
     }
@@ -120,9 +119,8 @@ impl Reader {
 
     /// The payload of a chunk, unpacked. Header, checksum and length are checked.
     ///
-    /// # Errors
-    /// [`Error::Damaged`], also if the file or the record is not what it was; [`Error::Unsupported`], [`Error::LimitExceeded`],
-    /// [`Error::Io`].
+    /// # Errors [`Error::Damaged`], also if the file or the record is not what it was; [`Error::Unsupported`],
+    /// [`Error::LimitExceeded`], [`Error::Io`].
     pub fn read(&self, record: &ChunkRecord) -> Result<Vec<u8>> {
         self.file.read(record, self.limits().max_chunk_raw_bytes)
     }
@@ -143,8 +141,8 @@ impl Reader {
         self.file.read_column(record, directory, id)
     }
 
-    /// Says that these columns of a tile will be read next: from far away they then come in one request, with those between
-    /// them. Needless for a local file.
+    /// Says that these columns of a tile will be read next: from far away they then come in one request, with those
+    /// between them. Needless for a local file.
     ///
     /// # Errors
     /// [`Error::Io`].
@@ -183,7 +181,8 @@ fn read_trailer(file: &ChunkFile) -> Result<(Trailer, u64)> {
     }
 }
 
-/// The record of the index, after checks that bound the memory it can take: every chunk it lists has a header in the file.
+/// The record of the index, after checks that bound the memory it can take: every chunk it lists has a header in the
+/// file.
 fn index_record(file: &ChunkFile, header: &FileHeader, trailer: &Trailer, trailer_offset: u64) -> Result<ChunkRecord> {
     let corrupt = |detail: &str| Error::corrupt(file.place(trailer_offset), detail);
     if trailer.index_offset < header.len || trailer.index_offset.checked_add(trailer.index_len) != Some(trailer_offset)

@@ -25,8 +25,8 @@ pub struct RepairReport {
     pub duplicates: u64,
     /// What could not be used of the old file.
     pub damaged: Vec<DamagedRange>,
-    /// Chunks known to have been in the old file, from its index or from headers in damaged ranges, that are not in the new
-    /// one; sorted. If the index was lost, there may be others.
+    /// Chunks known to have been in the old file, from its index or from headers in damaged ranges, that are not in the
+    /// new one; sorted. If the index was lost, there may be others.
     pub lost: Vec<ChunkId>,
     /// Whether the old file had a whole index, so that `lost` is complete.
     pub had_index: bool,
@@ -34,8 +34,8 @@ pub struct RepairReport {
     pub version: FormatVersion,
 }
 
-/// Copies every whole chunk of `input` to the new file `output`, in canonical order: `META`, `BVH `, then frame by frame its
-/// `FRAM` and its tiles. Chunks are copied as they are, those of unknown kinds too. `input` is only read.
+/// Copies every whole chunk of `input` to the new file `output`, in canonical order: `META`, `BVH `, then frame by
+/// frame its `FRAM` and its tiles. Chunks are copied as they are, those of unknown kinds too. `input` is only read.
 ///
 /// Works on finished files, `NAME.partial`, truncated and damaged files. Until it is done, the output is
 /// `OUTPUT.repairing`, which is removed if the repair fails.
@@ -125,7 +125,7 @@ fn lost(kept: &[ChunkRecord], scan: &Scan, expected: Option<&[ChunkId]>) -> Vec<
     lost.into_iter().collect()
 }
 
-/// A writer whose unfinished file has a name of its own: `OUTPUT.partial` may well be the input.
+/// A writer of `temporary`. Its unfinished file is not `OUTPUT.partial`, since that may be the input.
 fn create(temporary: &Path, output: &Path, version: FormatVersion) -> Result<Writer> {
     let io = |error| Error::io(temporary, "create", error);
     let mut options = OpenOptions::new();

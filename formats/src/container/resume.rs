@@ -64,14 +64,14 @@ impl Resumed {
 }
 
 impl Writer {
-    /// Continues `NAME.partial`, if there is one. The first byte that belongs to no whole chunk, and all that follow it, are
-    /// cut off: a killed process leaves only its last chunks torn. (After worse damage, [`repair`](super::repair()) saves more.)
+    /// Continues `NAME.partial`, if there is one. The first byte that belongs to no whole chunk, and all that follow
+    /// it, are cut off: a killed process leaves only its last chunks torn. (After worse damage,
+    /// [`repair`](super::repair()) saves more.)
     ///
     /// The chunks written next give the same file, byte for byte, as if nothing had happened.
     ///
-    /// # Errors
-    /// [`Error::Occupied`] if another process is writing the file; [`Error::Damaged`] if its header is; [`Error::Unsupported`]
-    /// if it is no trace or a newer version began it; [`Error::LimitExceeded`]; [`Error::Io`].
+    /// # Errors [`Error::Occupied`] if another process is writing the file; [`Error::Damaged`] if its header is;
+    /// [`Error::Unsupported`] if it is no trace or a newer version began it; [`Error::LimitExceeded`]; [`Error::Io`].
     pub fn resume(path: &Path, limits: &Limits) -> Result<Option<Resumed>> {
         let partial = partial_path(path)?;
         let file = match OpenOptions::new().read(true).write(true).open(&partial) {
@@ -117,8 +117,8 @@ fn header_is_torn(file: &ChunkFile) -> Result<bool> {
     }
 }
 
-/// The chunks from `offset` up to the first that is not whole, and where that is. The index counts as not whole: it would have
-/// to move.
+/// The chunks from `offset` up to the first that is not whole, and where that is. The index counts as not whole: it
+/// would have to move.
 fn whole_chunks(file: &ChunkFile, mut offset: u64) -> Result<(Index, HashSet<ChunkId>, u64)> {
     let (mut index, mut ids, mut buffer) = (Index::default(), HashSet::new(), Vec::new());
     while let Verdict::Whole(record, directory) = judge(file, offset, &mut buffer)? {

@@ -42,7 +42,8 @@ pub struct Scan {
 }
 
 impl Scan {
-    /// Whether every byte of the file is where it should be. (The index is not compared with the chunks; opening the file does.)
+    /// Whether every byte of the file is where it should be. (The index is not compared with the chunks; opening the
+    /// file does.)
     pub fn is_whole(&self) -> bool {
         self.damaged.is_empty() && self.version.is_some() && self.index.is_some() && self.has_trailer
     }
@@ -53,8 +54,8 @@ impl Scan {
     }
 }
 
-/// Walks through a file chunk by chunk. Over damage, it looks for the next whole chunk header. Reads every byte, and some twice;
-/// time grows with the length of the file whatever it holds.
+/// Walks through a file chunk by chunk. Over damage, it looks for the next whole chunk header. Reads every byte, and
+/// some twice; time grows with the length of the file whatever it holds.
 ///
 /// # Errors
 /// [`Error::Unsupported`] if neither the file header nor any chunk is whole, or for another major version;
@@ -87,10 +88,10 @@ pub(crate) fn scan_file(file: &ChunkFile) -> Result<Scan> {
         index: None,
         has_trailer: false,
     };
-    // Payloads that prove damaged are searched for headers, so bytes can be read again and again. Past this many, damaged
-    // payloads are skipped whole.
+    // Payloads that prove damaged are searched for headers, so bytes can be read again and again. Past this many,
+    // damaged payloads are skipped whole.
     let budget = file.len().saturating_mul(4);
-    let mut walk = Walk { file, scan, budget, damage: None, buffer: Vec::new() };
+    let mut walk = FileWalk { file, scan, budget, damage: None, buffer: Vec::new() };
     walk.run(start)?;
     if walk.scan.version.is_none() && walk.scan.chunks.is_empty() {
         return Err(not_a_trace(file.path()));
@@ -98,7 +99,7 @@ pub(crate) fn scan_file(file: &ChunkFile) -> Result<Scan> {
     Ok(walk.scan)
 }
 
-struct Walk<'a> {
+struct FileWalk<'a> {
     file: &'a ChunkFile,
     scan: Scan,
     /// Bytes of damaged payloads that may still be read.
@@ -108,7 +109,7 @@ struct Walk<'a> {
     buffer: Vec<u8>,
 }
 
-impl Walk<'_> {
+impl FileWalk<'_> {
     fn run(&mut self, mut offset: u64) -> Result<()> {
         while offset < self.file.len() {
             offset = match judge(self.file, offset, &mut self.buffer)? {

@@ -57,8 +57,8 @@ impl Unknown {
 pub enum Missing {
     /// The index: the capture was killed, or the end of the file is lost.
     #[error(
-        "has no index: its capture was cut short or its end is lost; continue with `rayreel capture --resume`, or recover \
-         with `rayreel repair`"
+        "has no index: its capture was cut short or its end is lost; \
+         continue with `rayreel capture --resume`, or recover with `rayreel repair`"
     )]
     Index,
     /// This chunk.

@@ -1,7 +1,7 @@
 //! The one error type of this crate.
 //!
-//! Messages are lowercase fragments that say where (file, byte, frame, tile), what, and what to do about it. They do not repeat
-//! their source: print the chain.
+//! Messages are lowercase fragments that say where (file, byte, frame, tile), what, and what to do about it. They do
+//! not repeat their source: print the chain.
 
 mod fault;
 mod place;
@@ -119,7 +119,8 @@ impl Error {
         Self::damaged(Place::unknown(), Fault::Payload { what, detail: detail.into() })
     }
 
-    /// [`Fault::Column`]; frame and tile may be [`NONE`](crate::container::NONE) and filled in later by [`Error::in_tile`].
+    /// [`Fault::Column`]; frame and tile may be [`NONE`](crate::container::NONE) and filled in later by
+    /// [`Error::in_tile`].
     pub fn column(frame: u32, tile: u32, column: &'static str, detail: impl Into<String>) -> Self {
         Self::damaged(Place::in_tile(frame, tile), Fault::Column { column, detail: detail.into() })
     }
@@ -204,8 +205,8 @@ mod tests {
             ),
             (
                 Error::damaged(place(), Fault::Checksum { part: Checked::Column(2), stored: 1, computed: 0xabc }),
-                "a.rtrace, byte 7, frame 3, tile 4: checksum of the column 2 does not hold (00000001 stored, 00000abc found); try \
-                 `rayreel repair`",
+                "a.rtrace, byte 7, frame 3, tile 4: checksum of the column 2 does not hold \
+                 (00000001 stored, 00000abc found); try `rayreel repair`",
             ),
             (Error::decode("bvh", "odd"), "cannot decode bvh: odd"),
             (Error::usage("no"), "wrong use: no"),

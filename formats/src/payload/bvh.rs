@@ -1,7 +1,7 @@
 //! The `BVH ` payload: the tree's shape, the triangles and the vertices. Boxes follow from them.
 //!
-//! Numbers are written as differences and split into byte planes, which zstd then packs well: neighbours in leaf order are
-//! neighbours in space.
+//! Numbers are written as differences and split into byte planes, which zstd then packs well: neighbours in leaf order
+//! are neighbours in space.
 
 use crate::bvh::{Bvh, Shape, Triangle, Vertex};
 use crate::error::{Error, Result, check_limit};

@@ -5,7 +5,8 @@ use crate::oct::Oct;
 use crate::tile::{Column, Hit, MAX_DEPTH, Paths, Radiance, RayClass, RayNode, Shadows, Tile, Tree};
 
 impl Tile {
-    /// A column as plain bytes, uncompressed and independent of any codec: what a digest hashes. FORMAT.md gives the layout.
+    /// A column as plain bytes, uncompressed and independent of any codec: what a digest hashes. FORMAT.md gives the
+    /// layout.
     pub fn canonical_bytes(&self, column: Column) -> Vec<u8> {
         match column {
             Column::Tree => tree(&self.tree),
@@ -46,8 +47,8 @@ pub fn paths_length(paths: &Paths) -> u64 {
     paths.spans.iter().map(|&(_, length)| 4 + u64::from(length)).sum()
 }
 
-/// The tree column: per node, depth first, a byte of flags (1 hit, 2 reflection, 4 refraction), and for a hit the shadow
-/// states (u32).
+/// The tree column: per node, depth first, a byte of flags (1 hit, 2 reflection, 4 refraction), and for a hit the
+/// shadow states (u32).
 fn tree(tree: &Tree) -> Vec<u8> {
     let mut out = Vec::with_capacity(tree.nodes.len() * 4);
     for node in &tree.nodes {

@@ -1,4 +1,5 @@
-//! The `META` and `FRAM` payloads: bincode 2 with fixed-width little-endian integers, under a byte limit, nothing left over.
+//! The `META` and `FRAM` payloads: bincode 2 with fixed-width little-endian integers, under a byte limit, nothing left
+//! over.
 //!
 //! This is the only place that knows bincode; FORMAT.md spells out the bytes.
 

@@ -33,8 +33,8 @@ impl<'a> RayRebuilder<'a> {
         Self { rect, geometry, parents: tree.parents(), rays: vec![None; nodes], surfaces: vec![None; nodes] }
     }
 
-    /// The ray of node `node`, whose parent's hit must be known. A stored tree can ask for a refraction where there is none;
-    /// the ray then goes straight on.
+    /// The ray of node `node`, whose parent's hit must be known. A stored tree can ask for a refraction where there is
+    /// none; the ray then goes straight on.
     pub fn ray(&mut self, sample: u32, class: RayClass, node: u32) -> Ray {
         let ray = match self.parent_surface(class, node) {
             None => {

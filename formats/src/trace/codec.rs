@@ -1,7 +1,7 @@
 //! Tiles to columns and back, by either codec.
 
 use crate::bvh::Bvh;
-use crate::columns::classes::Order;
+use crate::columns::classes::CodingOrder;
 use crate::columns::paths::{BvhTopology, PathScratch};
 use crate::columns::{hits, paths, radiance, tree};
 use crate::container::{ColumnEntry, EncodedChunk, compress, decompress};
@@ -58,8 +58,16 @@ pub struct TileCodec<'a> {
     pub limits: &'a Limits,
 }
 
-/// A column as read: codec, canonical length in bytes, coded bytes.
-type Packed = (u8, u64, Vec<u8>);
+/// A column as it was read from a file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct PackedColumn {
+    /// Code of its codec; see [`Codec::code`].
+    pub codec: u8,
+    /// Length of its canonical bytes, as the directory promises.
+    pub raw_len: u64,
+    /// The coded bytes.
+    pub bytes: Vec<u8>,
+}
 
 impl TileCodec<'_> {
     fn geometry(&self) -> Geometry<'_> {
@@ -75,7 +83,7 @@ impl TileCodec<'_> {
     /// # Errors
     /// When a column does not fit the tile's tree or the BVH, zstd or the container refuses.
     pub fn encode(&self, tile: &Tile, codec: Codec, scratch: &mut Scratch) -> Result<EncodedChunk> {
-        let order = Order::new(&tile.tree, tile.rect);
+        let order = CodingOrder::new(&tile.tree, tile.rect);
         let mut code = |column| self.column(tile, &order, column, codec, scratch);
         let columns: Vec<ColumnEntry> = Column::ALL.into_iter().map(&mut code).collect::<Result<_>>()?;
         EncodedChunk::tile(ChunkId::tile(tile.frame, tile.index), &columns)
@@ -85,7 +93,7 @@ impl TileCodec<'_> {
     fn column(
         &self,
         tile: &Tile,
-        order: &Order<'_>,
+        order: &CodingOrder<'_>,
         column: Column,
         codec: Codec,
         scratch: &mut Scratch,
@@ -98,7 +106,7 @@ impl TileCodec<'_> {
     fn code_column(
         &self,
         tile: &Tile,
-        order: &Order<'_>,
+        order: &CodingOrder<'_>,
         column: Column,
         codec: Codec,
         scratch: &mut Scratch,
@@ -121,14 +129,15 @@ impl TileCodec<'_> {
     /// # Errors
     /// As [`TileCodec::encode`].
     pub fn column_bytes(&self, tile: &Tile, column: Column, codec: Codec, scratch: &mut Scratch) -> Result<usize> {
-        self.column(tile, &Order::new(&tile.tree, tile.rect), column, codec, scratch).map(|entry| entry.packed.len())
+        self.column(tile, &CodingOrder::new(&tile.tree, tile.rect), column, codec, scratch)
+            .map(|entry| entry.packed.len())
     }
 
     /// Codes one column with the column codec.
     fn context(
         &self,
         tile: &Tile,
-        order: &Order<'_>,
+        order: &CodingOrder<'_>,
         column: Column,
         scratch: &mut Scratch,
     ) -> std::result::Result<Vec<u8>, String> {
@@ -144,7 +153,7 @@ impl TileCodec<'_> {
     ///
     /// # Errors
     /// When it is damaged or over a limit.
-    pub fn decode_tree(&self, rect: Rect, packed: &Packed) -> Result<Tree> {
+    pub fn decode_tree(&self, rect: Rect, packed: &PackedColumn) -> Result<Tree> {
         check_limit("samples per tile", rect.len() as u64, self.limits.max_samples_per_tile)?;
         let depth = self.meta.max_depth;
         let decoded = decode(
@@ -162,10 +171,10 @@ impl TileCodec<'_> {
     ///
     /// # Errors
     /// When it is damaged.
-    pub fn decode_hits(&self, tile: &Tile, packed: &Packed) -> Result<Vec<Hit>> {
+    pub fn decode_hits(&self, tile: &Tile, packed: &PackedColumn) -> Result<Vec<Hit>> {
         let decoded = decode(
             packed,
-            |bytes| hits::decode(bytes, &Order::new(&tile.tree, tile.rect), self.geometry()),
+            |bytes| hits::decode(bytes, &CodingOrder::new(&tile.tree, tile.rect), self.geometry()),
             |bytes| canonical::parse_hits(bytes, &tile.tree, self.bvh.triangles.len()),
             |_| canonical::hits_length(&tile.tree),
         );
@@ -176,10 +185,10 @@ impl TileCodec<'_> {
     ///
     /// # Errors
     /// When it is damaged.
-    pub fn decode_radiance(&self, tile: &Tile, packed: &Packed) -> Result<Vec<Radiance>> {
+    pub fn decode_radiance(&self, tile: &Tile, packed: &PackedColumn) -> Result<Vec<Radiance>> {
         let decoded = decode(
             packed,
-            |bytes| radiance::decode(bytes, &Order::new(&tile.tree, tile.rect), &tile.hits, self.geometry()),
+            |bytes| radiance::decode(bytes, &CodingOrder::new(&tile.tree, tile.rect), &tile.hits, self.geometry()),
             |bytes| canonical::parse_radiance(bytes, &tile.tree),
             |_| canonical::radiance_length(&tile.tree),
         );
@@ -190,12 +199,12 @@ impl TileCodec<'_> {
     ///
     /// # Errors
     /// When it is damaged or over a limit.
-    pub fn decode_paths(&self, tile: &Tile, packed: &Packed, scratch: &mut Scratch) -> Result<Paths> {
+    pub fn decode_paths(&self, tile: &Tile, packed: &PackedColumn, scratch: &mut Scratch) -> Result<Paths> {
         let (tree, rect, lights) = (&tile.tree, tile.rect, self.lights());
         let scratch = &mut scratch.paths;
         let decoded = decode(
             packed,
-            |bytes| paths::decode(bytes, &Order::new(tree, rect), lights, self.topology, self.limits, scratch),
+            |bytes| paths::decode(bytes, &CodingOrder::new(tree, rect), lights, self.topology, self.limits, scratch),
             |bytes| canonical::parse_paths(bytes, tree.ray_count() as usize),
             canonical::paths_length,
         );
@@ -205,14 +214,15 @@ impl TileCodec<'_> {
     }
 }
 
-/// Decodes by the codec that the directory names, and checks that the canonical length is the one it promises: paths may share
-/// their steps, so only this bounds what the column comes to when they are written out.
+/// Decodes by the codec that the directory names, and checks that the canonical length is the one it promises: paths
+/// may share their steps, so only this bounds what the column comes to when they are written out.
 fn decode<T>(
-    (codec, raw_len, bytes): &Packed,
+    packed: &PackedColumn,
     context: impl FnOnce(&[u8]) -> std::result::Result<T, String>,
     plain: impl FnOnce(&[u8]) -> std::result::Result<T, String>,
     length: impl FnOnce(&T) -> u64,
 ) -> std::result::Result<T, String> {
+    let PackedColumn { codec, raw_len, bytes } = packed;
     let decoded = match *codec {
         Codec::PLAIN => plain(&decompress(bytes, *raw_len).map_err(|e| e.to_string())?)?,
         Codec::CONTEXT => context(bytes)?,

@@ -6,12 +6,12 @@ use crate::id::ChunkKind;
 use crate::scene::Meta;
 
 impl Trace {
-    /// BLAKE3 over the metadata (without the name of the program that wrote it) and, for every other chunk, its name, length and
-    /// CRC-32, in order of their names.
+    /// BLAKE3 over the metadata (without the name of the program that wrote it) and, for every other chunk, its name,
+    /// length and CRC-32, in order of their names.
     ///
-    /// It takes the index only, so a file on a server is known by its last few kilobytes. Unlike [`super::digest`] it depends on
-    /// how the columns were packed: two captures at other levels have other fingerprints, though they say the same. Equal
-    /// fingerprints stand on checksums against accidents, not against somebody who means to deceive.
+    /// It takes the index only, so a file on a server is known by its last few kilobytes. Unlike [`super::digest`] it
+    /// depends on how the columns were packed: two captures at other levels have other fingerprints, though they say
+    /// the same. Equal fingerprints stand on checksums against accidents, not against somebody who means to deceive.
     ///
     /// # Errors
     /// Never for a trace that could be opened: its metadata were decoded.

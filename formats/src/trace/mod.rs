@@ -8,7 +8,7 @@ mod reader;
 mod writer;
 
 pub use crate::columns::paths::BvhTopology;
-pub use codec::{Codec, Scratch, TileCodec};
+pub use codec::{Codec, PackedColumn, Scratch, TileCodec};
 pub use compare::{Difference, compare};
 pub use digest::{Digest, digest};
 pub use reader::Trace;

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::sync::OnceLock;
 
-use super::codec::{Scratch, TileCodec};
+use super::codec::{PackedColumn, Scratch, TileCodec};
 use crate::bvh::Bvh;
 use crate::columns::paths::BvhTopology;
 use crate::container::{ChunkRecord, ColumnTotals, Reader, Source, TileDirectory, TilePayload};
@@ -22,13 +22,13 @@ pub struct Trace {
     bvh: Bvh,
     topology: BvhTopology,
     /// Frames that the file holds, ascending: a file pays for what it holds, not for what its metadata claims.
-    frames: Vec<Frame>,
+    frames: Vec<FrameEntry>,
 }
 
-/// A frame of the file. Its camera is read when it is first asked for: cameras lie among the tiles, and of a trace far away
-/// each costs a request.
+/// A frame of the file. Its camera is read when it is first asked for: cameras lie among the tiles, and of a trace far
+/// away each costs a request.
 #[derive(Debug)]
-struct Frame {
+struct FrameEntry {
     record: ChunkRecord,
     camera: OnceLock<Camera>,
 }
@@ -64,7 +64,8 @@ impl Trace {
         let bvh = Bvh::from_payload(&reader.read(reader.require(ChunkId::BVH)?)?, &limits)?;
         let topology = BvhTopology::new(&bvh);
         let frames = reader.chunks().iter().filter(|record| record.id.kind == ChunkKind::FRAM);
-        let mut frames: Vec<Frame> = frames.map(|&record| Frame { record, camera: OnceLock::new() }).collect();
+        let mut frames: Vec<FrameEntry> =
+            frames.map(|&record| FrameEntry { record, camera: OnceLock::new() }).collect();
         frames.sort_by_key(|frame| frame.record.id.frame);
         let trace = Self { reader, meta, bvh, topology, frames };
         trace.check_chunks()?;
@@ -120,7 +121,7 @@ impl Trace {
         let Ok(at) = self.frames.binary_search_by_key(&frame, |frame| frame.record.id.frame) else {
             return Err(Error::missing(self.reader.path(), ChunkId::frame(frame)));
         };
-        let Frame { record, camera } = &self.frames[at];
+        let FrameEntry { record, camera } = &self.frames[at];
         if let Some(camera) = camera.get() {
             return Ok(*camera);
         }
@@ -176,20 +177,20 @@ impl Trace {
     }
 
     /// Reads the whole tile if its paths are wanted, which are most of it; else announces the wanted columns.
-    fn columns(&self, record: &ChunkRecord, wanted: &[Column]) -> Result<Columns> {
+    fn columns(&self, record: &ChunkRecord, wanted: &[Column]) -> Result<ColumnSource> {
         if wanted.contains(&Column::Paths) {
-            return Ok(Columns::Whole(self.reader.read_tile(record)?));
+            return Ok(ColumnSource::Whole(self.reader.read_tile(record)?));
         }
         let directory = self.reader.tile_directory(record)?;
         let ids: Vec<u8> = wanted.iter().map(|&column| column as u8).collect();
         self.reader.announce_columns(record, &directory, &ids)?;
-        Ok(Columns::Single(directory))
+        Ok(ColumnSource::Single(directory))
     }
 
     fn decode(
         &self,
         record: &ChunkRecord,
-        source: &Columns,
+        source: &ColumnSource,
         wanted: &[Column],
         codec: &TileCodec<'_>,
         scratch: &mut Scratch,
@@ -215,24 +216,24 @@ impl Trace {
         TileCodec { meta: &self.meta, bvh: &self.bvh, topology: &self.topology, camera, limits: self.reader.limits() }
     }
 
-    fn column(&self, record: &ChunkRecord, source: &Columns, column: Column) -> Result<(u8, u64, Vec<u8>)> {
+    fn column(&self, record: &ChunkRecord, source: &ColumnSource, column: Column) -> Result<PackedColumn> {
         let id = column as u8;
         let found = match source {
-            Columns::Whole(payload) => payload.column(id).map(|(info, bytes)| (*info, bytes.to_vec())),
-            Columns::Single(directory) => {
+            ColumnSource::Whole(payload) => payload.column(id).map(|(info, bytes)| (*info, bytes.to_vec())),
+            ColumnSource::Single(directory) => {
                 let info = directory.column(id).copied();
                 info.zip(self.reader.read_column(record, directory, id)?)
             }
         };
         match found {
-            Some((info, bytes)) => Ok((info.codec, info.raw_len, bytes)),
+            Some((info, bytes)) => Ok(PackedColumn { codec: info.codec, raw_len: info.raw_len, bytes }),
             None => Err(Error::column(record.id.frame, record.id.tile, column.name(), "the tile does not hold it")),
         }
     }
 }
 
 /// Where the columns of a tile come from: one read of everything, or one read each.
-enum Columns {
+enum ColumnSource {
     Whole(TilePayload),
     Single(TileDirectory),
 }

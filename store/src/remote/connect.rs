@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use rayreel_formats::container::Source;
 
-use super::disk::Disk;
+use super::disk::DiskCache;
 use super::object::Object;
 use super::source::RemoteSource;
 use crate::location::Location;
@@ -18,7 +18,7 @@ const END_LEN: u64 = 64 << 10;
 pub(crate) fn connect(url: &str, location: &Location, options: &Options) -> io::Result<Box<dyn Source>> {
     let (object, end) = Object::open(url, END_LEN, Arc::clone(&options.traffic))?;
     let disk = match (&options.cache, object.version()) {
-        (Some(folder), Some(version)) => Some(Disk::open(folder, &location.to_string(), &version)?),
+        (Some(folder), Some(version)) => Some(DiskCache::open(folder, &location.to_string(), &version)?),
         _ => None,
     };
     let size = object.size();

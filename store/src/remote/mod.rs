@@ -1,5 +1,5 @@
-//! Remote objects as a source of bytes: the object itself ([`object`]), how much of it to fetch ([`ahead`]), what of it is kept
-//! in memory ([`memory`]) and on disk ([`disk`]).
+//! Remote objects as a source of bytes: the object itself ([`object`]), how much of it to fetch ([`ahead`]), what of it
+//! is kept in memory ([`memory`]) and on disk ([`disk`]).
 
 mod ahead;
 mod client;

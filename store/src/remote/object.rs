@@ -15,7 +15,7 @@ use crate::traffic::Traffic;
 /// An object whose bytes are fetched by range. Every answer is held against the version of the first.
 #[derive(Debug)]
 pub(super) struct Object {
-    /// Drives the connections; callers of any thread wait in it for their own answer.
+    /// Drives the connections; callers of any thread wait in it for their answers.
     runtime: Runtime,
     store: Arc<dyn ObjectStore>,
     path: Path,

@@ -8,7 +8,7 @@ pub(super) const PASS: u8 = 3;
 
 /// Packs up to `count` steps; a hit ends a shadow ray. Fails where a step is no triangle test or there is none.
 #[inline(always)]
-pub(super) fn take(steps: &mut std::slice::Iter<'_, u8>, count: usize, any: bool) -> Result<u8, &'static str> {
+pub(super) fn take(steps: &mut std::slice::Iter<'_, u8>, count: usize, any_hit: bool) -> Result<u8, &'static str> {
     let mut label = 0;
     for i in 0..count {
         let &test @ step::MISS..=step::PASS = steps.next().ok_or("it ends in a leaf")? else {
@@ -16,7 +16,7 @@ pub(super) fn take(steps: &mut std::slice::Iter<'_, u8>, count: usize, any: bool
         };
         let outcome = test - step::MISS + MISS;
         label |= outcome << (2 * i);
-        if any && outcome == HIT {
+        if any_hit && outcome == HIT {
             break;
         }
     }
