@@ -31,7 +31,8 @@ pub struct Reader {
 impl Reader {
     /// Opens a file.
     ///
-    /// # Errors [`Error::Incomplete`] for an unfinished file; [`Error::Unsupported`], [`Error::Damaged`],
+    /// # Errors
+    /// [`Error::Incomplete`] for an unfinished file; [`Error::Unsupported`], [`Error::Damaged`],
     /// [`Error::LimitExceeded`], [`Error::Io`].
     pub fn open(path: &Path, limits: Limits) -> Result<Self> {
         Self::from_file(ChunkFile::open(path, limits)?)
@@ -119,7 +120,8 @@ impl Reader {
 
     /// The payload of a chunk, unpacked. Header, checksum and length are checked.
     ///
-    /// # Errors [`Error::Damaged`], also if the file or the record is not what it was; [`Error::Unsupported`],
+    /// # Errors
+    /// [`Error::Damaged`], also if the file or the record is not what it was; [`Error::Unsupported`],
     /// [`Error::LimitExceeded`], [`Error::Io`].
     pub fn read(&self, record: &ChunkRecord) -> Result<Vec<u8>> {
         self.file.read(record, self.limits().max_chunk_raw_bytes)

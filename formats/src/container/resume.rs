@@ -70,7 +70,8 @@ impl Writer {
     ///
     /// The chunks written next give the same file, byte for byte, as if nothing had happened.
     ///
-    /// # Errors [`Error::Occupied`] if another process is writing the file; [`Error::Damaged`] if its header is;
+    /// # Errors
+    /// [`Error::Occupied`] if another process is writing the file; [`Error::Damaged`] if its header is;
     /// [`Error::Unsupported`] if it is no trace or a newer version began it; [`Error::LimitExceeded`]; [`Error::Io`].
     pub fn resume(path: &Path, limits: &Limits) -> Result<Option<Resumed>> {
         let partial = partial_path(path)?;

@@ -206,7 +206,8 @@ impl<C: Coder, R: Run> PathCoder<'_, C, R> {
 
     /// Codes the path of ray `ray`: a neighbour's, or step by step. Gives the ray whose path it shares.
     ///
-    /// # Errors Encoding: `given` is no path through this tree. Decoding: a step is impossible, or there are more than
+    /// # Errors
+    /// Encoding: `given` is no path through this tree. Decoding: a step is impossible, or there are more than
     /// the budget.
     pub fn ray(
         &mut self,
