@@ -59,11 +59,8 @@ pub fn of(error: &anyhow::Error) -> Exit {
 
 fn of_trace(error: &TraceError) -> Exit {
     match error {
-        TraceError::MissingIndex { .. } | TraceError::MissingChunk { .. } => Exit::Incomplete,
-        TraceError::Io { .. }
-        | TraceError::AlreadyExists { .. }
-        | TraceError::Busy { .. }
-        | TraceError::Usage { .. } => Exit::Usage,
+        TraceError::Incomplete { .. } => Exit::Incomplete,
+        TraceError::Io { .. } | TraceError::Occupied { .. } | TraceError::Usage { .. } => Exit::Usage,
         _ => Exit::BadData,
     }
 }

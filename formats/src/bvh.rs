@@ -258,7 +258,8 @@ fn link(shape: &[[Shape; 2]], triangles: usize) -> Result<Vec<[Child; 2]>, Strin
                 if index as usize >= shape.len() {
                     return Err(format!("node {node} has a child that is not there"));
                 }
-                // Any child may be put aside on the way down, so the depth of every branch counts, not only of left ones.
+                // Any child may be put aside on the way down, so the depth of every branch counts, not only of left
+                // ones.
                 if depth >= MAX_TREE_DEPTH {
                     return Err(format!("the tree is deeper than {MAX_TREE_DEPTH} nodes"));
                 }

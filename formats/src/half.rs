@@ -1,7 +1,7 @@
 //! Colours and weights as half floats.
 //!
-//! The tracer rounds every local colour and every child weight to half precision *before* it composites, so an image composed
-//! from a trace equals the tracer's own to the last bit.
+//! The tracer rounds every local colour and every child weight to half precision *before* it composites, so an image
+//! composed from a trace equals the tracer's own to the last bit.
 
 use crate::math::{Vec3, vec3};
 use ::half::f16;

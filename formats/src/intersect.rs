@@ -16,8 +16,9 @@ pub struct TriangleHit {
 
 /// Intersects a ray with the triangle `corners`; a hit has `0 < t < t_max`. Both faces count.
 ///
-/// Plücker edge tests on corners relative to the ray origin, as in Embree's robust mode: the test of an edge depends on its
-/// two corners only and changes sign exactly when they swap, so no ray slips between two triangles that share an edge.
+/// Plücker edge tests on corners relative to the ray origin, as in Embree's robust mode: the test of an edge depends on
+/// its two corners only and changes sign exactly when they swap, so no ray slips between two triangles that share an
+/// edge.
 #[inline(always)]
 pub fn intersect(ray: &Ray, corners: [Vec3; 3], t_max: f32) -> Option<TriangleHit> {
     let [a, b, c] = corners.map(|corner| corner - ray.origin);

@@ -1,14 +1,14 @@
 //! What a reader is willing to spend on a file it does not trust.
 //!
-//! Every decoder of this crate takes a [`Limits`]. A length found in a file is compared with its limit before anything is
-//! allocated, and even then memory grows only as data really arrives. The fields on disk are wider than these limits: a
-//! limit can be raised without a change of format.
+//! Every decoder of this crate takes a [`Limits`]. A length found in a file is compared with its limit before anything
+//! is allocated, and even then memory grows only as data really arrives. The fields on disk are wider than these
+//! limits: a limit can be raised without a change of format.
 
 /// Upper bounds on what a file may ask for; a file that asks for more gives
 /// [`Error::LimitExceeded`](crate::Error::LimitExceeded).
 ///
-/// The defaults hold every trace that Rayreel writes, with room to spare. Raise a field for an unusual trace, lower them
-/// for untrusted input on a small machine.
+/// The defaults hold every trace that Rayreel writes, with room to spare. Raise a field for an unusual trace, lower
+/// them for untrusted input on a small machine.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Limits {
     /// Longest payload of one chunk as it lies in the file, in bytes. Default 1 GiB.

@@ -1,8 +1,8 @@
 //! Scalar vector arithmetic in a written order.
 //!
-//! Every ray is rebuilt from the trace by the very operations that made it, on any machine. So this module uses only scalar
-//! `+ - * / sqrt`, which IEEE 754 defines to the last bit, and never a SIMD reduction, a fused multiply-add or libm. glam's
-//! `dot` and `normalize` differ between targets and are not used where a result depends on them.
+//! Every ray is rebuilt from the trace by the very operations that made it, on any machine. So this module uses only
+//! scalar `+ - * / sqrt`, which IEEE 754 defines to the last bit, and never a SIMD reduction, a fused multiply-add or
+//! libm. glam's `dot` and `normalize` differ between targets and are not used where a result depends on them.
 
 use std::ops::{Add, Mul, Neg, Sub};
 
@@ -46,7 +46,8 @@ impl Vec3 {
         (self.x * other.x + self.y * other.y) + self.z * other.z
     }
 
-    /// The cross product, each component one subtraction of two products: `a.cross(b) == -(b.cross(a))` to the last bit.
+    /// The cross product, each component one subtraction of two products: `a.cross(b) == -(b.cross(a))` to the last
+    /// bit.
     #[inline(always)]
     pub fn cross(self, other: Self) -> Self {
         Self {

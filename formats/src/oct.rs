@@ -1,7 +1,7 @@
 //! Unit vectors in 32 bits: the octahedral map of Meyer et al. 2010, 2 x 16 bit.
 //!
-//! Shading normals are quantised by this map *before* a secondary ray leaves the surface, so the trace holds exactly the
-//! normal that the tracer used.
+//! Shading normals are quantised by this map *before* a secondary ray leaves the surface, so the trace holds exactly
+//! the normal that the tracer used.
 
 use crate::math::{Vec3, vec3};
 

@@ -36,9 +36,9 @@ pub struct Material {
 }
 
 impl Material {
-    /// True when a ray that meets a triangle of this material may go on as if it were not there, so that the recorded path
-    /// of the triangle test has a third outcome. Shadow rays pass through dielectrics (tinted), all rays through the
-    /// transparent texels of a cut-out.
+    /// True when a ray that meets a triangle of this material may go on as if it were not there, so that the recorded
+    /// path of the triangle test has a third outcome. Shadow rays pass through dielectrics (tinted), all rays through
+    /// the transparent texels of a cut-out.
     pub fn may_pass(&self, shadow_ray: bool) -> bool {
         self.cutout || (shadow_ray && self.optics == Optics::Dielectric)
     }

@@ -73,8 +73,8 @@ impl RayKind {
     }
 }
 
-/// Place of a closest-hit ray in the ray tree, as a binary heap numbers it: the primary ray is class 1, the reflection child
-/// of class c is 2c, the refraction child 2c + 1.
+/// Place of a closest-hit ray in the ray tree, as a binary heap numbers it: the primary ray is class 1, the reflection
+/// child of class c is 2c, the refraction child 2c + 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct RayClass(pub u16);
 
@@ -213,8 +213,8 @@ impl Tree {
         parents
     }
 
-    /// Per node the index of its first ray in ray order (each node's closest-hit ray, then its shadow rays by light), and one
-    /// entry more: the number of rays.
+    /// Per node the index of its first ray in ray order (each node's closest-hit ray, then its shadow rays by light),
+    /// and one entry more: the number of rays.
     pub fn ray_index(&self) -> Vec<u32> {
         let mut index = Vec::with_capacity(self.nodes.len() + 1);
         let mut next = 0;
@@ -337,15 +337,15 @@ pub fn composite(nodes: &[RayNode], radiance: &[Radiance]) -> Vec3 {
     // Colours of finished subtrees whose parent is still to come; reading backwards, a node finds its children on top.
     let mut done = [Vec3::ZERO; MAX_DEPTH as usize + 2];
     let mut top = 0;
-    for (node, own) in nodes.iter().zip(radiance).rev() {
-        let mut colour = own.local.to_vec3();
+    for (node, values) in nodes.iter().zip(radiance).rev() {
+        let mut colour = values.local.to_vec3();
         if node.reflect {
             top -= 1;
-            colour = colour + own.reflect.to_vec3().times(done[top]);
+            colour = colour + values.reflect.to_vec3().times(done[top]);
         }
         if node.refract {
             top -= 1;
-            colour = colour + own.refract.to_vec3().times(done[top]);
+            colour = colour + values.refract.to_vec3().times(done[top]);
         }
         done[top] = colour;
         top += 1;

@@ -3,32 +3,21 @@
 mod trace_support;
 
 use rayreel_formats::Limits;
-use rayreel_formats::payload::canonical;
 use rayreel_formats::tile::{Column, Tile};
 use rayreel_formats::trace::{Codec, Scratch, Trace, compare, digest};
 use trace_support::Random;
 use trace_support::whole::{Content, read};
 
-/// A column as canonical bytes.
-fn bytes(tile: &Tile, column: Column) -> Vec<u8> {
-    match column {
-        Column::Tree => canonical::tree(&tile.tree),
-        Column::Hits => canonical::hits(&tile.tree, &tile.hits),
-        Column::Radiance => canonical::radiance(&tile.tree, &tile.radiance),
-        Column::Paths => canonical::paths(&tile.paths),
-    }
-}
-
 #[track_caller]
 fn assert_same(a: &Tile, b: &Tile, what: &str) {
     for column in Column::ALL {
-        assert!(bytes(a, column) == bytes(b, column), "{what}: column {}", column.name());
+        assert!(a.canonical_bytes(column) == b.canonical_bytes(column), "{what}: column {}", column.name());
     }
     assert!(a == b, "{what}: equal bytes, but not equal");
 }
 
-/// A random trace through a file; the tile edge, the triangles, the depth and the lights are given. `scratch` has seen other
-/// scenes before.
+/// A random trace through a file; the tile edge, the triangles, the depth and the lights are given. `scratch` has seen
+/// other scenes before.
 fn round_trip(seed: u64, edge: u32, triangles: u32, depth: u32, lights: u32, scratch: &mut Scratch) {
     let what = format!("seed {seed}, edge {edge}, {triangles} triangles, depth {depth}, {lights} lights");
     let content = Content::random(seed, (edge + edge / 2, edge), edge, triangles, depth, lights);
@@ -94,7 +83,7 @@ fn nan_and_infinite_t_come_back_bit_for_bit() {
         let trace = Trace::open(&path, Limits::default()).expect("it opens");
         for tile in &content.tiles {
             let back = trace.tile(tile.frame, tile.index, &Column::ALL).expect("it decodes");
-            assert!(bytes(tile, Column::Hits) == bytes(&back, Column::Hits), "{codec:?}");
+            assert!(tile.canonical_bytes(Column::Hits) == back.canonical_bytes(Column::Hits), "{codec:?}");
         }
     }
 }
@@ -110,7 +99,7 @@ fn traces_of_either_codec_say_the_same() {
     assert_eq!(read(&plain).expect("it reads"), content);
     assert_eq!(read(&context).expect("it reads"), content);
     for (column, (a, b)) in Column::ALL.iter().zip(plain.column_totals().iter().zip(context.column_totals())) {
-        let canonical: usize = content.tiles.iter().map(|tile| bytes(tile, *column).len()).sum();
+        let canonical: usize = content.tiles.iter().map(|tile| tile.canonical_bytes(*column).len()).sum();
         assert_eq!((a.id, a.raw_bytes, b.raw_bytes), (*column as u8, canonical as u64, canonical as u64));
     }
     let digests = [&plain, &context].map(|t| digest(t).expect("it digests"));

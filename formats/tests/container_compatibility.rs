@@ -1,5 +1,5 @@
-//! Files written by the version that introduced their format are read for ever. They are never written again: zstd's next
-//! release may pack the same content into other bytes.
+//! Files written by the version that introduced their format are read for ever. They are never written again: zstd's
+//! next release may pack the same content into other bytes.
 
 mod container_support;
 

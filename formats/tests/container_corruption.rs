@@ -1,5 +1,5 @@
-//! The input is in the hands of an attacker. The contract: an error, or the content that was written; never a panic. (Memory is
-//! watched in `container_memory.rs`.)
+//! The input is in the hands of an attacker. The contract: an error, or the content that was written; never a panic.
+//! (Memory is watched in `container_memory.rs`.)
 
 mod container_support;
 
@@ -7,6 +7,7 @@ use container_support::forge::{Forge, expect_corrupt};
 use container_support::{read_bytes, sample, sample_bytes, write};
 use proptest::prelude::*;
 use rayreel_formats::container::{ChunkId, Reader};
+use rayreel_formats::error::{Fault, Missing, Unknown};
 use rayreel_formats::{Error, Limits};
 
 #[test]
@@ -31,9 +32,9 @@ fn every_truncation_is_noticed() {
     for len in 0..whole.len() {
         let error = read_bytes(&whole[..len]).unwrap_err();
         match len {
-            0 => assert!(matches!(error, Error::NotATrace { .. })),
-            1..32 => assert!(matches!(error, Error::Truncated { .. }), "{len}: {error}"),
-            _ => assert!(matches!(error, Error::MissingIndex { .. }), "{len}: {error}"),
+            0 => assert!(matches!(error, Error::Unsupported { what: Unknown::File, .. })),
+            1..32 => assert!(matches!(error, Error::Damaged { fault: Fault::Truncated { .. }, .. }), "{len}: {error}"),
+            _ => assert!(matches!(error, Error::Incomplete { missing: Missing::Index, .. }), "{len}: {error}"),
         }
     }
     let mut longer = whole;
@@ -68,7 +69,7 @@ fn forged_content_is_refused() {
     expect_corrupt(forge().index_field(entry + 8, &1_u32.to_le_bytes()), "second TILE chunk of frame 0, tile 1");
     expect_corrupt(forge().directory_field(4, &[9]), "do not ascend");
     let unknown = forge().header_field(tile, 16, &[9]).index_field(entry + 12, &[9]).error();
-    assert!(matches!(unknown, Error::UnsupportedEncoding { encoding: 9, .. }), "{unknown}");
+    assert!(matches!(unknown, Error::Unsupported { what: Unknown::Encoding(9), .. }), "{unknown}");
     let totals = 16 + 48 * 9 + 8 + 8;
     expect_corrupt(forge().index_field(totals, &[0xee]), "do not add up");
 }

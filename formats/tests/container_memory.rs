@@ -1,4 +1,5 @@
-//! No memory is taken for a number that the input has not earned. Alone in its process, so that the measure is of this only.
+//! No memory is taken for a number that the input has not earned. Alone in its process, so that the measure is of this
+//! only.
 
 mod container_support;
 

@@ -12,6 +12,7 @@ use rayreel_formats::container::{
     ChunkId, ChunkRecord, EncodedChunk, Encoding, FormatVersion, Reader, RepairReport, Source, repair, scan,
     scan_source,
 };
+use rayreel_formats::error::{Fault, Occupant, Unknown};
 use rayreel_formats::{Error, Limits, Result};
 use tempfile::TempDir;
 
@@ -97,7 +98,14 @@ fn chunks_before_a_cut_are_kept() {
             }
             Err(error) => {
                 assert!(!records().iter().any(keep), "cut at {cut}: {error}");
-                assert!(matches!(error, Error::NotATrace { .. } | Error::Corrupt { .. }), "{error}");
+                assert!(
+                    matches!(
+                        error,
+                        Error::Unsupported { what: Unknown::File, .. }
+                            | Error::Damaged { fault: Fault::Content(_), .. }
+                    ),
+                    "{error}"
+                );
             }
         }
     }
@@ -178,7 +186,7 @@ fn versions_are_kept_and_newer_majors_refused() {
     assert_eq!(bench.repair(&bytes).0.version, FormatVersion::CURRENT);
     bytes = sample_bytes();
     patch(&mut bytes, 8, &2_u16.to_le_bytes(), 0, 28);
-    assert!(matches!(bench.try_repair(&bytes), Err(Error::UnsupportedVersion { .. })));
+    assert!(matches!(bench.try_repair(&bytes), Err(Error::Unsupported { what: Unknown::Version { .. }, .. })));
 }
 
 #[test]
@@ -190,7 +198,10 @@ fn files_are_not_lost_by_a_repair() {
     let same = bench.folder.path().join(".").join("in");
     assert!(matches!(repair(&bench.input, &same, &limits), Err(Error::Usage { .. })));
     fs::write(&bench.output, b"precious").unwrap();
-    assert!(matches!(repair(&bench.input, &bench.output, &limits), Err(Error::AlreadyExists { .. })));
+    assert!(matches!(
+        repair(&bench.input, &bench.output, &limits),
+        Err(Error::Occupied { by: Occupant::File { .. }, .. })
+    ));
     assert_eq!(fs::read(&bench.output).unwrap(), b"precious");
     // The natural use: NAME.partial becomes NAME.
     let name = bench.folder.path().join("name");
@@ -235,7 +246,7 @@ fn nested_damage_is_walked_in_linear_time() {
         let (len, read) = (bytes.len() as u64, Arc::new(AtomicU64::new(0)));
         let source = Counting { bytes, read: Arc::clone(&read) };
         let error = scan_source(Box::new(source), "nested".as_ref(), &Limits::default()).unwrap_err();
-        assert!(matches!(error, Error::NotATrace { .. }));
+        assert!(matches!(error, Error::Unsupported { what: Unknown::File, .. }));
         assert!(read.load(Ordering::Relaxed) < 40 * len);
     }
 }

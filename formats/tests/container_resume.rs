@@ -7,6 +7,7 @@ use std::path::Path;
 
 use container_support::{NOTE, partial, patch, sample, sample_bytes};
 use rayreel_formats::container::{ChunkId, EncodedChunk, Writer};
+use rayreel_formats::error::Unknown;
 use rayreel_formats::{Error, Limits};
 
 /// Leaves `bytes` as the partial file of `path`, resumes it, writes what is missing, and gives the finished file.
@@ -71,7 +72,7 @@ fn what_is_not_ours_is_not_touched() {
     for bytes in [b"something else".to_vec(), newer] {
         fs::write(partial(&path), &bytes).unwrap();
         let error = Writer::resume(&path, &Limits::default()).unwrap_err();
-        assert!(matches!(error, Error::NotATrace { .. } | Error::UnsupportedVersion { .. }), "{error}");
+        assert!(matches!(error, Error::Unsupported { what: Unknown::File | Unknown::Version { .. }, .. }), "{error}");
         assert_eq!(fs::read(partial(&path)).unwrap(), bytes);
     }
 }

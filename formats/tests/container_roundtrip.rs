@@ -14,6 +14,7 @@ use rayreel_formats::container::{
     CHUNK_HEADER_LEN, ChunkId, ColumnEntry, EncodedChunk, Encoding, FormatVersion, Reader, Source, TileDirectory,
     Writer,
 };
+use rayreel_formats::error::{Fault, Missing, Occupant};
 use rayreel_formats::{Error, Limits};
 
 #[test]
@@ -79,14 +80,17 @@ fn a_partial_file_is_not_overwritten() {
     let folder = container_support::folder();
     let path = folder.path().join("t");
     let writer = Writer::create(&path).unwrap();
-    assert!(matches!(Writer::create(&path), Err(Error::AlreadyExists { .. })));
+    assert!(matches!(Writer::create(&path), Err(Error::Occupied { by: Occupant::File { .. }, .. })));
     if cfg!(unix) {
-        assert!(matches!(Writer::discard(&path), Err(Error::Busy { .. })));
-        assert!(matches!(Writer::resume(&path, &Limits::default()), Err(Error::Busy { .. })));
+        assert!(matches!(Writer::discard(&path), Err(Error::Occupied { by: Occupant::Writer, .. })));
+        assert!(matches!(Writer::resume(&path, &Limits::default()), Err(Error::Occupied { by: Occupant::Writer, .. })));
     }
     drop(writer);
     assert!(partial(&path).exists());
-    assert!(matches!(Reader::open(&partial(&path), Limits::default()), Err(Error::MissingIndex { .. })));
+    assert!(matches!(
+        Reader::open(&partial(&path), Limits::default()),
+        Err(Error::Incomplete { missing: Missing::Index, .. })
+    ));
     Writer::discard(&path).unwrap();
     Writer::discard(&path).unwrap();
     Writer::create(&path).unwrap();
@@ -132,7 +136,7 @@ fn a_longer_file_header_of_a_newer_minor_version_is_skipped() {
         Reader::from_bytes(bytes, Limits::default())
     };
     assert!(build(1).unwrap().chunks().is_empty());
-    assert!(matches!(build(0), Err(Error::Corrupt { .. })));
+    assert!(matches!(build(0), Err(Error::Damaged { fault: Fault::Content(_), .. })));
 }
 
 #[derive(Debug)]

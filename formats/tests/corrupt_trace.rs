@@ -1,7 +1,8 @@
-//! A whole trace in the hands of an attacker: an error, or what was written; never a panic, a hang, or memory beyond the limits.
+//! A whole trace in the hands of an attacker: an error, or what was written; never a panic, a hang, or memory beyond
+//! the limits.
 //!
-//! `container_corruption.rs` does this for the container with payloads that mean nothing; here metadata, BVH, cameras and columns
-//! of both codecs are decoded too. `RAYREEL_LONG=1` tells fifty times as many lies.
+//! `container_corruption.rs` does this for the container with payloads that mean nothing; here metadata, BVH, cameras
+//! and columns of both codecs are decoded too. `RAYREEL_LONG=1` tells fifty times as many lies.
 
 mod trace_support;
 

@@ -777,8 +777,8 @@ class Tile:
             return w + n - nw
 
         def predict(node, around):
-            own = kind(node)
-            alike = [n if n is not None and kind(n) == own else None for n in around]
+            here = kind(node)
+            alike = [n if n is not None and kind(n) == here else None for n in around]
             w, n, nw, _ne = alike
             activity = min(13, sum(a.size for a in (w, n) if a is not None).bit_length())
             if w and n and nw:
@@ -921,9 +921,9 @@ class PathDecoder:
             for sample in done:
                 done[sample] = (0, done[sample][1])
             numbers = (0, 0, 0, 0)
-        own = self.next
+        number = self.next
         self.next += 2 if self.next % 64 == 63 else 1
-        return own, self.steps(shadow, own, numbers)
+        return number, self.steps(shadow, number, numbers)
 
     def note(self, met):
         self.surprises = (self.surprises << 1 | (not met)) & 7
@@ -937,7 +937,7 @@ class PathDecoder:
             cells = self.labels[key] = Cells()
         return cells
 
-    def steps(self, shadow, own, numbers):
+    def steps(self, shadow, number, numbers):
         out = bytearray()
         current, stack, hit = ("node", 0), [], False
         self.surprises, self.last = 0, 0
@@ -947,7 +947,7 @@ class PathDecoder:
                 if current[2] > 0:
                     cells = self.cells(current)
                     label = self.leaf(shadow, current, [cells.label(p) for p in numbers])
-                    cells.cells[own % 64] = (own, label)
+                    cells.cells[number % 64] = (number, label)
                     while label:
                         out.append(label % 4 - 1 + MISS)
                         hit = hit or label % 4 == 2
@@ -959,7 +959,7 @@ class PathDecoder:
                 labels = [cells.label(p) for p in numbers]
                 outcome = self.outcome(cells, [label & 7 for label in labels])
                 check(1 <= outcome <= 5, "an outcome")
-                cells.cells[own % 64] = (own, outcome)
+                cells.cells[number % 64] = (number, outcome)
                 cells.stale = outcome
                 out.append(outcome - 1)
                 left, right = self.bvh.children[current[1]]
@@ -977,8 +977,8 @@ class PathDecoder:
                 if not shadow:
                     if hit:
                         visited = self.pop(context)
-                    path, label = cells.cells[own % 64]
-                    cells.cells[own % 64] = (path, label | (8 if visited else 16))
+                    path, label = cells.cells[number % 64]
+                    cells.cells[number % 64] = (path, label | (8 if visited else 16))
                 out.append(POP if visited else CULLED)
                 if visited:
                     following = child

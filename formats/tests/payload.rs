@@ -5,7 +5,6 @@ mod trace_support;
 use rayreel_formats::bvh::{Bvh, MAX_TREE_DEPTH, Shape, Triangle, Vertex};
 use rayreel_formats::math::vec3;
 use rayreel_formats::oct::Oct;
-use rayreel_formats::payload::{bvh, metadata};
 use rayreel_formats::scene::{Camera, Light, Meta};
 use rayreel_formats::{Error, Limits};
 use trace_support::{Random, soup};
@@ -31,10 +30,10 @@ fn trees_come_back() {
         let most = [5, 60, 600][random.below(3) as usize];
         let count = random.below(most);
         let before = soup::bvh(random, count);
-        let bytes = bvh::encode(&before).expect("it encodes");
-        let after = bvh::decode(&bytes, &Limits::default()).expect("it decodes");
+        let bytes = before.to_payload().expect("it encodes");
+        let after = Bvh::from_payload(&bytes, &Limits::default()).expect("it decodes");
         assert_eq!(before, after, "seed {seed}");
-        assert_eq!(bvh::encode(&after).expect("it encodes"), bytes, "seed {seed}");
+        assert_eq!(after.to_payload().expect("it encodes"), bytes, "seed {seed}");
         // Boxes are exact: each is the box of the corners below it.
         let all = before.triangles.iter().flat_map(|t| t.vertices).map(|v| before.vertices[v as usize].position);
         let around = all.fold(rayreel_formats::bvh::Aabb::EMPTY, |b, p| b.with(p));
@@ -101,8 +100,8 @@ fn triangles_name_what_is_there() {
 
 #[test]
 fn tree_payloads_that_lie_are_refused() {
-    let bytes = bvh::encode(&soup::bvh(&mut Random(1), 50)).expect("it encodes");
-    let decode = |bytes: &[u8]| bvh::decode(bytes, &Limits::default());
+    let bytes = soup::bvh(&mut Random(1), 50).to_payload().expect("it encodes");
+    let decode = |bytes: &[u8]| Bvh::from_payload(bytes, &Limits::default());
     for len in 0..bytes.len() {
         assert!(decode(&bytes[..len]).is_err(), "{len} bytes");
     }
@@ -116,7 +115,7 @@ fn tree_payloads_that_lie_are_refused() {
             assert!(decode(&forged).is_err(), "count {count} of {value}");
         }
     }
-    let over = |limits| matches!(bvh::decode(&bytes, &limits), Err(Error::LimitExceeded { .. }));
+    let over = |limits| matches!(Bvh::from_payload(&bytes, &limits), Err(Error::LimitExceeded { .. }));
     assert!(over(Limits { max_triangles: 49, ..Limits::default() }));
     assert!(over(Limits { max_bvh_nodes: 3, ..Limits::default() }));
 }
@@ -126,23 +125,23 @@ fn meta() -> Meta {
 }
 
 fn refusal(meta: &Meta) -> Option<String> {
-    let bytes = metadata::encode("metadata", meta).expect("it encodes");
-    metadata::decode_meta(&bytes, &Limits::default()).err().map(|e| e.to_string())
+    let bytes = meta.to_payload().expect("it encodes");
+    Meta::from_payload(&bytes, &Limits::default()).err().map(|e| e.to_string())
 }
 
 #[test]
 fn metadata_comes_back_and_fills_its_bytes() {
-    let bytes = metadata::encode("metadata", &meta()).expect("it encodes");
-    assert_eq!(metadata::decode_meta(&bytes, &Limits::default()).expect("it decodes"), meta());
+    let bytes = meta().to_payload().expect("it encodes");
+    assert_eq!(Meta::from_payload(&bytes, &Limits::default()).expect("it decodes"), meta());
     for len in 0..bytes.len() {
-        assert!(metadata::decode_meta(&bytes[..len], &Limits::default()).is_err(), "{len} bytes");
+        assert!(Meta::from_payload(&bytes[..len], &Limits::default()).is_err(), "{len} bytes");
     }
     let mut longer = bytes.clone();
     longer.push(0);
-    let error = metadata::decode_meta(&longer, &Limits::default()).expect_err("a byte too many");
+    let error = Meta::from_payload(&longer, &Limits::default()).expect_err("a byte too many");
     assert!(error.to_string().contains("1 bytes left over"), "{error}");
     let limits = Limits { max_metadata_bytes: bytes.len() as u64 - 1, ..Limits::default() };
-    assert!(matches!(metadata::decode_meta(&bytes, &limits), Err(Error::LimitExceeded { .. })));
+    assert!(matches!(Meta::from_payload(&bytes, &limits), Err(Error::LimitExceeded { .. })));
 }
 
 #[test]
@@ -181,7 +180,7 @@ fn impossible_metadata_is_refused() {
         assert!(error.contains(reason), "{reason}: {error}");
     }
     let limits = Limits { max_samples_per_tile: 1023, ..Limits::default() };
-    assert!(metadata::check_meta(&meta(), &limits).is_err_and(|e| e.contains("1024 samples")));
+    assert!(meta().check(&limits).is_err_and(|e| e.contains("1024 samples")));
 }
 
 /// What stands at the edge of what is allowed.
@@ -198,18 +197,18 @@ fn extreme_metadata_is_accepted() {
 #[test]
 fn a_camera_is_four_finite_vectors() {
     let camera = soup::camera(&mut Random(9));
-    let bytes = metadata::encode("camera", &camera).expect("it encodes");
+    let bytes = camera.to_payload().expect("it encodes");
     assert_eq!(bytes.len(), 48, "twelve f32");
-    assert_eq!(metadata::decode_camera(&bytes, &Limits::default()).expect("it decodes"), camera);
+    assert_eq!(Camera::from_payload(&bytes, &Limits::default()).expect("it decodes"), camera);
     for at in 0..12 {
         for bad in [f32::NAN, f32::INFINITY] {
             let mut forged = bytes.clone();
             forged[4 * at..4 * at + 4].copy_from_slice(&bad.to_le_bytes());
-            let error = metadata::decode_camera(&forged, &Limits::default()).expect_err("not finite");
+            let error = Camera::from_payload(&forged, &Limits::default()).expect_err("not finite");
             assert!(error.to_string().contains("not finite"), "{error}");
         }
     }
-    assert!(metadata::decode::<Camera>("camera", &bytes[..47], &Limits::default()).is_err());
+    assert!(Camera::from_payload(&bytes[..47], &Limits::default()).is_err());
     let longer = [&bytes[..], &[0]].concat();
-    assert!(metadata::decode_camera(&longer, &Limits::default()).is_err());
+    assert!(Camera::from_payload(&longer, &Limits::default()).is_err());
 }

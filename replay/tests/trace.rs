@@ -4,12 +4,11 @@ use std::path::Path;
 
 use rayreel_formats::Limits;
 use rayreel_formats::bvh::{Bvh, Shape, Triangle, Vertex};
-use rayreel_formats::columns::paths::Topology;
 use rayreel_formats::math::vec3;
 use rayreel_formats::oct::Oct;
 use rayreel_formats::scene::{Material, Optics};
 use rayreel_formats::tile::Paths;
-use rayreel_formats::trace::{Codec, Scratch, TileCodec, Trace, TraceWriter};
+use rayreel_formats::trace::{BvhTopology, Codec, Scratch, TileCodec, Trace, TraceWriter};
 use rayreel_replay::policy::{Apron, Policy, Refine};
 use rayreel_replay::{Options, TileSource, replay};
 use rayreel_testkit::policy;
@@ -38,7 +37,7 @@ fn bvh() -> Bvh {
 /// Writes the frames of `source` without prediction: the plain codec takes any tile, also one that no ray tracer would make.
 fn write(source: &Synthetic, path: &Path) {
     let (bvh, limits) = (bvh(), Limits::default());
-    let topology = Topology::new(&bvh);
+    let topology = BvhTopology::new(&bvh);
     let mut writer = TraceWriter::create(path, &source.meta, &bvh, 1).unwrap();
     for frame in source.meta.frame_numbers() {
         let camera = source.camera(frame).unwrap();

@@ -6,7 +6,6 @@ use anyhow::Result;
 use rayon::prelude::*;
 use rayreel_formats::Limits;
 use rayreel_formats::container::{ChunkId, Writer};
-use rayreel_formats::payload::metadata::decode_meta;
 use rayreel_formats::scene::Meta;
 use rayreel_formats::trace::{Codec, Trace};
 use rayreel_scenes::Scene;
@@ -48,8 +47,9 @@ pub fn make(
 fn is_resumable(path: &Path, wanted: &Meta) -> Result<bool> {
     let Some(resumed) = Writer::resume(path, &Limits::default())? else { return Ok(false) };
     let record = resumed.writer.chunks().iter().find(|c| c.id == ChunkId::META).copied();
-    let same =
-        record.and_then(|r| resumed.read(&r).ok()).and_then(|bytes| decode_meta(&bytes, &Limits::default()).ok());
+    let same = record
+        .and_then(|r| resumed.read(&r).ok())
+        .and_then(|bytes| Meta::from_payload(&bytes, &Limits::default()).ok());
     drop(resumed.writer);
     if same.as_ref() == Some(wanted) {
         return Ok(true);

@@ -1,49 +1,61 @@
 //! Which folder keeps what was fetched, and how much of it.
 
-use std::ffi::OsStr;
+use std::ffi::{OsStr, OsString};
 use std::path::PathBuf;
 
 /// Bytes that a cache may hold if nothing else is said.
 const MAX_BYTES: u64 = 20_000_000_000;
+/// The variable that says otherwise, in 10^9 bytes.
+const SIZE: &str = "RAYREEL_TRACE_CACHE_GB";
 
 /// A folder for fetched bytes. It may be deleted at any time, as a whole or in part, also while it is in use.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct CacheFolder {
     /// The folder; made when it is first needed.
     pub path: PathBuf,
-    /// Bytes it may hold: past that, objects that were not opened for longest are dropped, and if only the present one is
-    /// left, no more of it is kept. Several processes that fill it at once may each add that much.
+    /// Bytes it may hold. Past that, the objects that were not opened for longest are dropped; if only the present one
+    /// is left, no more of it is kept. Several processes that fill it at once may each add that much.
     pub max_bytes: u64,
 }
 
 impl CacheFolder {
     /// The folder that a user names (`--trace-cache`), else that of `RAYREEL_TRACE_CACHE`, else `rayreel/traces` in
-    /// `XDG_CACHE_HOME` or `~/.cache`. `none` is no folder. `RAYREEL_TRACE_CACHE_GB` is its size in 10^9 bytes; 20 if not set.
+    /// `XDG_CACHE_HOME` or `~/.cache`. `none` is no folder. `RAYREEL_TRACE_CACHE_GB` is its size in 10^9 bytes; 20 if
+    /// not set.
     ///
     /// # Errors
     /// When that is not a number.
-    pub fn choose(named: Option<&OsStr>) -> Result<Option<Self>, String> {
-        let variable = |name: &str| std::env::var_os(name).filter(|value| !value.is_empty());
-        let home = || {
-            let folder = variable("XDG_CACHE_HOME").map(PathBuf::from).filter(|folder| folder.is_absolute());
-            let folder = folder.or_else(|| Some(PathBuf::from(variable("HOME")?).join(".cache")));
-            folder.map(|folder| folder.join("rayreel").join("traces").into_os_string())
-        };
-        let Some(path) = named.map(OsStr::to_os_string).or_else(|| variable("RAYREEL_TRACE_CACHE")).or_else(home)
-        else {
-            return Ok(None);
-        };
-        if path == "none" {
-            return Ok(None);
-        }
-        let max_bytes = match variable("RAYREEL_TRACE_CACHE_GB") {
+    pub fn choose(named: Option<&OsStr>) -> Result<Option<Self>, CacheSizeError> {
+        let path = named.map(OsStr::to_os_string).or_else(|| variable("RAYREEL_TRACE_CACHE")).or_else(usual);
+        let Some(path) = path.filter(|path| path != "none") else { return Ok(None) };
+        let max_bytes = match variable(SIZE) {
             None => MAX_BYTES,
-            Some(text) => {
-                gigabytes(&text).ok_or("RAYREEL_TRACE_CACHE_GB: give a number of gigabytes, such as 20 or 0.5")?
-            }
+            Some(text) => gigabytes(&text).ok_or(CacheSizeError { variable: SIZE, text })?,
         };
         Ok(Some(Self { path: path.into(), max_bytes }))
     }
+}
+
+/// A size of the cache that cannot be understood; whoever set the variable must mend it.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("{variable}: give a number of gigabytes, such as 20 or 0.5")]
+pub struct CacheSizeError {
+    /// The variable of the environment.
+    pub variable: &'static str,
+    /// What it holds.
+    pub text: OsString,
+}
+
+/// A variable of the environment that is set and not empty.
+fn variable(name: &str) -> Option<OsString> {
+    std::env::var_os(name).filter(|value| !value.is_empty())
+}
+
+/// The folder where programs of this user keep what they can fetch again.
+fn usual() -> Option<OsString> {
+    let folder = variable("XDG_CACHE_HOME").map(PathBuf::from).filter(|folder| folder.is_absolute());
+    let folder = folder.or_else(|| Some(PathBuf::from(variable("HOME")?).join(".cache")))?;
+    Some(folder.join("rayreel").join("traces").into_os_string())
 }
 
 fn gigabytes(text: &OsStr) -> Option<u64> {
@@ -61,6 +73,12 @@ mod tests {
         assert_eq!(gigabytes(OsStr::new("20")), Some(MAX_BYTES));
         assert_eq!(gigabytes(OsStr::new(" 0.5")), Some(500_000_000));
         assert_eq!(["-1", "x", "", "nan"].map(|text| gigabytes(OsStr::new(text))), [None; 4]);
+    }
+
+    #[test]
+    fn a_size_that_is_no_number_names_its_variable() {
+        let error = CacheSizeError { variable: SIZE, text: "much".into() };
+        assert_eq!(error.to_string(), "RAYREEL_TRACE_CACHE_GB: give a number of gigabytes, such as 20 or 0.5");
     }
 
     #[test]

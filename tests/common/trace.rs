@@ -3,9 +3,8 @@
 use std::path::Path;
 
 use rayreel_formats::Limits;
-use rayreel_formats::columns::paths::Topology;
 use rayreel_formats::tile::{Column, Tile};
-use rayreel_formats::trace::{Codec, Scratch, TileCodec, Trace, TraceWriter};
+use rayreel_formats::trace::{BvhTopology, Codec, Scratch, TileCodec, Trace, TraceWriter};
 
 /// Opens a trace.
 #[track_caller]
@@ -16,7 +15,7 @@ pub fn open(file: &Path) -> Trace {
 /// Writes `trace` to `file`, each tile changed by `change`.
 pub fn rewrite(trace: &Trace, file: &Path, codec: Codec, mut change: impl FnMut(&mut Tile)) {
     let (meta, bvh, limits) = (trace.meta(), trace.bvh(), Limits::default());
-    let topology = Topology::new(bvh);
+    let topology = BvhTopology::new(bvh);
     let mut writer = TraceWriter::create(file, meta, bvh, 3).unwrap();
     for frame in meta.frame_numbers() {
         let camera = trace.camera(frame).unwrap();

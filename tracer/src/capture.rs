@@ -7,11 +7,10 @@ use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
 use rayreel_formats::bvh::Bvh;
-use rayreel_formats::columns::paths::Topology;
 use rayreel_formats::container::EncodedChunk;
 use rayreel_formats::scene::{Camera, Meta};
 use rayreel_formats::tile::Column;
-use rayreel_formats::trace::{Codec, Scratch, Started, TileCodec, Trace, TraceWriter};
+use rayreel_formats::trace::{BvhTopology, Codec, Scratch, Started, TileCodec, Trace, TraceWriter};
 use rayreel_formats::{Error, Limits, Result};
 use rayreel_scenes::Scene;
 
@@ -85,12 +84,12 @@ pub fn capture(
     output: &CaptureOutput,
     mut progress: impl FnMut(&CaptureProgress) -> bool,
 ) -> Result<CaptureOutcome> {
-    rayreel_formats::payload::metadata::check_meta(meta, &Limits::default()).map_err(Error::usage)?;
+    meta.check(&Limits::default()).map_err(Error::usage)?;
     grid::check_frames(scene, meta)?;
     let job = TileJob {
         tracer: Tracer::new(scene, built, TraceSettings::of(meta)),
         bvh: &built.bvh,
-        topology: Topology::new(&built.bvh),
+        topology: BvhTopology::new(&built.bvh),
         meta,
         codec: output.codec,
     };
@@ -135,7 +134,7 @@ fn start(output: &CaptureOutput, meta: &Meta, bvh: &Bvh) -> Result<TraceWriter> 
 struct TileJob<'a> {
     tracer: Tracer<'a>,
     bvh: &'a Bvh,
-    topology: Topology,
+    topology: BvhTopology,
     meta: &'a Meta,
     codec: Codec,
 }

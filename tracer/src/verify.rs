@@ -8,10 +8,9 @@
 use rayon::prelude::*;
 use rayreel_formats::Result;
 use rayreel_formats::bvh::Bvh;
-use rayreel_formats::columns::hits::{Geometry, RayRebuilder};
 use rayreel_formats::half::Half3;
 use rayreel_formats::math::Vec3;
-use rayreel_formats::rays::{self, Ray, Surface};
+use rayreel_formats::rays::{self, Geometry, Ray, RayRebuilder, Surface};
 use rayreel_formats::scene::{Light, Optics};
 use rayreel_formats::tile::{Column, Hit, Radiance, RayKind, RayNode, ShadowState, Tile, step};
 use rayreel_formats::trace::{Scratch as CodecScratch, Trace};

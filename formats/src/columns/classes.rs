@@ -1,5 +1,5 @@
-//! The order in which columns are coded: class by class, and within a class row by row, so that a ray's neighbours in the image
-//! are its context.
+//! The order in which columns are coded: class by class, and within a class row by row, so that a ray's neighbours in
+//! the image are its context.
 
 use crate::scene::Rect;
 use crate::tile::{RayClass, Tree};
@@ -13,9 +13,9 @@ pub struct ClassRays {
     pub rays: Vec<(u32, u32)>,
 }
 
-/// What the columns of a tile are coded along.
+/// The order in which the columns of a tile are coded, with the trees that it is taken from.
 #[derive(Debug)]
-pub struct Order<'a> {
+pub struct CodingOrder<'a> {
     /// The ray trees.
     pub tree: &'a Tree,
     /// The tile's samples.
@@ -24,7 +24,7 @@ pub struct Order<'a> {
     pub classes: Vec<ClassRays>,
 }
 
-impl<'a> Order<'a> {
+impl<'a> CodingOrder<'a> {
     /// The coding order of a tile.
     pub fn new(tree: &'a Tree, rect: Rect) -> Self {
         Self { tree, rect, classes: classes(tree) }
@@ -34,7 +34,7 @@ impl<'a> Order<'a> {
 /// All classes of a tree, ascending: a parent's class stands before its children's.
 fn classes(tree: &Tree) -> Vec<ClassRays> {
     let mut found: Vec<ClassRays> = Vec::new();
-    // Place of each class in `found`, plus one.
+    // Per class its place in `found`, plus one; 0 where it was not found yet.
     let mut place: Vec<u16> = Vec::new();
     for sample in 0..tree.samples() {
         for node in tree.sample(sample) {
@@ -58,7 +58,8 @@ fn classes(tree: &Tree) -> Vec<ClassRays> {
 #[derive(Debug)]
 pub struct Raster {
     width: usize,
-    /// Per sample with a border of one to the left, right and above: stamp and value.
+    /// Per sample, with a border of one to the left, right and above: a value, behind the stamp of the class that set
+    /// it. Values of other stamps do not count.
     cells: Vec<(u32, u32)>,
     stamp: u32,
 }
@@ -113,15 +114,5 @@ impl Raster {
     pub fn set(&mut self, sample: u32, value: u32) {
         let cell = self.cell(sample);
         self.cells[cell] = (self.stamp, value);
-    }
-}
-
-impl Neighbours {
-    /// A context number: each neighbour's state, `f` of its value (below `states - 1`) plus one, or 0 where there is none;
-    /// west counts least.
-    #[inline]
-    pub fn context(&self, states: usize, f: impl Fn(u32) -> usize) -> usize {
-        let state = |v: Option<u32>| v.map_or(0, |v| 1 + f(v));
-        ((state(self.ne) * states + state(self.nw)) * states + state(self.n)) * states + state(self.w)
     }
 }

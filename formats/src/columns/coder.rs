@@ -1,13 +1,13 @@
 //! Adaptive binary range coding, one code path for both directions.
 //!
-//! A column is described once, as a sequence of modelled bits; an [`Encoder`] takes each bit from the data, a [`Decoder`] gives
-//! it back. So reader and writer cannot disagree. The arithmetic is integer only.
+//! A column is described once, as a sequence of modelled bits; an [`Encoder`] takes each bit from the data, a
+//! [`Decoder`] gives it back. So reader and writer cannot disagree. The arithmetic is integer only.
 
-/// Initial and running state of one modelled bit: 22 bits of probability that the bit is set, 10 bits of how often it was seen.
+/// The model of one bit: the probability that it is set (22 bits) and how often it was seen (10 bits).
 #[derive(Clone, Copy, Debug)]
 pub struct Bit(u32);
 
-/// A bit has seen enough when its adaptation rate reaches 1 / (COUNT_MAX + 1.5).
+/// Observations that are counted. From then on the adaptation rate stays at 1 / (COUNT_MAX + 1.5).
 const COUNT_MAX: u32 = 254;
 /// Probabilities passed to the coder stay this far from 0 and 65536.
 const PROBABILITY_MARGIN: u32 = 24;
@@ -24,7 +24,7 @@ static RATES: [u32; COUNT_MAX as usize + 1] = {
 };
 
 impl Bit {
-    /// Nothing known.
+    /// Nothing is known: both values are equally likely.
     pub const EVEN: Self = Self::of(32_768, 0);
 
     /// A bit that is set with probability `p / 65536`, as if seen `count` times.
@@ -60,8 +60,8 @@ pub trait Coder {
     fn raw(&mut self, count: u32, value: u32) -> u32;
 }
 
-/// Renormalise when the range falls below this; it is then widened by 16 bits. One modelled bit takes at most 12 off it, so once
-/// is enough.
+/// Renormalise when the range falls below this; it is then widened by 16 bits. One modelled bit takes at most 12 off
+/// it, so once is enough.
 const RANGE_MIN: u64 = 1 << 32;
 const RANGE_START: u64 = (1 << 48) - 1;
 const LOW_MASK: u64 = (1 << 48) - 1;
@@ -241,7 +241,8 @@ impl<const N: usize> Symbol<N> {
 
 /// Models for numbers of any size: Elias-gamma with modelled length and modelled upper bits.
 ///
-/// `0` has length 0; a number of `n` bits has length `n`, its highest bit is implied, the next two are modelled, the rest raw.
+/// `0` has length 0; a number of `n` bits has length `n`, its highest bit is implied, the next two are modelled, the
+/// rest raw.
 #[derive(Clone, Debug)]
 pub struct Number {
     length: [Bit; 33],
@@ -343,6 +344,18 @@ mod tests {
             assert!(!decoder.bit(&mut rare, false));
             assert_eq!(decoder.bit(&mut even, false), i % 3 == 0);
         }
+    }
+
+    /// The last row of the table of check values in FORMAT.md.
+    #[test]
+    fn format_md_states_a_stream_of_numbers() {
+        let (mut coder, mut number) = (Encoder::default(), Number::default());
+        for value in [0, 1, 2, 7, 100, 65_535, 4_000_000_000, 0] {
+            number.code(&mut coder, value);
+        }
+        let stream: String = coder.finish().iter().map(|byte| format!("{byte:02X}")).collect();
+        let row = format!("| 0, 1, 2, 7, 100, 65535, 4000000000, 0 under one number model | {stream} |\n");
+        assert!(include_str!("../../FORMAT.md").contains(&row), "FORMAT.md lacks {row}");
     }
 
     #[test]

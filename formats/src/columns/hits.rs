@@ -1,40 +1,31 @@
 //! The hits column: triangle, `t` and shading normal of every hit.
 //!
-//! Given the triangle, `t` and the normal follow from the ray and the triangle by the functions that the tracer used, so they
-//! cost one well-predicted bit each; any other value is stored whole. A ray in turn follows from its parent's hit.
+//! Given the triangle, `t` and the normal follow from the ray and the triangle by the functions that the tracer used,
+//! so they cost one well-predicted bit each; any other value is stored whole. A ray in turn follows from its parent's
+//! hit.
 
-use super::classes::{ClassRays, Neighbours, Order, Raster};
+use super::classes::{ClassRays, CodingOrder, Neighbours, Raster};
 use super::coder::{Bit, Coder, Decoder, Encoder, Number, unzigzag, zigzag};
-use crate::bvh::Bvh;
 use crate::intersect::intersect;
-use crate::math::Vec3;
 use crate::oct::Oct;
-use crate::rays::{self, Ray, Surface};
-use crate::scene::Camera;
-use crate::scene::Rect;
-use crate::tile::{Hit, RayClass, Tree};
+use crate::rays::{Geometry, RayRebuilder};
+use crate::tile::Hit;
 
-/// What decoding rays needs beside the tile.
-#[derive(Clone, Copy, Debug)]
-pub struct Geometry<'a> {
-    /// The scene's triangles and materials.
-    pub bvh: &'a Bvh,
-    /// The frame's camera.
-    pub camera: Camera,
-}
-
-struct Models {
-    /// Is it this neighbour's triangle? By place in the list, number of neighbours left that agree, and their number.
+struct HitModels {
+    /// Is it this neighbour's triangle? By the neighbour's place in the list, how many from there on have the same
+    /// triangle, and how many are left.
     same: [[[Bit; 5]; 5]; 4],
+    /// Distance in leaf order from the first neighbour's triangle.
     distance: Number,
+    /// Distance from the triangle coded last, where no neighbour hit anything.
     distance_far: Number,
     t: Bit,
     normal: Bit,
 }
 
-impl Models {
+impl HitModels {
     fn new() -> Self {
-        // Prior: the predictions of `t` and normal hold.
+        // To begin with, the predictions of `t` and normal are taken to be right.
         let sure = Bit::of(65_000, 30);
         Self {
             same: [[[Bit::EVEN; 5]; 5]; 4],
@@ -45,7 +36,8 @@ impl Models {
         }
     }
 
-    /// Codes a triangle: one of the neighbours', or a distance in leaf order from the west's (or the last coded).
+    /// Codes a triangle: one of the neighbours', or its distance in leaf order from the first neighbour's, or from the
+    /// `last` one coded where there is no neighbour.
     fn triangle<C: Coder>(&mut self, coder: &mut C, near: &[u32], last: u32, triangle: u32) -> u32 {
         for (place, &candidate) in near.iter().enumerate() {
             if near[..place].contains(&candidate) {
@@ -79,23 +71,31 @@ impl Models {
 }
 
 /// Codes the hits of a tile; `hits` holds one entry a node.
-pub fn encode(order: &Order<'_>, hits: &[Hit], geometry: Geometry<'_>) -> Vec<u8> {
+///
+/// # Errors
+/// Says which triangle is not there.
+pub fn encode(order: &CodingOrder<'_>, hits: &[Hit], geometry: Geometry<'_>) -> Result<Vec<u8>, String> {
     let mut coder = Encoder::default();
-    code(&mut coder, order, hits, geometry).expect("the tracer's own hits are on triangles that exist");
-    coder.finish()
+    code(&mut coder, order, hits, geometry)?;
+    Ok(coder.finish())
 }
 
 /// Decodes the hits of a tile.
 ///
 /// # Errors
 /// Says which triangle is not there.
-pub fn decode(bytes: &[u8], order: &Order<'_>, geometry: Geometry<'_>) -> Result<Vec<Hit>, String> {
+pub fn decode(bytes: &[u8], order: &CodingOrder<'_>, geometry: Geometry<'_>) -> Result<Vec<Hit>, String> {
     code(&mut Decoder::new(bytes), order, &[], geometry)
 }
 
-fn code<C: Coder>(coder: &mut C, order: &Order<'_>, hits: &[Hit], geometry: Geometry<'_>) -> Result<Vec<Hit>, String> {
-    let Order { tree, rect, classes } = order;
-    let mut models = Models::new();
+fn code<C: Coder>(
+    coder: &mut C,
+    order: &CodingOrder<'_>,
+    hits: &[Hit],
+    geometry: Geometry<'_>,
+) -> Result<Vec<Hit>, String> {
+    let CodingOrder { tree, rect, classes } = order;
+    let mut models = HitModels::new();
     let mut raster = Raster::new(*rect);
     let mut rays = RayRebuilder::new(tree, *rect, geometry);
     let mut out = vec![Hit::MISS; tree.nodes.len()];
@@ -121,7 +121,7 @@ fn code<C: Coder>(coder: &mut C, order: &Order<'_>, hits: &[Hit], geometry: Geom
             let normal = geometry.bvh.shading_normal(triangle as usize, u, v);
             let normal = models.normal(coder, normal, given.normal);
             out[index] = Hit { triangle, t, normal };
-            // Only a child asks for the surface.
+            // Only children need the surface.
             if tree.nodes[index].reflect || tree.nodes[index].refract {
                 rays.hit(node, &out[index]);
             }
@@ -141,58 +141,4 @@ fn distinct_order(near: &Neighbours) -> ([u32; 4], usize) {
         count += 1;
     }
     (list, count)
-}
-
-/// Rebuilds the closest-hit rays of a tile as the hits that they hang on become known.
-#[derive(Debug)]
-pub struct RayRebuilder<'a> {
-    rect: Rect,
-    geometry: Geometry<'a>,
-    parents: Vec<u32>,
-    /// Per node its ray, and the surface that it hit.
-    rays: Vec<Option<Ray>>,
-    surfaces: Vec<Option<(Surface, u32)>>,
-}
-
-impl<'a> RayRebuilder<'a> {
-    /// Nothing is known yet but the shape of the trees.
-    pub fn new(tree: &Tree, rect: Rect, geometry: Geometry<'a>) -> Self {
-        let nodes = tree.nodes.len();
-        Self { rect, geometry, parents: tree.parents(), rays: vec![None; nodes], surfaces: vec![None; nodes] }
-    }
-
-    /// The ray of node `node`, whose parent's hit must be known. A stored tree can ask for a refraction where there is none;
-    /// the ray then goes straight on.
-    pub fn ray(&mut self, sample: u32, class: RayClass, node: u32) -> Ray {
-        let ray = match self.parent_surface(class, node) {
-            None => {
-                let (x, y) = (sample % self.rect.width, sample / self.rect.width);
-                rays::primary(&self.geometry.camera, self.rect.x + x, self.rect.y + y)
-            }
-            Some((direction, surface, triangle)) if class.0 % 2 == 1 => {
-                let ior = self.geometry.bvh.material(triangle as usize).ior;
-                let straight = Ray { origin: surface.point, direction, t_max: f32::MAX };
-                rays::refraction(&surface, direction, ior).unwrap_or(straight)
-            }
-            Some((direction, surface, _)) => rays::reflection(&surface, direction),
-        };
-        self.rays[node as usize] = Some(ray);
-        ray
-    }
-
-    fn parent_surface(&self, class: RayClass, node: u32) -> Option<(Vec3, Surface, u32)> {
-        class.parent()?;
-        let parent = self.parents[node as usize] as usize;
-        let (surface, triangle) = self.surfaces[parent]?;
-        Some((self.rays[parent]?.direction, surface, triangle))
-    }
-
-    /// Notes where the ray of `node` ended, and gives the surface there.
-    pub fn hit(&mut self, node: u32, hit: &Hit) -> Option<Surface> {
-        let ray = self.rays[node as usize]?;
-        let corners = self.geometry.bvh.corners(hit.triangle as usize);
-        let surface = rays::surface(&ray, hit.t, corners, hit.normal);
-        self.surfaces[node as usize] = Some((surface, hit.triangle));
-        Some(surface)
-    }
 }

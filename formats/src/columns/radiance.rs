@@ -1,27 +1,27 @@
 //! The radiance column: local colours and child weights, all half floats.
 //!
-//! Weights follow from material and angle, so each costs one well-predicted bit. Colours are predicted from the neighbours that
-//! hit the same object under the same lights; half-float patterns are close to logarithms, so shading that scales all channels
-//! moves them alike, and red and blue are predicted to move as green did.
+//! Weights follow from material and angle, so each costs one well-predicted bit. Colours are predicted from the
+//! neighbours that hit the same object under the same lights. The bit patterns of half floats are close to logarithms:
+//! shading that scales all channels moves the patterns alike. So red and blue are predicted to differ from their
+//! neighbours as green did.
 
-use super::classes::{ClassRays, Neighbours, Order, Raster};
+use super::classes::{ClassRays, CodingOrder, Neighbours, Raster};
 use super::coder::{Bit, Coder, Decoder, Encoder, Number};
-use super::hits::{Geometry, RayRebuilder};
 use crate::half::Half3;
-use crate::rays::children;
+use crate::rays::{Geometry, RayRebuilder, children};
 use crate::tile::{Hit, Radiance, Tree};
 
-/// Contexts by the size of the neighbours' residuals.
+/// Number of contexts by activity: how large the residuals of the neighbours were, as a number of bits.
 const ACTIVITIES: usize = 14;
 
-struct Models {
-    /// Per channel, prediction quality and activity.
+struct RadianceModels {
+    /// Magnitudes of residuals, per channel, trust in the prediction, and activity.
     residual: Vec<Number>,
     sign: [[Bit; 3]; 3],
     weight: [Bit; 2],
 }
 
-impl Models {
+impl RadianceModels {
     fn new() -> Self {
         Self {
             residual: vec![Number::default(); 3 * 3 * ACTIVITIES],
@@ -50,7 +50,7 @@ impl Models {
 }
 
 /// Codes the radiance of a tile; both slices hold one entry a node.
-pub fn encode(order: &Order<'_>, hits: &[Hit], radiance: &[Radiance], geometry: Geometry<'_>) -> Vec<u8> {
+pub fn encode(order: &CodingOrder<'_>, hits: &[Hit], radiance: &[Radiance], geometry: Geometry<'_>) -> Vec<u8> {
     let mut coder = Encoder::default();
     code(&mut coder, order, hits, radiance, geometry);
     coder.finish()
@@ -60,7 +60,12 @@ pub fn encode(order: &Order<'_>, hits: &[Hit], radiance: &[Radiance], geometry: 
 ///
 /// # Errors
 /// Says so when a value is not a non-negative finite number.
-pub fn decode(bytes: &[u8], order: &Order<'_>, hits: &[Hit], geometry: Geometry<'_>) -> Result<Vec<Radiance>, String> {
+pub fn decode(
+    bytes: &[u8],
+    order: &CodingOrder<'_>,
+    hits: &[Hit],
+    geometry: Geometry<'_>,
+) -> Result<Vec<Radiance>, String> {
     let radiance = code(&mut Decoder::new(bytes), order, hits, &[], geometry);
     let valid = |r: &Radiance| r.local.is_valid() && r.reflect.is_valid() && r.refract.is_valid();
     if radiance.iter().all(valid) { Ok(radiance) } else { Err("a colour is negative or not finite".into()) }
@@ -68,13 +73,13 @@ pub fn decode(bytes: &[u8], order: &Order<'_>, hits: &[Hit], geometry: Geometry<
 
 fn code<C: Coder>(
     coder: &mut C,
-    order: &Order<'_>,
+    order: &CodingOrder<'_>,
     hits: &[Hit],
     radiance: &[Radiance],
     geometry: Geometry<'_>,
 ) -> Vec<Radiance> {
-    let Order { tree, rect, classes } = order;
-    let mut models = Models::new();
+    let CodingOrder { tree, rect, classes } = order;
+    let mut models = RadianceModels::new();
     let mut raster = Raster::new(*rect);
     let mut rebuilt = RayRebuilder::new(tree, *rect, geometry);
     let mut out = vec![Radiance::default(); tree.nodes.len()];
@@ -90,7 +95,7 @@ fn code<C: Coder>(
             (out[index].local, sizes[index]) = colour(coder, &mut models, &prediction, given.local);
             raster.set(sample, node);
             let shape = &tree.nodes[index];
-            // Rays are rebuilt along the trees as far as there are weights.
+            // Only rays with children have weights, and weights need the ray.
             if !(shape.reflect || shape.refract) {
                 continue;
             }
@@ -111,7 +116,7 @@ fn code<C: Coder>(
     out
 }
 
-/// A colour to expect, how much to trust it (2 best), and the size of the residuals around.
+/// A colour to expect, how far to trust it (2 most), and the activity around.
 struct Prediction {
     colour: [i32; 3],
     trust: usize,
@@ -128,9 +133,9 @@ fn predict(
     sizes: &[u32],
 ) -> Prediction {
     let object = |n: usize| if tree.nodes[n].hit { surface_of(geometry, &hits[n]) } else { (u32::MAX, 0) };
-    let own = object(index);
+    let here = object(index);
     let alike = |n: Option<u32>| {
-        n.map(|n| n as usize).filter(|&n| object(n) == own && tree.nodes[n].shadows == tree.nodes[index].shadows)
+        n.map(|n| n as usize).filter(|&n| object(n) == here && tree.nodes[n].shadows == tree.nodes[index].shadows)
     };
     let values = |n: usize| out[n].local.0.map(i32::from);
     let (w, n, nw, ne) = (alike(near.w), alike(near.n), alike(near.nw), alike(near.ne));
@@ -171,7 +176,7 @@ fn median_edge(w: i32, n: i32, nw: i32) -> i32 {
 }
 
 /// Codes a colour; gives it and the magnitude of its green residual.
-fn colour<C: Coder>(coder: &mut C, models: &mut Models, prediction: &Prediction, given: Half3) -> (Half3, u32) {
+fn colour<C: Coder>(coder: &mut C, models: &mut RadianceModels, prediction: &Prediction, given: Half3) -> (Half3, u32) {
     let context = prediction.trust * ACTIVITIES + prediction.activity;
     let mut result = [0u16; 3];
     let mut green = 0;

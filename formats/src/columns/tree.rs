@@ -1,24 +1,25 @@
 //! The tree column: which rays there are and what shadow rays found.
 
-use super::classes::{ClassRays, Order, Raster};
+use super::classes::{ClassRays, CodingOrder, Raster};
 use super::coder::{Bit, Coder, Decoder, Encoder, Symbol};
 use crate::limits::Limits;
 use crate::scene::Rect;
 use crate::tile::{MAX_DEPTH, RayClass, RayKind, RayNode, Shadows, Tree};
 
-/// Contexts of a node's own state: four neighbours, three states each, per kind of ray.
+/// Contexts of whether a ray hits: four neighbours of three states (absent, miss, hit), per kind of ray.
 const HIT_CONTEXTS: usize = 3 * 81;
-/// Contexts of shadow states and children: W, N and NW of five states, per kind of ray.
+/// Contexts of children and of shadow states: the neighbours W, N and NW of five states (absent, or one of four), per
+/// kind of ray.
 const STATE_CONTEXTS: usize = 3 * 125;
 
-struct Models {
+struct TreeModels {
     hit: Vec<Bit>,
     children: Vec<Symbol<4>>,
     /// Per light.
     shadows: Vec<Vec<Symbol<4>>>,
 }
 
-impl Models {
+impl TreeModels {
     fn new(lights: usize) -> Self {
         Self {
             hit: vec![Bit::EVEN; HIT_CONTEXTS],
@@ -27,7 +28,7 @@ impl Models {
         }
     }
 
-    /// Codes one node under its neighbours, given as nodes of the same class.
+    /// Codes one node, given the neighbouring nodes of its class.
     fn code<C: Coder>(&mut self, coder: &mut C, near: &[Option<RayNode>; 4], mut node: RayNode) -> RayNode {
         let kind = match node.class.kind() {
             RayKind::Primary => 0,
@@ -59,9 +60,9 @@ fn nodes_near(raster: &Raster, sample: u32, nodes: impl Fn(u32) -> RayNode) -> [
 }
 
 /// Codes a tree of `lights` lights.
-pub fn encode(order: &Order<'_>, lights: usize) -> Vec<u8> {
-    let Order { tree, rect, classes } = order;
-    let (mut coder, mut models, mut raster) = (Encoder::default(), Models::new(lights), Raster::new(*rect));
+pub fn encode(order: &CodingOrder<'_>, lights: usize) -> Vec<u8> {
+    let CodingOrder { tree, rect, classes } = order;
+    let (mut coder, mut models, mut raster) = (Encoder::default(), TreeModels::new(lights), Raster::new(*rect));
     for ClassRays { rays, .. } in classes {
         raster.clear();
         for &(sample, node) in rays {
@@ -78,7 +79,7 @@ pub fn encode(order: &Order<'_>, lights: usize) -> Vec<u8> {
 /// # Errors
 /// Says which limit a hostile stream would break.
 pub fn decode(bytes: &[u8], rect: Rect, lights: usize, max_depth: u32, limits: &Limits) -> Result<Tree, String> {
-    let (mut coder, mut models, mut raster) = (Decoder::new(bytes), Models::new(lights), Raster::new(rect));
+    let (mut coder, mut models, mut raster) = (Decoder::new(bytes), TreeModels::new(lights), Raster::new(rect));
     let max_depth = max_depth.min(MAX_DEPTH);
     // Samples that have a ray of each class, filled by the parent class.
     let mut waiting: Vec<Vec<u32>> = vec![Vec::new(); 1 << (max_depth + 1)];
@@ -113,7 +114,8 @@ pub fn decode(bytes: &[u8], rect: Rect, lights: usize, max_depth: u32, limits: &
 
 /// Sorts nodes that were found class by class into samples, each depth first.
 fn depth_first(mut found: Vec<(u32, RayNode)>, samples: usize) -> Tree {
-    // Left-aligned, a heap number sorts ancestors and reflections first; at equal bits the shorter one is the ancestor.
+    // Shifted to the left end, the bits of a class are its way from the root. So ways sort depth first, reflections
+    // before refractions; of two equal ones the class with fewer bits is the ancestor.
     found.sort_by_key(|(sample, node)| (*sample, node.class.0 << node.class.0.leading_zeros(), node.class.0));
     let mut first = Vec::with_capacity(samples + 1);
     let mut at = 0;

@@ -6,11 +6,11 @@ use std::path::{Path, PathBuf};
 
 use super::chunk_header::{CHUNK_HEADER_LEN, ChunkHeader, ChunkRecord, ENCODING_STORED, ENCODING_ZSTD, HeaderFault};
 use super::encoding::decompress;
-use super::id::ChunkKind;
 use super::source::{FileSource, Source};
 use super::tile::{ColumnInfo, TileDirectory};
 use super::wire::Mismatch;
-use crate::error::{Checked, Error, Place, Result, check_limit};
+use crate::error::{Checked, Error, Fault, Place, Result, Unknown, check_limit};
+use crate::id::ChunkKind;
 use crate::limits::Limits;
 
 /// First step of memory growth when reading, in bytes; each further step at most doubles what has arrived.
@@ -99,7 +99,7 @@ impl ChunkFile {
 
     /// Exactly `len` bytes from `offset`. Memory grows in steps with the bytes that arrive.
     pub(crate) fn bytes(&self, offset: u64, len: u64) -> Result<Vec<u8>> {
-        let truncated = |available| Error::Truncated { place: self.place(offset), needed: len, available };
+        let truncated = |available| Error::damaged(self.place(offset), Fault::Truncated { needed: len, available });
         let available = self.len.saturating_sub(offset);
         if len > available {
             return Err(truncated(available));
@@ -121,13 +121,13 @@ impl ChunkFile {
         Ok(bytes)
     }
 
-    /// Reads the header of a chunk and the first `len` bytes of its payload in one go, and checks the header against the
-    /// record. Gives the payload bytes.
+    /// Reads the header of a chunk and the first `len` bytes of its payload in one go, and checks the header against
+    /// the record. Gives the payload bytes.
     fn header_and(&self, record: &ChunkRecord, len: u64) -> Result<Vec<u8>> {
         let place = self.place(record.offset).of(record.id);
         if record.end() > self.len {
             let available = self.len.saturating_sub(record.offset);
-            return Err(Error::Truncated { place, needed: record.total_len(), available });
+            return Err(Error::damaged(place, Fault::Truncated { needed: record.total_len(), available }));
         }
         let mut bytes = self.bytes(record.offset, CHUNK_HEADER_LEN.saturating_add(len)).map_err(|e| e.at(&place))?;
         match ChunkHeader::parse(&bytes) {
@@ -164,7 +164,7 @@ impl ChunkFile {
         let stored = match record.encoding {
             ENCODING_STORED => true,
             ENCODING_ZSTD => false,
-            encoding => return Err(Error::UnsupportedEncoding { place, encoding }),
+            encoding => return Err(Error::unknown(place, Unknown::Encoding(encoding))),
         };
         if stored && record.raw_len != record.packed_len {
             return Err(Error::corrupt(place, "a stored chunk has two different lengths"));
@@ -235,7 +235,7 @@ impl ChunkFile {
         }
         if record.encoding != ENCODING_STORED {
             let place = self.place(record.offset).of(record.id);
-            return Err(Error::UnsupportedEncoding { place, encoding: record.encoding });
+            return Err(Error::unknown(place, Unknown::Encoding(record.encoding)));
         }
         Ok(())
     }
@@ -255,5 +255,5 @@ fn check_crc(bytes: &[u8], stored: u32, part: Checked, place: Place) -> Result<(
 }
 
 pub(crate) fn mismatch(place: Place, part: Checked, Mismatch { stored, computed }: Mismatch) -> Error {
-    Error::ChecksumMismatch { place, part, stored, computed }
+    Error::damaged(place, Fault::Checksum { part, stored, computed })
 }

@@ -1,7 +1,7 @@
 //! The 48 bytes in front of every payload, and the record of a chunk that the index keeps.
 
-use super::id::{ChunkId, ChunkKind};
 use super::wire::{Fields, Mismatch, push_crc, split_crc};
+use crate::id::{ChunkId, ChunkKind};
 
 /// The first bytes of a chunk header. A repair looks for them; the first is in no ASCII or UTF-8 text.
 pub(crate) const SYNC: [u8; 4] = *b"\xf5RRC";

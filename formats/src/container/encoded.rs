@@ -2,9 +2,9 @@
 
 use super::chunk_header::ChunkHeader;
 use super::encoding::{Encoding, compress};
-use super::id::{ChunkId, ChunkKind};
 use super::tile::{ColumnEntry, TileDirectory, encode_tile};
 use crate::error::{Error, Place, Result};
+use crate::id::{ChunkId, ChunkKind};
 use crate::limits::Limits;
 
 /// A packed payload with its header. Make these in parallel, then hand them to the writer in order.

@@ -26,7 +26,7 @@ impl Encoding {
 
 /// A decoder gets at least this window whatever the content: 8 MiB, which RFC 8878 asks every decoder to support.
 const WINDOW_LOG_MIN: u32 = 23;
-/// And never more than this: 128 MiB, the most that zstd's own levels use.
+/// And never more than this: 128 MiB, the most that any level of zstd uses.
 const WINDOW_LOG_MAX: u32 = 27;
 
 /// First step of memory growth in bytes; small payloads need no second.
@@ -37,7 +37,7 @@ const STEP: usize = 1 << 20;
 /// Runs on the calling thread only, because zstd's output depends on whether it uses workers.
 ///
 /// # Errors
-/// [`Error::Usage`] for a level outside 1 to 22; [`Error::Decode`] if zstd itself fails.
+/// [`Error::Usage`] for a level outside 1 to 22; [`Error::Damaged`] if zstd itself fails.
 pub(crate) fn compress(raw: &[u8], level: i32) -> Result<Vec<u8>> {
     if !(1..=22).contains(&level) {
         return Err(Error::usage(format!("zstd level {level} is outside 1 to 22")));

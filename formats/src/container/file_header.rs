@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
-use super::FormatVersion;
 use super::wire::{Fields, push_crc, split_crc};
-use crate::error::{Checked, Error, Place, Result};
+use crate::error::{Checked, Error, Fault, Place, Result, Unknown};
+use crate::id::FormatVersion;
 
 /// Not ASCII, with both kinds of line ending: a transfer in text mode breaks it at once.
 pub(crate) const MAGIC: [u8; 8] = *b"\x89RRT\r\n\x1a\n";
@@ -40,24 +40,23 @@ impl FileHeader {
     pub(crate) fn parse(bytes: &[u8], path: &Path) -> Result<Self> {
         let known = bytes.len().min(MAGIC.len());
         if bytes[..known] != MAGIC[..known] || bytes.is_empty() {
-            return Err(Error::NotATrace { path: path.to_path_buf() });
+            return Err(not_a_trace(path));
         }
         let Some(bytes) = bytes.get(..FILE_HEADER_LEN) else {
             let (needed, available) = (FILE_HEADER_LEN as u64, bytes.len() as u64);
-            return Err(Error::Truncated { place: Place::new(path, 0), needed, available });
+            return Err(Error::damaged(Place::new(path, 0), Fault::Truncated { needed, available }));
         };
         let body = match split_crc(bytes) {
             Some(Ok(body)) => body,
             Some(Err(bad)) => {
                 let (stored, computed, part) = (bad.stored, bad.computed, Checked::FileHeader);
-                return Err(Error::ChecksumMismatch { place: Place::new(path, 0), part, stored, computed });
+                return Err(Error::damaged(Place::new(path, 0), Fault::Checksum { part, stored, computed }));
             }
             None => {
-                return Err(Error::NotATrace { path: path.to_path_buf() });
+                return Err(not_a_trace(path));
             }
         };
-        Self::parse_body(&body[MAGIC.len()..], path)
-            .unwrap_or_else(|| Err(Error::NotATrace { path: path.to_path_buf() }))
+        Self::parse_body(&body[MAGIC.len()..], path).unwrap_or_else(|| Err(not_a_trace(path)))
     }
 
     /// The fields after the magic; `None` if there are too few bytes.
@@ -67,7 +66,7 @@ impl FileHeader {
         let len = fields.u32()?;
         let known = FormatVersion::CURRENT;
         if version.major != known.major {
-            return Some(Err(Error::UnsupportedVersion { path: path.to_path_buf(), found: version, known }));
+            return Some(Err(Error::unknown(Place::new(path, 0), Unknown::Version { found: version, known })));
         }
         let len_max = match version.minor > known.minor {
             true => FILE_HEADER_LEN_MAX,
@@ -79,4 +78,9 @@ impl FileHeader {
         }
         Some(Ok(Self { version, len: u64::from(len) }))
     }
+}
+
+/// The file does not start as a trace does.
+pub(crate) fn not_a_trace(path: &Path) -> Error {
+    Error::unknown(Place::new(path, 0), Unknown::File)
 }

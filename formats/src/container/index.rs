@@ -1,9 +1,9 @@
 //! The index: a table of all chunks of a file, and the totals of its columns.
 
 use super::chunk_header::{CHUNK_HEADER_LEN, ChunkRecord};
-use super::id::{ChunkId, ChunkKind};
 use super::tile::TileDirectory;
 use super::wire::Fields;
+use crate::id::{ChunkId, ChunkKind};
 
 /// Bytes before the entries.
 const INDEX_FIXED_LEN: u64 = 16;
@@ -112,8 +112,8 @@ impl Index {
         Ok(index)
     }
 
-    /// Checks that the chunks fill the file from `start` to `end` without gap or overlap, that each is well formed, and that
-    /// the totals add up.
+    /// Checks that the chunks fill the file from `start` to `end` without gap or overlap, that each is well formed, and
+    /// that the totals add up.
     ///
     /// # Errors
     /// The first chunk at fault, or the end of the chunks, and a sentence on what is wrong.

@@ -2,16 +2,15 @@
 
 use std::path::Path;
 
-use super::FormatVersion;
 use super::chunk_file::{ChunkFile, TilePayload, mismatch};
 use super::chunk_header::{CHUNK_HEADER_LEN, ChunkHeader, ChunkRecord, ENCODING_ZSTD, HeaderFault};
 use super::file_header::{FILE_HEADER_LEN, FileHeader};
-use super::id::{ChunkId, ChunkKind};
 use super::index::{ColumnTotals, Index};
 use super::source::{MemorySource, Source};
 use super::tile::TileDirectory;
 use super::trailer::{TRAILER_LEN, Trailer, TrailerFault};
-use crate::error::{Checked, Error, Result, check_limit};
+use crate::error::{Checked, Error, Missing, Result, check_limit};
+use crate::id::{ChunkId, ChunkKind, FormatVersion};
 use crate::limits::Limits;
 
 /// What [`Reader::path`] gives for bytes in memory.
@@ -33,8 +32,8 @@ impl Reader {
     /// Opens a file.
     ///
     /// # Errors
-    /// [`Error::NotATrace`], [`Error::UnsupportedVersion`]; [`Error::MissingIndex`] for an unfinished file;
-    /// [`Error::Truncated`], [`Error::ChecksumMismatch`], [`Error::Corrupt`], [`Error::LimitExceeded`]; [`Error::Io`].
+    /// [`Error::Incomplete`] for an unfinished file; [`Error::Unsupported`], [`Error::Damaged`],
+    /// [`Error::LimitExceeded`], [`Error::Io`].
     pub fn open(path: &Path, limits: Limits) -> Result<Self> {
         Self::from_file(ChunkFile::open(path, limits)?)
     }
@@ -114,7 +113,7 @@ impl Reader {
     /// The chunk with this id.
     ///
     /// # Errors
-    /// [`Error::MissingChunk`].
+    /// [`Error::Incomplete`].
     pub fn require(&self, id: ChunkId) -> Result<&ChunkRecord> {
         self.find(id).ok_or_else(|| Error::missing(self.path(), id))
     }
@@ -122,8 +121,8 @@ impl Reader {
     /// The payload of a chunk, unpacked. Header, checksum and length are checked.
     ///
     /// # Errors
-    /// [`Error::ChecksumMismatch`], [`Error::Corrupt`], [`Error::LimitExceeded`], [`Error::UnsupportedEncoding`],
-    /// [`Error::Truncated`] if the file or the record is not what it was; [`Error::Io`].
+    /// [`Error::Damaged`], also if the file or the record is not what it was; [`Error::Unsupported`],
+    /// [`Error::LimitExceeded`], [`Error::Io`].
     pub fn read(&self, record: &ChunkRecord) -> Result<Vec<u8>> {
         self.file.read(record, self.limits().max_chunk_raw_bytes)
     }
@@ -144,8 +143,8 @@ impl Reader {
         self.file.read_column(record, directory, id)
     }
 
-    /// Says that these columns of a tile will be read next: from far away they then come in one request, with those between
-    /// them. Needless for a local file.
+    /// Says that these columns of a tile will be read next: from far away they then come in one request, with those
+    /// between them. Needless for a local file.
     ///
     /// # Errors
     /// [`Error::Io`].
@@ -171,7 +170,7 @@ pub(crate) fn read_file_header(file: &ChunkFile) -> Result<FileHeader> {
 
 /// The trailer and its offset. A file without one was not finished, or lost its end.
 fn read_trailer(file: &ChunkFile) -> Result<(Trailer, u64)> {
-    let missing = || Error::MissingIndex { path: file.path().to_path_buf() };
+    let missing = || Error::Incomplete { path: file.path().to_path_buf(), missing: Missing::Index };
     let offset = file.len().checked_sub(TRAILER_LEN as u64).ok_or_else(missing)?;
     let mut bytes = [0; TRAILER_LEN];
     if file.fill(offset, &mut bytes)? < TRAILER_LEN {
@@ -184,7 +183,8 @@ fn read_trailer(file: &ChunkFile) -> Result<(Trailer, u64)> {
     }
 }
 
-/// The record of the index, after checks that bound the memory it can take: every chunk it lists has a header in the file.
+/// The record of the index, after checks that bound the memory it can take: every chunk it lists has a header in the
+/// file.
 fn index_record(file: &ChunkFile, header: &FileHeader, trailer: &Trailer, trailer_offset: u64) -> Result<ChunkRecord> {
     let corrupt = |detail: &str| Error::corrupt(file.place(trailer_offset), detail);
     if trailer.index_offset < header.len || trailer.index_offset.checked_add(trailer.index_len) != Some(trailer_offset)

@@ -4,15 +4,14 @@ use std::collections::{BTreeSet, HashSet};
 use std::fs::{self, OpenOptions};
 use std::path::Path;
 
-use super::FormatVersion;
 use super::chunk_file::ChunkFile;
 use super::chunk_header::{CHUNK_HEADER_LEN, ChunkHeader, ChunkRecord};
-use super::id::{ChunkId, ChunkKind, NONE};
 use super::index::Index;
 use super::scan::{DamagedRange, Scan, scan_file};
 use super::walk::STEP;
 use super::writer::{Writer, lock, with_suffix};
-use crate::error::{Error, Result};
+use crate::error::{Error, Occupant, Result};
+use crate::id::{ChunkId, ChunkKind, FormatVersion, NONE};
 use crate::limits::Limits;
 
 /// What a repair did.
@@ -26,8 +25,8 @@ pub struct RepairReport {
     pub duplicates: u64,
     /// What could not be used of the old file.
     pub damaged: Vec<DamagedRange>,
-    /// Chunks known to have been in the old file, from its index or from headers in damaged ranges, that are not in the new
-    /// one; sorted. If the index was lost, there may be others.
+    /// Chunks known to have been in the old file, from its index or from headers in damaged ranges, that are not in the
+    /// new one; sorted. If the index was lost, there may be others.
     pub lost: Vec<ChunkId>,
     /// Whether the old file had a whole index, so that `lost` is complete.
     pub had_index: bool,
@@ -35,15 +34,15 @@ pub struct RepairReport {
     pub version: FormatVersion,
 }
 
-/// Copies every whole chunk of `input` to the new file `output`, in canonical order: `META`, `BVH `, then frame by frame its
-/// `FRAM` and its tiles. Chunks are copied as they are, those of unknown kinds too. `input` is only read.
+/// Copies every whole chunk of `input` to the new file `output`, in canonical order: `META`, `BVH `, then frame by
+/// frame its `FRAM` and its tiles. Chunks are copied as they are, those of unknown kinds too. `input` is only read.
 ///
 /// Works on finished files, `NAME.partial`, truncated and damaged files. Until it is done, the output is
 /// `OUTPUT.repairing`, which is removed if the repair fails.
 ///
 /// # Errors
-/// [`Error::Usage`] if input and output are the same file; [`Error::AlreadyExists`] if there is an output; the errors of
-/// [`scan`](super::scan()); [`Error::Corrupt`] if no chunk is whole.
+/// [`Error::Usage`] if input and output are the same file; [`Error::Occupied`] if there is an output; the errors of
+/// [`scan`](super::scan()); [`Error::Damaged`] if no chunk is whole.
 pub fn repair(input: &Path, output: &Path, limits: &Limits) -> Result<RepairReport> {
     refuse_existing(input, output)?;
     let file = ChunkFile::open(input, limits.clone())?;
@@ -60,7 +59,7 @@ pub fn repair(input: &Path, output: &Path, limits: &Limits) -> Result<RepairRepo
         .and_then(|mut writer| kept.iter().try_for_each(|record| writer.copy(&file, record)).map(|()| writer))
         .and_then(Writer::finish)
         .inspect_err(|error| {
-            if !matches!(error, Error::Busy { .. }) {
+            if !matches!(error, Error::Occupied { .. }) {
                 fs::remove_file(&temporary).ok();
             }
         })?;
@@ -82,7 +81,7 @@ fn refuse_existing(input: &Path, output: &Path) -> Result<()> {
     if fs::canonicalize(input).is_ok_and(|input| input == existing) {
         return Err(Error::usage("a file cannot be repaired in place; name another output"));
     }
-    Err(Error::AlreadyExists { path: output.to_path_buf(), hint: "name another output, or delete this file" })
+    Err(Error::occupied(output, Occupant::File { hint: "name another output, or delete this file" }))
 }
 
 /// The first chunk of every id in canonical order, and the number of chunks left out.
@@ -126,7 +125,7 @@ fn lost(kept: &[ChunkRecord], scan: &Scan, expected: Option<&[ChunkId]>) -> Vec<
     lost.into_iter().collect()
 }
 
-/// A writer whose unfinished file has a name of its own: `OUTPUT.partial` may well be the input.
+/// A writer of `temporary`. Its unfinished file is not `OUTPUT.partial`, since that may be the input.
 fn create(temporary: &Path, output: &Path, version: FormatVersion) -> Result<Writer> {
     let io = |error| Error::io(temporary, "create", error);
     let mut options = OpenOptions::new();

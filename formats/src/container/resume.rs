@@ -5,17 +5,16 @@ use std::fs::{File, OpenOptions};
 use std::io::{self, BufWriter, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
-use super::FormatVersion;
 use super::chunk_file::{ChunkFile, TilePayload};
 use super::chunk_header::ChunkRecord;
 use super::file_header::FILE_HEADER_LEN;
-use super::id::ChunkKind;
 use super::index::Index;
 use super::reader::read_file_header;
 use super::tile::TileDirectory;
 use super::walk::{Verdict, judge};
 use super::writer::{BUFFER_LEN, Writer, lock, partial_path};
-use crate::error::{Error, Result, check_limit};
+use crate::error::{Error, Fault, Place, Result, Unknown, check_limit};
+use crate::id::{ChunkId, ChunkKind, FormatVersion};
 use crate::limits::Limits;
 
 /// An unfinished file that can be read and continued.
@@ -65,14 +64,15 @@ impl Resumed {
 }
 
 impl Writer {
-    /// Continues `NAME.partial`, if there is one. The first byte that belongs to no whole chunk, and all that follow it, are
-    /// cut off: a killed process leaves only its last chunks torn. (After worse damage, [`repair`](super::repair()) saves more.)
+    /// Continues `NAME.partial`, if there is one. The first byte that belongs to no whole chunk, and all that follow
+    /// it, are cut off: a killed process leaves only its last chunks torn. (After worse damage,
+    /// [`repair`](super::repair()) saves more.)
     ///
     /// The chunks written next give the same file, byte for byte, as if nothing had happened.
     ///
     /// # Errors
-    /// [`Error::Busy`] if another process is writing the file; [`Error::NotATrace`], [`Error::ChecksumMismatch`] if its header
-    /// is damaged; [`Error::UnsupportedVersion`] if a newer version began it; [`Error::LimitExceeded`]; [`Error::Io`].
+    /// [`Error::Occupied`] if another process is writing the file; [`Error::Damaged`] if its header is;
+    /// [`Error::Unsupported`] if it is no trace or a newer version began it; [`Error::LimitExceeded`]; [`Error::Io`].
     pub fn resume(path: &Path, limits: &Limits) -> Result<Option<Resumed>> {
         let partial = partial_path(path)?;
         let file = match OpenOptions::new().read(true).write(true).open(&partial) {
@@ -95,7 +95,7 @@ impl Writer {
         let header = read_file_header(&found)?;
         let known = FormatVersion::CURRENT;
         if header.version > known {
-            return Err(Error::UnsupportedVersion { path: partial, found: header.version, known });
+            return Err(Error::unknown(Place::new(&partial, 0), Unknown::Version { found: header.version, known }));
         }
         let (index, ids, offset) = whole_chunks(&found, header.len)?;
         let dropped_bytes = found.len() - offset;
@@ -113,14 +113,14 @@ fn header_is_torn(file: &ChunkFile) -> Result<bool> {
         return Ok(true);
     }
     match read_file_header(file) {
-        Err(Error::Truncated { .. }) if file.len() < FILE_HEADER_LEN as u64 => Ok(true),
+        Err(Error::Damaged { fault: Fault::Truncated { .. }, .. }) if file.len() < FILE_HEADER_LEN as u64 => Ok(true),
         _ => Ok(false),
     }
 }
 
-/// The chunks from `offset` up to the first that is not whole, and where that is. The index counts as not whole: it would have
-/// to move.
-fn whole_chunks(file: &ChunkFile, mut offset: u64) -> Result<(Index, HashSet<super::ChunkId>, u64)> {
+/// The chunks from `offset` up to the first that is not whole, and where that is. The index counts as not whole: it
+/// would have to move.
+fn whole_chunks(file: &ChunkFile, mut offset: u64) -> Result<(Index, HashSet<ChunkId>, u64)> {
     let (mut index, mut ids, mut buffer) = (Index::default(), HashSet::new(), Vec::new());
     while let Verdict::Whole(record, directory) = judge(file, offset, &mut buffer)? {
         if record.id.kind == ChunkKind::INDX || (!ids.insert(record.id) && record.id.kind.is_known()) {

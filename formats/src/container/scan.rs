@@ -2,15 +2,15 @@
 
 use std::path::Path;
 
-use super::FormatVersion;
 use super::chunk_file::ChunkFile;
 use super::chunk_header::{CHUNK_HEADER_LEN, ChunkRecord};
-use super::id::{ChunkId, ChunkKind};
+use super::file_header::not_a_trace;
 use super::reader::read_file_header;
 use super::source::Source;
 use super::trailer::{TRAILER_LEN, Trailer};
 use super::walk::{Verdict, find_header, judge};
-use crate::error::{Error, Result, check_limit};
+use crate::error::{Error, Result, Unknown, check_limit};
+use crate::id::{ChunkId, ChunkKind, FormatVersion};
 use crate::limits::Limits;
 
 /// Bytes of a file that belong to no whole chunk.
@@ -42,7 +42,8 @@ pub struct Scan {
 }
 
 impl Scan {
-    /// Whether every byte of the file is where it should be. (The index is not compared with the chunks; opening the file does.)
+    /// Whether every byte of the file is where it should be. (The index is not compared with the chunks; opening the
+    /// file does.)
     pub fn is_whole(&self) -> bool {
         self.damaged.is_empty() && self.version.is_some() && self.index.is_some() && self.has_trailer
     }
@@ -53,11 +54,11 @@ impl Scan {
     }
 }
 
-/// Walks through a file chunk by chunk. Over damage, it looks for the next whole chunk header. Reads every byte, and some twice;
-/// time grows with the length of the file whatever it holds.
+/// Walks through a file chunk by chunk. Over damage, it looks for the next whole chunk header. Reads every byte, and
+/// some twice; time grows with the length of the file whatever it holds.
 ///
 /// # Errors
-/// [`Error::NotATrace`] if neither the file header nor any chunk is whole; [`Error::UnsupportedVersion`];
+/// [`Error::Unsupported`] if neither the file header nor any chunk is whole, or for another major version;
 /// [`Error::LimitExceeded`] for a whole header that asks for too much; [`Error::Io`]. Damage is not an error.
 pub fn scan(path: &Path, limits: &Limits) -> Result<Scan> {
     scan_file(&ChunkFile::open(path, limits.clone())?)
@@ -74,7 +75,9 @@ pub fn scan_source(source: Box<dyn Source>, path: &Path, limits: &Limits) -> Res
 pub(crate) fn scan_file(file: &ChunkFile) -> Result<Scan> {
     let (version, start) = match read_file_header(file) {
         Ok(header) => (Some(header.version), header.len),
-        Err(error @ (Error::Io { .. } | Error::UnsupportedVersion { .. })) => return Err(error),
+        Err(error @ (Error::Io { .. } | Error::Unsupported { what: Unknown::Version { .. }, .. })) => {
+            return Err(error);
+        }
         Err(_) => (None, 0),
     };
     let scan = Scan {
@@ -85,18 +88,18 @@ pub(crate) fn scan_file(file: &ChunkFile) -> Result<Scan> {
         index: None,
         has_trailer: false,
     };
-    // Payloads that prove damaged are searched for headers, so bytes can be read again and again. Past this many, damaged
-    // payloads are skipped whole.
+    // Payloads that prove damaged are searched for headers, so bytes can be read again and again. Past this many,
+    // damaged payloads are skipped whole.
     let budget = file.len().saturating_mul(4);
-    let mut walk = Walk { file, scan, budget, damage: None, buffer: Vec::new() };
+    let mut walk = FileWalk { file, scan, budget, damage: None, buffer: Vec::new() };
     walk.run(start)?;
     if walk.scan.version.is_none() && walk.scan.chunks.is_empty() {
-        return Err(Error::NotATrace { path: file.path().to_path_buf() });
+        return Err(not_a_trace(file.path()));
     }
     Ok(walk.scan)
 }
 
-struct Walk<'a> {
+struct FileWalk<'a> {
     file: &'a ChunkFile,
     scan: Scan,
     /// Bytes of damaged payloads that may still be read.
@@ -106,7 +109,7 @@ struct Walk<'a> {
     buffer: Vec<u8>,
 }
 
-impl Walk<'_> {
+impl FileWalk<'_> {
     fn run(&mut self, mut offset: u64) -> Result<()> {
         while offset < self.file.len() {
             offset = match judge(self.file, offset, &mut self.buffer)? {

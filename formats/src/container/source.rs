@@ -20,7 +20,8 @@ pub trait Source: Send + Sync + fmt::Debug {
     /// Those of the system.
     fn read_at(&self, offset: u64, buffer: &mut [u8]) -> io::Result<usize>;
 
-    /// Told that the `len` bytes from `offset` will be read next, in pieces: a source far away fetches them in one request.
+    /// Told that the `len` bytes from `offset` will be read next, in pieces: a source far away fetches them in one
+    /// request.
     ///
     /// # Errors
     /// Those of fetching them.
@@ -28,8 +29,8 @@ pub trait Source: Send + Sync + fmt::Debug {
         Ok(())
     }
 
-    /// Told once, after the index was checked, where the chunks lie, in file order: a source far away may fetch neighbours
-    /// together that are read one after the other.
+    /// Told once, after the index was checked, where the chunks lie, in file order: a source far away may fetch
+    /// neighbours together that are read one after the other.
     fn layout(&self, _chunks: &[ChunkRecord]) {}
 }
 

@@ -1,7 +1,7 @@
 //! The column directory at the start of a `TILE` payload: lets one column be read and checked without the others.
 
 use super::wire::{Fields, push_crc, split_crc};
-use crate::error::{Checked, Error, Place, Result, check_limit};
+use crate::error::{Checked, Error, Fault, Place, Result, check_limit};
 use crate::limits::Limits;
 
 /// Bytes of a directory without columns.
@@ -73,9 +73,10 @@ impl TileDirectory {
     /// Reads the directory at the start of `bytes`, of a payload of `payload_len` bytes in the file.
     ///
     /// # Errors
-    /// [`Error::Truncated`], [`Error::ChecksumMismatch`], [`Error::Corrupt`], [`Error::LimitExceeded`], at `place`.
+    /// [`Error::Damaged`] and [`Error::LimitExceeded`], at `place`.
     pub fn parse(bytes: &[u8], payload_len: u64, place: &Place, limits: &Limits) -> Result<Self> {
-        let truncated = |needed: u64| Error::Truncated { place: place.clone(), needed, available: bytes.len() as u64 };
+        let truncated =
+            |needed: u64| Error::damaged(place.clone(), Fault::Truncated { needed, available: bytes.len() as u64 });
         let &count = bytes.first().ok_or_else(|| truncated(DIRECTORY_FIXED_LEN as u64))?;
         check_limit("number of columns", u64::from(count), u64::from(limits.max_columns_per_tile))
             .map_err(|error| error.at(place))?;
@@ -84,7 +85,7 @@ impl TileDirectory {
             None => return Err(truncated(u64::from(len))),
             Some(Err(bad)) => {
                 let (part, stored, computed) = (Checked::Directory, bad.stored, bad.computed);
-                return Err(Error::ChecksumMismatch { place: place.clone(), part, stored, computed });
+                return Err(Error::damaged(place.clone(), Fault::Checksum { part, stored, computed }));
             }
             Some(Ok(body)) => body,
         };

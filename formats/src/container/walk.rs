@@ -2,9 +2,9 @@
 
 use super::chunk_file::ChunkFile;
 use super::chunk_header::{CHUNK_HEADER_LEN, ChunkHeader, ChunkRecord, ENCODING_STORED, SYNC};
-use super::id::{ChunkId, ChunkKind};
 use super::tile::{DIRECTORY_LEN_MAX, TileDirectory};
 use crate::error::{Error, Result, check_limit};
+use crate::id::{ChunkId, ChunkKind};
 
 /// Bytes read at a time: memory does not depend on the length of a payload.
 pub(crate) const STEP: usize = 256 << 10;

@@ -5,16 +5,16 @@ use std::fs::{self, File, OpenOptions};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
-use super::FormatVersion;
 use super::chunk_header::ChunkRecord;
 use super::encoded::EncodedChunk;
 use super::encoding::{Encoding, compress};
 use super::file_header::FileHeader;
-use super::id::ChunkId;
 use super::index::Index;
 use super::tile::TileDirectory;
 use super::trailer::Trailer;
-use crate::error::{Error, Result};
+use crate::durable::{PARTIAL, sync_folder_of};
+use crate::error::{Error, Occupant, Result};
+use crate::id::{ChunkId, FormatVersion};
 
 /// Level of the index's zstd frame. Fixed, so that the bytes of a file depend on its chunks alone.
 const INDEX_ZSTD_LEVEL: i32 = 9;
@@ -55,16 +55,16 @@ impl Writer {
     /// Starts a new file. `path` itself may exist: it is replaced by [`Writer::finish`], and left alone until then.
     ///
     /// # Errors
-    /// [`Error::AlreadyExists`] if a killed capture left `NAME.partial`; resume it or [`Writer::discard`] it.
+    /// [`Error::Occupied`] if a killed capture left `NAME.partial`; resume it or [`Writer::discard`] it.
     /// [`Error::Io`], among others if the folder does not exist.
     pub fn create(path: &Path) -> Result<Self> {
         let partial = partial_path(path)?;
         let file = OpenOptions::new().read(true).write(true).create_new(true).open(&partial);
         let file = file.map_err(|error| match error.kind() {
-            io::ErrorKind::AlreadyExists => Error::AlreadyExists {
-                path: partial.clone(),
-                hint: "a capture was cut short; continue it with --resume, or delete this file",
-            },
+            io::ErrorKind::AlreadyExists => {
+                let hint = "a capture was cut short; continue it with --resume, or delete this file";
+                Error::occupied(&partial, Occupant::File { hint })
+            }
             _ => Error::io(&partial, "create", error),
         })?;
         Self::start(file, partial, path.to_path_buf(), FormatVersion::CURRENT)
@@ -73,7 +73,7 @@ impl Writer {
     /// Deletes the `NAME.partial` of a killed capture, if there is one that nobody is writing.
     ///
     /// # Errors
-    /// [`Error::Busy`] if another process is writing it; [`Error::Io`].
+    /// [`Error::Occupied`] if another process is writing it; [`Error::Io`].
     pub fn discard(path: &Path) -> Result<()> {
         let partial = partial_path(path)?;
         let file = match OpenOptions::new().read(true).write(true).open(&partial) {
@@ -178,16 +178,9 @@ impl Writer {
         self.flush()?;
         self.out.get_ref().sync_all().map_err(|error| Error::io(&self.partial, "write", error))?;
         fs::rename(&self.partial, &self.path).map_err(|error| Error::io(&self.path, "rename to", error))?;
-        sync_folder(&self.path);
+        // The file is complete either way.
+        sync_folder_of(&self.path).ok();
         Ok(Finished { path: self.path, len: self.offset, chunks })
-    }
-}
-
-/// Forces the new name to the disk. Best effort: not every system can, and the file is complete either way.
-fn sync_folder(path: &Path) {
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    if let Ok(folder) = File::open(folder) {
-        folder.sync_all().ok();
     }
 }
 
@@ -196,7 +189,7 @@ fn sync_folder(path: &Path) {
 /// # Errors
 /// [`Error::Usage`] if `path` does not end in a file name.
 pub fn partial_path(path: &Path) -> Result<PathBuf> {
-    with_suffix(path, ".partial")
+    with_suffix(path, PARTIAL)
 }
 
 /// The same path with something after its file name.
@@ -212,7 +205,7 @@ pub(super) fn lock(file: &File, path: &Path) -> Result<()> {
     // Elsewhere a lock would also keep out readers, which need none.
     #[cfg(unix)]
     if let Err(fs::TryLockError::WouldBlock) = file.try_lock() {
-        return Err(Error::Busy { path: path.to_path_buf() });
+        return Err(Error::occupied(path, Occupant::Writer));
     }
     let _ = (file, path);
     Ok(())

@@ -1,7 +1,7 @@
 //! The `BVH ` payload: the tree's shape, the triangles and the vertices. Boxes follow from them.
 //!
-//! Numbers are written as differences and split into byte planes, which zstd then packs well: neighbours in leaf order are
-//! neighbours in space.
+//! Numbers are written as differences and split into byte planes, which zstd then packs well: neighbours in leaf order
+//! are neighbours in space.
 
 use crate::bvh::{Bvh, Shape, Triangle, Vertex};
 use crate::error::{Error, Result, check_limit};
@@ -20,72 +20,70 @@ struct Tables {
     surfaces: Vec<(u32, u32)>,
 }
 
-/// Encodes a tree.
-///
-/// # Errors
-/// When its names are too long for a metadata chunk.
-pub fn encode(bvh: &Bvh) -> Result<Vec<u8>> {
-    let (surfaces, surface_of) = surfaces(&bvh.triangles);
-    let tables = Tables { objects: bvh.objects.clone(), materials: bvh.materials.clone(), surfaces };
-    let tables = metadata::encode("bvh tables", &tables)?;
-    let mut out = Vec::new();
-    for count in [bvh.nodes.len(), bvh.triangles.len(), bvh.vertices.len(), tables.len()] {
-        out.extend_from_slice(&(count as u32).to_le_bytes());
+impl Bvh {
+    /// The payload of a `BVH ` chunk.
+    ///
+    /// # Errors
+    /// When its names are longer than a reader would accept.
+    pub fn to_payload(&self) -> Result<Vec<u8>> {
+        let (surfaces, surface_of) = surfaces(&self.triangles);
+        let tables = Tables { objects: self.objects.clone(), materials: self.materials.clone(), surfaces };
+        let tables = metadata::encode("bvh tables", &tables)?;
+        let mut out = Vec::new();
+        for count in [self.nodes.len(), self.triangles.len(), self.vertices.len(), tables.len()] {
+            out.extend_from_slice(&(count as u32).to_le_bytes());
+        }
+        out.extend_from_slice(&tables);
+        for sides in self.shape() {
+            out.extend(sides.map(|side| match side {
+                Shape::Inner => 0,
+                Shape::Leaf(count) => count + 1,
+            }));
+        }
+        push_planes(&mut out, &surface_of);
+        push_planes(&mut out, &corner_codes(&self.triangles));
+        push_vertices(&mut out, &self.vertices);
+        Ok(out)
     }
-    out.extend_from_slice(&tables);
-    for sides in bvh.shape() {
-        out.extend(sides.map(|side| match side {
-            Shape::Inner => 0,
-            Shape::Leaf(count) => count + 1,
-        }));
+
+    /// Decodes the payload of a `BVH ` chunk and puts the tree's boxes on.
+    ///
+    /// # Errors
+    /// When the payload is not one, or over a limit.
+    pub fn from_payload(bytes: &[u8], limits: &Limits) -> Result<Self> {
+        let corrupt = |detail: &str| Error::decode("bvh", detail);
+        let cut = || corrupt("the payload is cut short");
+        let mut input = Input(bytes);
+        let [nodes, triangles, vertices, tables] = input.header().ok_or_else(cut)?;
+        check_limit("bvh nodes", nodes as u64, limits.max_bvh_nodes)?;
+        check_limit("triangles", triangles as u64, limits.max_triangles)?;
+        let need = 2 * nodes as u64 + 16 * triangles as u64 + 20 * vertices as u64 + tables as u64;
+        if need != input.0.len() as u64 {
+            return Err(corrupt("the payload's length does not fit its counts"));
+        }
+        let tables: Tables = metadata::decode("bvh tables", input.take(tables).ok_or_else(cut)?, limits)?;
+        let shape = input.take(2 * nodes).ok_or_else(cut)?.chunks_exact(2).map(|c| [side(c[0]), side(c[1])]);
+        let shape: Vec<[Shape; 2]> = shape.collect();
+        let (surfaces, corners) = input.planes(triangles).zip(input.planes(3 * triangles)).ok_or_else(cut)?;
+        let vertices = input.vertices(vertices).ok_or_else(cut)?;
+        let triangles =
+            triangles_of(&corners, &surfaces, &tables.surfaces).ok_or_else(|| corrupt("a triangle has no surface"))?;
+        Self::new(&shape, triangles, vertices, tables.objects, tables.materials).map_err(|e| corrupt(&e))
     }
-    push_planes(&mut out, &surface_of);
-    push_planes(&mut out, &corner_codes(&bvh.triangles));
-    let positions = |pick: fn(Vec3) -> f32| differences(bvh.vertices.iter().map(|v| pick(v.position).to_bits()));
-    push_planes(&mut out, &positions(|p| p.x));
-    push_planes(&mut out, &positions(|p| p.y));
-    push_planes(&mut out, &positions(|p| p.z));
-    push_planes(&mut out, &differences(bvh.vertices.iter().map(|v| u32::from(v.normal.u))));
-    push_planes(&mut out, &differences(bvh.vertices.iter().map(|v| u32::from(v.normal.v))));
-    Ok(out)
 }
 
-/// Decodes a tree and puts its boxes on.
-///
-/// # Errors
-/// When the payload is not one, or over a limit.
-pub fn decode(bytes: &[u8], limits: &Limits) -> Result<Bvh> {
-    let corrupt = |detail: &str| Error::decode("bvh", detail);
-    let mut input = Input(bytes);
-    let [nodes, triangles, vertices, tables] = input.header().ok_or_else(|| corrupt("the payload is cut short"))?;
-    check_limit("bvh nodes", nodes as u64, limits.max_bvh_nodes)?;
-    check_limit("triangles", triangles as u64, limits.max_triangles)?;
-    let need = 2 * nodes as u64 + 16 * triangles as u64 + 20 * vertices as u64 + tables as u64;
-    if need != input.0.len() as u64 {
-        return Err(corrupt("the payload's length does not fit its counts"));
+/// Writes the positions, then the normals, each coordinate as differences from vertex to vertex.
+fn push_vertices(out: &mut Vec<u8>, vertices: &[Vertex]) {
+    let coordinates: [fn(&Vertex) -> u32; 5] = [
+        |v| v.position.x.to_bits(),
+        |v| v.position.y.to_bits(),
+        |v| v.position.z.to_bits(),
+        |v| u32::from(v.normal.u),
+        |v| u32::from(v.normal.v),
+    ];
+    for coordinate in coordinates {
+        push_planes(out, &differences(vertices.iter().map(coordinate)));
     }
-    let cut = || corrupt("the payload is cut short");
-    let tables: Tables = metadata::decode("bvh tables", input.take(tables).ok_or_else(cut)?, limits)?;
-    let shape = input.take(2 * nodes).ok_or_else(cut)?.chunks_exact(2).map(|c| [side(c[0]), side(c[1])]);
-    let shape: Vec<[Shape; 2]> = shape.collect();
-    let mut planes = |count: usize| input.planes(count).ok_or_else(cut);
-    let (surfaces, corners) = (planes(triangles)?, planes(3 * triangles)?);
-    let sums = |v: Vec<u32>| {
-        v.into_iter().scan(0u32, |sum, d| {
-            *sum = sum.wrapping_add(d);
-            Some(*sum)
-        })
-    };
-    let (xs, ys, zs) = (sums(planes(vertices)?), sums(planes(vertices)?), sums(planes(vertices)?));
-    let (us, vs) = (sums(planes(vertices)?), sums(planes(vertices)?));
-    let number = |bits: u32| f32::from_bits(bits);
-    let vertices = xs.zip(ys).zip(zs).zip(us.zip(vs)).map(|(((x, y), z), (u, v))| Vertex {
-        position: Vec3::new(number(x), number(y), number(z)),
-        normal: Oct { u: u as u16, v: v as u16 },
-    });
-    let triangles =
-        triangles_of(&corners, &surfaces, &tables.surfaces).ok_or_else(|| corrupt("a triangle has no surface"))?;
-    Bvh::new(&shape, triangles, vertices.collect(), tables.objects, tables.materials).map_err(|e| corrupt(&e))
 }
 
 fn side(code: u8) -> Shape {
@@ -143,6 +141,16 @@ fn differences(values: impl Iterator<Item = u32>) -> Vec<u32> {
         .collect()
 }
 
+/// The inverse of [`differences`].
+fn sums(mut values: Vec<u32>) -> Vec<u32> {
+    let mut sum = 0u32;
+    for value in &mut values {
+        sum = sum.wrapping_add(*value);
+        *value = sum;
+    }
+    values
+}
+
 /// Writes the lowest bytes of all values, then the next higher ones, and so on.
 fn push_planes(out: &mut Vec<u8>, values: &[u32]) {
     for byte in 0..4 {
@@ -171,5 +179,17 @@ impl<'a> Input<'a> {
     fn planes(&mut self, count: usize) -> Option<Vec<u32>> {
         let planes: Vec<&[u8]> = (0..4).map(|_| self.take(count)).collect::<Option<_>>()?;
         Some((0..count).map(|i| u32::from_le_bytes([planes[0][i], planes[1][i], planes[2][i], planes[3][i]])).collect())
+    }
+
+    /// What [`push_vertices`] wrote.
+    fn vertices(&mut self, count: usize) -> Option<Vec<Vertex>> {
+        let mut coordinate = || self.planes(count).map(sums);
+        let (xs, ys, zs, us, vs) = (coordinate()?, coordinate()?, coordinate()?, coordinate()?, coordinate()?);
+        let number = |bits: u32| f32::from_bits(bits);
+        let vertex = |i: usize| Vertex {
+            position: Vec3::new(number(xs[i]), number(ys[i]), number(zs[i])),
+            normal: Oct { u: us[i] as u16, v: vs[i] as u16 },
+        };
+        Some((0..count).map(vertex).collect())
     }
 }

@@ -2,11 +2,54 @@
 
 use crate::half::Half3;
 use crate::oct::Oct;
-use crate::tile::{Hit, MAX_DEPTH, Paths, Radiance, RayClass, RayNode, Shadows, Tree};
+use crate::tile::{Column, Hit, MAX_DEPTH, Paths, Radiance, RayClass, RayNode, Shadows, Tile, Tree};
 
-/// The tree column: per node, depth first, a byte of flags (1 hit, 2 reflection, 4 refraction), and for a hit the shadow
-/// states (u32).
-pub fn tree(tree: &Tree) -> Vec<u8> {
+impl Tile {
+    /// A column as plain bytes, uncompressed and independent of any codec: what a digest hashes. FORMAT.md gives the
+    /// layout.
+    pub fn canonical_bytes(&self, column: Column) -> Vec<u8> {
+        match column {
+            Column::Tree => tree(&self.tree),
+            Column::Hits => hits(&self.tree, &self.hits),
+            Column::Radiance => radiance(&self.tree, &self.radiance),
+            Column::Paths => paths(&self.paths),
+        }
+    }
+}
+
+/// The length of [`Tile::canonical_bytes`], without making them.
+pub fn length(tile: &Tile, column: Column) -> u64 {
+    match column {
+        Column::Tree => tree_length(&tile.tree),
+        Column::Hits => hits_length(&tile.tree),
+        Column::Radiance => radiance_length(&tile.tree),
+        Column::Paths => paths_length(&tile.paths),
+    }
+}
+
+/// Canonical length of a tree column.
+pub fn tree_length(tree: &Tree) -> u64 {
+    tree.nodes.iter().map(|n| 1 + 4 * u64::from(n.hit)).sum()
+}
+
+/// Canonical length of the hits column on this tree.
+pub fn hits_length(tree: &Tree) -> u64 {
+    tree.nodes.iter().map(|n| 12 * u64::from(n.hit)).sum()
+}
+
+/// Canonical length of the radiance column on this tree.
+pub fn radiance_length(tree: &Tree) -> u64 {
+    tree.nodes.iter().map(|n| 6 * (1 + u64::from(n.reflect) + u64::from(n.refract))).sum()
+}
+
+/// Canonical length of a paths column.
+pub fn paths_length(paths: &Paths) -> u64 {
+    paths.spans.iter().map(|&(_, length)| 4 + u64::from(length)).sum()
+}
+
+/// The tree column: per node, depth first, a byte of flags (1 hit, 2 reflection, 4 refraction), and for a hit the
+/// shadow states (u32).
+fn tree(tree: &Tree) -> Vec<u8> {
     let mut out = Vec::with_capacity(tree.nodes.len() * 4);
     for node in &tree.nodes {
         out.push(u8::from(node.hit) | u8::from(node.reflect) << 1 | u8::from(node.refract) << 2);
@@ -49,7 +92,7 @@ pub fn parse_tree(bytes: &[u8], samples: usize, lights: usize, max_depth: u32) -
 }
 
 /// The hits column: per hit, in node order, triangle, bits of `t`, normal (u32 each).
-pub fn hits(tree: &Tree, hits: &[Hit]) -> Vec<u8> {
+fn hits(tree: &Tree, hits: &[Hit]) -> Vec<u8> {
     let mut out = Vec::with_capacity(hits.len() * 12);
     for (_, hit) in tree.nodes.iter().zip(hits).filter(|(node, _)| node.hit) {
         for word in [hit.triangle, hit.t.to_bits(), hit.normal.to_bits()] {
@@ -82,16 +125,16 @@ pub fn parse_hits(bytes: &[u8], tree: &Tree, triangles: usize) -> Result<Vec<Hit
 }
 
 /// The radiance column: per node the local colour, then the weights of the children it has (3 half floats each).
-pub fn radiance(tree: &Tree, radiance: &[Radiance]) -> Vec<u8> {
+fn radiance(tree: &Tree, radiance: &[Radiance]) -> Vec<u8> {
     let mut out = Vec::with_capacity(radiance.len() * 8);
     let mut push = |value: Half3| value.0.iter().for_each(|v| out.extend_from_slice(&v.to_le_bytes()));
-    for (node, own) in tree.nodes.iter().zip(radiance) {
-        push(own.local);
+    for (node, values) in tree.nodes.iter().zip(radiance) {
+        push(values.local);
         if node.reflect {
-            push(own.reflect);
+            push(values.reflect);
         }
         if node.refract {
-            push(own.refract);
+            push(values.refract);
         }
     }
     out
@@ -119,7 +162,7 @@ pub fn parse_radiance(bytes: &[u8], tree: &Tree) -> Result<Vec<Radiance>, String
 }
 
 /// The paths column: the length of every path in ray order (u32 each), then all steps in ray order, a byte each.
-pub fn paths(paths: &Paths) -> Vec<u8> {
+fn paths(paths: &Paths) -> Vec<u8> {
     let steps: usize = paths.spans.iter().map(|&(_, length)| length as usize).sum();
     let mut out = Vec::with_capacity(4 * paths.spans.len() + steps);
     for &(_, length) in &paths.spans {

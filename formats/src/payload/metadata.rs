@@ -1,4 +1,5 @@
-//! Metadata payloads: bincode 2 with fixed-width little-endian integers, under a byte limit, nothing left over.
+//! The `META` and `FRAM` payloads: bincode 2 with fixed-width little-endian integers, under a byte limit, nothing left
+//! over.
 //!
 //! This is the only place that knows bincode; FORMAT.md spells out the bytes.
 
@@ -22,7 +23,7 @@ fn config() -> Configuration<LittleEndian, Fixint, Limit<{ 1 << 26 }>> {
 ///
 /// # Errors
 /// When the value is larger than a reader would accept.
-pub fn encode<T: Encode>(what: &'static str, value: &T) -> Result<Vec<u8>> {
+pub(super) fn encode<T: Encode>(what: &'static str, value: &T) -> Result<Vec<u8>> {
     bincode::encode_to_vec(value, config()).map_err(|e| Error::decode(what, e.to_string()))
 }
 
@@ -30,7 +31,7 @@ pub fn encode<T: Encode>(what: &'static str, value: &T) -> Result<Vec<u8>> {
 ///
 /// # Errors
 /// When the bytes are not such a value, exceed the limit, or go on after it.
-pub fn decode<T: Decode<()>>(what: &'static str, bytes: &[u8], limits: &Limits) -> Result<T> {
+pub(super) fn decode<T: Decode<()>>(what: &'static str, bytes: &[u8], limits: &Limits) -> Result<T> {
     let size = bytes.len() as u64;
     if size > limits.max_metadata_bytes {
         return Err(Error::limit("metadata bytes", size, limits.max_metadata_bytes));
@@ -42,46 +43,61 @@ pub fn decode<T: Decode<()>>(what: &'static str, bytes: &[u8], limits: &Limits) 
     Ok(value)
 }
 
-/// Decodes and checks a `META` payload.
-///
-/// # Errors
-/// When a value is impossible or over a limit.
-pub fn decode_meta(bytes: &[u8], limits: &Limits) -> Result<Meta> {
-    let meta: Meta = decode("metadata", bytes, limits)?;
-    check_meta(&meta, limits).map_err(|detail| Error::decode("metadata", detail))?;
-    Ok(meta)
-}
+impl Meta {
+    /// The payload of a `META` chunk.
+    ///
+    /// # Errors
+    /// When it is larger than a reader would accept.
+    pub fn to_payload(&self) -> Result<Vec<u8>> {
+        encode("metadata", self)
+    }
 
-/// Says what is impossible in a `META` value.
-///
-/// # Errors
-/// That.
-pub fn check_meta(meta: &Meta, limits: &Limits) -> std::result::Result<(), String> {
-    let range = |name: &str, value: u32, low: u32, high: u32| {
-        if (low..=high).contains(&value) { Ok(()) } else { Err(format!("{name} is {value}, not {low} to {high}")) }
-    };
-    range("samples per pixel and axis", meta.samples, 1, 8)?;
-    range("image width", meta.width, 1, MAX_GRID / meta.samples)?;
-    range("image height", meta.height, 1, MAX_GRID / meta.samples)?;
-    range("tile edge", meta.tile, 1, 1024)?;
-    let samples = u64::from(meta.tile) * u64::from(meta.tile);
-    if samples > limits.max_samples_per_tile {
-        return Err(format!("a tile has {samples} samples, over the limit of {}", limits.max_samples_per_tile));
+    /// Decodes and checks the payload of a `META` chunk.
+    ///
+    /// # Errors
+    /// When it is not one, or [`Meta::check`] refuses it.
+    pub fn from_payload(bytes: &[u8], limits: &Limits) -> Result<Self> {
+        let meta: Self = decode("metadata", bytes, limits)?;
+        meta.check(limits).map_err(|detail| Error::decode("metadata", detail))?;
+        Ok(meta)
     }
-    range("maximum depth", meta.max_depth, 0, MAX_DEPTH)?;
-    range("number of lights", meta.lights.len() as u32, 0, MAX_LIGHTS as u32)?;
-    range("number of frames", meta.frames, 1, u32::MAX - meta.first_frame)?;
-    // In 64 bits: a grid of 2^20 x 2^20 samples in tiles of one has more tiles than `tile_count` can say.
-    let (columns, rows) = meta.tile_grid();
-    let tiles_per_frame = u64::from(columns) * u64::from(rows);
-    let tiles = tiles_per_frame.saturating_mul(u64::from(meta.frames));
-    if tiles_per_frame > u64::from(u32::MAX) || tiles > limits.max_index_entries {
-        return Err(format!("{tiles} tiles, over the limit of {}", limits.max_index_entries));
+
+    /// Whether a trace may have this metadata: every number possible, and nothing over a limit.
+    ///
+    /// # Errors
+    /// Says which number is not possible.
+    pub fn check(&self, limits: &Limits) -> std::result::Result<(), String> {
+        let range = |name: &str, value: u32, low: u32, high: u32| {
+            if (low..=high).contains(&value) { Ok(()) } else { Err(format!("{name} is {value}, not {low} to {high}")) }
+        };
+        range("samples per pixel and axis", self.samples, 1, 8)?;
+        range("image width", self.width, 1, MAX_GRID / self.samples)?;
+        range("image height", self.height, 1, MAX_GRID / self.samples)?;
+        range("tile edge", self.tile, 1, 1024)?;
+        let samples = u64::from(self.tile) * u64::from(self.tile);
+        if samples > limits.max_samples_per_tile {
+            return Err(format!("a tile has {samples} samples, over the limit of {}", limits.max_samples_per_tile));
+        }
+        range("maximum depth", self.max_depth, 0, MAX_DEPTH)?;
+        range("number of lights", self.lights.len() as u32, 0, MAX_LIGHTS as u32)?;
+        range("number of frames", self.frames, 1, u32::MAX - self.first_frame)?;
+        self.check_tile_count(limits)?;
+        if !self.lights.iter().all(light_is_finite) || !self.min_weight.is_finite() {
+            return Err("a number is not finite".into());
+        }
+        Ok(())
     }
-    if !meta.lights.iter().all(light_is_finite) || !meta.min_weight.is_finite() {
-        return Err("a number is not finite".into());
+
+    /// In 64 bits: a grid of 2^20 x 2^20 samples in tiles of one has more tiles than `tile_count` can say.
+    fn check_tile_count(&self, limits: &Limits) -> std::result::Result<(), String> {
+        let (columns, rows) = self.tile_grid();
+        let tiles_per_frame = u64::from(columns) * u64::from(rows);
+        let tiles = tiles_per_frame.saturating_mul(u64::from(self.frames));
+        if tiles_per_frame > u64::from(u32::MAX) || tiles > limits.max_index_entries {
+            return Err(format!("{tiles} tiles, over the limit of {}", limits.max_index_entries));
+        }
+        Ok(())
     }
-    Ok(())
 }
 
 fn light_is_finite(light: &Light) -> bool {
@@ -91,15 +107,25 @@ fn light_is_finite(light: &Light) -> bool {
     }
 }
 
-/// Decodes a `FRAM` payload.
-///
-/// # Errors
-/// When it is not a camera of finite numbers.
-pub fn decode_camera(bytes: &[u8], limits: &Limits) -> Result<Camera> {
-    let camera: Camera = decode("camera", bytes, limits)?;
-    if [camera.eye, camera.corner, camera.right, camera.down].iter().all(|v| v.is_finite()) {
-        Ok(camera)
-    } else {
-        Err(Error::decode("camera", "a number is not finite"))
+impl Camera {
+    /// The payload of a `FRAM` chunk.
+    ///
+    /// # Errors
+    /// Never: a camera has a fixed size.
+    pub fn to_payload(&self) -> Result<Vec<u8>> {
+        encode("camera", self)
+    }
+
+    /// Decodes the payload of a `FRAM` chunk.
+    ///
+    /// # Errors
+    /// When it is not a camera of finite numbers.
+    pub fn from_payload(bytes: &[u8], limits: &Limits) -> Result<Self> {
+        let camera: Self = decode("camera", bytes, limits)?;
+        if [camera.eye, camera.corner, camera.right, camera.down].iter().all(|v| v.is_finite()) {
+            Ok(camera)
+        } else {
+            Err(Error::decode("camera", "a number is not finite"))
+        }
     }
 }

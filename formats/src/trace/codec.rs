@@ -1,14 +1,15 @@
 //! Tiles to columns and back, by either codec.
 
 use crate::bvh::Bvh;
-use crate::columns::classes::Order;
-use crate::columns::hits::Geometry;
-use crate::columns::paths::{PathScratch, Topology};
+use crate::columns::classes::CodingOrder;
+use crate::columns::paths::{BvhTopology, PathScratch};
 use crate::columns::{hits, paths, radiance, tree};
-use crate::container::{ChunkId, ColumnEntry, EncodedChunk, NONE, compress, decompress};
+use crate::container::{ColumnEntry, EncodedChunk, compress, decompress};
 use crate::error::{Error, Result, check_limit};
+use crate::id::{ChunkId, NONE};
 use crate::limits::Limits;
 use crate::payload::canonical;
+use crate::rays::Geometry;
 use crate::scene::{Camera, Meta, Rect};
 use crate::tile::{Column, Hit, Paths, Radiance, Tile, Tree};
 
@@ -50,15 +51,23 @@ pub struct TileCodec<'a> {
     /// Triangles and materials.
     pub bvh: &'a Bvh,
     /// The tree, packed for walking.
-    pub topology: &'a Topology,
+    pub topology: &'a BvhTopology,
     /// The frame's camera.
     pub camera: &'a Camera,
     /// What decoding may cost.
     pub limits: &'a Limits,
 }
 
-/// A column as read: codec, canonical length in bytes, coded bytes.
-type Packed = (u8, u64, Vec<u8>);
+/// A column as it was read from a file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct PackedColumn {
+    /// Code of its codec; see [`Codec::code`].
+    pub codec: u8,
+    /// Length of its canonical bytes, as the directory promises.
+    pub raw_len: u64,
+    /// The coded bytes.
+    pub bytes: Vec<u8>,
+}
 
 impl TileCodec<'_> {
     fn geometry(&self) -> Geometry<'_> {
@@ -72,30 +81,44 @@ impl TileCodec<'_> {
     /// Codes a whole tile as a chunk.
     ///
     /// # Errors
-    /// When zstd or the container refuses.
+    /// When a column does not fit the tile's tree or the BVH, zstd or the container refuses.
     pub fn encode(&self, tile: &Tile, codec: Codec, scratch: &mut Scratch) -> Result<EncodedChunk> {
-        let order = Order::new(&tile.tree, tile.rect);
+        let order = CodingOrder::new(&tile.tree, tile.rect);
         let mut code = |column| self.column(tile, &order, column, codec, scratch);
         let columns: Vec<ColumnEntry> = Column::ALL.into_iter().map(&mut code).collect::<Result<_>>()?;
         EncodedChunk::tile(ChunkId::tile(tile.frame, tile.index), &columns)
     }
 
-    /// Codes one column.
+    /// Codes one column of a tile; errors name frame, tile and column.
     fn column(
         &self,
         tile: &Tile,
-        order: &Order<'_>,
+        order: &CodingOrder<'_>,
+        column: Column,
+        codec: Codec,
+        scratch: &mut Scratch,
+    ) -> Result<ColumnEntry> {
+        named(column, check_size(tile, column))
+            .and_then(|()| self.code_column(tile, order, column, codec, scratch))
+            .map_err(|error| error.in_tile(tile.frame, tile.index))
+    }
+
+    fn code_column(
+        &self,
+        tile: &Tile,
+        order: &CodingOrder<'_>,
         column: Column,
         codec: Codec,
         scratch: &mut Scratch,
     ) -> Result<ColumnEntry> {
         let (code, raw_len, packed) = match codec {
             Codec::Plain(level) => {
-                let raw = canonical_bytes(tile, column);
+                let raw = tile.canonical_bytes(column);
                 (Codec::PLAIN, raw.len() as u64, compress(&raw, level)?)
             }
             Codec::Context => {
-                (Codec::CONTEXT, canonical_length(tile, column), self.context(tile, order, column, scratch))
+                let packed = named(column, self.context(tile, order, column, scratch))?;
+                (Codec::CONTEXT, canonical::length(tile, column), packed)
             }
         };
         Ok(ColumnEntry { id: column as u8, codec: code, raw_len, packed })
@@ -104,17 +127,24 @@ impl TileCodec<'_> {
     /// How many bytes a column of a tile takes, coded by `codec`.
     ///
     /// # Errors
-    /// When zstd refuses.
+    /// As [`TileCodec::encode`].
     pub fn column_bytes(&self, tile: &Tile, column: Column, codec: Codec, scratch: &mut Scratch) -> Result<usize> {
-        self.column(tile, &Order::new(&tile.tree, tile.rect), column, codec, scratch).map(|entry| entry.packed.len())
+        self.column(tile, &CodingOrder::new(&tile.tree, tile.rect), column, codec, scratch)
+            .map(|entry| entry.packed.len())
     }
 
     /// Codes one column with the column codec.
-    fn context(&self, tile: &Tile, order: &Order<'_>, column: Column, scratch: &mut Scratch) -> Vec<u8> {
+    fn context(
+        &self,
+        tile: &Tile,
+        order: &CodingOrder<'_>,
+        column: Column,
+        scratch: &mut Scratch,
+    ) -> std::result::Result<Vec<u8>, String> {
         match column {
-            Column::Tree => tree::encode(order, self.lights()),
+            Column::Tree => Ok(tree::encode(order, self.lights())),
             Column::Hits => hits::encode(order, &tile.hits, self.geometry()),
-            Column::Radiance => radiance::encode(order, &tile.hits, &tile.radiance, self.geometry()),
+            Column::Radiance => Ok(radiance::encode(order, &tile.hits, &tile.radiance, self.geometry())),
             Column::Paths => paths::encode(&tile.paths, order, self.lights(), self.topology, &mut scratch.paths),
         }
     }
@@ -123,14 +153,14 @@ impl TileCodec<'_> {
     ///
     /// # Errors
     /// When it is damaged or over a limit.
-    pub fn decode_tree(&self, rect: Rect, packed: &Packed) -> Result<Tree> {
+    pub fn decode_tree(&self, rect: Rect, packed: &PackedColumn) -> Result<Tree> {
         check_limit("samples per tile", rect.len() as u64, self.limits.max_samples_per_tile)?;
         let depth = self.meta.max_depth;
         let decoded = decode(
             packed,
             |bytes| tree::decode(bytes, rect, self.lights(), depth, self.limits),
             |bytes| canonical::parse_tree(bytes, rect.len(), self.lights(), depth),
-            tree_length,
+            canonical::tree_length,
         );
         let tree = named(Column::Tree, decoded)?;
         check_limit("ray-tree nodes per tile", tree.nodes.len() as u64, self.limits.max_nodes_per_tile)?;
@@ -141,12 +171,12 @@ impl TileCodec<'_> {
     ///
     /// # Errors
     /// When it is damaged.
-    pub fn decode_hits(&self, tile: &Tile, packed: &Packed) -> Result<Vec<Hit>> {
+    pub fn decode_hits(&self, tile: &Tile, packed: &PackedColumn) -> Result<Vec<Hit>> {
         let decoded = decode(
             packed,
-            |bytes| hits::decode(bytes, &Order::new(&tile.tree, tile.rect), self.geometry()),
+            |bytes| hits::decode(bytes, &CodingOrder::new(&tile.tree, tile.rect), self.geometry()),
             |bytes| canonical::parse_hits(bytes, &tile.tree, self.bvh.triangles.len()),
-            |_| hits_length(&tile.tree),
+            |_| canonical::hits_length(&tile.tree),
         );
         named(Column::Hits, decoded)
     }
@@ -155,12 +185,12 @@ impl TileCodec<'_> {
     ///
     /// # Errors
     /// When it is damaged.
-    pub fn decode_radiance(&self, tile: &Tile, packed: &Packed) -> Result<Vec<Radiance>> {
+    pub fn decode_radiance(&self, tile: &Tile, packed: &PackedColumn) -> Result<Vec<Radiance>> {
         let decoded = decode(
             packed,
-            |bytes| radiance::decode(bytes, &Order::new(&tile.tree, tile.rect), &tile.hits, self.geometry()),
+            |bytes| radiance::decode(bytes, &CodingOrder::new(&tile.tree, tile.rect), &tile.hits, self.geometry()),
             |bytes| canonical::parse_radiance(bytes, &tile.tree),
-            |_| radiance_length(&tile.tree),
+            |_| canonical::radiance_length(&tile.tree),
         );
         named(Column::Radiance, decoded)
     }
@@ -169,14 +199,14 @@ impl TileCodec<'_> {
     ///
     /// # Errors
     /// When it is damaged or over a limit.
-    pub fn decode_paths(&self, tile: &Tile, packed: &Packed, scratch: &mut Scratch) -> Result<Paths> {
+    pub fn decode_paths(&self, tile: &Tile, packed: &PackedColumn, scratch: &mut Scratch) -> Result<Paths> {
         let (tree, rect, lights) = (&tile.tree, tile.rect, self.lights());
         let scratch = &mut scratch.paths;
         let decoded = decode(
             packed,
-            |bytes| paths::decode(bytes, &Order::new(tree, rect), lights, self.topology, self.limits, scratch),
+            |bytes| paths::decode(bytes, &CodingOrder::new(tree, rect), lights, self.topology, self.limits, scratch),
             |bytes| canonical::parse_paths(bytes, tree.ray_count() as usize),
-            paths_length,
+            canonical::paths_length,
         );
         let paths = named(Column::Paths, decoded)?;
         check_limit("path steps per tile", paths.steps.len() as u64, self.limits.max_path_steps_per_tile)?;
@@ -184,14 +214,15 @@ impl TileCodec<'_> {
     }
 }
 
-/// Decodes by the codec that the directory names, and checks that the canonical length is the one it promises: paths may share
-/// their steps, so only this bounds what the column comes to when they are written out.
+/// Decodes by the codec that the directory names, and checks that the canonical length is the one it promises: paths
+/// may share their steps, so only this bounds what the column comes to when they are written out.
 fn decode<T>(
-    (codec, raw_len, bytes): &Packed,
+    packed: &PackedColumn,
     context: impl FnOnce(&[u8]) -> std::result::Result<T, String>,
     plain: impl FnOnce(&[u8]) -> std::result::Result<T, String>,
     length: impl FnOnce(&T) -> u64,
 ) -> std::result::Result<T, String> {
+    let PackedColumn { codec, raw_len, bytes } = packed;
     let decoded = match *codec {
         Codec::PLAIN => plain(&decompress(bytes, *raw_len).map_err(|e| e.to_string())?)?,
         Codec::CONTEXT => context(bytes)?,
@@ -203,42 +234,25 @@ fn decode<T>(
     }
 }
 
+/// Refuses a column that has another number of entries than the tile's tree asks for.
+fn check_size(tile: &Tile, column: Column) -> std::result::Result<(), String> {
+    let (nodes, rays) = (tile.tree.nodes.len(), tile.tree.ray_count() as usize);
+    let (found, wanted, of) = match column {
+        Column::Tree => (tile.tree.samples(), tile.rect.len(), "samples"),
+        Column::Hits => (tile.hits.len(), nodes, "nodes"),
+        Column::Radiance => (tile.radiance.len(), nodes, "nodes"),
+        Column::Paths => (tile.paths.spans.len(), rays, "rays"),
+    };
+    if found != wanted {
+        return Err(format!("it has {found} entries for {wanted} {of}"));
+    }
+    let outside = |&(start, length): &(u32, u32)| u64::from(start) + u64::from(length) > tile.paths.steps.len() as u64;
+    match (column, tile.paths.spans.iter().position(outside)) {
+        (Column::Paths, Some(ray)) => Err(format!("the path of ray {ray} is not among its steps")),
+        _ => Ok(()),
+    }
+}
+
 fn named<T>(column: Column, result: std::result::Result<T, String>) -> Result<T> {
     result.map_err(|detail| Error::column(NONE, NONE, column.name(), detail))
-}
-
-/// A column as canonical bytes.
-pub(super) fn canonical_bytes(tile: &Tile, column: Column) -> Vec<u8> {
-    match column {
-        Column::Tree => canonical::tree(&tile.tree),
-        Column::Hits => canonical::hits(&tile.tree, &tile.hits),
-        Column::Radiance => canonical::radiance(&tile.tree, &tile.radiance),
-        Column::Paths => canonical::paths(&tile.paths),
-    }
-}
-
-/// The length of [`canonical_bytes`], without making them.
-fn canonical_length(tile: &Tile, column: Column) -> u64 {
-    match column {
-        Column::Tree => tree_length(&tile.tree),
-        Column::Hits => hits_length(&tile.tree),
-        Column::Radiance => radiance_length(&tile.tree),
-        Column::Paths => paths_length(&tile.paths),
-    }
-}
-
-fn tree_length(tree: &Tree) -> u64 {
-    tree.nodes.iter().map(|n| 1 + 4 * u64::from(n.hit)).sum()
-}
-
-fn hits_length(tree: &Tree) -> u64 {
-    tree.nodes.iter().map(|n| 12 * u64::from(n.hit)).sum()
-}
-
-fn radiance_length(tree: &Tree) -> u64 {
-    tree.nodes.iter().map(|n| 6 * (1 + u64::from(n.reflect) + u64::from(n.refract))).sum()
-}
-
-fn paths_length(paths: &Paths) -> u64 {
-    paths.spans.iter().map(|&(_, length)| 4 + u64::from(length)).sum()
 }

@@ -1,6 +1,7 @@
 //! The first place where two traces say different things.
 
-use super::{Scratch, Trace};
+use super::codec::Scratch;
+use super::reader::Trace;
 use crate::error::Result;
 use crate::scene::Meta;
 use crate::tile::{Column, Tile};

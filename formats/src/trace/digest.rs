@@ -2,10 +2,9 @@
 
 use rayon::prelude::*;
 
-use super::codec::canonical_bytes;
-use super::{Scratch, Trace};
+use super::codec::Scratch;
+use super::reader::Trace;
 use crate::error::Result;
-use crate::payload::{bvh, metadata};
 use crate::scene::Meta;
 use crate::tile::Column;
 
@@ -55,12 +54,12 @@ pub fn digest(trace: &Trace) -> Result<Digest> {
         }
         let camera = trace.camera(frame)?;
         cameras.update(&frame.to_le_bytes());
-        cameras.update(&metadata::encode("camera", &camera)?);
+        cameras.update(&camera.to_payload()?);
         let tiles: Vec<u32> =
             (0..trace.meta().tile_count()).filter(|&t| missing.binary_search(&(frame, t)).is_err()).collect();
         let hash = |scratch: &mut Scratch, &tile: &u32| -> Result<[blake3::Hash; 4]> {
             let content = trace.tile_with(frame, tile, &Column::ALL, scratch)?;
-            Ok(Column::ALL.map(|column| blake3::hash(&canonical_bytes(&content, column))))
+            Ok(Column::ALL.map(|column| blake3::hash(&content.canonical_bytes(column))))
         };
         let hashes: Vec<_> = tiles.par_iter().map_init(Scratch::default, hash).collect::<Result<_>>()?;
         for (tile, hashes) in tiles.iter().zip(hashes) {
@@ -72,8 +71,8 @@ pub fn digest(trace: &Trace) -> Result<Digest> {
         }
     }
     Ok(Digest {
-        meta: blake3::hash(&metadata::encode("metadata", &meta)?),
-        bvh: blake3::hash(&bvh::encode(trace.bvh())?),
+        meta: blake3::hash(&meta.to_payload()?),
+        bvh: blake3::hash(&trace.bvh().to_payload()?),
         cameras: cameras.finalize(),
         columns: columns.map(|hasher| hasher.finalize()),
     })

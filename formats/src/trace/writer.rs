@@ -2,13 +2,13 @@
 
 use std::path::Path;
 
+use super::codec::Codec;
 use crate::bvh::Bvh;
-use crate::container::{ChunkId, ChunkKind, EncodedChunk, Encoding, Finished, Writer};
+use crate::container::{EncodedChunk, Encoding, Finished, Writer, partial_path};
 use crate::error::{Error, Result};
+use crate::id::{ChunkId, ChunkKind};
 use crate::limits::Limits;
-use crate::payload::{bvh, metadata};
 use crate::scene::{Camera, Meta};
-use crate::trace::Codec;
 
 /// A trace being written.
 #[derive(Debug)]
@@ -35,8 +35,8 @@ impl TraceWriter {
     /// When the file cannot be written, or a `NAME.partial` is there already.
     pub fn create(path: &Path, meta: &Meta, tree: &Bvh, level: i32) -> Result<Self> {
         let mut writer = Self { writer: Writer::create(path)?, encoding: Encoding::Zstd(level) };
-        writer.writer.write(ChunkId::META, writer.encoding, &metadata::encode("metadata", meta)?)?;
-        writer.writer.write(ChunkId::BVH, writer.encoding, &bvh::encode(tree)?)?;
+        writer.writer.write(ChunkId::META, writer.encoding, &meta.to_payload()?)?;
+        writer.writer.write(ChunkId::BVH, writer.encoding, &tree.to_payload()?)?;
         Ok(writer)
     }
 
@@ -65,13 +65,13 @@ impl TraceWriter {
             None => true,
         };
         let same = same_codec
-            && resumed.read(&old_meta)? == metadata::encode("metadata", meta)?
-            && resumed.read(&old_bvh)? == bvh::encode(tree)?;
+            && resumed.read(&old_meta)? == meta.to_payload()?
+            && resumed.read(&old_bvh)? == tree.to_payload()?;
         if !same {
             return Err(Error::usage(format!(
                 "{} was started with another scene, other settings or another version; capture with the same ones, \
                  or delete it",
-                crate::container::partial_path(path)?.display()
+                partial_path(path)?.display()
             )));
         }
         let resumed_bytes = resumed.writer.bytes_written();
@@ -90,7 +90,7 @@ impl TraceWriter {
     /// When the file cannot be written.
     pub fn frame(&mut self, frame: u32, camera: &Camera) -> Result<()> {
         if !self.writer.contains(ChunkId::frame(frame)) {
-            self.writer.write(ChunkId::frame(frame), self.encoding, &metadata::encode("camera", camera)?)?;
+            self.writer.write(ChunkId::frame(frame), self.encoding, &camera.to_payload()?)?;
         }
         Ok(())
     }

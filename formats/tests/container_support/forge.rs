@@ -1,6 +1,7 @@
 //! Files whose fields lie, under checksums that hold.
 
 use rayreel_formats::container::{CHUNK_HEADER_LEN, ChunkId, Reader, Source, scan_source};
+use rayreel_formats::error::Fault;
 use rayreel_formats::{Error, Limits, Result};
 
 use super::{Content, patch, read_bytes, sample_bytes};
@@ -98,7 +99,10 @@ impl Source for Bytes {
 
 pub fn expect_corrupt(forge: Forge, part: &str) {
     let error = forge.error();
-    assert!(matches!(error, Error::Corrupt { .. }) && error.to_string().contains(part), "{error}");
+    assert!(
+        matches!(error, Error::Damaged { fault: Fault::Content(_), .. }) && error.to_string().contains(part),
+        "{error}"
+    );
 }
 
 pub fn expect_limit(forge: Forge, part: &str) {

@@ -1,4 +1,5 @@
-//! Traces with lies in them, under checksums that hold: chunks are taken out of a file, changed, and written to a new one.
+//! Traces with lies in them, under checksums that hold: chunks are taken out of a file, changed, and written to a new
+//! one.
 
 use rayreel_formats::Limits;
 use rayreel_formats::container::{ChunkId, ChunkKind, ColumnEntry, EncodedChunk, Encoding, Reader, Writer};

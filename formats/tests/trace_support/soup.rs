@@ -47,15 +47,15 @@ pub fn bvh(random: &mut Random, count: u32) -> Bvh {
 
 /// Appends an inner node over `count` triangles.
 fn split(random: &mut Random, shape: &mut Vec<[Shape; 2]>, count: u32) {
-    let own = shape.len();
+    let node = shape.len();
     shape.push([Shape::Leaf(0); 2]);
     let left = if random.once_in(20) { 0 } else { (count / 2 + random.below(3)).min(count) };
     for (side, part) in [left, count - left].into_iter().enumerate() {
         if part > 4 || part > 1 && random.once_in(2) {
-            shape[own][side] = Shape::Inner;
+            shape[node][side] = Shape::Inner;
             split(random, shape, part);
         } else {
-            shape[own][side] = Shape::Leaf(part as u8);
+            shape[node][side] = Shape::Leaf(part as u8);
         }
     }
 }

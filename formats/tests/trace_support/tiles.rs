@@ -64,7 +64,8 @@ fn hits(random: &mut Random, look: Look, tree: &Tree, rect: Rect, bvh: &Bvh, cam
             if random.once_in(look.news_in) {
                 last = random.below(bvh.triangles.len() as u32);
             }
-            // Some values are those that a primary ray would give, and some of those are off by one unit in the last place.
+            // Some values are those that a primary ray would give, and some of those are off by one unit in the last
+            // place.
             let met = intersect(&ray, bvh.corners(last as usize), f32::INFINITY);
             let (t, u, v) = met.map_or((0.0, 0.0, 0.0), |m| (m.t, m.u, m.v));
             let t = match random.below(4) {
@@ -95,12 +96,12 @@ fn paths(random: &mut Random, look: Look, tree: &Tree, bvh: &Bvh) -> Paths {
     for node in &tree.nodes {
         for ray in 0..=node.shadows.count() {
             let any = ray > 0;
-            let own = if any { &mut shadow } else { &mut closest };
-            if own.is_empty() || random.once_in(look.news_in) {
-                *own = walk(random, bvh, any);
+            let path = if any { &mut shadow } else { &mut closest };
+            if path.is_empty() || random.once_in(look.news_in) {
+                *path = walk(random, bvh, any);
             }
-            paths.spans.push((paths.steps.len() as u32, own.len() as u32));
-            paths.steps.extend_from_slice(own);
+            paths.spans.push((paths.steps.len() as u32, path.len() as u32));
+            paths.steps.extend_from_slice(path);
         }
     }
     paths

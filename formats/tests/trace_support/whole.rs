@@ -3,10 +3,9 @@
 use std::path::PathBuf;
 
 use rayreel_formats::bvh::Bvh;
-use rayreel_formats::columns::paths::Topology;
 use rayreel_formats::scene::{Camera, Meta};
 use rayreel_formats::tile::{Column, Tile};
-use rayreel_formats::trace::{Codec, Scratch, TileCodec, Trace, TraceWriter};
+use rayreel_formats::trace::{BvhTopology, Codec, Scratch, TileCodec, Trace, TraceWriter};
 use rayreel_formats::{Limits, Result};
 use tempfile::TempDir;
 
@@ -52,7 +51,7 @@ impl Content {
 
     /// Calls `f` with a codec for each tile.
     pub fn each(&self, limits: &Limits, mut f: impl FnMut(&TileCodec<'_>, &Tile)) {
-        let topology = Topology::new(&self.bvh);
+        let topology = BvhTopology::new(&self.bvh);
         for tile in &self.tiles {
             let camera = &self.cameras[(tile.frame - self.meta.first_frame) as usize];
             f(&TileCodec { meta: &self.meta, bvh: &self.bvh, topology: &topology, camera, limits }, tile);

@@ -13,8 +13,8 @@ use url::Url;
 
 use super::fault;
 
-/// The store that a URL points into, and the object's path in it. Credentials and endpoint come from the environment, under
-/// the names that the provider's own tools use.
+/// The store that a URL points into, and the object's path in it. Credentials and endpoint come from the environment,
+/// under the names that the provider's tools use.
 pub(super) fn of(url: &str) -> io::Result<(Arc<dyn ObjectStore>, Path)> {
     let wrong = |detail: &str| io::Error::new(io::ErrorKind::InvalidInput, detail.to_string());
     let parsed = Url::parse(url).map_err(|e| wrong(&format!("this is no URL: {e}")))?;
@@ -38,7 +38,7 @@ pub(super) fn of(url: &str) -> io::Result<(Arc<dyn ObjectStore>, Path)> {
             let mut base = parsed.clone();
             base.set_path("/");
             base.set_fragment(None);
-            // Whoever writes http:// has said that it may be plain.
+            // Who writes http:// asks for a connection that is not encrypted.
             let client = ClientOptions::new().with_allow_http(parsed.scheme() == "http");
             let builder = HttpBuilder::new().with_url(base).with_client_options(client).with_retry(retry());
             builder.build().map(|store| Arc::new(store) as _)

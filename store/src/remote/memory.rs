@@ -36,28 +36,28 @@ pub(super) fn contains(outer: &Range<u64>, inner: &Range<u64>) -> bool {
 struct State {
     /// Least recently used first.
     blocks: VecDeque<Arc<Block>>,
-    /// What some thread is fetching.
+    /// Ranges that a thread is fetching.
     flying: Vec<Range<u64>>,
 }
 
 /// Blocks, shared by all threads that read.
 #[derive(Debug, Default)]
-pub(super) struct Memory {
+pub(super) struct MemoryCache {
     state: Mutex<State>,
     landed: Condvar,
 }
 
-/// What a thread that asks for bytes gets.
-pub(super) enum Asked<'a> {
+/// The answer to a thread that needs bytes.
+pub(super) enum Lookup<'a> {
     /// The block that holds them.
-    Here(Arc<Block>),
-    /// The task to bring them, which no other thread has.
-    Bring(Flight<'a>),
+    Held(Arc<Block>),
+    /// Nobody has them or is fetching them: this thread must.
+    ToFetch(Flight<'a>),
 }
 
-/// The task to bring a range of bytes; others who need some of them wait until it is dropped.
+/// A range of bytes that one thread has to fetch. Others who need some of them wait until it is dropped.
 pub(super) struct Flight<'a> {
-    memory: &'a Memory,
+    memory: &'a MemoryCache,
     pub(super) range: Range<u64>,
 }
 
@@ -71,26 +71,26 @@ impl Drop for Flight<'_> {
     }
 }
 
-impl Memory {
+impl MemoryCache {
     fn lock(&self) -> MutexGuard<'_, State> {
         // Nothing under the lock leaves a state half changed.
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// The block that holds `wanted`, waited for if it is on its way; or the task to bring what `extend` makes of it, given
-    /// what is here or on its way.
+    /// The block that holds `wanted`, waited for if it is on its way. If there is none, the caller has to fetch it, and
+    /// what `extend` adds to it; `extend` can ask whether a range is here or on its way.
     pub(super) fn ask(
         &self,
         wanted: &Range<u64>,
         extend: impl Fn(&dyn Fn(&Range<u64>) -> bool) -> Range<u64>,
-    ) -> Asked<'_> {
+    ) -> Lookup<'_> {
         let mut state = self.lock();
         loop {
             if let Some(at) = state.blocks.iter().position(|block| contains(&block.range(), wanted))
                 && let Some(block) = state.blocks.remove(at)
             {
                 state.blocks.push_back(Arc::clone(&block));
-                return Asked::Here(block);
+                return Lookup::Held(block);
             }
             if !state.flying.iter().any(|range| contains(range, wanted)) {
                 break;
@@ -103,7 +103,7 @@ impl Memory {
         };
         let range = extend(&held);
         state.flying.push(range.clone());
-        Asked::Bring(Flight { memory: self, range })
+        Lookup::ToFetch(Flight { memory: self, range })
     }
 
     /// Takes in a block; drops old ones.

@@ -1,44 +1,14 @@
-//! Objects far away as a [`Source`]: what to fetch ([`ahead`]), what is kept in memory ([`memory`]) and on disk ([`disk`]), and
-//! the object itself ([`object`]).
+//! Remote objects as a source of bytes: the object itself ([`object`]), how much of it to fetch ([`ahead`]), what of it
+//! is kept in memory ([`memory`]) and on disk ([`disk`]).
 
 mod ahead;
 mod client;
+mod connect;
 mod disk;
 mod fault;
+mod fetch;
 mod memory;
 mod object;
 mod source;
 
-use std::io;
-use std::ops::Range;
-use std::sync::Arc;
-
-use rayreel_formats::container::Source;
-
-use crate::{Location, Options};
-use disk::Disk;
-use object::Object;
-use source::RemoteSource;
-
-/// Something that gives ranges of bytes: an object, or what a test puts in its place.
-trait Fetch: Send + Sync + std::fmt::Debug {
-    /// Exactly these bytes.
-    fn fetch(&self, range: Range<u64>) -> io::Result<Vec<u8>>;
-}
-
-/// Bytes read from either end when an object is opened: file header and metadata at one, index at the other.
-const END_LEN: u64 = 64 << 10;
-
-/// Opens an object: one request that asks for its end, and so for its length and version, too.
-pub(crate) fn connect(url: &str, location: &Location, options: &Options) -> io::Result<Box<dyn Source>> {
-    let (object, end) = Object::open(url, END_LEN, Arc::clone(&options.traffic))?;
-    let disk = match (&options.cache, object.version()) {
-        (Some(folder), Some(version)) => Some(Disk::open(folder, &location.to_string(), &version)?),
-        _ => None,
-    };
-    let size = object.size();
-    let source = RemoteSource::new(object, size, disk, Arc::clone(&options.traffic));
-    source.keep(size - end.len() as u64, end);
-    source.announce(0, END_LEN.min(size))?;
-    Ok(Box::new(source))
-}
+pub(crate) use connect::connect;

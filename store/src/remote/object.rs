@@ -8,13 +8,14 @@ use object_store::path::Path;
 use object_store::{GetOptions, GetRange, GetResult, ObjectMeta, ObjectStore};
 use tokio::runtime::{Builder, Runtime};
 
-use super::{Fetch, client, fault};
-use crate::Traffic;
+use super::fetch::Fetch;
+use super::{client, fault};
+use crate::traffic::Traffic;
 
 /// An object whose bytes are fetched by range. Every answer is held against the version of the first.
 #[derive(Debug)]
 pub(super) struct Object {
-    /// Drives the connections; callers of any thread wait in it for their own answer.
+    /// Drives the connections; callers of any thread wait in it for their answers.
     runtime: Runtime,
     store: Arc<dyn ObjectStore>,
     path: Path,

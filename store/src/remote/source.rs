@@ -6,26 +6,26 @@ use std::sync::Arc;
 
 use rayreel_formats::container::{ChunkRecord, Source};
 
-use super::Fetch;
-use super::ahead::Ahead;
-use super::disk::Disk;
-use super::memory::{Asked, Block, Memory};
-use crate::Traffic;
+use super::ahead::ReadAhead;
+use super::disk::DiskCache;
+use super::fetch::Fetch;
+use super::memory::{Block, Lookup, MemoryCache};
+use crate::traffic::Traffic;
 
 /// Reads from memory, else from disk, else from the object.
 #[derive(Debug)]
 pub(super) struct RemoteSource<F> {
     object: F,
     size: u64,
-    disk: Option<Disk>,
-    memory: Memory,
-    ahead: Ahead,
+    disk: Option<DiskCache>,
+    memory: MemoryCache,
+    ahead: ReadAhead,
     traffic: Arc<Traffic>,
 }
 
 impl<F: Fetch> RemoteSource<F> {
-    pub(super) fn new(object: F, size: u64, disk: Option<Disk>, traffic: Arc<Traffic>) -> Self {
-        Self { object, size, disk, memory: Memory::default(), ahead: Ahead::default(), traffic }
+    pub(super) fn new(object: F, size: u64, disk: Option<DiskCache>, traffic: Arc<Traffic>) -> Self {
+        Self { object, size, disk, memory: MemoryCache::default(), ahead: ReadAhead::default(), traffic }
     }
 
     /// Takes in bytes that came by themselves.
@@ -42,8 +42,8 @@ impl<F: Fetch> RemoteSource<F> {
             None => self.ahead.extend(wanted.clone(), |range| held(range) || self.is_on_disk(range)),
         };
         let flight = match self.memory.ask(wanted, extend) {
-            Asked::Here(block) => return Ok(block),
-            Asked::Bring(flight) => flight,
+            Lookup::Held(block) => return Ok(block),
+            Lookup::ToFetch(flight) => flight,
         };
         let range = flight.range.clone();
         if let Some(bytes) = self.disk.as_ref().and_then(|disk| disk.load(&range)) {

@@ -17,10 +17,9 @@ use std::time::Instant;
 
 use rayon::prelude::*;
 use rayreel_formats::Limits;
-use rayreel_formats::columns::paths::Topology;
 use rayreel_formats::scene::{Camera, Meta};
 use rayreel_formats::tile::{Column, Tile};
-use rayreel_formats::trace::{Codec, Scratch, TileCodec};
+use rayreel_formats::trace::{BvhTopology, Codec, Scratch, TileCodec};
 use rayreel_scenes::Scene;
 use rayreel_tracer::{SampleGrid, TraceSettings, Tracer, build, convert};
 
@@ -113,11 +112,11 @@ fn bench(name: &str, scene: &Scene, frame: usize, arguments: &Arguments) {
     let tracer = Tracer::new(scene, &built, TraceSettings::default());
     let (columns, rows) = meta.grid();
     let camera = convert::camera(&scene.cameras[frame], columns, rows);
-    let topology = Topology::new(&built.bvh);
+    let topology = BvhTopology::new(&built.bvh);
     let limits = Limits::default();
     let codec = TileCodec { meta: &meta, bvh: &built.bvh, topology: &topology, camera: &camera, limits: &limits };
     let frame = Frame { tracer: &tracer, meta: &meta, camera, codec };
-    let bvh = rayreel_formats::payload::bvh::encode(&built.bvh).expect("bvh");
+    let bvh = built.bvh.to_payload().expect("bvh");
     let bvh = zstd::bulk::compress(&bvh, 9).expect("zstd").len() as f64;
 
     let (mut plain, mut recorded, mut capture) = (f64::MAX, f64::MAX, f64::MAX);

@@ -3,10 +3,9 @@
 use std::path::Path;
 
 use rayreel_formats::Limits;
-use rayreel_formats::columns::paths::Topology;
 use rayreel_formats::scene::Meta;
 use rayreel_formats::tile::{Column, Tile};
-use rayreel_formats::trace::{Codec, Scratch, TileCodec, Trace, TraceWriter};
+use rayreel_formats::trace::{BvhTopology, Codec, Scratch, TileCodec, Trace, TraceWriter};
 use rayreel_scenes::Scene;
 use rayreel_tracer::capture::capture;
 use rayreel_tracer::{Built, CaptureOutcome, CaptureOutput, SampleGrid, TraceSettings, build};
@@ -54,7 +53,7 @@ pub fn rewrite(trace: &Trace, tiles: &[Tile]) -> Recorded {
     let folder = folder();
     let path = folder.path().join("changed.rtrace");
     let mut writer = TraceWriter::create(&path, trace.meta(), trace.bvh(), 1).expect("a new file");
-    let (topology, limits) = (Topology::new(trace.bvh()), Limits::default());
+    let (topology, limits) = (BvhTopology::new(trace.bvh()), Limits::default());
     for tile in tiles {
         let camera = trace.camera(tile.frame).expect("the frame is there");
         writer.frame(tile.frame, &camera).expect("it is written");

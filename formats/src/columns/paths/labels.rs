@@ -1,22 +1,24 @@
-//! What recent paths did at each node: one label a path and node, in a ring over the paths.
+//! What recent paths did at each node: one label a path and node. Each node keeps the labels of the last paths only, in
+//! a ring of cells.
 
-/// Cells of a ring, a power of two: two rows of the usual tile. (Wider tiles forget sooner, which costs size, not correctness.)
+/// Cells of a ring, a power of two: two rows of a tile of 32 samples. In wider tiles a label is gone before the row
+/// below asks for it; that costs size, not correctness.
 const RING: usize = 64;
 const RING_BITS: u32 = RING.trailing_zeros();
 
 /// Labels of recent paths, for each node (or leaf) that a ray of the tile has met.
 #[derive(Debug, Default)]
 pub(super) struct Labels {
-    /// Per key its slot, plus one; 0 where it has none yet.
+    /// Per node (or leaf), its key, its slot plus one; 0 where it has none yet.
     slots: Vec<u32>,
     /// Keys that have a slot, to take it back.
     keys: Vec<u32>,
-    /// Per slot a ring of cells: the upper bits of the path's number above the label. Cell 0 belongs to no path; it holds the
-    /// label that was set last.
+    /// Per slot a ring of cells. A cell holds a label in its low byte and the stamp of its path in the high one. Cell 0
+    /// belongs to no path; it holds the label that was set last.
     cells: Vec<[u16; RING]>,
 }
 
-/// A path's place in the rings.
+/// Where a path's labels are: the cell, in every ring, and the stamp that tells the path from others of the same cell.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Cell {
     index: u16,
@@ -25,7 +27,7 @@ pub(super) struct Cell {
 
 /// The labels around a ray: left, above, above left, above right; 0 where that ray did not meet the node.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Around {
+pub(super) struct NeighbourLabels {
     /// Left.
     pub w: u8,
     /// Above.
@@ -38,17 +40,18 @@ pub(super) struct Around {
 
 /// Numbers paths and knows how long their labels last.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Ring {
+pub(super) struct PathNumbers {
     next: u32,
 }
 
-impl Ring {
+impl PathNumbers {
     /// Starts at path 1.
     pub fn new() -> Self {
         Self { next: 1 }
     }
 
-    /// The number of the next path; 0 when numbers have run out and all labels must be forgotten first.
+    /// The number of the next path. 0 means that the numbers have run out: all labels must be forgotten, then they
+    /// start anew.
     pub fn number(&mut self) -> u32 {
         if self.next >> RING_BITS > 0xff {
             self.next = 1;
@@ -56,17 +59,16 @@ impl Ring {
         }
         let number = self.next;
         self.next += 1;
-        // Cell 0 is not for paths.
+        // Skips the numbers whose cell would be 0.
         if (self.next as usize).is_multiple_of(RING) {
             self.next += 1;
         }
         number
     }
 
-    /// Where a path's labels are; of path 0 there are none.
+    /// Where a path's labels are. Number 0 stands for no path: no cell has its stamp.
     #[inline(always)]
     pub fn cell(&self, number: u32) -> Cell {
-        // Cell 1 with a stamp that no path has is as good as nothing for path 0.
         if number == 0 {
             return Cell { index: 1, stamp: 0xffff };
         }
@@ -81,7 +83,7 @@ impl Ring {
 }
 
 impl Labels {
-    /// Starts a tile with `keys` nodes.
+    /// Starts a tile of a tree with `keys` nodes (or leaves).
     pub fn start(&mut self, keys: usize) {
         for &key in &self.keys {
             self.slots[key as usize] = 0;
@@ -96,7 +98,7 @@ impl Labels {
         self.cells.fill([0; RING]);
     }
 
-    /// The slot of a key.
+    /// The slot of a node (or leaf), which gets one when it is first met.
     #[inline(always)]
     pub fn slot(&mut self, key: usize) -> usize {
         let slot = self.slots[key];
@@ -113,13 +115,13 @@ impl Labels {
 
     /// The labels of four paths (west, north, north-west, north-east) at a node.
     #[inline(always)]
-    pub fn around(&self, slot: usize, paths: &[Cell; 4]) -> Around {
+    pub fn around(&self, slot: usize, paths: &[Cell; 4]) -> NeighbourLabels {
         let ring = &self.cells[slot];
         let of = |path: &Cell| {
             let cell = ring[usize::from(path.index) % RING];
             if cell >> 8 == path.stamp { cell as u8 } else { 0 }
         };
-        Around { w: of(&paths[0]), n: of(&paths[1]), nw: of(&paths[2]), ne: of(&paths[3]) }
+        NeighbourLabels { w: of(&paths[0]), n: of(&paths[1]), nw: of(&paths[2]), ne: of(&paths[3]) }
     }
 
     /// The label that was set last at a node, by whatever path.

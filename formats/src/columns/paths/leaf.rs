@@ -6,18 +6,21 @@ pub(super) const MISS: u8 = 1;
 pub(super) const HIT: u8 = 2;
 pub(super) const PASS: u8 = 3;
 
-/// Packs up to `count` steps; a hit ends a shadow ray.
+/// Packs up to `count` steps; a hit ends a shadow ray. Fails where a step is no triangle test or there is none.
 #[inline(always)]
-pub(super) fn take(steps: &mut std::slice::Iter<'_, u8>, count: usize, any: bool) -> u8 {
+pub(super) fn take(steps: &mut std::slice::Iter<'_, u8>, count: usize, any_hit: bool) -> Result<u8, &'static str> {
     let mut label = 0;
     for i in 0..count {
-        let step = steps.next().map_or(0, |s| s - step::MISS + MISS);
-        label |= step << (2 * i);
-        if any && step == HIT {
+        let &test @ step::MISS..=step::PASS = steps.next().ok_or("it ends in a leaf")? else {
+            return Err("a step in a leaf is no triangle test");
+        };
+        let outcome = test - step::MISS + MISS;
+        label |= outcome << (2 * i);
+        if any_hit && outcome == HIT {
             break;
         }
     }
-    label
+    Ok(label)
 }
 
 /// Appends the steps of a label.

@@ -1,12 +1,13 @@
 //! The paths column: the traversal path of every ray, coded against the tree and the paths of neighbouring rays.
 //!
-//! Rays are coded stream by stream (all rays of one class, then its shadow rays light by light) and in a stream row by row. What
-//! a ray does at a node is predicted from what the rays to the left, above, above left and above right did *at that node*:
-//! the projection of a box on the image has few edges, so each node is a small picture, coded as JBIG codes one. Where all
-//! four agree, only surprises cost anything (`runs.rs`); elsewhere a step is an adaptive bit in the context of the four.
+//! Rays are coded stream by stream: all rays of one class, then its shadow rays light by light. Within a stream they
+//! are coded row by row. What a ray does at a node is predicted from what the rays to the left, above, above left and
+//! above right did *at that node*. The projection of a box on the image has few edges, so each node is a small picture,
+//! coded as JBIG codes one. Where all four neighbours agree, only surprises cost anything (`runs.rs`); elsewhere a step
+//! is an adaptive bit in the context of the four.
 //!
-//! A path is self-delimiting: the decoder walks the tree, so lengths cost nothing, and steps that cannot be otherwise (pops
-//! before any hit) are not coded at all.
+//! The decoder walks the tree, so a path needs no length, and steps that can only go one way (pops before any hit) are
+//! not coded at all.
 
 mod labels;
 mod leaf;
@@ -14,50 +15,21 @@ mod models;
 mod rows;
 mod runs;
 mod steps;
+mod topology;
 
-use super::classes::{ClassRays, Order};
+use super::classes::{ClassRays, CodingOrder};
 use super::coder::{Decoder, Encoder};
-use crate::bvh::{Bvh, Child};
 use crate::limits::Limits;
 use crate::scene::Rect;
 use crate::tile::Paths;
-use labels::Labels;
-use rows::Rows;
 use runs::{RunDecoder, RunEncoder};
-use steps::{PathCoder, Place, RUNS};
+use steps::{PathCoder, RUNS, RayPosition};
 
-/// What the path codec needs of the tree, packed for walking.
-#[derive(Debug)]
-pub struct Topology {
-    children: Vec<[Child; 2]>,
-    /// Per triangle: bit 0, any ray may pass; bit 1, a shadow ray may pass.
-    passes: Vec<u8>,
-}
+pub(crate) use steps::PathScratch;
+pub use topology::BvhTopology;
 
-impl Topology {
-    /// The topology of a tree.
-    pub fn new(bvh: &Bvh) -> Self {
-        let passes = |t: usize| {
-            let material = bvh.material(t);
-            u8::from(material.may_pass(false)) | u8::from(material.may_pass(true)) << 1
-        };
-        Self {
-            children: bvh.nodes.iter().map(|node| node.children).collect(),
-            passes: (0..bvh.triangles.len()).map(passes).collect(),
-        }
-    }
-}
-
-/// Memory of the codec, reused from tile to tile.
-#[derive(Debug, Default)]
-pub struct PathScratch {
-    nodes: Labels,
-    leaves: Labels,
-    rows: Rows,
-}
-
-/// The streams of a tile: whether they are shadow rays, and per ray its sample and ray number.
-fn streams(order: &Order<'_>, lights: usize) -> Vec<(bool, Vec<(u32, u32)>)> {
+/// The streams of a tile: whether any hit ends their rays (shadow rays), and per ray its sample and its number.
+fn streams(order: &CodingOrder<'_>, lights: usize) -> Vec<(bool, Vec<(u32, u32)>)> {
     let tree = order.tree;
     let index = tree.ray_index();
     let mut streams = Vec::new();
@@ -75,28 +47,32 @@ fn streams(order: &Order<'_>, lights: usize) -> Vec<(bool, Vec<(u32, u32)>)> {
     streams
 }
 
-fn place(rect: Rect, sample: u32, any: bool) -> Place {
-    Place { x: (sample % rect.width) as usize + 1, y: sample / rect.width, any }
+fn position(rect: Rect, sample: u32, any_hit: bool) -> RayPosition {
+    RayPosition { x: (sample % rect.width) as usize + 1, y: sample / rect.width, any_hit }
 }
 
 /// Codes the paths of a tile: the runs' streams, each behind its length (u32), then the main stream.
+///
+/// # Errors
+/// Says which ray has a path that does not fit the tree, and why.
 pub fn encode(
     paths: &Paths,
-    order: &Order<'_>,
+    order: &CodingOrder<'_>,
     lights: usize,
-    topology: &Topology,
+    topology: &BvhTopology,
     scratch: &mut PathScratch,
-) -> Vec<u8> {
+) -> Result<Vec<u8>, String> {
     let runs: [RunEncoder; RUNS] = Default::default();
     let mut coder = PathCoder::new(Encoder::default(), runs, topology, scratch, u64::MAX);
     let mut none = Vec::new();
-    for (any, rays) in streams(order, lights) {
+    for (any_hit, rays) in streams(order, lights) {
         coder.scratch.rows.clear(order.rect.width as usize);
         for (sample, ray) in rays {
             let given = paths.ray(ray as usize);
             let equals = |other: u32| paths.ray(other as usize) == given;
-            let coded = coder.ray(place(order.rect, sample, any), ray, given, equals, &mut none);
-            debug_assert!(coded.is_ok(), "the tracer records only paths of its own tree");
+            coder
+                .ray(position(order.rect, sample, any_hit), ray, given, equals, &mut none)
+                .map_err(|why| format!("the path of ray {ray} does not fit the tree: {why}"))?;
         }
     }
     let mut out = Vec::new();
@@ -106,7 +82,7 @@ pub fn encode(
         out.extend_from_slice(&bytes);
     }
     out.extend_from_slice(&coder.coder.finish());
-    out
+    Ok(out)
 }
 
 /// Decodes the paths of a tile.
@@ -115,9 +91,9 @@ pub fn encode(
 /// Says so when a step is impossible or there are more than `limits` allow.
 pub fn decode(
     mut bytes: &[u8],
-    order: &Order<'_>,
+    order: &CodingOrder<'_>,
     lights: usize,
-    topology: &Topology,
+    topology: &BvhTopology,
     limits: &Limits,
     scratch: &mut PathScratch,
 ) -> Result<Paths, String> {
@@ -133,11 +109,11 @@ pub fn decode(
     let mut coder = PathCoder::new(Decoder::new(bytes), runs, topology, scratch, limits.max_path_steps_per_tile);
     let mut out = Paths { steps: Vec::new(), spans: vec![(0, 0); order.tree.ray_count() as usize] };
     let Paths { steps, spans } = &mut out;
-    for (any, rays) in streams(order, lights) {
+    for (any_hit, rays) in streams(order, lights) {
         coder.scratch.rows.clear(order.rect.width as usize);
         for (sample, ray) in rays {
             let start = steps.len();
-            let shared = coder.ray(place(order.rect, sample, any), ray, &[], |_| false, steps)?;
+            let shared = coder.ray(position(order.rect, sample, any_hit), ray, &[], |_| false, steps)?;
             spans[ray as usize] = match shared {
                 Some(other) => spans[other as usize],
                 None => (start as u32, (steps.len() - start) as u32),

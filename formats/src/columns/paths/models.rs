@@ -1,25 +1,25 @@
-//! The contexts of a path's steps.
+//! The models of a path's steps, and which of them the neighbours' labels select.
 
-use super::labels::Around;
+use super::labels::NeighbourLabels;
 use crate::columns::coder::{Bit, Symbol};
 
-/// Neighbour labels of an inner node: not visited, or one of five outcomes.
-pub(super) const OUTCOMES: usize = 6;
+/// Neighbour labels of an inner node: not visited, or one of five outcomes; three bits each.
 const OUTCOME_CONTEXTS: usize = 8 * 8 * 8 * 8;
 /// Neighbour labels of a pop: none, visited, culled.
 const POP_CONTEXTS: usize = 256;
 /// Neighbour labels of a triangle test: none, missed, hit, passed.
 const TEST_CONTEXTS: usize = 256;
-/// How often the ray was lately not as predicted: never, once, more.
+/// How often the ray's last three steps were not as predicted: never, once, more.
 const SURPRISES: usize = 3;
 
 /// The models of one tile's uncertain steps.
-pub(super) struct Models {
+pub(super) struct PathModels {
     /// Is the outcome the expected one?
     pub outcome: Vec<Bit>,
-    /// Which one, if not: by expectation and second choice.
+    /// Which one, if not: by the expected outcome and the next best guess.
     pub other: Vec<Symbol<8>>,
-    /// Where no neighbour was: by the last label in this column and the step before.
+    /// The outcome where no neighbour met the node: by the label that was set there last and the label of the ray's
+    /// last node.
     pub fresh: Vec<Symbol<8>>,
     /// Is the popped child visited?
     pub pop: Vec<Bit>,
@@ -31,7 +31,7 @@ pub(super) struct Models {
     pub pass: Vec<Bit>,
 }
 
-impl Models {
+impl PathModels {
     pub fn new() -> Self {
         Self {
             outcome: OUTCOME_PRIORS.repeat(SURPRISES),
@@ -45,7 +45,7 @@ impl Models {
     }
 }
 
-/// Recent surprises of a ray as a context, from its shift register (newest lowest).
+/// How many of the last three steps were surprises, at most two. `register` holds a bit a step, the newest lowest.
 #[inline(always)]
 pub(super) fn surprise_level(register: u8) -> usize {
     ((register & 0b111).count_ones() as usize).min(SURPRISES - 1)
@@ -53,24 +53,24 @@ pub(super) fn surprise_level(register: u8) -> usize {
 
 /// The neighbours' outcomes in one number, 3 bits each, west lowest.
 #[inline(always)]
-pub(super) fn outcome_context(around: &Around) -> usize {
+pub(super) fn outcome_context(around: &NeighbourLabels) -> usize {
     let of = |label: u8| usize::from(label & 7);
     of(around.ne) << 9 | of(around.nw) << 6 | of(around.n) << 3 | of(around.w)
 }
 
-/// Index into [`Models::outcome`].
+/// Index into [`PathModels::outcome`].
 #[inline(always)]
 pub(super) fn outcome_model(context: usize, surprises: usize) -> usize {
     surprises * OUTCOME_CONTEXTS + context
 }
 
-/// Index into [`Models::pop`].
+/// Index into [`PathModels::pop`].
 #[inline(always)]
 pub(super) fn pop_model(context: usize, surprises: usize) -> usize {
     surprises * POP_CONTEXTS + context
 }
 
-/// Index into [`Models::test`].
+/// Index into [`PathModels::test`].
 #[inline(always)]
 pub(super) fn test_model(context: usize, surprises: usize) -> usize {
     surprises * TEST_CONTEXTS + context
@@ -78,13 +78,14 @@ pub(super) fn test_model(context: usize, surprises: usize) -> usize {
 
 /// The neighbours' pops in one number, 2 bits each, west lowest.
 #[inline(always)]
-pub(super) fn pop_context(around: &Around) -> usize {
+pub(super) fn pop_context(around: &NeighbourLabels) -> usize {
     let of = |label: u8| usize::from(label >> 3 & 3);
     of(around.ne) << 6 | of(around.nw) << 4 | of(around.n) << 2 | of(around.w)
 }
 
-/// The value to expect from those around, 0 where there is none. An edge between north-west and north is taken to run on
-/// between west and here, as in LOCO-I.
+/// The label to expect, given those of the neighbours; 0 stands for no label. Where the label changes between
+/// north-west and north, the edge is taken to go on downwards, between west and here. (The predictor of LOCO-I does the
+/// same.)
 pub(super) const fn expect(w: u8, n: u8, nw: u8, ne: u8) -> u8 {
     if n != 0 && (w == nw || w == 0) {
         n
@@ -102,7 +103,8 @@ pub(super) const fn expect(w: u8, n: u8, nw: u8, ne: u8) -> u8 {
 pub(super) struct Expectation {
     /// [`expect`] of them.
     pub label: u8,
-    /// How near to certain it is: 0 where all four agree, 1 where west and north do and no other objects, 2 else.
+    /// How uncertain it is: 0 where all four agree, 1 where west and north agree and the others do or have no label, 2
+    /// otherwise.
     pub doubt: u8,
 }
 
@@ -125,7 +127,7 @@ pub(super) static EXPECTED: [Expectation; OUTCOME_CONTEXTS] = {
     table
 };
 
-/// Before anything is seen: the more neighbours agree with the expectation, the surer it is.
+/// The outcome models of a new tile: the more neighbours agree with the expectation, the likelier it is.
 static OUTCOME_PRIORS: [Bit; OUTCOME_CONTEXTS] = {
     const AGREE: [u32; 5] = [32_768, 52_000, 60_000, 63_500, 64_900];
     let mut table = [Bit::EVEN; OUTCOME_CONTEXTS];

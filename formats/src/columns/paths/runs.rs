@@ -1,7 +1,8 @@
 //! Near-certain events, coded as the gaps between surprises.
 //!
-//! Most steps of a path are as all neighbours predict. To pass each through the range coder would cost more time than tracing it
-//! did; so they are only counted, and each surprise costs one number: how many came before it.
+//! Most steps of a path are as all neighbours predict. Passing each through the range coder would cost more time than
+//! tracing it did. So they are only counted, and each surprise is coded as one number: how many expected events came
+//! before it.
 
 use crate::columns::coder::{Decoder, Encoder, Number};
 

@@ -1,7 +1,4 @@
-//! How every ray follows from camera, `t`, normal and material: the functions that the tracer itself calls.
-//!
-//! Scalar arithmetic in a written order only (see [`crate::math`]), so a ray rebuilt from a trace equals the traced one to the
-//! last bit on any machine. FORMAT.md states the same formulas.
+//! The formulas: primary, shadow, reflection and refraction rays, and the weights of the latter two.
 
 use crate::half::Half3;
 use crate::math::Vec3;
@@ -45,8 +42,8 @@ pub struct Surface {
     pub offset: f32,
 }
 
-/// New rays start this fraction of the largest coordinate (of the hit point, or `t`) off the surface: 64 units in the last
-/// place of the position's rounding error.
+/// New rays start this fraction of the largest coordinate (of the hit point, or `t`) off the surface: 64 units in the
+/// last place of the position's rounding error.
 const OFFSET: f32 = 1.0 / 131_072.0;
 
 /// The surface at parameter `t` of `ray` on the triangle `corners` with shading normal `normal`.
@@ -116,8 +113,8 @@ fn snell(surface: &Surface, cosine: f32, ior: f32) -> Option<Snell> {
     if k > 0.0 { Some(Snell { eta, cosine: k.sqrt() }) } else { None }
 }
 
-/// The refraction of `direction` into or out of a body of index `ior`; `None` at total internal reflection. Where a smooth
-/// normal would keep it on the near side, the face normal refracts.
+/// The refraction of `direction` into or out of a body of index `ior`; `None` at total internal reflection. Where a
+/// smooth normal would keep it on the near side, the face normal refracts.
 #[inline]
 pub fn refraction(surface: &Surface, direction: Vec3, ior: f32) -> Option<Ray> {
     let bend = |n: Vec3, cosine: f32| {

@@ -7,8 +7,8 @@ pub const NONE: u32 = u32::MAX;
 
 /// Version of the format.
 ///
-/// A reader reads every file of its own major version: a newer minor version only adds chunk kinds, which are skipped, and
-/// uses for reserved fields, which are ignored. A writer continues only files of a version it knows in full.
+/// A reader reads every file of its own major version: a newer minor version only adds chunk kinds, which are skipped,
+/// and uses for reserved fields, which are ignored. A writer continues only files of a version it knows in full.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub struct FormatVersion {
     /// Changes when an older reader would misread the file.

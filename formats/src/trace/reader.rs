@@ -1,0 +1,239 @@
+//! An open trace: typed access to what a file holds, tile by tile, in any order and from any thread.
+
+use std::path::Path;
+use std::sync::OnceLock;
+
+use super::codec::{PackedColumn, Scratch, TileCodec};
+use crate::bvh::Bvh;
+use crate::columns::paths::BvhTopology;
+use crate::container::{ChunkRecord, ColumnTotals, Reader, Source, TileDirectory, TilePayload};
+use crate::error::{Error, Result};
+use crate::id::{ChunkId, ChunkKind};
+use crate::limits::Limits;
+use crate::rays::{Geometry, TileRays};
+use crate::scene::{Camera, Meta};
+use crate::tile::{Column, Paths, Tile};
+
+/// An open trace.
+#[derive(Debug)]
+pub struct Trace {
+    reader: Reader,
+    meta: Meta,
+    bvh: Bvh,
+    topology: BvhTopology,
+    /// Frames that the file holds, ascending: a file pays for what it holds, not for what its metadata claims.
+    frames: Vec<FrameEntry>,
+}
+
+/// A frame of the file. Its camera is read when it is first asked for: cameras lie among the tiles, and of a trace far
+/// away each costs a request.
+#[derive(Debug)]
+struct FrameEntry {
+    record: ChunkRecord,
+    camera: OnceLock<Camera>,
+}
+
+impl Trace {
+    /// Opens a finished trace: reads the index, the metadata and the BVH, no camera and no tile.
+    ///
+    /// # Errors
+    /// When the file cannot be read, is not a trace, has no index or is damaged in one of these parts.
+    pub fn open(path: &Path, limits: Limits) -> Result<Self> {
+        Self::from_reader(Reader::open(path, limits)?)
+    }
+
+    /// As [`Trace::open`], on bytes in memory.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn from_bytes(bytes: Vec<u8>, limits: Limits) -> Result<Self> {
+        Self::from_reader(Reader::from_bytes(bytes, limits)?)
+    }
+
+    /// As [`Trace::open`], on any source of bytes; `name` stands for the file in errors.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn from_source(source: Box<dyn Source>, name: &Path, limits: Limits) -> Result<Self> {
+        Self::from_reader(Reader::from_source(source, name, limits)?)
+    }
+
+    fn from_reader(reader: Reader) -> Result<Self> {
+        let limits = reader.limits().clone();
+        let meta = Meta::from_payload(&reader.read(reader.require(ChunkId::META)?)?, &limits)?;
+        let bvh = Bvh::from_payload(&reader.read(reader.require(ChunkId::BVH)?)?, &limits)?;
+        let topology = BvhTopology::new(&bvh);
+        let frames = reader.chunks().iter().filter(|record| record.id.kind == ChunkKind::FRAM);
+        let mut frames: Vec<FrameEntry> =
+            frames.map(|&record| FrameEntry { record, camera: OnceLock::new() }).collect();
+        frames.sort_by_key(|frame| frame.record.id.frame);
+        let trace = Self { reader, meta, bvh, topology, frames };
+        trace.check_chunks()?;
+        Ok(trace)
+    }
+
+    /// Refuses tiles and frames that the metadata does not know of.
+    fn check_chunks(&self) -> Result<()> {
+        for record in self.reader.chunks() {
+            let ChunkId { kind, frame, tile } = record.id;
+            let foreign = match kind {
+                ChunkKind::FRAM => !self.meta.frame_numbers().contains(&frame),
+                ChunkKind::TILE => !self.meta.frame_numbers().contains(&frame) || tile >= self.meta.tile_count(),
+                _ => false,
+            };
+            if foreign {
+                return Err(Error::decode("index", format!("a {} is outside what the metadata says", record.id)));
+            }
+        }
+        Ok(())
+    }
+
+    /// What was captured.
+    pub fn meta(&self) -> &Meta {
+        &self.meta
+    }
+
+    /// The acceleration structure.
+    pub fn bvh(&self) -> &Bvh {
+        &self.bvh
+    }
+
+    /// The file.
+    pub fn reader(&self) -> &Reader {
+        &self.reader
+    }
+
+    /// What each column takes in the file.
+    pub fn column_totals(&self) -> &[ColumnTotals] {
+        self.reader.column_totals()
+    }
+
+    /// Whether the trace holds frame `frame`, that is, its camera.
+    pub fn has_frame(&self, frame: u32) -> bool {
+        self.reader.find(ChunkId::frame(frame)).is_some()
+    }
+
+    /// The camera of frame `frame`.
+    ///
+    /// # Errors
+    /// When the trace does not hold that frame, or its camera is damaged.
+    pub fn camera(&self, frame: u32) -> Result<Camera> {
+        let Ok(at) = self.frames.binary_search_by_key(&frame, |frame| frame.record.id.frame) else {
+            return Err(Error::missing(self.reader.path(), ChunkId::frame(frame)));
+        };
+        let FrameEntry { record, camera } = &self.frames[at];
+        if let Some(camera) = camera.get() {
+            return Ok(*camera);
+        }
+        let read = Camera::from_payload(&self.reader.read(record)?, self.reader.limits())?;
+        Ok(*camera.get_or_init(|| read))
+    }
+
+    /// Tiles (and frames, as their first tile) that a complete trace would hold and this one does not.
+    pub fn missing_tiles(&self) -> Vec<(u32, u32)> {
+        let mut missing = Vec::new();
+        for frame in self.meta.frame_numbers() {
+            let camera = self.has_frame(frame);
+            for tile in 0..self.meta.tile_count() {
+                if !camera || self.reader.find(ChunkId::tile(frame, tile)).is_none() {
+                    missing.push((frame, tile));
+                }
+            }
+        }
+        missing
+    }
+
+    /// Reads the columns of a tile that `columns` name, and those they need; the others stay empty.
+    ///
+    /// # Errors
+    /// When the trace does not hold the tile, or it is damaged.
+    pub fn tile(&self, frame: u32, index: u32, columns: &[Column]) -> Result<Tile> {
+        self.tile_with(frame, index, columns, &mut Scratch::default())
+    }
+
+    /// As [`Trace::tile`], with memory that is reused from call to call.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn tile_with(&self, frame: u32, index: u32, columns: &[Column], scratch: &mut Scratch) -> Result<Tile> {
+        let record = *self.reader.require(ChunkId::tile(frame, index))?;
+        let camera = self.camera(frame)?;
+        let wanted = |column: Column| columns.contains(&column) || columns.iter().any(|c| c.needs().contains(&column));
+        let wanted: Vec<Column> =
+            Column::ALL.into_iter().filter(|&column| column == Column::Tree || wanted(column)).collect();
+        let source = self.columns(&record, &wanted)?;
+        let decoded = self.decode(&record, &source, &wanted, &self.codec(&camera), scratch);
+        decoded.map_err(|error| error.in_tile(frame, index))
+    }
+
+    /// All rays of a tile, rebuilt, with what each met.
+    ///
+    /// # Errors
+    /// As [`Trace::tile`].
+    pub fn rays(&self, frame: u32, index: u32) -> Result<TileRays<'_>> {
+        let tile = self.tile(frame, index, &[Column::Hits])?;
+        let geometry = Geometry { bvh: &self.bvh, camera: self.camera(frame)? };
+        Ok(TileRays::new(tile, geometry, &self.meta.lights))
+    }
+
+    /// Reads the whole tile if its paths are wanted, which are most of it; else announces the wanted columns.
+    fn columns(&self, record: &ChunkRecord, wanted: &[Column]) -> Result<ColumnSource> {
+        if wanted.contains(&Column::Paths) {
+            return Ok(ColumnSource::Whole(self.reader.read_tile(record)?));
+        }
+        let directory = self.reader.tile_directory(record)?;
+        let ids: Vec<u8> = wanted.iter().map(|&column| column as u8).collect();
+        self.reader.announce_columns(record, &directory, &ids)?;
+        Ok(ColumnSource::Single(directory))
+    }
+
+    fn decode(
+        &self,
+        record: &ChunkRecord,
+        source: &ColumnSource,
+        wanted: &[Column],
+        codec: &TileCodec<'_>,
+        scratch: &mut Scratch,
+    ) -> Result<Tile> {
+        let ChunkId { frame, tile: index, .. } = record.id;
+        let read = |column: Column| self.column(record, source, column);
+        let rect = self.meta.tile_rect(index);
+        let tree = codec.decode_tree(rect, &read(Column::Tree)?)?;
+        let mut tile = Tile { frame, index, rect, tree, hits: vec![], radiance: vec![], paths: Paths::default() };
+        if wanted.contains(&Column::Hits) {
+            tile.hits = codec.decode_hits(&tile, &read(Column::Hits)?)?;
+        }
+        if wanted.contains(&Column::Radiance) {
+            tile.radiance = codec.decode_radiance(&tile, &read(Column::Radiance)?)?;
+        }
+        if wanted.contains(&Column::Paths) {
+            tile.paths = codec.decode_paths(&tile, &read(Column::Paths)?, scratch)?;
+        }
+        Ok(tile)
+    }
+
+    fn codec<'a>(&'a self, camera: &'a Camera) -> TileCodec<'a> {
+        TileCodec { meta: &self.meta, bvh: &self.bvh, topology: &self.topology, camera, limits: self.reader.limits() }
+    }
+
+    fn column(&self, record: &ChunkRecord, source: &ColumnSource, column: Column) -> Result<PackedColumn> {
+        let id = column as u8;
+        let found = match source {
+            ColumnSource::Whole(payload) => payload.column(id).map(|(info, bytes)| (*info, bytes.to_vec())),
+            ColumnSource::Single(directory) => {
+                let info = directory.column(id).copied();
+                info.zip(self.reader.read_column(record, directory, id)?)
+            }
+        };
+        match found {
+            Some((info, bytes)) => Ok(PackedColumn { codec: info.codec, raw_len: info.raw_len, bytes }),
+            None => Err(Error::column(record.id.frame, record.id.tile, column.name(), "the tile does not hold it")),
+        }
+    }
+}
+
+/// Where the columns of a tile come from: one read of everything, or one read each.
+enum ColumnSource {
+    Whole(TilePayload),
+    Single(TileDirectory),
+}
