@@ -20,7 +20,7 @@ use std::time::Instant;
 use rayreel_formats::Limits;
 use rayreel_formats::trace::{Codec, Trace};
 use rayreel_machine::config::{MachineConfig, NamedMachine, PRESETS};
-use rayreel_machine::energy::{Counts, EnergyReport};
+use rayreel_machine::energy::EnergyReport;
 use rayreel_machine::stats::Stats;
 use rayreel_machine::system::NoProbe;
 use rayreel_machine::work::topology::Topology;
@@ -152,14 +152,7 @@ fn energy_seconds(config: &MachineConfig, stats: &Stats) -> f64 {
     const TIMES: u32 = 1000;
     let start = Instant::now();
     for _ in 0..TIMES {
-        let counts = Counts {
-            cycles: stats.cycles,
-            cores: stats.cores.iter().map(|core| (&core.ti, &core.srp, core.srp_l1)).collect(),
-            l2: stats.memory.l2,
-            dram: stats.memory.dram(),
-            traffic: stats.memory.traffic,
-        };
-        std::hint::black_box(EnergyReport::new(config, std::hint::black_box(&counts)));
+        std::hint::black_box(EnergyReport::new(config, std::hint::black_box(stats)));
     }
     start.elapsed().as_secs_f64() / f64::from(TIMES)
 }

@@ -13,9 +13,14 @@ pub struct Counter {
     pub value: u64,
 }
 
-/// Declares a struct of `u64` counters that can be added and listed.
+/// Declares a struct of `u64` counters that can be added and listed. A counter is listed under the name of its field, or under
+/// another one: `field as "name": "unit", "meaning";`.
 macro_rules! counters {
-    ($(#[$doc:meta])* $vis:vis struct $name:ident { $($field:ident: $unit:literal, $text:literal;)* }) => {
+    (@name $field:ident) => { stringify!($field) };
+    (@name $field:ident $listed:literal) => { $listed };
+    ($(#[$doc:meta])* $vis:vis struct $name:ident {
+        $($field:ident $(as $listed:literal)?: $unit:literal, $text:literal;)*
+    }) => {
         $(#[$doc])*
         #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
         $vis struct $name { $(#[doc = concat!($text, " (", $unit, ").")] pub $field: u64,)* }
@@ -24,7 +29,7 @@ macro_rules! counters {
             /// All counters of the group, in declaration order.
             pub fn list(&self) -> Vec<$crate::counters::Counter> {
                 vec![$($crate::counters::Counter {
-                    name: stringify!($field), unit: $unit, description: $text, value: self.$field,
+                    name: $crate::counters::counters!(@name $field $($listed)?), unit: $unit, description: $text, value: self.$field,
                 },)*]
             }
         }
@@ -54,5 +59,37 @@ impl Activity {
     /// All cycles.
     pub fn total(&self) -> u64 {
         self.list().iter().map(|c| c.value).sum()
+    }
+}
+
+/// Busy cycles of an issue stage so far.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct StageBusy {
+    /// Kind of the unit.
+    pub unit: &'static str,
+    /// Number of the unit in its core.
+    pub index: usize,
+    /// Stage of the unit.
+    pub stage: &'static str,
+    /// Cycles in which it issued an operation.
+    pub cycles: u64,
+}
+
+#[cfg(test)]
+mod tests {
+    counters! {
+        /// Two counters.
+        struct Two {
+            first: "events", "the first";
+            second as "other": "cycles", "the second";
+        }
+    }
+
+    #[test]
+    fn a_counter_is_listed_under_its_field_or_under_the_name_that_it_is_given() {
+        let mut two = Two { first: 1, second: 2 };
+        two += Two { first: 10, second: 20 };
+        let listed: Vec<_> = two.list().iter().map(|c| (c.name, c.unit, c.value)).collect();
+        assert_eq!(listed, [("first", "events", 11), ("other", "cycles", 22)]);
     }
 }

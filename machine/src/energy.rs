@@ -11,18 +11,12 @@
 //! - the direct interface is paid per byte; through memory, the traffic is paid at the DRAM instead;
 //! - a unified pipeline tests triangles in the traversal unit, and their energy stands there.
 
-use super::config::{Energy, Interface, L1, MachineConfig, MissHandling, Picojoules};
-use super::memory::Cycle;
-use super::memory::dram::channel::ChannelCounters;
-use super::memory::l1::CacheCounters;
-use super::memory::l2::L2Counters;
-use super::memory::system::Traffic;
-use super::srp::SrpStats;
-use super::ti::TiStats;
-use super::ti::front::FrontCounters;
-use super::ti::ist::IstStats;
-use super::ti::trv::TrvStats;
-use super::work::layout::Region;
+use crate::config::{Energy, Interface, L1, MachineConfig, MissHandling, Picojoules};
+use crate::memory::{CacheCounters, ChannelCounters};
+use crate::srp::SrpStats;
+use crate::stats::Stats;
+use crate::ti::{InputBufferCounters, IstStats, TiStats, TrvStats};
+use crate::work::layout::Region;
 
 /// Bytes of a ray's record in a ray buffer, for leakage.
 const RECORD_BYTES: u64 = 64;
@@ -73,21 +67,6 @@ impl Component {
     }
 }
 
-/// What the energy of a run is counted from.
-#[derive(Clone, Debug)]
-pub struct Counts<'a> {
-    /// Length of the run, cycles of the T&I clock.
-    pub cycles: Cycle,
-    /// The cores: T&I unit, SRP, and the SRP's L1.
-    pub cores: Vec<(&'a TiStats, &'a SrpStats, CacheCounters)>,
-    /// The L2.
-    pub l2: L2Counters,
-    /// All channels, added.
-    pub dram: ChannelCounters,
-    /// Bytes at the DRAM by region.
-    pub traffic: Traffic,
-}
-
 /// Energy of a run. The total is the sum of the components, to the femtojoule.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct EnergyReport {
@@ -100,8 +79,8 @@ pub struct EnergyReport {
 
 impl EnergyReport {
     /// Energy of a run on a machine.
-    pub fn new(config: &MachineConfig, counts: &Counts<'_>) -> Self {
-        let sums = Sums::new(config, counts);
+    pub fn new(config: &MachineConfig, stats: &Stats) -> Self {
+        let sums = Sums::new(config, stats);
         let components = [sums.ti().to_vec(), sums.srp().to_vec(), sums.memory().to_vec()].concat();
         let mut report = Self { components, ti_memory_fj: 0 };
         report.ti_memory_fj = sums.ti_share(&report);
@@ -139,57 +118,57 @@ impl EnergyReport {
             self.clone_from(other);
             return;
         }
-        for (own, more) in self.components.iter_mut().zip(&other.components) {
-            own.dynamic_fj += more.dynamic_fj;
-            own.leakage_fj += more.leakage_fj;
+        for (component, more) in self.components.iter_mut().zip(&other.components) {
+            component.dynamic_fj += more.dynamic_fj;
+            component.leakage_fj += more.leakage_fj;
         }
         self.ti_memory_fj += other.ti_memory_fj;
     }
 }
 
 /// Mean power of `fj` femtojoules in `cycles` of a clock of `mhz`, watts; 0 for no time.
-pub fn watts(fj: u128, cycles: Cycle, mhz: u32) -> f64 {
+pub fn watts(fj: u128, cycles: u64, mhz: u32) -> f64 {
     if cycles == 0 { 0.0 } else { fj as f64 * f64::from(mhz) / cycles as f64 * 1e-9 }
 }
 
 /// Counters added over cores and units.
 struct Sums<'a> {
     config: &'a MachineConfig,
-    counts: &'a Counts<'a>,
+    stats: &'a Stats,
     cores: u64,
+    dram: ChannelCounters,
     trv_l1: CacheCounters,
     ist_l1: CacheCounters,
-    trv_front: FrontCounters,
-    ist_front: FrontCounters,
+    trv_buffer: InputBufferCounters,
+    ist_buffer: InputBufferCounters,
 }
 
 impl<'a> Sums<'a> {
-    fn new(config: &'a MachineConfig, counts: &'a Counts<'a>) -> Self {
+    fn new(config: &'a MachineConfig, stats: &'a Stats) -> Self {
         let mut sums = Self {
             config,
-            counts,
+            stats,
             cores: config.gpu.cores.into(),
+            dram: stats.memory.dram(),
             trv_l1: CacheCounters::default(),
             ist_l1: CacheCounters::default(),
-            trv_front: FrontCounters::default(),
-            ist_front: FrontCounters::default(),
+            trv_buffer: InputBufferCounters::default(),
+            ist_buffer: InputBufferCounters::default(),
         };
-        for (ti, ..) in &counts.cores {
-            for trv in &ti.trv {
-                sums.trv_l1 += trv.l1;
-                sums.trv_front += trv.front;
-            }
-            for ist in &ti.ist {
-                sums.ist_l1 += ist.l1;
-                sums.ist_front += ist.front;
-            }
+        for trv in stats.trv() {
+            sums.trv_l1 += trv.l1;
+            sums.trv_buffer += trv.buffer;
+        }
+        for ist in stats.ist() {
+            sums.ist_l1 += ist.l1;
+            sums.ist_buffer += ist.buffer;
         }
         sums
     }
 
     fn ti(&self) -> [Component; 7] {
         let (energy, ti) = (&self.config.energy, &self.config.ti);
-        let sum = |of: &dyn Fn(&TiStats) -> u64| self.counts.cores.iter().map(|(ti, ..)| of(ti)).sum::<u64>();
+        let sum = |of: &dyn Fn(&TiStats) -> u64| self.stats.cores.iter().map(|core| of(&core.ti)).sum::<u64>();
         let trv = |of: fn(&TrvStats) -> u64| sum(&|ti| ti.trv.iter().map(of).sum());
         let ist = |of: fn(&IstStats) -> u64| sum(&|ti| ti.ist.iter().map(of).sum());
         let (trvs, ists) = (self.cores * u64::from(ti.trv), self.cores * u64::from(ti.ist));
@@ -200,13 +179,13 @@ impl<'a> Sums<'a> {
             entries => entries,
         } * STACK_ENTRY_BYTES
             * u64::from(ti.rays_per_trv);
-        let fronts = [&self.trv_front, &self.ist_front];
-        let front = |of: fn(&FrontCounters) -> u64| fronts.into_iter().map(of).sum::<u64>();
+        let buffers = [&self.trv_buffer, &self.ist_buffer];
+        let buffer = |of: fn(&InputBufferCounters) -> u64| buffers.into_iter().map(of).sum::<u64>();
         let rows = match ti.miss_handling {
             MissHandling::Accumulate => u64::from(ti.accumulate_rows) * u64::from(self.config.l2.line_bytes),
             MissHandling::Retry | MissHandling::Reorder => 0,
         };
-        let buffers = self.cores * u64::from(ti.ray_fifo_entries) * RECORD_BYTES
+        let buffer_bytes = self.cores * u64::from(ti.ray_fifo_entries) * RECORD_BYTES
             + trvs * (u64::from(ti.rays_per_trv) * RECORD_BYTES + rows)
             + ists * (u64::from(ti.ist_entries) * RECORD_BYTES + rows);
         let of = |name, events: &[(u64, Picojoules)], uw, bytes| self.component(name, Group::Ti, events, uw, bytes);
@@ -242,26 +221,26 @@ impl<'a> Sums<'a> {
             ),
             of(
                 "trv_l1",
-                &l1_events(energy, &self.trv_l1, self.trv_front.late_reads, energy.trv_l1_read_pj),
+                &l1_events(energy, &self.trv_l1, self.trv_buffer.late_reads, energy.trv_l1_read_pj),
                 0,
                 trvs * l1_bytes(&ti.trv_l1),
             ),
             of(
                 "ist_l1",
-                &l1_events(energy, &self.ist_l1, self.ist_front.late_reads, energy.ist_l1_read_pj),
+                &l1_events(energy, &self.ist_l1, self.ist_buffer.late_reads, energy.ist_l1_read_pj),
                 0,
                 ists * l1_bytes(&ti.ist_l1),
             ),
             of(
                 "ray_buffers",
                 &[
-                    (rays + front(|f| f.record_writes), energy.ray_buffer_write_pj),
-                    (rays + front(|f| f.record_reads), energy.ray_buffer_read_pj),
-                    (front(|f| f.parked), energy.accumulate_pj),
-                    (front(|f| f.slot_updates), energy.reorder_pj),
+                    (rays + buffer(|b| b.record_writes), energy.ray_buffer_write_pj),
+                    (rays + buffer(|b| b.record_reads), energy.ray_buffer_read_pj),
+                    (buffer(|b| b.parked), energy.accumulate_pj),
+                    (buffer(|b| b.slot_updates), energy.reorder_pj),
                 ],
                 0,
-                buffers,
+                buffer_bytes,
             ),
             of("crossbar", &[(2 * tasks, energy.crossbar_pj)], 0, 0),
         ]
@@ -269,9 +248,9 @@ impl<'a> Sums<'a> {
 
     fn srp(&self) -> [Component; 4] {
         let energy = &self.config.energy;
-        let sum = |of: &dyn Fn(&SrpStats) -> u64| self.counts.cores.iter().map(|(_, srp, _)| of(srp)).sum::<u64>();
+        let sum = |of: &dyn Fn(&SrpStats) -> u64| self.stats.cores.iter().map(|core| of(&core.srp)).sum::<u64>();
         let mut l1 = CacheCounters::default();
-        self.counts.cores.iter().for_each(|(.., own)| l1 += *own);
+        self.stats.cores.iter().for_each(|core| l1 += core.srp_l1);
         let bytes = match self.config.gpu.interface {
             Interface::Direct => sum(&|s| s.interface.ray_bytes + s.interface.hit_bytes),
             Interface::Memory => 0,
@@ -290,7 +269,7 @@ impl<'a> Sums<'a> {
     }
 
     fn memory(&self) -> [Component; 3] {
-        let (energy, l2, dram) = (&self.config.energy, &self.counts.l2, &self.counts.dram);
+        let (energy, l2, dram) = (&self.config.energy, &self.stats.memory.l2, &self.dram);
         let l2 =
             [(l2.hits, energy.l2_read_pj), (l2.misses + l2.merges, energy.l2_miss_pj), (l2.fills, energy.l2_fill_pj)];
         let rows = [
@@ -332,17 +311,17 @@ impl<'a> Sums<'a> {
     fn leakage(&self, uw: u64, bytes: u64) -> u128 {
         let uw_1024 =
             u128::from(uw) * 1024 + u128::from(self.config.energy.sram_leakage_uw_per_kib) * u128::from(bytes);
-        nearest(uw_1024 * u128::from(self.counts.cycles) * 1000, 1024 * u128::from(self.config.ti.clock_mhz))
+        nearest(uw_1024 * u128::from(self.stats.cycles) * 1000, 1024 * u128::from(self.config.ti.clock_mhz))
     }
 
-    /// See [`EnergyReport::ti_memory_fj`]. What an L1 of the T&I units misses, it asks the L2 for.
+    /// The value of [`EnergyReport::ti_memory_fj`]. What an L1 of the T&I units misses, it asks the L2 for.
     fn ti_share(&self, report: &EnergyReport) -> u128 {
         let dynamic = |name: &str| report.component(name).map_or(0, |c| c.dynamic_fj);
         let share = |fj: u128, part: u64, all: u64| fj * u128::from(part.min(all)) / u128::from(all.max(1));
-        let traffic = &self.counts.traffic;
-        let own = |bytes: &[u64]| bytes[Region::Node as usize] + bytes[Region::Triangle as usize];
-        let bytes = own(&traffic.read) + own(&traffic.written);
-        share(dynamic("l2"), self.trv_l1.misses + self.ist_l1.misses, self.counts.l2.lookups)
+        let traffic = &self.stats.memory.traffic;
+        let of_ti = |bytes: &[u64]| bytes[Region::Node as usize] + bytes[Region::Triangle as usize];
+        let bytes = of_ti(&traffic.read) + of_ti(&traffic.written);
+        share(dynamic("l2"), self.trv_l1.misses + self.ist_l1.misses, self.stats.memory.l2.lookups)
             + share(dynamic("dram") + dynamic("dram_phy"), bytes, traffic.total())
     }
 }

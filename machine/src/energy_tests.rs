@@ -2,6 +2,8 @@
 
 use super::*;
 use crate::config::NamedMachine;
+use crate::memory::{L2Counters, MemoryStats, Traffic};
+use crate::stats::CoreStats;
 
 fn machine(overrides: &[&str]) -> MachineConfig {
     let overrides: Vec<_> = overrides.iter().map(ToString::to_string).collect();
@@ -14,7 +16,7 @@ type Change = fn(&mut Run);
 /// Owned counts of a machine with one core that has one unit of each sort.
 #[derive(Clone, Default)]
 struct Run {
-    cycles: Cycle,
+    cycles: u64,
     ti: TiStats,
     srp: SrpStats,
     srp_l1: CacheCounters,
@@ -32,14 +34,10 @@ impl Run {
     }
 
     fn energy(&self, config: &MachineConfig) -> EnergyReport {
-        let counts = Counts {
-            cycles: self.cycles,
-            cores: vec![(&self.ti, &self.srp, self.srp_l1)],
-            l2: self.l2,
-            dram: self.dram,
-            traffic: self.traffic,
-        };
-        EnergyReport::new(config, &counts)
+        let core = CoreStats { ti: self.ti.clone(), srp: self.srp, srp_l1: self.srp_l1, ..CoreStats::default() };
+        let memory = MemoryStats { l2: self.l2, channels: vec![self.dram], traffic: self.traffic };
+        let stats = Stats { cycles: self.cycles, cores: vec![core], memory, ..Stats::default() };
+        EnergyReport::new(config, &stats)
     }
 }
 
@@ -58,11 +56,11 @@ fn each_event_costs_its_price_in_its_component() {
         (|r| r.ti.trv[0].l1.merges = 1, &[("trv_l1", 600)]),
         (|r| r.ti.trv[0].l1.fills = 1, &[("trv_l1", 11_500)]),
         (|r| r.ti.trv[0].l1.full = 9, &[]),
-        (|r| r.ti.trv[0].front.late_reads = 1, &[("trv_l1", 5_700)]),
-        (|r| r.ti.trv[0].front.record_reads = 1, &[("ray_buffers", 6_500)]),
-        (|r| r.ti.ist[0].front.record_writes = 1, &[("ray_buffers", 8_000)]),
-        (|r| r.ti.trv[0].front.parked = 1, &[("ray_buffers", 1_700)]),
-        (|r| r.ti.ist[0].front.slot_updates = 1, &[("ray_buffers", 100)]),
+        (|r| r.ti.trv[0].buffer.late_reads = 1, &[("trv_l1", 5_700)]),
+        (|r| r.ti.trv[0].buffer.record_reads = 1, &[("ray_buffers", 6_500)]),
+        (|r| r.ti.ist[0].buffer.record_writes = 1, &[("ray_buffers", 8_000)]),
+        (|r| r.ti.trv[0].buffer.parked = 1, &[("ray_buffers", 1_700)]),
+        (|r| r.ti.ist[0].buffer.slot_updates = 1, &[("ray_buffers", 100)]),
         (|r| r.ti.dispatch.rays = 1, &[("trv", 27_000), ("ray_buffers", 14_500)]),
         (|r| r.ti.ist[0].events.tasks = 1, &[("crossbar", 16_000)]),
         (|r| r.ti.ist[0].events.triangle_tests = 1, &[("ist", 42_000)]),
@@ -187,7 +185,7 @@ fn the_whole_is_the_sum_of_its_parts_and_power_times_time() {
 fn rounding_is_to_the_nearest_femtojoule() {
     let config = machine(&["energy.reorder_pj=0.001", "energy.clock_tree_percent=50"]);
     let of = |events: u64| {
-        let report = Run::new(|r| r.ti.trv[0].front.slot_updates = events).energy(&config);
+        let report = Run::new(|r| r.ti.trv[0].buffer.slot_updates = events).energy(&config);
         report.component("ray_buffers").unwrap().dynamic_fj
     };
     assert_eq!((of(1), of(2), of(3)), (2, 3, 5), "1.5, 3 and 4.5 fJ");

@@ -17,7 +17,7 @@ pub enum MachineError {
     #[error(
         "the machine makes no progress at cycle {cycle}: {state}; please report this with the trace and the command"
     )]
-    Stuck {
+    Deadlock {
         /// T&I cycle.
         cycle: u64,
         /// What each core is doing.

@@ -1,26 +1,56 @@
-//! The machine model: recorded rays in, cycles and joules out.
+//! The machine model: rays that were recorded once go in, cycles and joules come out.
 //!
 //! ```text
-//! policy -> work (tiles, waves, rays) -> system: cores { SRP <-> T&I unit } -> L2 -> LPDDR4 -> counters -> energy -> stats
+//! tiles of work -> System: cores { SRP <-> T&I unit } -> L2 -> LPDDR4 -> Stats -> EnergyReport
 //! ```
 //!
-//! Time is an integer number of cycles of the T&I clock; what runs in another clock keeps its own integer count and meets the
-//! T&I clock through ratios of whole megahertz. No float decides an event. `MODEL.md` beside the crate states every rule.
+//! A machine is a [`MachineConfig`], from a preset or a file ([`NamedMachine`]). Its input is [`TileWork`]: rays with the
+//! operations that traversal does, in rounds. It decides when work is done, never what, and it knows neither the columns of a
+//! trace nor policies nor pictures; `rayreel-replay` makes the work of a recorded frame. `MODEL.md` beside the crate states
+//! every rule.
+//!
+//! Time is whole cycles of each unit's clock ([`time`]) and energy whole femtojoules; no float decides an event.
+//!
+//! ```
+//! use rayreel_machine::work::synthetic::{Random, balanced_topology, random_tile};
+//! use rayreel_machine::{FrameShape, NamedMachine, run_tiles};
+//!
+//! # fn main() -> rayreel_machine::Result<()> {
+//! let machine = NamedMachine::load("sgrt-ti2", &["gpu.cores=2".to_owned()])?;
+//! let (tree, mut random) = (balanced_topology(8, 2), Random(1));
+//! let tiles = (0..4).map(|tile| random_tile(&tree, tile, 64, 2, &mut random));
+//! let shape = FrameShape { width_pixels: 128, samples_per_axis: 1, pixel_bytes: 4 };
+//! let (stats, energy) = run_tiles(&machine.config, &tree, shape, tiles)?;
+//! assert!(stats.cycles > 0 && stats.rays() >= 4 * 64 && energy.gpu_fj() > 0);
+//! # Ok(())
+//! # }
+//! ```
 
+pub mod component;
 pub mod config;
 pub mod counters;
 pub mod energy;
-pub mod error;
+mod error;
 pub mod link;
 pub mod memory;
 pub mod probes;
+mod run;
 pub mod srp;
 pub mod stats;
 pub mod system;
 #[cfg(test)]
 pub(crate) mod test_config;
 pub mod ti;
+pub mod time;
 pub mod timeline;
 pub mod work;
 
+pub use config::{MachineConfig, NamedMachine};
+pub use energy::EnergyReport;
 pub use error::{MachineError, Result};
+pub use run::run_tiles;
+pub use srp::FrameShape;
+pub use stats::Stats;
+pub use system::System;
+pub use work::TileWork;
+pub use work::topology::Topology;

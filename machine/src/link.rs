@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 
-use super::memory::Cycle;
+use crate::time::TiCycle;
 
 /// A ray of a tile that a core works on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -11,6 +11,15 @@ pub struct RayRef {
     pub slot: u8,
     /// Index into the rays of that tile's work.
     pub ray: u32,
+}
+
+/// A ray, or its hit, on its way to somewhere.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct RayMessage {
+    /// The cycle at which it is there: it can be taken from then on.
+    pub at: TiCycle,
+    /// The ray.
+    pub ray: RayRef,
 }
 
 /// What the SRP sees of a T&I unit.
@@ -22,10 +31,10 @@ pub trait RayUnit {
     ///
     /// # Panics
     /// When the ray buffer is full.
-    fn push(&mut self, now: Cycle, ray: RayRef);
+    fn push(&mut self, now: TiCycle, ray: RayRef);
 
     /// Finished rays in order, each with the cycle at which its hit left the unit. The SRP takes them from the front.
-    fn results(&mut self) -> &mut VecDeque<(Cycle, RayRef)>;
+    fn results(&mut self) -> &mut VecDeque<RayMessage>;
 
     /// Rays that were pushed and have not come out as results.
     fn rays_inside(&self) -> usize;

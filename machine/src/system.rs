@@ -5,20 +5,22 @@
 //! memory requests of one cycle are served by core and unit. A core whose tile slot is free takes the next tile of the frame,
 //! the first core first. Every frame begins with cold caches and empty pipelines.
 
-use super::config::MachineConfig;
-use super::link::RayUnit;
-use super::memory::{Cycle, Memory, Port, Response};
-use super::srp::{FrameShape, Srp, SrpPorts};
-use super::stats::{CoreStats, Stats};
-use super::ti::{Context, TiUnit, Tiles};
-use super::work::TileWork;
-use super::work::layout::Layout;
-use super::work::topology::Topology;
+use crate::component::{Component, Tick};
+use crate::config::MachineConfig;
 use crate::error::{MachineError, Result};
+use crate::link::RayUnit;
+use crate::memory::{Memory, MemorySystem, Port, Response};
+use crate::srp::{FrameShape, Srp, SrpContext, SrpPorts, SrpReport};
+use crate::stats::{CoreStats, Stats};
+use crate::ti::{TiContext, TiUnit, Tiles};
+use crate::time::{TiCycle, When};
+use crate::work::TileWork;
+use crate::work::layout::Layout;
+use crate::work::topology::Topology;
 
 /// Cycles without any finished ray, tile or memory response after which the machine is taken to stand still. The longest
 /// legal silence is that of a refresh or of a full kernel batch, thousands of cycles.
-const PATIENCE_CYCLES: Cycle = 4_000_000;
+const DEADLOCK_CYCLES: u64 = 4_000_000;
 
 /// Ports that a core's SRP takes: its L1 and its DMA.
 const SRP_PORTS: u16 = 2;
@@ -29,8 +31,8 @@ pub struct Core {
     pub srp: Srp,
     /// The T&I unit.
     pub ti: TiUnit,
-    srp_wake: Cycle,
-    ti_wake: Cycle,
+    srp_wake: When,
+    ti_wake: When,
 }
 
 /// The machine at work on one frame.
@@ -40,10 +42,36 @@ pub struct System<'a, M> {
     cores: Vec<Core>,
     ports_per_core: u16,
     memory: M,
-    now: Cycle,
+    now: TiCycle,
     arrived: Vec<Response>,
-    progress: Cycle,
+    /// The last cycle at which a tile was given, a ray finished or a line arrived.
+    progress: TiCycle,
     tiles: u64,
+}
+
+impl Core {
+    fn tick_srp<M: Memory>(&mut self, now: TiCycle, memory: &mut M) {
+        self.srp.tick(now, SrpContext { unit: &mut self.ti, memory });
+        self.srp_wake = self.srp.next_event(now);
+        self.ti_wake = self.ti_wake.min(self.ti.next_event(now));
+    }
+
+    /// Returns whether a ray has finished.
+    fn tick_ti<M: Memory>(&mut self, now: TiCycle, tree: &Topology, layout: &Layout, memory: &mut M) -> bool {
+        let (room, results) = (self.ti.has_room(), self.ti.results().len());
+        self.ti.tick(now, TiContext { tree, layout, tiles: &self.srp, memory });
+        self.ti_wake = self.ti.next_event(now);
+        let finished = self.ti.results().len() > results;
+        if finished || self.ti.has_room() != room {
+            self.srp_wake = When::at(now + 1);
+        }
+        finished
+    }
+
+    fn finish(&mut self, end: TiCycle) -> CoreStats {
+        let SrpReport { stats, l1, cycles } = self.srp.finish(end);
+        CoreStats { ti: self.ti.finish(end), srp: stats, srp_l1: l1, srp_cycles: cycles }
+    }
 }
 
 impl Tiles for Srp {
@@ -58,10 +86,10 @@ pub trait Probe {
     /// A frame begins; its time begins at cycle 0.
     fn begin(&mut self, _frame: u32) {}
     /// The next cycle at which it wants to look.
-    fn due(&self) -> Cycle;
+    fn due(&self) -> When;
     /// It is cycle `now`, the first at or after the one asked for at which anything happened. `bytes` went to or came from
     /// DRAM so far.
-    fn look(&mut self, now: Cycle, cores: &[Core], bytes: u64);
+    fn look(&mut self, now: TiCycle, cores: &[Core], bytes: u64);
 }
 
 /// A probe that never looks.
@@ -69,15 +97,22 @@ pub trait Probe {
 pub struct NoProbe;
 
 impl Probe for NoProbe {
-    fn due(&self) -> Cycle {
-        Cycle::MAX
+    fn due(&self) -> When {
+        When::NEVER
     }
-    fn look(&mut self, _: Cycle, _: &[Core], _: u64) {}
+    fn look(&mut self, _: TiCycle, _: &[Core], _: u64) {}
+}
+
+impl<'a> System<'a, MemorySystem> {
+    /// An empty machine for a frame of `shape`.
+    pub fn new(config: &MachineConfig, tree: &'a Topology, shape: FrameShape) -> Self {
+        Self::with_memory(config, tree, shape, MemorySystem::new(config))
+    }
 }
 
 impl<'a, M: Memory> System<'a, M> {
-    /// An empty machine in front of `memory`, for a frame of `shape`.
-    pub fn new(config: &MachineConfig, tree: &'a Topology, shape: FrameShape, memory: M) -> Self {
+    /// An empty machine in front of another memory than its own.
+    pub fn with_memory(config: &MachineConfig, tree: &'a Topology, shape: FrameShape, memory: M) -> Self {
         let layout = Layout::new(config);
         let ti_ports = TiUnit::ports(config);
         let ports_per_core = ti_ports + SRP_PORTS;
@@ -87,8 +122,8 @@ impl<'a, M: Memory> System<'a, M> {
             Core {
                 srp: Srp::new(config, layout, i, ports, shape),
                 ti: TiUnit::new(config, Port(first)),
-                srp_wake: 0,
-                ti_wake: 0,
+                srp_wake: When::at(TiCycle(0)),
+                ti_wake: When::at(TiCycle(0)),
             }
         };
         Self {
@@ -97,9 +132,9 @@ impl<'a, M: Memory> System<'a, M> {
             cores: (0..config.gpu.cores).map(core).collect(),
             ports_per_core,
             memory,
-            now: 0,
+            now: TiCycle(0),
             arrived: Vec::new(),
-            progress: 0,
+            progress: TiCycle(0),
             tiles: 0,
         }
     }
@@ -107,12 +142,12 @@ impl<'a, M: Memory> System<'a, M> {
     /// Runs until a core has a free tile slot and gives it `work`: the first such core, at the first such cycle.
     ///
     /// # Errors
-    /// [`MachineError::Stuck`] if the machine stands still.
+    /// [`MachineError::Deadlock`] if the machine stands still.
     pub fn feed<P: Probe>(&mut self, work: TileWork, probe: &mut P) -> Result<()> {
         loop {
             if let Some(core) = self.cores.iter_mut().find(|core| core.srp.wants_tile()) {
                 core.srp.give_tile(self.now, work);
-                core.srp_wake = self.now;
+                core.srp_wake = When::at(self.now);
                 self.tiles += 1;
                 self.progress = self.now;
                 return Ok(());
@@ -124,43 +159,36 @@ impl<'a, M: Memory> System<'a, M> {
     /// Runs until all tiles are done and closes the accounts; gives what was counted, and the memory.
     ///
     /// # Errors
-    /// [`MachineError::Stuck`] if the machine stands still with work left.
+    /// [`MachineError::Deadlock`] if the machine stands still with work left.
     pub fn finish<P: Probe>(mut self, probe: &mut P) -> Result<(Stats, M)> {
         while !self.is_done() {
             self.advance(false, probe)?;
         }
-        let cycles = self.now;
+        let end = self.now;
         // Writes that still wait for DRAM belong to this frame's energy, but nothing waits for them.
-        while !self.memory.is_idle() {
-            self.now = self.memory.next_event().unwrap_or(0).max(self.now + 1);
-            self.memory.tick(self.now, &mut self.arrived);
+        while !self.memory.is_idle(self.now)
+            && let Some(next) = self.memory.next_event(self.now).cycle()
+        {
+            self.now = next;
+            self.memory.tick(next, &mut self.arrived);
         }
-        probe.look(cycles, &self.cores, self.memory.bytes_moved());
-        let close = |core: &mut Core| {
-            core.srp.finish(cycles);
-            CoreStats {
-                ti: core.ti.finish(cycles),
-                srp: *core.srp.stats(),
-                srp_l1: *core.srp.l1().counters(),
-                srp_cycles: core.srp.cycles(cycles),
-            }
-        };
-        let cores = self.cores.iter_mut().map(close).collect();
-        Ok((Stats { cycles, tiles: self.tiles, cores, ..Stats::default() }, self.memory))
+        probe.look(end, &self.cores, self.memory.bytes_moved());
+        let cores = self.cores.iter_mut().map(|core| core.finish(end)).collect();
+        Ok((Stats { cycles: end.0, tiles: self.tiles, cores, memory: self.memory.finish(end) }, self.memory))
     }
 
     /// Runs the cycle at hand and goes to the next one at which something happens; `feeding` says that a tile waits to be taken.
     fn advance<P: Probe>(&mut self, feeding: bool, probe: &mut P) -> Result<()> {
         self.step();
-        if probe.due() <= self.now {
+        if probe.due().is_due(self.now) {
             probe.look(self.now, &self.cores, self.memory.bytes_moved());
         }
         let takes = feeding && self.cores.iter().any(|core| core.srp.wants_tile());
-        let next = if takes || self.is_done() { Some(self.now + 1) } else { self.next_event() };
-        let next = next.ok_or_else(|| self.stuck())?;
+        let next = if takes || self.is_done() { When::at(self.now + 1) } else { self.next_event() };
+        let next = next.cycle().ok_or_else(|| self.deadlock())?;
         debug_assert!(next > self.now, "an event in the past");
-        if next - self.progress > PATIENCE_CYCLES {
-            return Err(self.stuck());
+        if next - self.progress > DEADLOCK_CYCLES {
+            return Err(self.deadlock());
         }
         self.now = next;
         Ok(())
@@ -176,24 +204,12 @@ impl<'a, M: Memory> System<'a, M> {
             self.cores.iter_mut().for_each(|core| core.srp.l1_mut().invalidate(line));
         }
         for core in &mut self.cores {
-            // A refused request, or a ray without room, has no event of its own: it is tried again whenever something happens.
-            if core.srp_wake <= now || core.srp.waits() {
-                core.srp.tick(now, &mut core.ti, &mut self.memory);
-                core.srp_wake = core.srp.next_event().map_or(Cycle::MAX, |at| at.max(now + 1));
-                core.ti_wake = core.ti_wake.min(core.ti.next_event(now).unwrap_or(Cycle::MAX));
+            // A refused request, or a ray without room, has no event: it is tried again whenever something happens.
+            if core.srp_wake.is_due(now) || core.srp.waits() {
+                core.tick_srp(now, &mut self.memory);
             }
-            if core.ti_wake <= now {
-                let (room, results) = (core.ti.has_room(), core.ti.results().len());
-                let context = Context { tree: self.tree, layout: &self.layout, tiles: &core.srp };
-                core.ti.tick(now, &context, &mut self.memory);
-                core.ti_wake = core.ti.next_event(now).unwrap_or(Cycle::MAX);
-                if core.ti.results().len() > results {
-                    self.progress = now;
-                    core.srp_wake = now + 1;
-                }
-                if core.ti.has_room() != room {
-                    core.srp_wake = now + 1;
-                }
+            if core.ti_wake.is_due(now) && core.tick_ti(now, self.tree, &self.layout, &mut self.memory) {
+                self.progress = now;
             }
         }
     }
@@ -204,28 +220,27 @@ impl<'a, M: Memory> System<'a, M> {
             self.progress = self.now;
             if response.port.0 % self.ports_per_core < self.ports_per_core - SRP_PORTS {
                 core.ti.fill(self.now, response.port, response.line);
-                core.ti_wake = self.now;
+                core.ti_wake = When::at(self.now);
             } else {
                 core.srp.respond(self.now, response);
-                core.srp_wake = self.now;
+                core.srp_wake = When::at(self.now);
             }
         }
     }
 
-    fn next_event(&self) -> Option<Cycle> {
-        let cores = self.cores.iter().map(|core| core.srp_wake.min(core.ti_wake)).min().unwrap_or(Cycle::MAX);
-        let next = cores.min(self.memory.next_event().map_or(Cycle::MAX, |at| at.max(self.now + 1)));
-        (next != Cycle::MAX).then_some(next)
+    fn next_event(&self) -> When {
+        let memory = self.memory.next_event(self.now).after(self.now);
+        self.cores.iter().map(|core| core.srp_wake.min(core.ti_wake)).fold(memory, When::min)
     }
 
     fn is_done(&self) -> bool {
         self.cores.iter().all(|core| core.srp.is_done() && core.ti.rays_inside() == 0)
     }
 
-    fn stuck(&self) -> MachineError {
+    fn deadlock(&self) -> MachineError {
         let cores = self.cores.iter().enumerate();
         let state: Vec<_> =
             cores.map(|(i, core)| format!("core {i}: {}; {}", core.ti.describe(), core.srp.describe())).collect();
-        MachineError::Stuck { cycle: self.now, state: state.join("; ") }
+        MachineError::Deadlock { cycle: self.now.0, state: state.join("; ") }
     }
 }

@@ -10,28 +10,16 @@
 
 use std::fmt::Write as _;
 
-use super::config::MachineConfig;
-use super::link::RayUnit;
-use super::memory::Cycle;
-use super::system::{Core, Probe};
+use crate::config::MachineConfig;
+use crate::counters::StageBusy;
+use crate::link::RayUnit;
+use crate::system::{Core, Probe};
+use crate::time::{TiCycle, When};
 
 /// Looks kept at most; half of them remain after thinning. Even, so that the last look stays.
 const LOOKS_MAX: usize = 2048;
 /// First distance of looks, cycles.
-const DISTANCE_CYCLES: Cycle = 128;
-
-/// Busy cycles of an issue stage so far.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Busy {
-    /// Kind of the unit.
-    pub unit: &'static str,
-    /// Number of the unit in its core.
-    pub index: usize,
-    /// Stage of the unit.
-    pub stage: &'static str,
-    /// Cycles in which it issued an operation.
-    pub cycles: Cycle,
-}
+const DISTANCE_CYCLES: u64 = 128;
 
 /// What a value is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -53,24 +41,30 @@ struct Track {
 /// Values of all tracks at a time. Those that grow go on growing from frame to frame.
 #[derive(Clone, Debug, PartialEq, Eq)]
 struct Look {
-    at: Cycle,
+    at: TiCycle,
     values: Vec<u64>,
 }
 
-/// See the module.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct FrameBegin {
+    frame: u32,
+    at: TiCycle,
+}
+
+/// The activity of all units over time, of all frames; a probe that looks at the machine.
 #[derive(Clone, Debug)]
 pub struct Timeline {
     clock_mhz: u64,
     srp: Kind,
     dram: Kind,
-    distance: Cycle,
-    due: Cycle,
+    distance_cycles: u64,
+    due: When,
     tracks: Vec<Track>,
     looks: Vec<Look>,
     /// The last look of the frame before, which this frame goes on from.
     before: Option<Look>,
-    /// Frames with the time at which each began.
-    frames: Vec<(u32, Cycle)>,
+    /// When each frame began.
+    frames: Vec<FrameBegin>,
 }
 
 impl Timeline {
@@ -82,8 +76,8 @@ impl Timeline {
             clock_mhz,
             srp: Kind::Grows(config.srp.clock_mhz.into(), clock_mhz),
             dram: Kind::Grows(bytes, u64::from(dram.tccd) * clock_mhz),
-            distance: DISTANCE_CYCLES,
-            due: 0,
+            distance_cycles: DISTANCE_CYCLES,
+            due: When::at(TiCycle(0)),
             tracks: Vec::new(),
             looks: Vec::new(),
             before: None,
@@ -116,12 +110,17 @@ impl Timeline {
         (0..=shared).map(event).collect()
     }
 
+    /// The last look's cycle.
+    fn end(&self) -> TiCycle {
+        self.looks.last().map_or(TiCycle(0), |look| look.at)
+    }
+
     /// Each frame from its beginning to the next one's.
     fn slices(&self) -> Vec<String> {
-        let (pid, last) = (self.process(None), self.looks.last().map_or(0, |look| look.at));
-        let ends = self.frames.iter().skip(1).map(|f| f.1).chain([last]);
-        let event = |(&(frame, from), to): (&(u32, Cycle), Cycle)| {
-            let (ts, dur) = (self.microseconds(from), self.microseconds(to - from));
+        let (pid, last) = (self.process(None), self.end());
+        let ends = self.frames.iter().skip(1).map(|f| f.at).chain([last]);
+        let event = |(&FrameBegin { frame, at }, end): (&FrameBegin, TiCycle)| {
+            let (ts, dur) = (self.microseconds(at.0), self.microseconds(end - at));
             format!("{{\"ph\":\"X\",\"pid\":{pid},\"tid\":0,\"name\":\"frame {frame}\",\"ts\":{ts},\"dur\":{dur}}}")
         };
         self.frames.iter().zip(ends).map(event).collect()
@@ -132,11 +131,11 @@ impl Timeline {
         let track = &self.tracks[i];
         let (pid, name) = (self.process(track.core), &track.name);
         let mut last = None;
-        let mut event = |at: Cycle, value: String| {
+        let mut event = |at: TiCycle, value: String| {
             if last.as_ref() != Some(&value) {
                 let unit = if track.kind == Kind::Level { "rays" } else { "%" };
                 let mut text =
-                    format!("{{\"ph\":\"C\",\"pid\":{pid},\"name\":\"{name}\",\"ts\":{}", self.microseconds(at));
+                    format!("{{\"ph\":\"C\",\"pid\":{pid},\"name\":\"{name}\",\"ts\":{}", self.microseconds(at.0));
                 let _ = write!(text, ",\"args\":{{\"{unit}\":{value}}}}}");
                 events.push(text);
                 last = Some(value);
@@ -152,8 +151,8 @@ impl Timeline {
     }
 
     /// Cycles as microseconds with three digits.
-    fn microseconds(&self, cycle: Cycle) -> String {
-        let nanoseconds = cycle * 1000 / self.clock_mhz;
+    fn microseconds(&self, cycles: u64) -> String {
+        let nanoseconds = cycles * 1000 / self.clock_mhz;
         format!("{}.{:03}", nanoseconds / 1000, nanoseconds % 1000)
     }
 
@@ -164,7 +163,7 @@ impl Timeline {
             keep = !keep;
             keep
         });
-        self.distance *= 2;
+        self.distance_cycles *= 2;
     }
 
     fn read(&self, cores: &[Core], bytes: u64) -> (Vec<Track>, Vec<u64>) {
@@ -174,10 +173,10 @@ impl Timeline {
             values.push(value);
         };
         for (i, core) in cores.iter().enumerate() {
-            core.ti.busy(|Busy { unit, index, stage, cycles }| {
+            core.ti.busy(|StageBusy { unit, index, stage, cycles }| {
                 add(Some(i), format!("{unit} {index} {stage}").trim_end().into(), Kind::Grows(1, 1), cycles);
             });
-            let activity = core.srp.stats().activity;
+            let activity = core.srp.activity();
             add(Some(i), "SRP".into(), self.srp, activity.busy_cycles());
             add(Some(i), "rays in T&I".into(), Kind::Level, core.ti.rays_inside() as u64);
         }
@@ -187,7 +186,7 @@ impl Timeline {
 }
 
 /// A value over some cycles, as text: in hundredths of a percent, rounded, so that it is the same everywhere.
-fn shown(kind: Kind, cycles: Cycle, before: u64, after: u64) -> String {
+fn shown(kind: Kind, cycles: u64, before: u64, after: u64) -> String {
     let Kind::Grows(most, per) = kind else { return before.to_string() };
     let full = u128::from(cycles) * u128::from(most);
     let part = u128::from(after - before) * u128::from(per) * 10_000;
@@ -198,25 +197,25 @@ fn shown(kind: Kind, cycles: Cycle, before: u64, after: u64) -> String {
 impl Probe for Timeline {
     fn begin(&mut self, frame: u32) {
         self.before = self.looks.last().cloned();
-        self.due = 0;
-        self.frames.push((frame, self.before.as_ref().map_or(0, |look| look.at)));
+        self.due = When::at(TiCycle(0));
+        self.frames.push(FrameBegin { frame, at: self.end() });
     }
 
-    fn due(&self) -> Cycle {
+    fn due(&self) -> When {
         self.due
     }
 
-    fn look(&mut self, now: Cycle, cores: &[Core], bytes: u64) {
+    fn look(&mut self, now: TiCycle, cores: &[Core], bytes: u64) {
         let (tracks, mut values) = self.read(cores, bytes);
         let mut at = now;
         if let Some(before) = &self.before {
-            at += before.at;
-            let grow = |(kind, own): (Kind, &mut u64), old: u64| *own += if kind == Kind::Level { 0 } else { old };
-            let kinds = tracks.iter().map(|t| t.kind);
-            kinds.zip(&mut values).zip(&before.values).for_each(|(own, old)| grow(own, *old));
+            at += before.at.0;
+            for ((track, value), old) in tracks.iter().zip(&mut values).zip(&before.values) {
+                *value += if track.kind == Kind::Level { 0 } else { *old };
+            }
         }
         self.tracks = tracks;
-        self.due = now + self.distance;
+        self.due = When::at(now + self.distance_cycles);
         // A frame begins where the one before has ended.
         if self.looks.last().is_some_and(|last| last.at >= at) {
             return;
@@ -224,7 +223,7 @@ impl Probe for Timeline {
         self.looks.push(Look { at, values });
         if self.looks.len() > LOOKS_MAX {
             self.thin();
-            self.due = now + self.distance;
+            self.due = When::at(now + self.distance_cycles);
         }
     }
 }
@@ -249,9 +248,9 @@ mod tests {
         let mut timeline = Timeline::new(&config);
         let looks = LOOKS_MAX as u64 * 4 + 1;
         for at in 0..looks {
-            timeline.look(at * DISTANCE_CYCLES, &[], at);
+            timeline.look(TiCycle(at * DISTANCE_CYCLES), &[], at);
         }
-        assert!(timeline.looks.len() <= LOOKS_MAX && timeline.distance > DISTANCE_CYCLES);
+        assert!(timeline.looks.len() <= LOOKS_MAX && timeline.distance_cycles > DISTANCE_CYCLES);
         let ends = [timeline.looks.first(), timeline.looks.last()].map(|look| look.unwrap().values.clone());
         assert_eq!(ends, [vec![0], vec![looks - 1]]);
     }

@@ -5,10 +5,9 @@ use crate::frame::counts::FrameStats;
 use crate::frame::{FrameReplay, Replayer};
 use crate::source::PathSource;
 use rayreel_machine::config::MachineConfig;
-use rayreel_machine::energy::{Counts, EnergyReport};
-use rayreel_machine::memory::system::MemorySystem;
+use rayreel_machine::energy::EnergyReport;
 use rayreel_machine::srp::{FrameShape, Needs, missing_kernels};
-use rayreel_machine::stats::{MemoryStats, Stats};
+use rayreel_machine::stats::Stats;
 use rayreel_machine::system::{Probe, System};
 use rayreel_machine::work::check::PathCounts;
 use rayreel_machine::work::topology::Topology;
@@ -76,7 +75,7 @@ pub fn simulate_each<S: PathSource + ?Sized, P: Probe>(
 /// Replays frame `frame` and runs its rays through a machine that starts with cold caches. `probe` may watch.
 ///
 /// # Errors
-/// As [`Replayer::frame_with`]; [`ReplayError::MissingKernel`] if the machine cannot run the policy; [`ReplayError::Stuck`] if
+/// As [`Replayer::frame_with`]; [`ReplayError::MissingKernel`] if the machine cannot run the policy; [`ReplayError::Machine`] if
 /// the machine stands still.
 pub fn simulate<S: PathSource + ?Sized, P: Probe>(
     replayer: &mut Replayer<'_, S>,
@@ -89,7 +88,7 @@ pub fn simulate<S: PathSource + ?Sized, P: Probe>(
     let meta = replayer.source().meta();
     let shape =
         FrameShape { width_pixels: meta.width, samples_per_axis: meta.samples, pixel_bytes: config.layout.pixel_bytes };
-    let mut system = System::new(config, tree, shape, MemorySystem::new(config));
+    let mut system = System::new(config, tree, shape);
     let (replay, paths) = replayer.frame_with(frame, tree, |work| {
         let missing = missing_kernels(config, &Needs::of(&work));
         if missing.is_empty() {
@@ -97,18 +96,7 @@ pub fn simulate<S: PathSource + ?Sized, P: Probe>(
         }
         Err(ReplayError::MissingKernel { machine: name.into(), kernels: missing.join(" and ") })
     })?;
-    let (mut stats, memory) = system.finish(probe)?;
-    stats.memory = MemoryStats::of(&memory);
-    let energy = EnergyReport::new(config, &counts(&stats));
+    let (stats, _) = system.finish(probe)?;
+    let energy = EnergyReport::new(config, &stats);
     Ok(MachineFrame { replay, stats, energy, paths })
-}
-
-fn counts(stats: &Stats) -> Counts<'_> {
-    Counts {
-        cycles: stats.cycles,
-        cores: stats.cores.iter().map(|core| (&core.ti, &core.srp, core.srp_l1)).collect(),
-        l2: stats.memory.l2,
-        dram: stats.memory.dram(),
-        traffic: stats.memory.traffic,
-    }
 }

@@ -82,7 +82,7 @@ fn assert_work(work: &TileWork, outcome: &Outcome, tile: &Tile, what: &str) -> u
     };
     let found = (0..work.rays.len() as u32).map(|ray| key(&of(ray))).collect();
     assert_eq!(sorted(found), sorted(rays.iter().map(key).collect()), "{what}: rays of tile {}", work.tile);
-    let begun = (0u8..).zip(&work.waves).flat_map(|(wave, own)| own.starts.iter().map(move |&ray| (wave, ray)));
+    let begun = (0u8..).zip(&work.rounds).flat_map(|(wave, own)| own.starts.iter().map(move |&ray| (wave, ray)));
     let found = sorted(begun.clone().map(|(wave, ray)| (wave, key(&of(ray)))).collect());
     assert_eq!(found, sorted(starts.iter().map(|(wave, ray)| (*wave, key(ray))).collect()), "{what}: starts");
     // Each ray is begun or spawned, once.
@@ -153,7 +153,7 @@ fn machines_conserve_rays() {
         assert!(replayed.stats.counts.samples_partial > 0);
         let closest = || works.iter().flat_map(|w| &w.rays).filter(|ray| ray.kind != RayKind::Shadow);
         let number = |kind| works.iter().flat_map(|w| &w.rays).filter(|ray| ray.kind == kind).count() as u64;
-        let waves = || works.iter().flat_map(|work| &work.waves);
+        let waves = || works.iter().flat_map(|work| &work.rounds);
         for machine in ["sgrt-ti2", "hybrid-raster", "external-buffers", "no-direct-interface"] {
             let machine = NamedMachine::load(machine, &[]).unwrap();
             let mut replayer = Replayer::new(&trace, &policy.policy, Options::default()).unwrap();
@@ -169,7 +169,7 @@ fn machines_conserve_rays() {
             };
             let starts: u64 = waves().map(|wave| wave.starts.len() as u64).sum();
             assert_eq!(items(KernelId::Raygen), starts - rastered, "{what}: rays begun");
-            assert_eq!(items(KernelId::Update), number(RayKind::Shadow), "{what}: shadow rays");
+            assert_eq!(items(KernelId::ShadowResult), number(RayKind::Shadow), "{what}: shadow rays");
             let hits = closest().filter(|ray| ray.triangle != NO_TRIANGLE).count() as u64;
             assert_eq!(items(KernelId::Shade), hits, "{what}: hits");
             assert_eq!(items(KernelId::Miss), closest().count() as u64 - hits, "{what}: misses");

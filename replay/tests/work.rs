@@ -72,7 +72,7 @@ fn assert_linked(work: &TileWork) {
             assert_eq!((work.rays[shadow].kind, work.rays[shadow].depth), (RayKind::Shadow, ray.depth));
         }
     }
-    for &primary in work.waves.iter().flat_map(|wave| &wave.starts) {
+    for &primary in work.rounds.iter().flat_map(|wave| &wave.starts) {
         named[primary as usize] += 1;
         assert_eq!(work.rays[primary as usize].kind, RayKind::Primary);
     }
@@ -83,7 +83,7 @@ fn assert_linked(work: &TileWork) {
 fn assert_waves(work: &TileWork, frame: &FrameReplay) -> u32 {
     let rect = work.rect;
     let mut outside = 0;
-    for (number, wave) in work.waves.iter().enumerate() {
+    for (number, wave) in work.rounds.iter().enumerate() {
         let mut last = None;
         for &primary in &wave.starts {
             let (x, y) = (work.rays[primary as usize].x, work.rays[primary as usize].y);
@@ -124,8 +124,8 @@ fn rays_and_waves_are_those_of_the_policy() {
                 assert_eq!(u64::from(work.apron_samples), counts.samples_apron);
                 assert_linked(work);
                 assert_eq!(assert_waves(work, &frame), work.apron_samples);
-                interpolated += work.waves.iter().map(|w| u64::from(w.interpolated)).sum::<u64>();
-                let primaries: u64 = work.waves.iter().map(|w| w.starts.len() as u64).sum();
+                interpolated += work.rounds.iter().map(|w| u64::from(w.interpolated)).sum::<u64>();
+                let primaries: u64 = work.rounds.iter().map(|w| w.starts.len() as u64).sum();
                 assert_eq!(primaries, counts.samples_traced + counts.samples_apron);
                 rays += work.rays.len() as u64;
             }
@@ -143,7 +143,7 @@ fn paths_are_the_recorded_ones() {
     let mut sum = PathCounts::default();
     for work in &works {
         let tile = trace.tile_with_paths(work.frame, work.tile).unwrap();
-        assert_eq!(work.waves.len(), 1);
+        assert_eq!(work.rounds.len(), 1);
         assert_eq!(work.rays.len(), tile.paths.spans.len());
         for (i, ray) in (0..).zip(&work.rays) {
             let steps = tile.paths.ray(i as usize);
@@ -166,10 +166,10 @@ fn tests_are_counted_by_wave() {
         let gaps = |len: u32| lines(len).windows(2).filter(|pair| pair[1] - pair[0] >= 2).count() as u32;
         for apron in [Apron::Share, Apron::Retrace] {
             let (frame, _, works) = run(&trace, &policy(n, Refine::Direct, apron)).unwrap();
-            let tests = |wave: usize| works.iter().filter_map(|w| w.waves.get(wave)).map(|w| w.tests).sum::<u32>();
+            let tests = |wave: usize| works.iter().filter_map(|w| w.rounds.get(wave)).map(|w| w.tests).sum::<u32>();
             let again = if apron == Apron::Retrace { (rows - 1) * gaps(w) } else { 0 };
             assert_eq!([tests(0), tests(1), tests(2)], [0, lines(h).len() as u32 * gaps(w) + again, w * gaps(h)]);
-            assert!(works.iter().all(|w| w.waves.len() <= 3));
+            assert!(works.iter().all(|w| w.rounds.len() <= 3));
             for work in &works {
                 let (left, above) = (work.tile % columns > 0, work.tile >= columns);
                 let r_rows =

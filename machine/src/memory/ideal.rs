@@ -2,13 +2,18 @@
 
 use std::collections::VecDeque;
 
-use super::{Cycle, Memory, Request, Response, Route};
+use super::interface::Memory;
+use super::request::{Request, Response, Route};
+use super::stats::MemoryStats;
+use crate::component::{Component, Tick};
+use crate::time::{TiCycle, When};
 
-/// Answers every request exactly `latency` cycles later, at any rate.
+/// Answers every request a fixed number of cycles later, at any rate.
 #[derive(Clone, Debug)]
 pub struct IdealMemory {
-    latency: Cycle,
-    waiting: VecDeque<(Cycle, Response)>,
+    latency_cycles: u64,
+    /// Responses with the cycle at which they arrive, in order.
+    waiting: VecDeque<(TiCycle, Response)>,
     reads: u64,
     writes: u64,
 }
@@ -18,9 +23,9 @@ impl IdealMemory {
     ///
     /// # Panics
     /// When the latency is 0: a response comes at a later cycle than its request.
-    pub fn new(latency: Cycle) -> Self {
-        assert!(latency > 0, "a response takes at least a cycle");
-        Self { latency, waiting: VecDeque::new(), reads: 0, writes: 0 }
+    pub fn new(latency_cycles: u64) -> Self {
+        assert!(latency_cycles > 0, "a response takes at least a cycle");
+        Self { latency_cycles, waiting: VecDeque::new(), reads: 0, writes: 0 }
     }
 
     /// Lines read so far.
@@ -35,27 +40,39 @@ impl IdealMemory {
 }
 
 impl Memory for IdealMemory {
-    fn request(&mut self, now: Cycle, request: Request) -> bool {
+    fn request(&mut self, now: TiCycle, request: Request) -> bool {
         if request.route == Route::Write {
             self.writes += 1;
         } else {
             self.reads += 1;
-            self.waiting.push_back((now + self.latency, Response { port: request.port, line: request.line }));
+            let response = Response { port: request.port, line: request.line };
+            self.waiting.push_back((now + self.latency_cycles, response));
         }
         true
     }
+}
 
-    fn tick(&mut self, now: Cycle, arrived: &mut Vec<Response>) {
+impl Component for IdealMemory {
+    /// Nothing: it has neither an L2 nor DRAM.
+    type Report = MemoryStats;
+
+    fn next_event(&self, now: TiCycle) -> When {
+        When::from(self.waiting.front().map(|&(ready, _)| ready)).after(now)
+    }
+
+    fn finish(&mut self, _: TiCycle) -> MemoryStats {
+        MemoryStats::default()
+    }
+}
+
+impl Tick<&mut Vec<Response>> for IdealMemory {
+    fn tick(&mut self, now: TiCycle, arrived: &mut Vec<Response>) {
         while let Some(&(ready, response)) = self.waiting.front()
             && ready <= now
         {
             self.waiting.pop_front();
             arrived.push(response);
         }
-    }
-
-    fn next_event(&self) -> Option<Cycle> {
-        self.waiting.front().map(|&(ready, _)| ready)
     }
 }
 
@@ -69,14 +86,14 @@ mod tests {
     fn a_read_takes_exactly_its_latency() {
         let mut memory = IdealMemory::new(7);
         let request = Request { port: Port(3), line: 11, region: Region::Node, route: Route::Cached };
-        assert!(memory.request(5, request));
-        assert!(memory.request(5, Request { route: Route::Write, ..request }));
+        assert!(memory.request(TiCycle(5), request));
+        assert!(memory.request(TiCycle(5), Request { route: Route::Write, ..request }));
         let mut arrived = Vec::new();
-        assert_eq!(memory.next_event(), Some(12));
-        memory.tick(11, &mut arrived);
+        assert_eq!(memory.next_event(TiCycle(5)), When::at(TiCycle(12)));
+        memory.tick(TiCycle(11), &mut arrived);
         assert!(arrived.is_empty());
-        memory.tick(12, &mut arrived);
+        memory.tick(TiCycle(12), &mut arrived);
         assert_eq!(arrived, [Response { port: Port(3), line: 11 }]);
-        assert_eq!((memory.next_event(), memory.reads(), memory.writes()), (None, 1, 1));
+        assert_eq!((memory.is_idle(TiCycle(12)), memory.reads(), memory.writes()), (true, 1, 1));
     }
 }

@@ -1,10 +1,12 @@
 //! A first-level cache: tags and miss status registers (MSHRs). It only reads, and it never blocks: a miss waits in its MSHR while
 //! other accesses go on.
 
+use super::interface::Memory;
+use super::request::{Port, Request, Route};
 use super::tags::Tags;
-use super::{Cycle, Memory, Port, Request, Route};
 use crate::config;
 use crate::counters::counters;
+use crate::time::TiCycle;
 use crate::work::layout::Region;
 
 counters! {
@@ -32,7 +34,7 @@ pub enum Access {
     /// The line was on its way already.
     Merged,
     /// No MSHR is free, its row is full, or the L2 takes no request: nothing changed, ask again later.
-    Full,
+    Rejected,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -74,18 +76,18 @@ impl L1Cache {
 
     /// Looks `line` up for `waiter` (0 to 127), who is told by [`L1Cache::fill`] when the line arrives.
     #[inline]
-    pub fn access<M: Memory>(&mut self, now: Cycle, line: u64, region: Region, waiter: u8, memory: &mut M) -> Access {
+    pub fn access<M: Memory>(&mut self, now: TiCycle, line: u64, region: Region, waiter: u8, memory: &mut M) -> Access {
         self.look_up(now, line, region, 1 << waiter, memory)
     }
 
     /// As [`L1Cache::access`], but nobody waits: a miss starts the fetch, and whoever asked asks again.
     #[inline]
-    pub fn fetch<M: Memory>(&mut self, now: Cycle, line: u64, region: Region, memory: &mut M) -> Access {
+    pub fn fetch<M: Memory>(&mut self, now: TiCycle, line: u64, region: Region, memory: &mut M) -> Access {
         self.look_up(now, line, region, 0, memory)
     }
 
     #[inline]
-    fn look_up<M: Memory>(&mut self, now: Cycle, line: u64, region: Region, waiters: u128, memory: &mut M) -> Access {
+    fn look_up<M: Memory>(&mut self, now: TiCycle, line: u64, region: Region, waiters: u128, memory: &mut M) -> Access {
         if self.tags.touch(line) {
             self.counters.lookups += 1;
             self.counters.hits += 1;
@@ -94,11 +96,11 @@ impl L1Cache {
         self.miss(now, line, region, waiters, memory)
     }
 
-    fn miss<M: Memory>(&mut self, now: Cycle, line: u64, region: Region, waiters: u128, memory: &mut M) -> Access {
+    fn miss<M: Memory>(&mut self, now: TiCycle, line: u64, region: Region, waiters: u128, memory: &mut M) -> Access {
         if let Some(mshr) = self.mshrs.iter_mut().find(|mshr| mshr.line == line) {
             if mshr.waiters.count_ones() >= self.waiters_max {
                 self.counters.full += 1;
-                return Access::Full;
+                return Access::Rejected;
             }
             mshr.waiters |= waiters;
             self.counters.lookups += 1;
@@ -108,7 +110,7 @@ impl L1Cache {
         let request = Request { port: self.port, line, region, route: Route::Cached };
         if self.mshrs.len() == self.mshrs_max || !memory.request(now, request) {
             self.counters.full += 1;
-            return Access::Full;
+            return Access::Rejected;
         }
         self.mshrs.push(Mshr { line, waiters, keep: true });
         self.counters.lookups += 1;

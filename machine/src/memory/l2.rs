@@ -8,11 +8,14 @@
 
 use std::collections::VecDeque;
 
-use super::dram::Dram;
+use super::dram::{Dram, LineRead};
+use super::request::{Port, Response};
 use super::tags::Tags;
-use super::{Cycle, Port, Response};
+use super::traffic::Traffic;
+use crate::component::{Component, Tick};
 use crate::config;
 use crate::counters::counters;
+use crate::time::{TiCycle, When};
 use crate::work::layout::Region;
 
 counters! {
@@ -44,7 +47,7 @@ struct Queued {
 struct Bank {
     queue: VecDeque<Queued>,
     /// Cycle since which the head waits.
-    blocked: Option<Cycle>,
+    blocked: Option<TiCycle>,
 }
 
 /// Ports waiting for a line: a list in a pool, in order of request.
@@ -54,6 +57,26 @@ struct Waiter {
     next: u32,
 }
 
+/// The waiters of an MSHR, as places in the pool; `END` if there are none.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct WaiterList {
+    first: u32,
+    last: u32,
+}
+
+const NOBODY: WaiterList = WaiterList { first: END, last: END };
+
+/// What the cache works with: the memory behind it, and those who asked.
+#[derive(Debug)]
+pub struct L2Context<'a> {
+    /// Where it fetches lines.
+    pub dram: &'a mut Dram,
+    /// Bytes at the DRAM; what it fetches is added.
+    pub traffic: &'a mut Traffic,
+    /// Answers are appended here.
+    pub arrived: &'a mut Vec<Response>,
+}
+
 /// The second-level cache.
 #[derive(Clone, Debug)]
 pub struct L2Cache {
@@ -61,19 +84,20 @@ pub struct L2Cache {
     banks: Vec<Bank>,
     bank_mask: u64,
     queue_max: usize,
-    latency: Cycle,
+    latency_cycles: u64,
     /// Lines of the MSHRs, or `NONE`.
     mshr_lines: Vec<u64>,
-    /// First and last waiter of each MSHR.
-    mshr_waiters: Vec<(u32, u32)>,
+    /// Who waits for each MSHR.
+    mshr_waiters: Vec<WaiterList>,
     mshrs_free: usize,
     waiters: Vec<Waiter>,
     waiters_free: u32,
-    hits: VecDeque<(Cycle, Response)>,
+    hits: VecDeque<(TiCycle, Response)>,
     /// Banks with a head that is not blocked.
     ready_banks: usize,
     evicted: Vec<u64>,
     inclusive: bool,
+    line_bytes: u64,
     counters: L2Counters,
     lookups_by_region: [u64; Region::ALL.len()],
     hits_by_region: [u64; Region::ALL.len()],
@@ -92,9 +116,9 @@ impl L2Cache {
             banks: vec![Bank { queue: VecDeque::new(), blocked: None }; config.banks as usize],
             bank_mask: u64::from(config.banks) - 1,
             queue_max: config.queue_entries as usize,
-            latency: config.latency_cycles.into(),
+            latency_cycles: config.latency_cycles.into(),
             mshr_lines: vec![NONE; config.mshrs as usize],
-            mshr_waiters: vec![(END, END); config.mshrs as usize],
+            mshr_waiters: vec![NOBODY; config.mshrs as usize],
             mshrs_free: config.mshrs as usize,
             waiters: Vec::new(),
             waiters_free: END,
@@ -102,6 +126,7 @@ impl L2Cache {
             ready_banks: 0,
             evicted: Vec::new(),
             inclusive: config.inclusive,
+            line_bytes: config.line_bytes.into(),
             counters: L2Counters::default(),
             lookups_by_region: [0; Region::ALL.len()],
             hits_by_region: [0; Region::ALL.len()],
@@ -121,15 +146,6 @@ impl L2Cache {
         true
     }
 
-    /// The next cycle after `now` with a hit to answer or a head to look up. Blocked heads wait for the memory's events.
-    #[inline]
-    pub fn next_event(&self, now: Cycle) -> Option<Cycle> {
-        if self.ready_banks > 0 {
-            return Some(now + 1);
-        }
-        self.hits.front().map(|&(ready, _)| ready)
-    }
-
     /// The line of an MSHR arrived.
     pub fn fill(&mut self, mshr: u32, arrived: &mut Vec<Response>) {
         let mshr = mshr as usize;
@@ -142,51 +158,34 @@ impl L2Cache {
                 self.evicted.push(evicted);
             }
         }
-        let (mut at, last) = self.mshr_waiters[mshr];
+        let WaiterList { first, last } = self.mshr_waiters[mshr];
+        let mut at = first;
         while at != END {
             let waiter = &mut self.waiters[at as usize];
             arrived.push(Response { port: waiter.port, line });
             at = if at == last { END } else { waiter.next };
         }
-        let (first, last) = self.mshr_waiters[mshr];
         self.waiters[last as usize].next = self.waiters_free;
         self.waiters_free = first;
     }
 
-    /// Cycle `now`: answers hits that are due, then each bank looks up its head. Returns the regions of lines that were asked of
-    /// memory through `fetched`.
-    pub fn tick(&mut self, now: Cycle, dram: &mut Dram, arrived: &mut Vec<Response>, mut fetched: impl FnMut(Region)) {
-        while let Some(&(ready, response)) = self.hits.front()
-            && ready <= now
-        {
-            self.hits.pop_front();
-            arrived.push(response);
-        }
-        if self.ready_banks == 0 && self.mshrs_free == 0 {
-            return;
-        }
-        let banks = self.banks.len();
-        for turn in 0..banks {
-            let bank = (now as usize).wrapping_add(turn) & (banks - 1);
-            let Some(&head) = self.banks[bank].queue.front() else { continue };
-            // A blocked head has missed, and only its own bank could have its line fetched: it is a miss still.
-            let blocked = self.banks[bank].blocked.is_some();
-            let done = if blocked {
-                self.miss(now, head, dram, &mut fetched)
-            } else {
-                self.look_up(now, head, dram, &mut fetched)
-            };
-            if done {
-                self.advance(now, bank);
-            } else if !blocked {
-                self.banks[bank].blocked = Some(now);
-                self.ready_banks -= 1;
-            }
+    /// Looks up the head of a bank's queue.
+    #[inline]
+    fn serve(&mut self, now: TiCycle, bank: usize, context: &mut L2Context<'_>) {
+        let Some(&head) = self.banks[bank].queue.front() else { return };
+        // A blocked head has missed, and only its bank could have its line fetched: it is a miss still.
+        let blocked = self.banks[bank].blocked.is_some();
+        let done = if blocked { self.miss(now, head, context) } else { self.look_up(now, head, context) };
+        if done {
+            self.advance(now, bank);
+        } else if !blocked {
+            self.banks[bank].blocked = Some(now);
+            self.ready_banks -= 1;
         }
     }
 
     /// The head of a bank's queue is done.
-    fn advance(&mut self, now: Cycle, bank: usize) {
+    fn advance(&mut self, now: TiCycle, bank: usize) {
         let bank = &mut self.banks[bank];
         bank.queue.pop_front();
         let was_ready = match bank.blocked.take() {
@@ -200,17 +199,17 @@ impl L2Cache {
     }
 
     /// Looks a request up; `false` if it has to wait, then nothing changed.
-    fn look_up(&mut self, now: Cycle, head: Queued, dram: &mut Dram, fetched: &mut impl FnMut(Region)) -> bool {
+    fn look_up(&mut self, now: TiCycle, head: Queued, context: &mut L2Context<'_>) -> bool {
         let Queued { port, region, line } = head;
         if self.tags.touch(line) {
-            self.hits.push_back((now + self.latency, Response { port, line }));
+            self.hits.push_back((now + self.latency_cycles, Response { port, line }));
             self.counters.hits += 1;
             self.hits_by_region[region as usize] += 1;
         } else if let Some(mshr) = self.mshr_lines.iter().position(|&other| other == line) {
             self.wait(mshr, port);
             self.counters.merges += 1;
         } else {
-            return self.miss(now, head, dram, fetched);
+            return self.miss(now, head, context);
         }
         self.counters.lookups += 1;
         self.lookups_by_region[region as usize] += 1;
@@ -218,22 +217,23 @@ impl L2Cache {
     }
 
     /// Fetches a line; `false` if there is no MSHR or the memory's queue is full.
-    fn miss(&mut self, now: Cycle, head: Queued, dram: &mut Dram, fetched: &mut impl FnMut(Region)) -> bool {
+    fn miss(&mut self, now: TiCycle, head: Queued, context: &mut L2Context<'_>) -> bool {
         let Queued { port, region, line } = head;
-        if self.mshrs_free == 0 || !dram.has_read_room(line) {
+        if self.mshrs_free == 0 || !context.dram.has_read_room(line) {
             return false;
         }
         let mshr = self.mshr_lines.iter().position(|&other| other == NONE).expect("an MSHR is free");
-        let taken = dram.request(now, now + self.latency, line, false, mshr as u32);
+        let read = LineRead { line, token: mshr as u32 };
+        let taken = context.dram.read(now, now + self.latency_cycles, read);
         debug_assert!(taken, "the memory had room");
         self.mshrs_free -= 1;
         self.mshr_lines[mshr] = line;
-        self.mshr_waiters[mshr] = (END, END);
+        self.mshr_waiters[mshr] = NOBODY;
         self.wait(mshr, port);
         self.counters.lookups += 1;
         self.lookups_by_region[region as usize] += 1;
         self.counters.misses += 1;
-        fetched(region);
+        context.traffic.read[region as usize] += self.line_bytes;
         true
     }
 
@@ -249,12 +249,12 @@ impl L2Cache {
             self.waiters[at as usize] = waiter;
             at
         };
-        let (first, last) = self.mshr_waiters[mshr];
-        if first == END {
-            self.mshr_waiters[mshr] = (at, at);
+        let list = &mut self.mshr_waiters[mshr];
+        if *list == NOBODY {
+            *list = WaiterList { first: at, last: at };
         } else {
-            self.waiters[last as usize].next = at;
-            self.mshr_waiters[mshr] = (first, at);
+            self.waiters[list.last as usize].next = at;
+            list.last = at;
         }
     }
 
@@ -281,5 +281,41 @@ impl L2Cache {
     /// Hits by region, in the order of [`Region::ALL`].
     pub fn hits_by_region(&self) -> &[u64; Region::ALL.len()] {
         &self.hits_by_region
+    }
+}
+
+impl Component for L2Cache {
+    type Report = L2Counters;
+
+    /// A hit to answer, or a head to look up. Blocked heads wait for the memory's events.
+    #[inline]
+    fn next_event(&self, now: TiCycle) -> When {
+        if self.ready_banks > 0 {
+            return When::at(now + 1);
+        }
+        When::from(self.hits.front().map(|&(ready, _)| ready))
+    }
+
+    fn finish(&mut self, _: TiCycle) -> L2Counters {
+        self.counters
+    }
+}
+
+impl Tick<L2Context<'_>> for L2Cache {
+    /// Answers hits that are due, then each bank looks up its head.
+    fn tick(&mut self, now: TiCycle, mut context: L2Context<'_>) {
+        while let Some(&(ready, response)) = self.hits.front()
+            && ready <= now
+        {
+            self.hits.pop_front();
+            context.arrived.push(response);
+        }
+        if self.ready_banks == 0 && self.mshrs_free == 0 {
+            return;
+        }
+        let banks = self.banks.len();
+        for turn in 0..banks {
+            self.serve(now, (now.0 as usize).wrapping_add(turn) & (banks - 1), &mut context);
+        }
     }
 }

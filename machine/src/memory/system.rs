@@ -4,37 +4,25 @@
 //! are accepted. They neither look at the L2 nor change it: rays, samples and pixels never share lines with cached regions.
 //! A read does not look into the write queue either.
 
-use super::dram::{ChannelCounters, Dram};
-use super::l2::{L2Cache, L2Counters};
-use super::{Cycle, Memory, Port, Request, Response, Route};
+use super::dram::{ChannelCounters, Dram, LineRead};
+use super::interface::Memory;
+use super::l2::{L2Cache, L2Context, L2Counters};
+use super::request::{Port, Request, Response, Route};
+use super::stats::MemoryStats;
+use super::traffic::Traffic;
+use crate::component::{Component, Tick};
 use crate::config::{self, MachineConfig};
-use crate::work::layout::Region;
+use crate::time::{ClockCycle, TiCycle, When};
 
 /// Marks the token of a read past the L2; the rest is its port.
 const DIRECT: u32 = 1 << 31;
-
-/// Bytes at the DRAM by what they are for, in the order of [`Region::ALL`]. Counted when the DRAM's queue takes the request.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Traffic {
-    /// Bytes read.
-    pub read: [u64; Region::ALL.len()],
-    /// Bytes written.
-    pub written: [u64; Region::ALL.len()],
-}
-
-impl Traffic {
-    /// All bytes.
-    pub fn total(&self) -> u64 {
-        self.read.iter().chain(&self.written).sum()
-    }
-}
 
 /// L2 and DRAM.
 #[derive(Clone, Debug)]
 pub struct MemorySystem {
     l2: L2Cache,
     dram: Dram,
-    now: Cycle,
+    now: TiCycle,
     arrived: Vec<Response>,
     line_bytes: u64,
     burst_bytes: u64,
@@ -52,7 +40,7 @@ impl MemorySystem {
         Self {
             l2: L2Cache::new(l2),
             dram: Dram::new(dram, clock_mhz, l2.line_bytes),
-            now: 0,
+            now: TiCycle::START,
             arrived: Vec::new(),
             line_bytes: l2.line_bytes.into(),
             burst_bytes: dram.burst_bytes.into(),
@@ -62,40 +50,34 @@ impl MemorySystem {
 
     /// Runs up to and including `now`, from event to event.
     #[inline]
-    fn advance(&mut self, now: Cycle) {
+    fn advance(&mut self, now: TiCycle) {
         if now <= self.now {
             return;
         }
-        while let Some(next) = self.next_due()
-            && next <= now
-        {
+        while let Some(next) = self.next_due().due(now) {
             self.step(next);
         }
-        self.dram.run(now);
+        self.dram.tick(now, ());
         self.now = now;
     }
 
     #[inline]
-    fn next_due(&self) -> Option<Cycle> {
-        match (self.l2.next_event(self.now), self.dram.next_event()) {
-            (Some(l2), Some(dram)) => Some(l2.min(dram)),
-            (l2, dram) => l2.or(dram),
-        }
+    fn next_due(&self) -> When {
+        self.l2.next_event(self.now).min(self.dram.next_event(self.now))
     }
 
-    fn step(&mut self, now: Cycle) {
+    fn step(&mut self, now: TiCycle) {
         self.now = now;
-        self.dram.run(now);
-        while let Some(arrival) = self.dram.take(now) {
-            if arrival.token & DIRECT == 0 {
-                self.l2.fill(arrival.token, &mut self.arrived);
+        self.dram.tick(now, ());
+        while let Some(LineRead { line, token }) = self.dram.take(now) {
+            if token & DIRECT == 0 {
+                self.l2.fill(token, &mut self.arrived);
             } else {
-                let port = Port((arrival.token & !DIRECT) as u16);
-                self.arrived.push(Response { port, line: arrival.line });
+                self.arrived.push(Response { port: Port((token & !DIRECT) as u16), line });
             }
         }
-        let (traffic, bytes) = (&mut self.traffic, self.line_bytes);
-        self.l2.tick(now, &mut self.dram, &mut self.arrived, |region| traffic.read[region as usize] += bytes);
+        let (dram, traffic, arrived) = (&mut self.dram, &mut self.traffic, &mut self.arrived);
+        self.l2.tick(now, L2Context { dram, traffic, arrived });
     }
 
     /// What the L2 did.
@@ -127,26 +109,17 @@ impl MemorySystem {
 }
 
 impl Memory for MemorySystem {
-    fn request(&mut self, now: Cycle, request: Request) -> bool {
+    fn request(&mut self, now: TiCycle, request: Request) -> bool {
         self.advance(now);
         let Request { port, line, region, route } = request;
-        let bytes = match route {
+        let direct = LineRead { line, token: DIRECT | u32::from(port.0) };
+        let (taken, bytes) = match route {
             Route::Cached => return self.l2.request(port, line, region),
-            Route::Read => &mut self.traffic.read,
-            Route::Write => &mut self.traffic.written,
+            Route::Read => (self.dram.read(now, now, direct), &mut self.traffic.read),
+            Route::Write => (self.dram.write(now, line), &mut self.traffic.written),
         };
-        let taken = self.dram.request(now, now, line, route == Route::Write, DIRECT | u32::from(port.0));
         bytes[region as usize] += if taken { self.line_bytes } else { 0 };
         taken
-    }
-
-    fn tick(&mut self, now: Cycle, arrived: &mut Vec<Response>) {
-        self.advance(now);
-        arrived.append(&mut self.arrived);
-    }
-
-    fn next_event(&self) -> Option<Cycle> {
-        if self.arrived.is_empty() { self.next_due() } else { Some(self.now) }
     }
 
     fn bytes_moved(&self) -> u64 {
@@ -156,6 +129,25 @@ impl Memory for MemorySystem {
 
     fn take_evicted(&mut self) -> Vec<u64> {
         self.l2.take_evicted()
+    }
+}
+
+impl Component for MemorySystem {
+    type Report = MemoryStats;
+
+    fn next_event(&self, now: TiCycle) -> When {
+        if self.arrived.is_empty() { self.next_due().after(now) } else { When::at(now + 1) }
+    }
+
+    fn finish(&mut self, end: TiCycle) -> MemoryStats {
+        MemoryStats { l2: self.l2.finish(end), channels: self.dram.finish(end), traffic: self.traffic }
+    }
+}
+
+impl Tick<&mut Vec<Response>> for MemorySystem {
+    fn tick(&mut self, now: TiCycle, arrived: &mut Vec<Response>) {
+        self.advance(now);
+        arrived.append(&mut self.arrived);
     }
 }
 

@@ -2,6 +2,7 @@ use super::super::dram::tests::{Dice, lpddr4};
 use super::super::tags::Tags;
 use super::*;
 use crate::config::{Bytes, Replacement};
+use crate::work::layout::Region;
 
 fn l2() -> config::L2 {
     config::L2 {
@@ -27,11 +28,11 @@ fn cached(port: u16, line: u64) -> Request {
 
 /// Lines that arrive at exactly `now`, and none before.
 #[track_caller]
-fn assert_arrive(memory: &mut MemorySystem, now: Cycle, expected: &[(u16, u64)]) {
+fn assert_arrive(memory: &mut MemorySystem, now: u64, expected: &[(u16, u64)]) {
     let mut arrived = Vec::new();
-    memory.tick(now - 1, &mut arrived);
+    memory.tick(TiCycle(now - 1), &mut arrived);
     assert_eq!(arrived, [], "at {}", now - 1);
-    memory.tick(now, &mut arrived);
+    memory.tick(TiCycle(now), &mut arrived);
     let arrived: Vec<_> = arrived.iter().map(|r| (r.port.0, r.line)).collect();
     assert_eq!(arrived, expected, "at {now}");
 }
@@ -39,12 +40,12 @@ fn assert_arrive(memory: &mut MemorySystem, now: Cycle, expected: &[(u16, u64)])
 #[test]
 fn a_miss_takes_l2_and_dram_and_a_hit_the_l2() {
     let mut memory = system();
-    assert!(memory.request(5, cached(1, 77)));
+    assert!(memory.request(TiCycle(5), cached(1, 77)));
     // Lookup at 6, leaves at 16; in DRAM cycles: 51.2, so 52, synchroniser 54, half controller 78, ACT; RD at 107, second burst
     // 115, data 155, half controller 179; in T&I cycles 55.9, so 56, synchroniser 58.
     assert_arrive(&mut memory, 58, &[(1, 77)]);
-    assert_eq!(memory.next_event(), None);
-    assert!(memory.request(100, cached(1, 77)));
+    assert!(memory.is_idle(TiCycle(58)));
+    assert!(memory.request(TiCycle(100), cached(1, 77)));
     assert_arrive(&mut memory, 111, &[(1, 77)]);
     let c = memory.l2_counters();
     assert_eq!((c.lookups, c.hits, c.misses, c.fills), (2, 1, 1, 1));
@@ -55,7 +56,7 @@ fn a_miss_takes_l2_and_dram_and_a_hit_the_l2() {
 #[test]
 fn other_clocks_meet_at_their_edges() {
     let mut memory = MemorySystem::of(533, &l2(), &lpddr4());
-    assert!(memory.request(5, cached(1, 77)));
+    assert!(memory.request(TiCycle(5), cached(1, 77)));
     // Leaves at 16: 48.03 DRAM cycles, so 49, 51, 75; data 152, 176: 58.6 T&I cycles, so 59, 61.
     assert_arrive(&mut memory, 61, &[(1, 77)]);
 }
@@ -64,7 +65,7 @@ fn other_clocks_meet_at_their_edges() {
 fn a_read_past_the_l2_leaves_at_once_and_is_not_kept() {
     let mut memory = system();
     let request = Request { route: Route::Read, region: Region::Sample, ..cached(2, 77) };
-    assert!(memory.request(5, request));
+    assert!(memory.request(TiCycle(5), request));
     // Leaves at 5: DRAM cycle 16, 18, 42; data 119, 143; 44.7, so 45, 47.
     assert_arrive(&mut memory, 47, &[(2, 77)]);
     assert!(!memory.l2().contains(77));
@@ -75,10 +76,12 @@ fn a_read_past_the_l2_leaves_at_once_and_is_not_kept() {
 fn writes_get_no_answer_but_reach_the_dram() {
     let mut memory = system();
     let request = Request { route: Route::Write, region: Region::Framebuffer, ..cached(2, 77) };
-    assert!(memory.request(5, request));
-    while let Some(next) = memory.next_event() {
+    assert!(memory.request(TiCycle(5), request));
+    let mut now = TiCycle(5);
+    while let Some(next) = memory.next_event(now).cycle() {
         let mut arrived = Vec::new();
         memory.tick(next, &mut arrived);
+        now = next;
         assert_eq!(arrived, []);
     }
     assert_eq!((memory.dram_counters().writes, memory.traffic().written[8]), (2, 64));
@@ -88,7 +91,7 @@ fn writes_get_no_answer_but_reach_the_dram() {
 fn misses_of_a_line_merge_and_are_answered_together_in_order() {
     let mut memory = system();
     for port in [3, 1, 2] {
-        assert!(memory.request(5, cached(port, 77)));
+        assert!(memory.request(TiCycle(5), cached(port, 77)));
     }
     assert_arrive(&mut memory, 58, &[(3, 77), (1, 77), (2, 77)]);
     let c = memory.l2_counters();
@@ -100,11 +103,11 @@ fn a_bank_looks_up_one_a_cycle_and_banks_work_side_by_side() {
     let mut memory = system();
     let lines = [0, 4, 8, 1, 2];
     for line in lines {
-        assert!(memory.request(0, cached(0, line)));
+        assert!(memory.request(TiCycle(0), cached(0, line)));
     }
-    memory.tick(500, &mut Vec::new());
+    memory.tick(TiCycle(500), &mut Vec::new());
     for line in lines {
-        assert!(memory.request(500, cached(0, line)));
+        assert!(memory.request(TiCycle(500), cached(0, line)));
     }
     // The bank that looks first at cycle 501 is 1.
     assert_arrive(&mut memory, 511, &[(0, 1), (0, 2), (0, 0)]);
@@ -115,24 +118,24 @@ fn a_bank_looks_up_one_a_cycle_and_banks_work_side_by_side() {
 #[test]
 fn a_full_bank_refuses() {
     let mut memory = MemorySystem::of(500, &config::L2 { queue_entries: 2, ..l2() }, &lpddr4());
-    assert!(memory.request(0, cached(0, 0)) && memory.request(0, cached(0, 4)));
-    assert!(!memory.request(0, cached(0, 8)));
-    assert!(memory.request(0, cached(0, 1)));
-    assert!(memory.request(1, cached(0, 8)), "the lookup of cycle 1 freed an entry");
+    assert!(memory.request(TiCycle(0), cached(0, 0)) && memory.request(TiCycle(0), cached(0, 4)));
+    assert!(!memory.request(TiCycle(0), cached(0, 8)));
+    assert!(memory.request(TiCycle(0), cached(0, 1)));
+    assert!(memory.request(TiCycle(1), cached(0, 8)), "the lookup of cycle 1 freed an entry");
     assert_eq!(memory.l2_counters().full, 1);
 }
 
 #[test]
 fn without_an_mshr_the_head_waits_and_its_bank_with_it() {
     let mut memory = MemorySystem::of(500, &config::L2 { mshrs: 1, ..l2() }, &lpddr4());
-    assert!(memory.request(5, cached(0, 77)) && memory.request(5, cached(0, 4)));
-    assert!(memory.request(5, cached(0, 77 + 4)) && memory.request(5, cached(0, 77)));
+    assert!(memory.request(TiCycle(5), cached(0, 77)) && memory.request(TiCycle(5), cached(0, 4)));
+    assert!(memory.request(TiCycle(5), cached(0, 77 + 4)) && memory.request(TiCycle(5), cached(0, 77)));
     // Bank 0 looks before bank 1 at cycle 6: line 4 takes the MSHR and comes at 58, as if alone; then line 77, the head of bank 1
     // since 6, takes it. Line 81 waits for that, and the second 77 behind it finds its line there.
     assert_arrive(&mut memory, 58, &[(0, 4)]);
     assert_eq!((memory.l2_counters().misses, memory.l2_counters().blocked), (2, 52));
     let mut arrived = Vec::new();
-    memory.tick(1000, &mut arrived);
+    memory.tick(TiCycle(1000), &mut arrived);
     assert_eq!(arrived.iter().map(|r| r.line).collect::<Vec<_>>(), [77, 77, 81]);
 }
 
@@ -141,8 +144,8 @@ fn an_inclusive_l2_reports_what_leaves() {
     let small = config::L2 { size: Bytes(2 * 64), ways: 2, banks: 1, inclusive: true, ..l2() };
     let mut memory = MemorySystem::of(500, &small, &lpddr4());
     for line in 0..4 {
-        assert!(memory.request(line * 1000, cached(0, line)));
-        memory.tick(line * 1000 + 999, &mut Vec::new());
+        assert!(memory.request(TiCycle(line * 1000), cached(0, line)));
+        memory.tick(TiCycle(line * 1000 + 999), &mut Vec::new());
     }
     assert_eq!((memory.take_evicted(), memory.take_evicted()), (vec![0, 1], vec![]));
 }
@@ -156,10 +159,10 @@ fn hits_are_those_of_the_tags_alone() {
     for _ in 0..5000 {
         let line = dice.roll(2000);
         hits += u64::from(tags.touch(line) || tags.fill(line).is_some_and(|_| false));
-        assert!(memory.request(now, cached(0, line)));
-        while let Some(next) = memory.next_event() {
+        assert!(memory.request(TiCycle(now), cached(0, line)));
+        while let Some(TiCycle(next)) = memory.next_event(TiCycle(now)).cycle() {
             now = next;
-            memory.tick(now, &mut Vec::new());
+            memory.tick(TiCycle(now), &mut Vec::new());
         }
         now += 1;
     }
@@ -168,26 +171,27 @@ fn hits_are_those_of_the_tags_alone() {
 }
 
 /// What happened: at each cycle which request of which port was taken, or which line came.
-type Log = Vec<(Cycle, bool, u16, u64)>;
+type Log = Vec<(u64, bool, u16, u64)>;
 
 /// Ports that ask in order, each request not before its time, and again until it is taken.
-fn drive(memory: &mut MemorySystem, mut ports: Vec<Vec<(Cycle, Request)>>, step: bool) -> Log {
+fn drive(memory: &mut MemorySystem, mut ports: Vec<Vec<(u64, Request)>>, step: bool) -> Log {
     let (mut log, mut now, mut arrived) = (Log::new(), 0, Vec::new());
     ports.iter_mut().for_each(|port| port.reverse());
     loop {
-        memory.tick(now, &mut arrived);
+        memory.tick(TiCycle(now), &mut arrived);
         log.extend(arrived.drain(..).map(|r| (now, false, r.port.0, r.line)));
         for port in &mut ports {
             while let Some(&(at, request)) = port.last()
                 && at <= now
-                && memory.request(now, request)
+                && memory.request(TiCycle(now), request)
             {
                 port.pop();
                 log.push((now, true, request.port.0, request.line));
             }
         }
         let heads = ports.iter().filter_map(|port| port.last()).map(|&(at, _)| at).filter(|&at| at > now);
-        let Some(next) = heads.chain(memory.next_event()).min() else { break };
+        let event = memory.next_event(TiCycle(now)).cycle().map(|at| at.0);
+        let Some(next) = heads.chain(event).min() else { break };
         assert!(next > now, "an event of the past");
         now = if step { now + 1 } else { next };
     }
@@ -195,7 +199,7 @@ fn drive(memory: &mut MemorySystem, mut ports: Vec<Vec<(Cycle, Request)>>, step:
     log
 }
 
-fn traffic(seed: u64) -> Vec<Vec<(Cycle, Request)>> {
+fn traffic(seed: u64) -> Vec<Vec<(u64, Request)>> {
     let mut dice = Dice(seed);
     let (span, lines) = ([1, 3, 40, 400][seed as usize % 4], [100, 3000, 100_000][seed as usize % 3]);
     let mut port = |port: u16| {
@@ -243,7 +247,7 @@ fn skipping_and_stepping_are_the_same_and_each_read_is_answered_once() {
     }
 }
 
-fn answered_once(log: &Log, traffic: Vec<Vec<(Cycle, Request)>>) {
+fn answered_once(log: &Log, traffic: Vec<Vec<(u64, Request)>>) {
     let asked = traffic.iter().flatten().filter(|(_, r)| r.route != Route::Write);
     let mut asked: Vec<_> = asked.map(|(_, r)| (r.port.0, r.line)).collect();
     let mut got: Vec<_> = log.iter().filter(|entry| !entry.1).map(|&(_, _, port, line)| (port, line)).collect();

@@ -4,7 +4,7 @@
 //! estimates:
 //!
 //! * A queue is *ready* when it has `batch_min` items, or nothing can be added to it before it runs (the kernels without rays as
-//!   input get all items of a wave at once; the others get no more when no ray of the tile is out), or its items send rays and
+//!   input get all items of a round at once; the others get no more when no ray of the tile is out), or its items send rays and
 //!   fewer rays of this core are out than half of what the T&I unit holds: then starving the unit costs more than a prologue.
 //! * `raygen` is not ready while the output queue is more than half full: the array would only wait.
 //! * Of the ready queues the longest runs, when the unit is low on rays the longest of those that send rays. Ties: the tile given
@@ -20,10 +20,10 @@ use super::clock::Clock;
 use super::gather::{Gather, READERS};
 use super::kernels::{Costs, KernelId};
 use super::queues::QueueId;
-use super::stats::SrpStats;
+use super::stats::ArrayCounters;
 use super::tile::Slot;
 use crate::link::RayRef;
-use crate::memory::Cycle;
+use crate::time::{ClockCycle, SrpCycle, TiCycle};
 use crate::work::{NO_RAY, RayWork, TileWork};
 
 /// Rays that the output queue of the array holds.
@@ -41,7 +41,7 @@ pub struct Choice {
     age: u64,
 }
 
-/// What the choice depends on beside the queues.
+/// What the choice depends on, apart from the queues.
 #[derive(Clone, Copy, Debug)]
 pub struct Choosing {
     /// `srp.batch_min`.
@@ -55,16 +55,17 @@ pub struct Choosing {
 /// The queue that runs next.
 pub fn choose(slots: &[Slot], by: Choosing) -> Option<Choice> {
     let mut best: Option<Choice> = None;
-    for (slot, own) in slots.iter().enumerate().filter(|(_, s)| s.pending > s.rays_out) {
-        own.queues.each(|queue, items| {
+    for (id, slot) in slots.iter().enumerate().filter(|(_, s)| s.pending > s.rays_out) {
+        slot.queues.each(|queue, items| {
             let kernel = queue.kernel;
-            let grows = matches!(kernel, KernelId::Shade | KernelId::Miss | KernelId::Update) && own.rays_out > 0;
+            let of_hits = matches!(kernel, KernelId::Shade | KernelId::Miss | KernelId::ShadowResult);
+            let grows = of_hits && slot.rays_out > 0;
             let urgent = by.low && kernel.emits();
             let held = kernel == KernelId::Raygen && by.output_full;
             if held || !(items >= by.batch_min || !grows || urgent) {
                 return;
             }
-            let new = Choice { slot: slot as u8, queue, urgent, items, age: own.age };
+            let new = Choice { slot: id as u8, queue, urgent, items, age: slot.age };
             if best.is_none_or(|old| new.rank(&old) == Ordering::Greater) {
                 best = Some(new);
             }
@@ -85,12 +86,12 @@ pub fn sent_ray(kernel: KernelId, work: &TileWork, ray: u32, k: u32) -> Option<u
     if kernel != KernelId::Shade {
         return (kernel == KernelId::Raygen && k == 0).then_some(ray);
     }
-    let own = &work.rays[ray as usize];
-    let shadows = u32::from(own.shadows);
+    let parent = &work.rays[ray as usize];
+    let shadows = u32::from(parent.shadows);
     if k < shadows {
         return Some(ray + 1 + k);
     }
-    let children = [own.reflect, own.refract];
+    let children = [parent.reflect, parent.refract];
     children.into_iter().filter(|&child| child != NO_RAY).nth((k - shadows) as usize)
 }
 
@@ -100,7 +101,7 @@ pub enum Progress {
     /// It is over.
     Ended,
     /// Its next item is complete at this T&I cycle.
-    At(Cycle),
+    At(TiCycle),
     /// Its next item waits for its reads.
     Reads,
     /// Its next ray waits for room in the output queue.
@@ -124,11 +125,11 @@ pub struct Batch {
     complete: bool,
     blocked: bool,
     /// SRP cycle up to which the array's time is spent.
-    at: u64,
+    at: SrpCycle,
 }
 
 /// What a running batch acts on.
-pub struct Around<'a> {
+pub struct BatchContext<'a> {
     /// Clocks.
     pub clock: Clock,
     /// Costs.
@@ -142,7 +143,7 @@ pub struct Around<'a> {
     /// Rays of the core that are out.
     pub rays_out: &'a mut usize,
     /// Counters.
-    pub stats: &'a mut SrpStats,
+    pub counters: &'a mut ArrayCounters,
 }
 
 impl Batch {
@@ -160,17 +161,25 @@ impl Batch {
             sent: 0,
             complete: false,
             blocked: false,
-            at: 0,
+            at: SrpCycle::START,
         }
     }
 
     /// SRP cycle up to which the array's time is spent.
-    pub fn at(&self) -> u64 {
+    pub fn at(&self) -> SrpCycle {
         self.at
     }
 
     /// Takes items from the queue that was chosen; they begin at SRP cycle `at`.
-    pub fn begin(&mut self, at: u64, choice: Choice, most: usize, slot: &mut Slot, costs: &Costs, gather: &mut Gather) {
+    pub fn begin(
+        &mut self,
+        at: SrpCycle,
+        choice: Choice,
+        most: usize,
+        slot: &mut Slot,
+        costs: &Costs,
+        gather: &mut Gather,
+    ) {
         let kernel = choice.queue.kernel;
         let most = if kernel == KernelId::Shade { most.min(READERS) } else { most };
         self.rays.clear();
@@ -188,84 +197,87 @@ impl Batch {
     }
 
     /// Goes as far as it can by cycle `now`.
-    pub fn progress(&mut self, now: Cycle, around: &mut Around<'_>) -> Progress {
+    pub fn progress(&mut self, now: TiCycle, context: &mut BatchContext<'_>) -> Progress {
         if !self.kernel.emits() {
-            return self.whole(now, around);
+            return self.whole(now, context);
         }
         while let Some(&ray) = self.rays.get(self.next) {
             if !self.complete {
-                match self.complete_item(now, ray, around) {
+                match self.complete_item(now, ray, context) {
                     Progress::Ended => {}
                     waits => return waits,
                 }
             }
-            if !self.send(now, ray, around) {
+            if !self.send(now, ray, context) {
                 return Progress::Output;
             }
-            around.slot.pending -= 1;
+            context.slot.pending -= 1;
             (self.next, self.sent, self.complete) = (self.next + 1, 0, false);
         }
         Progress::Ended
     }
 
     /// Kernels that send nothing: all items count when the last is complete, since nobody sees them earlier.
-    fn whole(&mut self, now: Cycle, around: &mut Around<'_>) -> Progress {
-        let cycles = self.prologue + self.items * around.costs.interval(self.kernel, 0) * self.branches;
+    fn whole(&mut self, now: TiCycle, context: &mut BatchContext<'_>) -> Progress {
+        let cycles = self.prologue + self.items * context.costs.interval(self.kernel, 0) * self.branches;
         let end = self.at + self.inspector + cycles;
-        if around.clock.ti(end) > now {
-            return Progress::At(around.clock.ti(end));
+        if context.clock.ti(end) > now {
+            return Progress::At(context.clock.ti(end));
         }
-        self.spend(cycles, around.stats);
+        self.spend(cycles, context.counters);
         self.at = end;
-        around.slot.pending -= self.items as u32;
-        let counters = &mut around.stats.kernels[self.kernel as usize];
-        counters.items += self.items;
-        counters.ops += self.items * around.costs.ops(self.kernel, 0);
+        context.slot.pending -= self.items as u32;
+        let kernel = &mut context.counters.kernels[self.kernel as usize];
+        kernel.items += self.items;
+        kernel.ops += self.items * context.costs.ops(self.kernel, 0);
         Progress::Ended
     }
 
-    fn complete_item(&mut self, now: Cycle, ray: u32, around: &mut Around<'_>) -> Progress {
-        let own = &around.slot.work.rays[ray as usize];
-        let shadows = if self.kernel == KernelId::Shade { own.shadows } else { 0 };
-        let cycles = self.prologue + around.costs.interval(self.kernel, shadows) * self.branches;
+    fn complete_item(&mut self, now: TiCycle, ray: u32, context: &mut BatchContext<'_>) -> Progress {
+        let shadows = match self.kernel {
+            KernelId::Shade => context.slot.work.rays[ray as usize].shadows,
+            _ => 0,
+        };
+        let cycles = self.prologue + context.costs.interval(self.kernel, shadows) * self.branches;
         let computed = self.at + self.inspector + cycles;
-        let ready = if self.kernel == KernelId::Shade { around.gather.ready(self.next) } else { Some(0) };
+        let ready =
+            if self.kernel == KernelId::Shade { context.gather.ready(self.next) } else { Some(SrpCycle::START) };
         let Some(ready) = ready else { return Progress::Reads };
         let at = computed.max(ready);
-        if around.clock.ti(at) > now {
-            return Progress::At(around.clock.ti(at));
+        if context.clock.ti(at) > now {
+            return Progress::At(context.clock.ti(at));
         }
-        self.spend(cycles, around.stats);
-        around.stats.activity.memory += at - computed;
+        self.spend(cycles, context.counters);
+        context.counters.activity.memory += at - computed;
         (self.at, self.inspector, self.prologue, self.complete) = (at, 0, 0, true);
-        let counters = &mut around.stats.kernels[self.kernel as usize];
-        counters.items += 1;
-        counters.ops += around.costs.ops(self.kernel, shadows);
+        let kernel = &mut context.counters.kernels[self.kernel as usize];
+        kernel.items += 1;
+        kernel.ops += context.costs.ops(self.kernel, shadows);
         Progress::Ended
     }
 
-    fn spend(&self, cycles: u64, stats: &mut SrpStats) {
-        stats.activity.inspector += self.inspector;
-        stats.activity.busy(self.kernel, cycles);
-        stats.kernels[self.kernel as usize].cycles += cycles;
+    fn spend(&self, cycles: u64, counters: &mut ArrayCounters) {
+        counters.activity.inspector += self.inspector;
+        counters.activity.busy(self.kernel, cycles);
+        counters.kernels[self.kernel as usize].cycles += cycles;
     }
 
     /// Sends the rays of the complete item. Returns whether all are out.
-    fn send(&mut self, now: Cycle, ray: u32, around: &mut Around<'_>) -> bool {
-        while let Some(sent) = sent_ray(self.kernel, &around.slot.work, ray, self.sent) {
-            if around.output.len() >= OUTPUT_RAYS {
+    fn send(&mut self, now: TiCycle, ray: u32, context: &mut BatchContext<'_>) -> bool {
+        while let Some(sent) = sent_ray(self.kernel, &context.slot.work, ray, self.sent) {
+            if context.output.len() >= OUTPUT_RAYS {
                 self.blocked = true;
                 return false;
             }
-            around.output.push_back(RayRef { slot: self.slot, ray: sent });
-            around.slot.pending += 1;
-            around.slot.rays_out += 1;
-            *around.rays_out += 1;
+            context.output.push_back(RayRef { slot: self.slot, ray: sent });
+            context.slot.pending += 1;
+            context.slot.rays_out += 1;
+            *context.rays_out += 1;
             self.sent += 1;
         }
         if self.blocked {
-            let at = self.at.max(around.clock.srp(now));
-            around.stats.activity.output += at - self.at;
+            let at = self.at.max(context.clock.srp(now));
+            context.counters.activity.output += at - self.at;
             (self.at, self.blocked) = (at, false);
         }
         true
@@ -282,7 +294,7 @@ fn branches(kernel: KernelId, rays: &[u32], slot: &Slot) -> u64 {
             rays.iter().enumerate().filter(first).count() as u64
         }
         KernelId::Similarity => {
-            let both = slot.wave().is_some_and(|w| w.interpolated > 0 && !w.starts.is_empty());
+            let both = slot.round().is_some_and(|w| w.interpolated > 0 && !w.starts.is_empty());
             1 + u64::from(both)
         }
         _ => 1,
@@ -295,7 +307,7 @@ pub fn taker(ray: &RayWork) -> KernelId {
     use crate::work::NO_TRIANGLE;
     use rayreel_formats::tile::RayKind;
     match ray {
-        RayWork { kind: RayKind::Shadow, .. } => KernelId::Update,
+        RayWork { kind: RayKind::Shadow, .. } => KernelId::ShadowResult,
         RayWork { triangle: NO_TRIANGLE, .. } => KernelId::Miss,
         _ => KernelId::Shade,
     }

@@ -6,7 +6,9 @@
 use std::collections::VecDeque;
 
 use super::stats::DmaCounters;
-use crate::memory::{Cycle, Memory, Port, Request, Route};
+use crate::component::{Component, Tick};
+use crate::memory::{Memory, Port, Request, Route};
+use crate::time::{TiCycle, When};
 use crate::work::layout::{Lines, Region};
 
 /// Reads outstanding of the DMA engine, and of each stream.
@@ -21,16 +23,24 @@ struct Transfer {
     left: u64,
 }
 
+#[derive(Clone, Copy, Debug)]
+struct OutstandingRead {
+    slot: u8,
+    line: u64,
+}
+
 /// The DMA engine of a core.
 #[derive(Clone, Debug)]
 pub struct Dma {
     port: Port,
     line_bytes: u64,
     transfers: VecDeque<Transfer>,
-    reads: Vec<(u64, u8)>,
+    reads: Vec<OutstandingRead>,
+    /// Per slot the lines that are not done.
     pending: Vec<u64>,
-    moved_at: Option<Cycle>,
+    moved_at: Option<TiCycle>,
     refused: bool,
+    counters: DmaCounters,
 }
 
 impl Dma {
@@ -44,6 +54,7 @@ impl Dma {
             pending: vec![0; slots],
             moved_at: None,
             refused: false,
+            counters: DmaCounters::default(),
         }
     }
 
@@ -65,8 +76,42 @@ impl Dma {
         self.transfers.is_empty() && self.reads.is_empty()
     }
 
+    /// A line arrived.
+    pub fn respond(&mut self, line: u64) {
+        if let Some(read) = self.reads.iter().position(|read| read.line == line) {
+            let slot = self.reads.swap_remove(read).slot;
+            self.pending[slot as usize] -= 1;
+        }
+    }
+
+    /// Whether memory refused the last request: it is tried again whenever memory has done something.
+    pub fn refused(&self) -> bool {
+        self.refused
+    }
+
+    /// What it moved so far.
+    pub fn counters(&self) -> &DmaCounters {
+        &self.counters
+    }
+}
+
+impl Component for Dma {
+    type Report = DmaCounters;
+
+    fn next_event(&self, now: TiCycle) -> When {
+        let Some(head) = self.transfers.front() else { return When::NEVER };
+        let waits = self.refused || (head.route != Route::Write && self.reads.len() >= READS);
+        When::only_if(!waits, now + 1)
+    }
+
+    fn finish(&mut self, _: TiCycle) -> DmaCounters {
+        self.counters
+    }
+}
+
+impl<M: Memory> Tick<&mut M> for Dma {
     /// Moves one line.
-    pub fn tick<M: Memory>(&mut self, now: Cycle, memory: &mut M, counters: &mut DmaCounters) {
+    fn tick(&mut self, now: TiCycle, memory: &mut M) {
         self.refused = false;
         let Some(head) = self.transfers.front_mut() else { return };
         let read = head.route != Route::Write;
@@ -80,50 +125,15 @@ impl Dma {
         }
         self.moved_at = Some(now);
         if read {
-            self.reads.push((head.line, head.slot));
+            self.reads.push(OutstandingRead { slot: head.slot, line: head.line });
         } else {
             self.pending[head.slot as usize] -= 1;
         }
-        *counter(counters, head.region, read) += self.line_bytes;
+        *self.counters.of(head.region, read) += self.line_bytes;
         head.line += 1;
         head.left -= 1;
         if head.left == 0 {
             self.transfers.pop_front();
         }
-    }
-
-    /// A line arrived.
-    pub fn respond(&mut self, line: u64) {
-        if let Some(place) = self.reads.iter().position(|(l, _)| *l == line) {
-            let (_, slot) = self.reads.swap_remove(place);
-            self.pending[slot as usize] -= 1;
-        }
-    }
-
-    /// Whether memory refused the last request: it is tried again whenever memory has done something.
-    pub fn refused(&self) -> bool {
-        self.refused
-    }
-
-    /// When the engine can do something by itself.
-    pub fn next_event(&self, now: Cycle) -> Option<Cycle> {
-        let head = self.transfers.front()?;
-        let waits = self.refused || (head.route != Route::Write && self.reads.len() >= READS);
-        (!waits).then_some(now + 1)
-    }
-}
-
-/// The counter of a region's traffic.
-pub fn counter(counters: &mut DmaCounters, region: Region, read: bool) -> &mut u64 {
-    match (region, read) {
-        (Region::Framebuffer, _) => &mut counters.framebuffer_written,
-        (Region::Border, false) => &mut counters.border_written,
-        (Region::Border, true) => &mut counters.border_read,
-        (Region::GBuffer, false) => &mut counters.gbuffer_written,
-        (Region::GBuffer, true) => &mut counters.gbuffer_read,
-        (Region::Ray, false) => &mut counters.ray_written,
-        (Region::Ray, true) => &mut counters.ray_read,
-        (_, false) => &mut counters.sample_written,
-        (_, true) => &mut counters.sample_read,
     }
 }

@@ -9,9 +9,11 @@
 use std::collections::VecDeque;
 
 use super::clock::Clock;
+use super::per_cycle::PerCycle;
+use crate::component::Component;
 use crate::config::MachineConfig;
-use crate::memory::l1::{Access, L1Cache};
-use crate::memory::{Cycle, Memory, Port};
+use crate::memory::{Access, CacheCounters, L1Cache, Memory, Port};
+use crate::time::{ClockCycle, SrpCycle, TiCycle, When};
 use crate::work::RayWork;
 use crate::work::layout::{Layout, Region};
 
@@ -32,13 +34,14 @@ pub struct Gather {
     clock: Clock,
     texel_block_bytes: u64,
     textures: bool,
-    latency: u64,
+    latency_cycles: u64,
     mshrs: usize,
     queue: VecDeque<Read>,
     outstanding: usize,
+    /// Per item the lines that are not there, and since when the others are.
     missing: [u32; READERS],
-    ready: [u64; READERS],
-    looked_up: (Cycle, u64),
+    ready: [SrpCycle; READERS],
+    looked_up: PerCycle,
     refused: bool,
 }
 
@@ -51,13 +54,13 @@ impl Gather {
             clock,
             texel_block_bytes: 16 * u64::from(config.srp.texel_bytes),
             textures: config.srp.textures,
-            latency: u64::from(config.srp.l1.latency_cycles.max(1)),
+            latency_cycles: u64::from(config.srp.l1.latency_cycles.max(1)),
             mshrs: config.srp.l1.mshrs.max(1) as usize,
             queue: VecDeque::new(),
             outstanding: 0,
             missing: [0; READERS],
-            ready: [0; READERS],
-            looked_up: (0, 0),
+            ready: [SrpCycle::START; READERS],
+            looked_up: PerCycle::default(),
             refused: false,
         }
     }
@@ -75,7 +78,7 @@ impl Gather {
     /// Queues the reads of the hit of `ray` for item `reader` of the batch.
     pub fn add(&mut self, reader: u8, ray: &RayWork) {
         self.missing[reader as usize] = 0;
-        self.ready[reader as usize] = 0;
+        self.ready[reader as usize] = SrpCycle::START;
         let attributes = self.layout.attribute(ray.triangle);
         for line in attributes.first..=attributes.last {
             self.push(line, Region::Attribute, reader);
@@ -100,45 +103,43 @@ impl Gather {
 
     /// The SRP cycle from which on item `reader` has its data; `None` while it waits.
     #[inline]
-    pub fn ready(&self, reader: usize) -> Option<u64> {
+    pub fn ready(&self, reader: usize) -> Option<SrpCycle> {
         (self.missing[reader] == 0).then_some(self.ready[reader])
     }
 
     /// Looks up as many lines as SRP cycles begin in this T&I cycle; whether a lookup hit.
-    pub fn tick<M: Memory>(&mut self, now: Cycle, memory: &mut M) -> bool {
+    pub fn look_up<M: Memory>(&mut self, now: TiCycle, memory: &mut M) -> bool {
         self.refused = false;
         if self.queue.is_empty() {
             return false;
         }
         let mut hit = false;
-        if self.looked_up.0 != now {
-            self.looked_up = (now, 0);
-        }
         let (first, cycles) = (self.clock.srp(now), self.clock.srp_cycles_of(now));
-        while self.looked_up.1 < cycles && self.outstanding < self.mshrs {
+        let looked_up = self.looked_up.used(now);
+        while *looked_up < cycles && self.outstanding < self.mshrs {
             let Some(&Read { line, region, reader }) = self.queue.front() else { break };
             match self.l1.access(now, line, region, reader, memory) {
                 Access::Hit => {
                     hit = true;
                     let r = reader as usize;
                     self.missing[r] = self.missing[r].saturating_sub(1); // with `srp.ideal` all items share a reader
-                    self.ready[r] = self.ready[r].max(first + self.looked_up.1 + self.latency);
+                    self.ready[r] = self.ready[r].max(first + *looked_up + self.latency_cycles);
                 }
                 Access::Miss => self.outstanding += 1,
                 Access::Merged => {}
-                Access::Full => {
+                Access::Rejected => {
                     self.refused = true;
                     break;
                 }
             }
-            self.looked_up.1 += 1;
+            *looked_up += 1;
             self.queue.pop_front();
         }
         hit
     }
 
     /// A line arrived.
-    pub fn fill(&mut self, now: Cycle, line: u64) {
+    pub fn fill(&mut self, now: TiCycle, line: u64) {
         let mut readers = self.l1.fill(line);
         self.outstanding = self.outstanding.saturating_sub(1);
         let at = self.clock.srp(now);
@@ -165,9 +166,18 @@ impl Gather {
     pub fn refused(&self) -> bool {
         self.refused
     }
+}
 
-    /// When the engine can do something by itself.
-    pub fn next_event(&self, now: Cycle) -> Option<Cycle> {
-        (!self.queue.is_empty() && !self.refused && self.outstanding < self.mshrs).then_some(now + 1)
+impl Component for Gather {
+    /// What the L1 did.
+    type Report = CacheCounters;
+
+    fn next_event(&self, now: TiCycle) -> When {
+        let busy = !self.queue.is_empty() && !self.refused && self.outstanding < self.mshrs;
+        When::only_if(busy, now + 1)
+    }
+
+    fn finish(&mut self, _: TiCycle) -> CacheCounters {
+        *self.l1.counters()
     }
 }

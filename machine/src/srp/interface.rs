@@ -12,12 +12,14 @@
 
 use std::collections::VecDeque;
 
-use super::SrpPorts;
+use super::context::{SrpContext, SrpPorts};
 use super::stats::{DmaCounters, InterfaceCounters};
 use super::stream::Stream;
+use crate::component::{Component, Tick};
 use crate::config::{Interface as Kind, MachineConfig};
-use crate::link::{RayRef, RayUnit};
-use crate::memory::{Cycle, Memory};
+use crate::link::{RayMessage, RayRef, RayUnit};
+use crate::memory::Memory;
+use crate::time::{TiCycle, When};
 use crate::work::layout::Region;
 
 /// Lines of rays that may wait to be written before the SRP's output queue stops draining.
@@ -26,20 +28,25 @@ pub const UNWRITTEN_LINES: u64 = 16;
 /// One direction of the direct link.
 #[derive(Clone, Debug, Default)]
 struct Lane {
-    message_cycles: Cycle,
-    free_at: Cycle,
-    messages: VecDeque<(Cycle, RayRef)>,
+    message_cycles: u64,
+    free_at: TiCycle,
+    messages: VecDeque<RayMessage>,
 }
 
 impl Lane {
-    fn start(&mut self, at: Cycle, message: RayRef) {
+    fn start(&mut self, at: TiCycle, ray: RayRef) {
         let start = at.max(self.free_at);
         self.free_at = start + self.message_cycles;
-        self.messages.push_back((self.free_at + 1, message));
+        self.messages.push_back(RayMessage { at: self.free_at + 1, ray });
     }
 
-    fn arrived(&self, now: Cycle) -> bool {
-        self.messages.front().is_some_and(|(at, _)| *at <= now)
+    /// When the first message is there.
+    fn next(&self) -> When {
+        When::from(self.messages.front().map(|message| message.at))
+    }
+
+    fn arrived(&self, now: TiCycle) -> bool {
+        self.next().is_due(now)
     }
 }
 
@@ -56,9 +63,10 @@ pub struct Interface {
     way: Way,
     ray_bytes: u64,
     hit_bytes: u64,
-    entered_at: Option<Cycle>,
-    taken_at: Option<Cycle>,
+    entered_at: Option<TiCycle>,
+    taken_at: Option<TiCycle>,
     blocked: bool,
+    counters: InterfaceCounters,
 }
 
 impl Interface {
@@ -78,42 +86,15 @@ impl Interface {
             Kind::Direct if config.srp.ideal => Way::Ideal { hits: VecDeque::new() },
             Kind::Direct => Way::Direct { rays: lane(ray_bytes), hits: lane(hit_bytes) },
         };
-        Self { way, ray_bytes, hit_bytes, entered_at: None, taken_at: None, blocked: false }
-    }
-
-    /// Moves lines of streams and takes the unit's results.
-    pub fn collect<U: RayUnit, M: Memory>(
-        &mut self,
-        now: Cycle,
-        unit: &mut U,
-        memory: &mut M,
-        counters: (&mut InterfaceCounters, &mut DmaCounters),
-    ) {
-        let results = unit.results();
-        while results.front().is_some_and(|(at, _)| *at <= now) {
-            let Some((at, ray)) = results.pop_front() else { break };
-            counters.0.hits += 1;
-            counters.0.hit_bytes += self.hit_bytes;
-            match &mut self.way {
-                Way::Ideal { hits } => hits.push_back(ray),
-                Way::Direct { hits, .. } => {
-                    hits.start(at, ray);
-                    counters.0.hit_busy += hits.message_cycles;
-                }
-                Way::Memory { hits, .. } => hits.push(now, ray),
-            }
-        }
-        if let Way::Memory { rays, hits } = &mut self.way {
-            rays.tick(now, memory, counters.1);
-            hits.tick(now, memory, counters.1);
-        }
+        let counters = InterfaceCounters::default();
+        Self { way, ray_bytes, hit_bytes, entered_at: None, taken_at: None, blocked: false, counters }
     }
 
     /// The next hit that has reached the SRP.
-    pub fn take_hit(&mut self, now: Cycle) -> Option<RayRef> {
+    pub fn take_hit(&mut self, now: TiCycle) -> Option<RayRef> {
         match &mut self.way {
             Way::Ideal { hits } => hits.pop_front(),
-            Way::Direct { hits, .. } if hits.arrived(now) => hits.messages.pop_front().map(|(_, ray)| ray),
+            Way::Direct { hits, .. } if hits.arrived(now) => hits.messages.pop_front().map(|message| message.ray),
             Way::Memory { hits, .. } if self.taken_at != Some(now) => {
                 let hit = hits.pop();
                 self.taken_at = hit.map(|_| now).or(self.taken_at);
@@ -124,7 +105,7 @@ impl Interface {
     }
 
     /// Puts a ray that has reached the unit into it, one a cycle.
-    pub fn enter<U: RayUnit>(&mut self, now: Cycle, unit: &mut U) {
+    pub fn enter<U: RayUnit>(&mut self, now: TiCycle, unit: &mut U) {
         let waiting = match &self.way {
             Way::Ideal { .. } => false,
             Way::Direct { rays, .. } => rays.arrived(now),
@@ -140,7 +121,7 @@ impl Interface {
         }
         let ray = match &mut self.way {
             Way::Ideal { .. } => None,
-            Way::Direct { rays, .. } => rays.messages.pop_front().map(|(_, ray)| ray),
+            Way::Direct { rays, .. } => rays.messages.pop_front().map(|message| message.ray),
             Way::Memory { rays, .. } => rays.pop(),
         };
         if let Some(ray) = ray {
@@ -150,23 +131,17 @@ impl Interface {
     }
 
     /// Starts messages of the SRP's output queue. Returns whether the queue has drained.
-    pub fn send<U: RayUnit>(
-        &mut self,
-        now: Cycle,
-        output: &mut VecDeque<RayRef>,
-        unit: &mut U,
-        counters: &mut InterfaceCounters,
-    ) -> bool {
+    pub fn send<U: RayUnit>(&mut self, now: TiCycle, output: &mut VecDeque<RayRef>, unit: &mut U) -> bool {
         let before = output.len();
         while !output.is_empty() && self.can_send(now, unit) {
             let Some(ray) = output.pop_front() else { break };
-            counters.rays += 1;
-            counters.ray_bytes += self.ray_bytes;
+            self.counters.rays += 1;
+            self.counters.ray_bytes += self.ray_bytes;
             match &mut self.way {
                 Way::Ideal { .. } => unit.push(now, ray),
                 Way::Direct { rays, .. } => {
                     rays.start(now, ray);
-                    counters.ray_busy += rays.message_cycles;
+                    self.counters.ray_busy += rays.message_cycles;
                 }
                 Way::Memory { rays, .. } => rays.push(now, ray),
             }
@@ -174,7 +149,7 @@ impl Interface {
         before != output.len()
     }
 
-    fn can_send<U: RayUnit>(&mut self, now: Cycle, unit: &U) -> bool {
+    fn can_send<U: RayUnit>(&mut self, now: TiCycle, unit: &U) -> bool {
         match &self.way {
             Way::Ideal { .. } => {
                 self.blocked = !unit.has_room();
@@ -200,39 +175,81 @@ impl Interface {
     }
 
     /// Whether memory refused a request of a stream.
-    pub fn waits(&self) -> bool {
+    pub fn refused(&self) -> bool {
         matches!(&self.way, Way::Memory { rays, hits } if rays.refused() || hits.refused())
     }
 
-    /// When something happens here by itself, `output` being whether the SRP has rays to send.
-    pub fn next_event(&self, now: Cycle, output: bool) -> Option<Cycle> {
+    /// What went through so far.
+    pub fn counters(&self) -> &InterfaceCounters {
+        &self.counters
+    }
+
+    /// What its streams moved so far.
+    pub fn traffic(&self) -> DmaCounters {
+        let Way::Memory { rays, hits } = &self.way else { return DmaCounters::default() };
+        let mut sum = *rays.counters();
+        sum += *hits.counters();
+        sum
+    }
+
+    /// When a ray of the SRP's output queue can start.
+    pub fn next_send(&self, now: TiCycle) -> When {
         match &self.way {
-            Way::Ideal { .. } => None,
-            Way::Direct { rays, hits } => {
-                let hit = hits.messages.front().map(|(at, _)| (*at).max(now + 1));
-                let enter = match rays.messages.front() {
-                    Some(_) if self.blocked => None,
-                    Some((at, _)) => Some((*at).max(now + 1)),
-                    None => None,
-                };
-                let send = (output && !rays.arrived(now)).then(|| rays.free_at.max(now + 1));
-                earliest(earliest(hit, enter), send)
-            }
-            Way::Memory { rays, hits } => {
-                let moved = earliest(rays.next_event(now), hits.next_event(now));
-                let ready = (rays.has_ready() && !self.blocked) || hits.has_ready();
-                earliest(moved, ready.then_some(now + 1))
+            Way::Direct { rays, .. } if !rays.arrived(now) => When::at(rays.free_at).after(now),
+            _ => When::NEVER,
+        }
+    }
+
+    /// Takes the unit's results that are due.
+    fn take_results<U: RayUnit>(&mut self, now: TiCycle, unit: &mut U) {
+        let results = unit.results();
+        while results.front().is_some_and(|result| result.at <= now) {
+            let Some(RayMessage { at, ray }) = results.pop_front() else { break };
+            self.counters.hits += 1;
+            self.counters.hit_bytes += self.hit_bytes;
+            match &mut self.way {
+                Way::Ideal { hits } => hits.push_back(ray),
+                Way::Direct { hits, .. } => {
+                    hits.start(at, ray);
+                    self.counters.hit_busy += hits.message_cycles;
+                }
+                Way::Memory { hits, .. } => hits.push(now, ray),
             }
         }
     }
 }
 
-/// The earlier of two events.
-#[inline]
-pub fn earliest(a: Option<Cycle>, b: Option<Cycle>) -> Option<Cycle> {
-    match (a, b) {
-        (Some(a), Some(b)) => Some(a.min(b)),
-        (a, None) => a,
-        (None, b) => b,
+impl Component for Interface {
+    type Report = InterfaceCounters;
+
+    /// Rays that wait in the SRP's output queue have an event of their own: [`Interface::next_send`].
+    fn next_event(&self, now: TiCycle) -> When {
+        match &self.way {
+            Way::Ideal { .. } => When::NEVER,
+            Way::Direct { rays, hits } => {
+                let enter = if self.blocked { When::NEVER } else { rays.next() };
+                hits.next().min(enter).after(now)
+            }
+            Way::Memory { rays, hits } => {
+                let ready = (rays.has_ready() && !self.blocked) || hits.has_ready();
+                let moved = rays.next_event(now).min(hits.next_event(now));
+                moved.min(When::only_if(ready, now + 1))
+            }
+        }
+    }
+
+    fn finish(&mut self, _: TiCycle) -> InterfaceCounters {
+        self.counters
+    }
+}
+
+impl<U: RayUnit, M: Memory> Tick<SrpContext<'_, U, M>> for Interface {
+    /// Takes the unit's results and moves lines of streams.
+    fn tick(&mut self, now: TiCycle, SrpContext { unit, memory }: SrpContext<'_, U, M>) {
+        self.take_results(now, unit);
+        if let Way::Memory { rays, hits } = &mut self.way {
+            rays.tick(now, &mut *memory);
+            hits.tick(now, memory);
+        }
     }
 }

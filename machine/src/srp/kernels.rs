@@ -6,7 +6,7 @@
 //! * `divergence = "inspector"`: a kernel that branches (`shade` by material, `similarity` by its outcome) is preceded by the
 //!   inspector, `inspector_cycles` an item, which sorts items by branch; a batch then has one branch.
 //! * `divergence = "naive"`: one batch holds items of k branches and each item pays for all of them (predicated execution):
-//!   `prologue + k x intervals`. `similarity` has k = 2 in a wave that both interpolates and traces.
+//!   `prologue + k x intervals`. `similarity` has k = 2 in a round that both interpolates and traces.
 //! * The interval of a `shade` item is `shade.ii + light.ii x (shadow rays - 1)`: the first light is part of `shade`.
 //!
 //! Class of these rules: estimate, except that kernels use inspector and executor (paper).
@@ -24,7 +24,7 @@ pub enum KernelId {
     /// A closest-hit ray that left the scene.
     Miss = 2,
     /// The result of a shadow ray.
-    Update = 3,
+    ShadowResult = 3,
     /// A similarity test.
     Similarity = 4,
     /// An interpolated sample.
@@ -36,7 +36,7 @@ pub enum KernelId {
 impl KernelId {
     /// All kernels, in order.
     pub const ALL: [Self; 7] =
-        [Self::Raygen, Self::Shade, Self::Miss, Self::Update, Self::Similarity, Self::Interpolate, Self::Resolve];
+        [Self::Raygen, Self::Shade, Self::Miss, Self::ShadowResult, Self::Similarity, Self::Interpolate, Self::Resolve];
 
     /// The name, as presets and reports print it.
     pub fn name(self) -> &'static str {
@@ -44,7 +44,7 @@ impl KernelId {
             Self::Raygen => "raygen",
             Self::Shade => "shade",
             Self::Miss => "miss",
-            Self::Update => "update",
+            Self::ShadowResult => "update",
             Self::Similarity => "similarity",
             Self::Interpolate => "interpolate",
             Self::Resolve => "resolve",
@@ -103,15 +103,15 @@ impl Costs {
     /// SRP cycles from the item before to this one, for an item with `shadows` shadow rays, in a batch of one branch.
     #[inline]
     pub fn interval(&self, kernel: KernelId, shadows: u8) -> u64 {
-        let own = u64::from(self.kernels[kernel as usize].ii_cycles);
-        own + u64::from(self.light.ii_cycles) * u64::from(shadows.saturating_sub(1))
+        let first = u64::from(self.kernels[kernel as usize].ii_cycles);
+        first + u64::from(self.light.ii_cycles) * u64::from(shadows.saturating_sub(1))
     }
 
     /// Operations of an item with `shadows` shadow rays. Operations of branches not taken are not counted.
     #[inline]
     pub fn ops(&self, kernel: KernelId, shadows: u8) -> u64 {
-        let own = u64::from(self.kernels[kernel as usize].ops);
-        own + u64::from(self.light.ops) * u64::from(shadows.saturating_sub(1))
+        let first = u64::from(self.kernels[kernel as usize].ops);
+        first + u64::from(self.light.ops) * u64::from(shadows.saturating_sub(1))
     }
 }
 
@@ -128,8 +128,8 @@ impl Needs {
     /// What the work of a tile needs.
     pub fn of(work: &TileWork) -> Self {
         Self {
-            similarity: work.waves.iter().any(|w| w.tests > 0),
-            interpolate: work.waves.iter().any(|w| w.interpolated > 0),
+            similarity: work.rounds.iter().any(|w| w.tests > 0),
+            interpolate: work.rounds.iter().any(|w| w.interpolated > 0),
         }
     }
 

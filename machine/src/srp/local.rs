@@ -3,17 +3,17 @@
 //! * Each of the `tiles_in_flight` slots owns an equal share of the local memory. A tile needs `sample.total()` bytes for each of
 //!   its samples and of the neighbouring samples that it traces again. Samples beyond the share are spilled: written to memory
 //!   and read back once, at the end of the tile (estimate).
-//! * `geometry_buffer = "external"`: only the colour stays in local memory. After each wave `sample.total() - colour` bytes a
-//!   traced sample are written. At the beginning of a wave each test reads object, normal and shadow bits of two samples, each
-//!   interpolation the position of two. The bytes of a wave are packed densely into lines (estimate). Nothing spills.
+//! * `geometry_buffer = "external"`: only the colour stays in local memory. After each round `sample.total() - colour` bytes a
+//!   traced sample are written. At the beginning of a round each test reads object, normal and shadow bits of two samples, each
+//!   interpolation the position of two. The bytes of a round are packed densely into lines (estimate). Nothing spills.
 //! * Local memory is accessed in 4-byte words, each field rounded up. A shaded or missed primary writes a whole sample; a
-//!   shaded or missed secondary ray and an update read and write the colour; a test reads object, normal and shadow of two
+//!   shaded or missed secondary ray and a shadow result read and write the colour; a test reads object, normal and shadow of two
 //!   samples; an interpolation reads colour and position of two and writes a whole sample; resolve reads the colour (estimate).
 
 use super::kernels::KernelId;
 use super::stats::LocalCounters;
 use crate::config::{GeometryBuffer, MachineConfig, SampleFields};
-use crate::work::{TileWork, Wave};
+use crate::work::{Round, TileWork};
 
 /// Sizes of the tile buffer.
 #[derive(Clone, Debug)]
@@ -50,19 +50,19 @@ impl TileBuffer {
         (samples * bytes).saturating_sub(self.share_bytes).div_ceil(bytes)
     }
 
-    /// Bytes of the external buffer that a wave reads before it begins.
-    pub fn wave_read_bytes(&self, wave: &Wave) -> u64 {
+    /// Bytes of the external buffer that a round reads before it begins.
+    pub fn round_read_bytes(&self, round: &Round) -> u64 {
         if !self.external {
             return 0;
         }
         let f = &self.fields;
         let test = 2 * u64::from(f.object + f.normal + f.shadow);
-        u64::from(wave.tests) * test + u64::from(wave.interpolated) * 2 * u64::from(f.position)
+        u64::from(round.tests) * test + u64::from(round.interpolated) * 2 * u64::from(f.position)
     }
 
-    /// Bytes of the external buffer that a wave writes when it is done.
-    pub fn wave_written_bytes(&self, wave: &Wave) -> u64 {
-        if self.external { wave.starts.len() as u64 * u64::from(self.fields.total() - self.fields.colour) } else { 0 }
+    /// Bytes of the external buffer that a round writes when it is done.
+    pub fn round_written_bytes(&self, round: &Round) -> u64 {
+        if self.external { round.starts.len() as u64 * u64::from(self.fields.total() - self.fields.colour) } else { 0 }
     }
 
     /// Counts the accesses of `items` items; `primary` tells whether they are those of primary rays.
@@ -77,7 +77,7 @@ impl TileBuffer {
                 let all = words(f.object) + words(f.normal) + words(f.position) + words(f.shadow) + words(f.flags);
                 (0, colour + attributes(all))
             }
-            KernelId::Shade | KernelId::Miss | KernelId::Update => (colour, colour),
+            KernelId::Shade | KernelId::Miss | KernelId::ShadowResult => (colour, colour),
             KernelId::Similarity => (attributes(2 * (words(f.object) + words(f.normal) + words(f.shadow))), 0),
             KernelId::Interpolate => {
                 let all = words(f.object) + words(f.normal) + words(f.position) + words(f.shadow) + words(f.flags);

@@ -11,12 +11,12 @@ struct Branch {
     rays: VecDeque<u32>,
 }
 
-/// A queue of a slot: kernel, and for `shade` the place among the branches.
+/// A queue of a slot: kernel, and for `shade` which of the branches.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct QueueId {
     /// Kernel.
     pub kernel: KernelId,
-    /// Place of the branch; 0 for other kernels.
+    /// Index of the branch; 0 for other kernels.
     pub branch: usize,
 }
 
@@ -34,14 +34,14 @@ impl Queues {
     /// Adds a hit of the branch of `material`.
     #[inline]
     pub fn push_shade(&mut self, material: u32, ray: u32) {
-        let place = match self.shade.binary_search_by_key(&material, |b| b.material) {
-            Ok(place) => place,
-            Err(place) => {
-                self.shade.insert(place, Branch { material, rays: VecDeque::new() });
-                place
+        let branch = match self.shade.binary_search_by_key(&material, |b| b.material) {
+            Ok(branch) => branch,
+            Err(branch) => {
+                self.shade.insert(branch, Branch { material, rays: VecDeque::new() });
+                branch
             }
         };
-        self.shade[place].rays.push_back(ray);
+        self.shade[branch].rays.push_back(ray);
         self.shade_items += 1;
     }
 
@@ -63,12 +63,14 @@ impl Queues {
             match kernel {
                 KernelId::Shade => {
                     if self.shade_items > 0 {
-                        for (branch, own) in self.shade.iter().enumerate().filter(|(_, b)| !b.rays.is_empty()) {
-                            visit(QueueId { kernel, branch }, own.rays.len());
+                        for (branch, Branch { rays, .. }) in self.shade.iter().enumerate() {
+                            if !rays.is_empty() {
+                                visit(QueueId { kernel, branch }, rays.len());
+                            }
                         }
                     }
                 }
-                KernelId::Raygen | KernelId::Miss | KernelId::Update => {
+                KernelId::Raygen | KernelId::Miss | KernelId::ShadowResult => {
                     let items = self.rays[kernel as usize].len();
                     if items > 0 {
                         visit(QueueId { kernel, branch: 0 }, items);
@@ -88,7 +90,7 @@ impl Queues {
     pub fn take(&mut self, id: QueueId, most: usize, into: &mut Vec<u32>) -> usize {
         let queue = match id.kernel {
             KernelId::Shade => &mut self.shade[id.branch].rays,
-            KernelId::Raygen | KernelId::Miss | KernelId::Update => &mut self.rays[id.kernel as usize],
+            KernelId::Raygen | KernelId::Miss | KernelId::ShadowResult => &mut self.rays[id.kernel as usize],
             KernelId::Similarity | KernelId::Interpolate | KernelId::Resolve => {
                 let count = &mut self.counts[id.kernel as usize];
                 let items = most.min(*count as usize);

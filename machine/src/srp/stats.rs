@@ -2,6 +2,8 @@
 
 use super::kernels::KernelId;
 use crate::counters::counters;
+use crate::memory::CacheCounters;
+use crate::work::layout::Region;
 
 counters! {
     /// Work of one kernel.
@@ -19,7 +21,7 @@ counters! {
         raygen: "SRP cycles", "in the raygen kernel";
         shade: "SRP cycles", "in the shade kernel";
         miss: "SRP cycles", "in the miss kernel";
-        update: "SRP cycles", "in the update kernel";
+        shadow_result as "update": "SRP cycles", "in the update kernel";
         similarity: "SRP cycles", "in the similarity kernel";
         interpolate: "SRP cycles", "in the interpolate kernel";
         resolve: "SRP cycles", "in the resolve kernel";
@@ -40,8 +42,8 @@ impl SrpActivity {
 
     /// Cycles in kernels and inspector.
     pub fn busy_cycles(&self) -> u64 {
-        let Self { raygen, shade, miss, update, similarity, interpolate, resolve, inspector, .. } = *self;
-        raygen + shade + miss + update + similarity + interpolate + resolve + inspector
+        let Self { raygen, shade, miss, shadow_result, similarity, interpolate, resolve, inspector, .. } = *self;
+        raygen + shade + miss + shadow_result + similarity + interpolate + resolve + inspector
     }
 
     pub(super) fn busy(&mut self, kernel: KernelId, cycles: u64) {
@@ -49,7 +51,7 @@ impl SrpActivity {
             KernelId::Raygen => &mut self.raygen,
             KernelId::Shade => &mut self.shade,
             KernelId::Miss => &mut self.miss,
-            KernelId::Update => &mut self.update,
+            KernelId::ShadowResult => &mut self.shadow_result,
             KernelId::Similarity => &mut self.similarity,
             KernelId::Interpolate => &mut self.interpolate,
             KernelId::Resolve => &mut self.resolve,
@@ -94,6 +96,32 @@ counters! {
     }
 }
 
+impl DmaCounters {
+    /// The counter of a region's traffic.
+    pub(super) fn of(&mut self, region: Region, read: bool) -> &mut u64 {
+        match (region, read) {
+            (Region::Framebuffer, _) => &mut self.framebuffer_written,
+            (Region::Border, false) => &mut self.border_written,
+            (Region::Border, true) => &mut self.border_read,
+            (Region::GBuffer, false) => &mut self.gbuffer_written,
+            (Region::GBuffer, true) => &mut self.gbuffer_read,
+            (Region::Ray, false) => &mut self.ray_written,
+            (Region::Ray, true) => &mut self.ray_read,
+            (_, false) => &mut self.sample_written,
+            (_, true) => &mut self.sample_read,
+        }
+    }
+}
+
+/// What the array counts.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct ArrayCounters {
+    /// Per kernel, in the order of [`KernelId::ALL`].
+    pub kernels: [KernelCounters; 7],
+    /// What the array did.
+    pub activity: SrpActivity,
+}
+
 /// Everything that an SRP counts.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct SrpStats {
@@ -107,4 +135,15 @@ pub struct SrpStats {
     pub dma: DmaCounters,
     /// Local memory and tiles.
     pub local: LocalCounters,
+}
+
+/// What an SRP reports.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct SrpReport {
+    /// All counters but those of the L1.
+    pub stats: SrpStats,
+    /// The L1.
+    pub l1: CacheCounters,
+    /// Length of the run in SRP cycles: the sum of all activities.
+    pub cycles: u64,
 }

@@ -7,14 +7,16 @@
 
 use std::collections::VecDeque;
 
-use super::dma::{READS, counter};
+use super::dma::READS;
 use super::stats::DmaCounters;
+use crate::component::{Component, Tick};
 use crate::link::RayRef;
-use crate::memory::{Cycle, Memory, Port, Request, Route};
+use crate::memory::{Memory, Port, Request, Route};
+use crate::time::{TiCycle, When};
 use crate::work::layout::Region;
 
 /// T&I cycles after which a partly filled line is written.
-pub const FLUSH_CYCLES: Cycle = 64;
+pub const FLUSH_CYCLES: u64 = 64;
 /// Lines of the ring buffer that a stream runs through.
 const RING_LINES: u64 = 1 << 12;
 
@@ -38,17 +40,18 @@ pub struct Stream {
     packet_lines: u64,
     messages: VecDeque<RayRef>,
     open: u32,
-    open_since: Cycle,
+    open_since: TiCycle,
     packets: VecDeque<Packet>,
     /// Lines of `packets` written and asked for, counted from the front packet.
     written: u64,
     asked: u64,
     outstanding: usize,
     ready: u32,
-    wrote_at: Option<Cycle>,
-    read_at: Option<Cycle>,
+    wrote_at: Option<TiCycle>,
+    read_at: Option<TiCycle>,
     write_refused: bool,
     read_refused: bool,
+    counters: DmaCounters,
 }
 
 impl Stream {
@@ -65,7 +68,7 @@ impl Stream {
             packet_lines: bytes.div_ceil(line_bytes),
             messages: VecDeque::new(),
             open: 0,
-            open_since: 0,
+            open_since: TiCycle::default(),
             packets: VecDeque::new(),
             written: 0,
             asked: 0,
@@ -75,11 +78,12 @@ impl Stream {
             read_at: None,
             write_refused: false,
             read_refused: false,
+            counters: DmaCounters::default(),
         }
     }
 
     /// Adds a message.
-    pub fn push(&mut self, now: Cycle, message: RayRef) {
+    pub fn push(&mut self, now: TiCycle, message: RayRef) {
         if self.open == 0 {
             self.open_since = now;
         }
@@ -109,28 +113,19 @@ impl Stream {
         (self.first_line..self.first_line + RING_LINES * self.packet_lines).contains(&line)
     }
 
-    /// Moves a line each way.
-    pub fn tick<M: Memory>(&mut self, now: Cycle, memory: &mut M, counters: &mut DmaCounters) {
-        if self.open > 0 && now >= self.open_since + FLUSH_CYCLES {
-            self.close();
+    fn read_line<M: Memory>(&mut self, now: TiCycle, memory: &mut M) {
+        self.read_refused = !memory.request(now, self.request(self.asked, Route::Read));
+        if !self.read_refused {
+            *self.counters.of(self.region, true) += self.line_bytes;
+            (self.asked, self.outstanding, self.read_at) = (self.asked + 1, self.outstanding + 1, Some(now));
         }
-        (self.read_refused, self.write_refused) = (false, false);
-        // Read before write: a line is read a cycle after it was written.
-        if self.asked < self.written && self.outstanding < READS && self.read_at != Some(now) {
-            if memory.request(now, self.request(self.asked, Route::Read)) {
-                *counter(counters, self.region, true) += self.line_bytes;
-                (self.asked, self.outstanding, self.read_at) = (self.asked + 1, self.outstanding + 1, Some(now));
-            } else {
-                self.read_refused = true;
-            }
-        }
-        if self.unwritten_lines() > 0 && self.wrote_at != Some(now) {
-            if memory.request(now, self.request(self.written, Route::Write)) {
-                *counter(counters, self.region, false) += self.line_bytes;
-                (self.written, self.wrote_at) = (self.written + 1, Some(now));
-            } else {
-                self.write_refused = true;
-            }
+    }
+
+    fn write_line<M: Memory>(&mut self, now: TiCycle, memory: &mut M) {
+        self.write_refused = !memory.request(now, self.request(self.written, Route::Write));
+        if !self.write_refused {
+            *self.counters.of(self.region, false) += self.line_bytes;
+            (self.written, self.wrote_at) = (self.written + 1, Some(now));
         }
     }
 
@@ -142,8 +137,8 @@ impl Stream {
     /// A line arrived.
     pub fn respond(&mut self, line: u64) {
         let of = |p: &Packet| p.line <= line && line < p.line + self.packet_lines;
-        if let Some(place) = self.packets.iter().position(of) {
-            self.packets[place].arrived += 1;
+        if let Some(packet) = self.packets.iter().position(of) {
+            self.packets[packet].arrived += 1;
             self.outstanding -= 1;
         }
         while self.packets.front().is_some_and(|p| p.arrived == self.packet_lines) {
@@ -167,18 +162,47 @@ impl Stream {
         self.messages.pop_front()
     }
 
+    /// What it moved so far.
+    pub fn counters(&self) -> &DmaCounters {
+        &self.counters
+    }
+
     /// Whether memory refused a request of the last tick.
     pub fn refused(&self) -> bool {
         self.read_refused || self.write_refused
     }
+}
 
-    /// When the stream can do something by itself. Messages that can be taken are the taker's event.
-    pub fn next_event(&self, now: Cycle) -> Option<Cycle> {
+impl Component for Stream {
+    type Report = DmaCounters;
+
+    /// Messages that can be taken are the taker's event.
+    fn next_event(&self, now: TiCycle) -> When {
         let reads = self.asked < self.written && self.outstanding < READS && !self.read_refused;
         let writes = self.unwritten_lines() > 0 && !self.write_refused;
         if reads || writes {
-            return Some(now + 1);
+            return When::at(now + 1);
         }
-        (self.open > 0).then_some((self.open_since + FLUSH_CYCLES).max(now + 1))
+        When::only_if(self.open > 0, self.open_since + FLUSH_CYCLES).after(now)
+    }
+
+    fn finish(&mut self, _: TiCycle) -> DmaCounters {
+        self.counters
+    }
+}
+
+impl<M: Memory> Tick<&mut M> for Stream {
+    /// Moves a line each way. Reads come before writes: a line is read a cycle after it was written.
+    fn tick(&mut self, now: TiCycle, memory: &mut M) {
+        if self.open > 0 && now >= self.open_since + FLUSH_CYCLES {
+            self.close();
+        }
+        (self.read_refused, self.write_refused) = (false, false);
+        if self.asked < self.written && self.outstanding < READS && self.read_at != Some(now) {
+            self.read_line(now, memory);
+        }
+        if self.unwritten_lines() > 0 && self.wrote_at != Some(now) {
+            self.write_line(now, memory);
+        }
     }
 }

@@ -1,17 +1,16 @@
-//! A tile slot: from the first wave to the pixels in the framebuffer.
+//! A tile slot: from the first round to the pixels in the framebuffer.
 //!
 //! ```text
-//! free -> [reads of the wave -> tests -> interpolations and started rays] per wave -> border and spill traffic -> resolve -> store -> free
+//! free -> [reads of the round -> tests -> interpolations and started rays] per round -> border and spill traffic -> resolve -> store -> free
 //! ```
 //!
 //! A step begins when the one before is completely done: no item queued or running, no ray out, no transfer of this tile under
-//! way. So a wave begins when the one before is done (paper: tests see what was traced before). Started rays are queued in the
-//! order of the wave. Slots do not wait for one another: with two tiles in flight SRP and T&I unit overlap.
+//! way. So a round begins when the one before is done (paper: tests see what was traced before). Started rays are queued in the
+//! order of the round. Slots do not wait for one another: with two tiles in flight SRP and T&I unit overlap.
 //!
 //! Store: the pixels of the tile, row by row, into a row-major framebuffer of one frame. Border samples: `sample.total()` bytes
 //! each, written and read once, at the end of the tile. (Estimate.)
 
-use super::FrameShape;
 use super::dma::Dma;
 use super::kernels::KernelId;
 use super::local::TileBuffer;
@@ -21,9 +20,20 @@ use super::stats::LocalCounters;
 use crate::link::RayRef;
 use crate::memory::Route;
 use crate::work::layout::{Layout, Region};
-use crate::work::{TileWork, Wave};
+use crate::work::{Round, TileWork};
 use rayreel_formats::scene::Rect;
 use rayreel_formats::tile::RayKind;
+
+/// The framebuffer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct FrameShape {
+    /// Width of the frame in pixels.
+    pub width_pixels: u32,
+    /// Samples of a pixel in a row, and in a column.
+    pub samples_per_axis: u32,
+    /// Bytes a pixel (`layout.pixel_bytes`).
+    pub pixel_bytes: u32,
+}
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Phase {
@@ -36,8 +46,8 @@ enum Phase {
     Store,
 }
 
-/// What a slot uses beside its own state.
-pub struct Outside<'a> {
+/// What a slot works with.
+pub struct TileContext<'a> {
     /// DMA engine.
     pub dma: &'a mut Dma,
     /// Rasteriser, if primary visibility is its work.
@@ -68,7 +78,7 @@ pub struct Slot {
     /// Item queues.
     pub queues: Queues,
     phase: Phase,
-    wave: usize,
+    round: usize,
     written_bytes: u64,
 }
 
@@ -84,7 +94,7 @@ impl Slot {
             secondary_hits: 0,
             rays: Vec::new(),
             ops: Vec::new(),
-            waves: Vec::new(),
+            rounds: Vec::new(),
         };
         Self {
             work,
@@ -93,7 +103,7 @@ impl Slot {
             rays_out: 0,
             queues: Queues::default(),
             phase: Phase::Free,
-            wave: 0,
+            round: 0,
             written_bytes: 0,
         }
     }
@@ -103,77 +113,77 @@ impl Slot {
         self.phase == Phase::Free
     }
 
-    /// The wave that runs.
-    pub fn wave(&self) -> Option<&Wave> {
-        self.work.waves.get(self.wave)
+    /// The round that runs.
+    pub fn round(&self) -> Option<&Round> {
+        self.work.rounds.get(self.round)
     }
 
     /// Takes a tile.
-    pub fn give(&mut self, id: u8, age: u64, work: TileWork, outside: &mut Outside<'_>) {
+    pub fn give(&mut self, id: u8, age: u64, work: TileWork, context: &mut TileContext<'_>) {
         assert!(self.is_free(), "tile slot {id} is taken");
-        (self.work, self.age, self.wave, self.written_bytes) = (work, age, 0, 0);
-        self.begin_wave(id, outside);
+        (self.work, self.age, self.round, self.written_bytes) = (work, age, 0, 0);
+        self.begin_round(id, context);
     }
 
     /// Takes the next step if the one before is done. Returns whether it did.
-    pub fn advance(&mut self, id: u8, outside: &mut Outside<'_>) -> bool {
-        if self.phase == Phase::Free || self.pending > 0 || outside.dma.pending(id) > 0 {
+    pub fn advance(&mut self, id: u8, context: &mut TileContext<'_>) -> bool {
+        if self.phase == Phase::Free || self.pending > 0 || context.dma.pending(id) > 0 {
             return false;
         }
         match self.phase {
             Phase::Free => {}
             Phase::Reads => {
-                let tests = self.wave().map_or(0, |w| w.tests);
-                self.queue(KernelId::Similarity, tests, outside);
+                let tests = self.round().map_or(0, |w| w.tests);
+                self.queue(KernelId::Similarity, tests, context);
                 self.phase = Phase::Tests;
             }
             Phase::Tests => {
-                self.begin_samples(id, outside);
+                self.begin_samples(id, context);
                 self.phase = Phase::Samples;
             }
             Phase::Samples => {
-                let bytes = self.wave().map_or(0, |w| outside.buffer.wave_written_bytes(w));
-                self.transfer(id, Region::Sample, Route::Write, self.written_bytes, bytes, outside);
+                let bytes = self.round().map_or(0, |w| context.buffer.round_written_bytes(w));
+                self.transfer(id, Region::Sample, Route::Write, self.written_bytes, bytes, context);
                 self.written_bytes += bytes;
-                self.wave += 1;
-                self.begin_wave(id, outside);
+                self.round += 1;
+                self.begin_round(id, context);
             }
             Phase::Traffic => {
-                self.queue(KernelId::Resolve, self.work.rect.len() as u32, outside);
+                self.queue(KernelId::Resolve, self.work.rect.len() as u32, context);
                 self.phase = Phase::Resolve;
             }
             Phase::Resolve => {
-                self.store(id, outside);
+                self.store(id, context);
                 self.phase = Phase::Store;
             }
             Phase::Store => {
-                outside.counters.tiles += 1;
+                context.counters.tiles += 1;
                 self.phase = Phase::Free;
             }
         }
         true
     }
 
-    fn queue(&mut self, kernel: KernelId, items: u32, outside: &mut Outside<'_>) {
+    fn queue(&mut self, kernel: KernelId, items: u32, context: &mut TileContext<'_>) {
         self.queues.push_count(kernel, items);
         self.pending += items;
-        outside.buffer.count(kernel, false, items.into(), outside.counters);
+        context.buffer.count(kernel, false, items.into(), context.counters);
     }
 
-    fn begin_wave(&mut self, id: u8, outside: &mut Outside<'_>) {
-        let Some(wave) = self.wave() else { return self.end_waves(id, outside) };
-        let bytes = outside.buffer.wave_read_bytes(wave);
-        self.transfer(id, Region::Sample, Route::Read, 0, bytes, outside);
+    fn begin_round(&mut self, id: u8, context: &mut TileContext<'_>) {
+        let Some(round) = self.round() else { return self.end_rounds(id, context) };
+        let bytes = context.buffer.round_read_bytes(round);
+        self.transfer(id, Region::Sample, Route::Read, 0, bytes, context);
         self.phase = Phase::Reads;
     }
 
-    fn begin_samples(&mut self, id: u8, outside: &mut Outside<'_>) {
-        let interpolated = self.wave().map_or(0, |w| w.interpolated);
-        self.queue(KernelId::Interpolate, interpolated, outside);
-        let Some(wave) = self.work.waves.get(self.wave) else { return };
-        self.pending += wave.starts.len() as u32;
-        for &ray in &wave.starts {
-            match &mut outside.raster {
+    fn begin_samples(&mut self, id: u8, context: &mut TileContext<'_>) {
+        let interpolated = self.round().map_or(0, |w| w.interpolated);
+        self.queue(KernelId::Interpolate, interpolated, context);
+        let Some(round) = self.work.rounds.get(self.round) else { return };
+        self.pending += round.starts.len() as u32;
+        for &ray in &round.starts {
+            match &mut context.raster {
                 // A rasteriser sees what the eye sees; rays from interpolated hits are traced.
                 Some(raster) if self.work.rays[ray as usize].kind == RayKind::Primary => {
                     self.rays_out += 1;
@@ -184,32 +194,32 @@ impl Slot {
         }
     }
 
-    fn end_waves(&mut self, id: u8, outside: &mut Outside<'_>) {
-        let sample = outside.buffer.sample_bytes();
-        let spilled = outside.buffer.spilled_samples(&self.work);
-        outside.counters.spilled_samples += spilled;
+    fn end_rounds(&mut self, id: u8, context: &mut TileContext<'_>) {
+        let sample = context.buffer.sample_bytes();
+        let spilled = context.buffer.spilled_samples(&self.work);
+        context.counters.spilled_samples += spilled;
         for route in [Route::Write, Route::Read] {
-            self.transfer(id, Region::Sample, route, 0, spilled * sample, outside);
+            self.transfer(id, Region::Sample, route, 0, spilled * sample, context);
             let border = u64::from(self.work.border_samples) * sample;
-            self.transfer(id, Region::Border, route, 0, border, outside);
+            self.transfer(id, Region::Border, route, 0, border, context);
         }
         self.phase = Phase::Traffic;
     }
 
     /// Moves `bytes` from `offset` of this slot's (tile's, for borders) part of a region on.
-    fn transfer(&self, id: u8, region: Region, route: Route, offset: u64, bytes: u64, outside: &mut Outside<'_>) {
+    fn transfer(&self, id: u8, region: Region, route: Route, offset: u64, bytes: u64, context: &mut TileContext<'_>) {
         if bytes == 0 {
             return;
         }
         let part = match region {
             Region::Border => u64::from(self.work.tile) << 16,
-            _ => (u64::from(outside.core) << 34) + (u64::from(id) << 30),
+            _ => (u64::from(context.core) << 34) + (u64::from(id) << 30),
         };
-        outside.dma.add(id, region, route, outside.layout.lines(region.base() + part + offset, bytes));
+        context.dma.add(id, region, route, context.layout.lines(region.base() + part + offset, bytes));
     }
 
-    fn store(&self, id: u8, outside: &mut Outside<'_>) {
-        let FrameShape { width_pixels, samples_per_axis, pixel_bytes } = outside.shape;
+    fn store(&self, id: u8, context: &mut TileContext<'_>) {
+        let FrameShape { width_pixels, samples_per_axis, pixel_bytes } = context.shape;
         let (rect, per_pixel) = (self.work.rect, samples_per_axis.max(1));
         if rect.is_empty() {
             return;
@@ -219,8 +229,8 @@ impl Slot {
         for y in top..bottom {
             let pixel = u64::from(y) * u64::from(width_pixels) + u64::from(left);
             let address = Region::Framebuffer.base() + pixel * u64::from(pixel_bytes);
-            let lines = outside.layout.lines(address, u64::from(right - left) * u64::from(pixel_bytes));
-            outside.dma.add(id, Region::Framebuffer, Route::Write, lines);
+            let lines = context.layout.lines(address, u64::from(right - left) * u64::from(pixel_bytes));
+            context.dma.add(id, Region::Framebuffer, Route::Write, lines);
         }
     }
 }

@@ -8,52 +8,38 @@
 //!
 //! The dispatcher gives one ray a cycle to the traversal unit with most free places, the first of equals.
 
-pub mod front;
-pub mod ist;
-pub mod ray;
-pub mod stage;
-pub mod trv;
-pub mod wheel;
+mod context;
+mod crossbar;
+mod fetch_port;
+mod input_buffer;
+mod ist;
+mod ray;
+mod stage;
+mod trv;
+mod wheel;
 
 #[cfg(test)]
 mod tests;
 
+pub use context::{TiContext, Tiles};
+pub use input_buffer::InputBufferCounters;
+pub use ist::{IstCounters, IstStats};
+pub use trv::{TrvCounters, TrvStats};
+
 use std::collections::VecDeque;
 
-use self::ist::{Ist, IstStats, Tasks};
-use self::trv::{Tick, Trv, TrvStats};
-use self::wheel::{Event, Kind, Wheel};
-use super::config::MachineConfig;
-use super::counters::counters;
-use super::link::{RayRef, RayUnit};
-use super::memory::{Cycle, Memory, Port};
-use super::timeline::Busy;
-use super::work::TileWork;
-use super::work::layout::Layout;
-use super::work::topology::Topology;
+use context::EventContext;
+use crossbar::LeafCrossbar;
+use ist::Ist;
+use trv::Trv;
+use wheel::{Event, EventKind, Wheel};
 
-/// Where a unit finds the tiles of its core.
-pub trait Tiles {
-    /// The work of the tile in slot `slot`.
-    fn work(&self, slot: u8) -> &TileWork;
-}
-
-impl Tiles for Vec<TileWork> {
-    fn work(&self, slot: u8) -> &TileWork {
-        &self[slot as usize]
-    }
-}
-
-/// What the units look things up in.
-#[derive(Debug)]
-pub struct Context<'a, T> {
-    /// The tree.
-    pub tree: &'a Topology,
-    /// Addresses.
-    pub layout: &'a Layout,
-    /// The tiles of the core.
-    pub tiles: &'a T,
-}
+use crate::component::{Component, Tick};
+use crate::config::MachineConfig;
+use crate::counters::{StageBusy, counters};
+use crate::link::{RayMessage, RayRef, RayUnit};
+use crate::memory::{Memory, Port};
+use crate::time::{TiCycle, When};
 
 counters! {
     /// What the ray buffer and the dispatcher did.
@@ -75,20 +61,21 @@ pub struct TiStats {
     pub ist: Vec<IstStats>,
 }
 
-/// See the module.
+/// The T&I unit of a core.
 #[derive(Debug)]
 pub struct TiUnit {
+    /// Entries of the ray buffer, and the rays in it.
     entries: usize,
-    fifo: VecDeque<(Cycle, RayRef)>,
+    ray_buffer: VecDeque<RayMessage>,
     trv: Vec<Trv>,
     ist: Vec<Ist>,
-    tasks: Tasks,
+    crossbar: LeafCrossbar,
     first_port: u16,
-    results: VecDeque<(Cycle, RayRef)>,
+    results: VecDeque<RayMessage>,
     inside: usize,
     wheel: Wheel,
     /// Cycles before this one are in the counters.
-    accounted: Cycle,
+    accounted: TiCycle,
     counters: DispatchCounters,
     done: Vec<RayRef>,
     events: Vec<Event>,
@@ -102,9 +89,6 @@ fn reach(config: &MachineConfig) -> u32 {
     depth + ti.crossbar_cycles + ti.trv_l1.latency_cycles + ti.ist_l1.latency_cycles + 2 * rays
 }
 
-/// Never.
-const NEVER: Cycle = Cycle::MAX;
-
 impl TiUnit {
     /// The unit of a core. Its L1s take the ports from `first_port` on: those of the traversal units, then those of the
     /// intersection units; [`TiUnit::ports`] of them.
@@ -113,15 +97,15 @@ impl TiUnit {
         let port = |i: u32| Port(first_port.0 + i as u16);
         Self {
             entries: ti.ray_fifo_entries as usize,
-            fifo: VecDeque::with_capacity(ti.ray_fifo_entries as usize),
+            ray_buffer: VecDeque::with_capacity(ti.ray_fifo_entries as usize),
             trv: (0..ti.trv).map(|i| Trv::new(config, i as u8, port(i))).collect(),
             ist: (0..ti.ist).map(|i| Ist::new(config, i as u8, port(ti.trv + i))).collect(),
-            tasks: Tasks::new(config),
+            crossbar: LeafCrossbar::new(config),
             first_port: first_port.0,
             results: VecDeque::new(),
             inside: 0,
             wheel: Wheel::new(reach(config)),
-            accounted: 0,
+            accounted: TiCycle::default(),
             counters: DispatchCounters::default(),
             done: Vec::new(),
             events: Vec::new(),
@@ -134,7 +118,7 @@ impl TiUnit {
     }
 
     /// A line arrived at `port` in cycle `now`.
-    pub fn fill(&mut self, now: Cycle, port: Port, line: u64) {
+    pub fn fill(&mut self, now: TiCycle, port: Port, line: u64) {
         self.wheel.advance(now);
         let unit = usize::from(port.0 - self.first_port);
         match unit.checked_sub(self.trv.len()) {
@@ -149,88 +133,52 @@ impl TiUnit {
         self.ist.iter_mut().for_each(|unit| unit.invalidate(line));
     }
 
-    /// Runs cycle `now`, after the lines of this cycle were filled.
-    pub fn tick<M: Memory, T: Tiles>(&mut self, now: Cycle, context: &Context<'_, T>, memory: &mut M) {
-        self.account(now);
-        self.wheel.advance(now);
-        self.dispatch(now, context);
-        if self.wheel.next_event() <= now {
-            self.handle(now, context, memory);
-        }
-        for ray in self.done.drain(..) {
-            self.results.push_back((now, ray));
-            self.inside -= 1;
-        }
-        while let Some((trv, slot, arrived, ist)) = self.tasks.grant() {
-            self.trv[trv as usize].leaf_granted(now + 1, slot, arrived, ist, &mut self.wheel);
-        }
-    }
-
     /// The events of cycle `now`.
-    fn handle<M: Memory, T: Tiles>(&mut self, now: Cycle, context: &Context<'_, T>, memory: &mut M) {
+    fn handle<T: Tiles, M: Memory>(&mut self, now: TiCycle, with: TiContext<'_, T, M>) {
+        let TiContext { tree, layout, tiles, memory } = with;
         let mut events = std::mem::take(&mut self.events);
         while self.wheel.take(now, &mut events) {
-            let (tasks, wheel, done) = (&mut self.tasks, &mut self.wheel, &mut self.done);
-            let mut tick = Tick { now, context, tasks, memory: &mut *memory, wheel, done };
+            let (crossbar, wheel, done) = (&mut self.crossbar, &mut self.wheel, &mut self.done);
+            let mut context = EventContext { now, tree, layout, tiles, memory: &mut *memory, crossbar, wheel, done };
             for &event in &events {
                 let (unit, slot) = (event.unit as usize, event.slot);
                 match event.kind {
-                    Kind::Setup | Kind::Returned => self.trv[unit].go_on(slot, &mut tick),
-                    Kind::Inner => self.trv[unit].passed(slot, &mut tick),
-                    Kind::InnerBypass => self.trv[unit].again(slot, &mut tick),
-                    Kind::Leaf => self.trv[unit].leaf_passed(slot, event.extra, &mut tick),
-                    Kind::Stack => self.trv[unit].popped(slot, &mut tick),
-                    Kind::LookUpAgain => self.trv[unit].look_up_again(event, &mut tick),
-                    Kind::Task => self.ist[unit].accept(&mut tick),
-                    Kind::NextTriangle => self.ist[unit].arrive(slot, &mut tick),
-                    Kind::LastTriangle => self.ist[unit].finished(slot, &mut tick),
-                    Kind::TriangleBypass => self.ist[unit].again(slot, &mut tick),
-                    Kind::TriangleLookUpAgain => self.ist[unit].look_up_again(event, &mut tick),
+                    EventKind::Setup | EventKind::Returned => self.trv[unit].issue_next(slot, &mut context),
+                    EventKind::Inner => self.trv[unit].inner_done(slot, &mut context),
+                    EventKind::InnerBypass => self.trv[unit].retry(slot, &mut context),
+                    EventKind::Leaf => self.trv[unit].leaf_done(slot, event.extra, &mut context),
+                    EventKind::Stack => self.trv[unit].stack_done(slot, &mut context),
+                    EventKind::RetryLookup => self.trv[unit].retry_lookup(event, &mut context),
+                    EventKind::Task => self.ist[unit].accept(&mut context),
+                    EventKind::NextTriangle => self.ist[unit].fetch(slot, &mut context),
+                    EventKind::LastTriangle => self.ist[unit].task_done(slot, &mut context),
+                    EventKind::TriangleBypass => self.ist[unit].retry(slot, &mut context),
+                    EventKind::RetryTriangleLookup => self.ist[unit].retry_lookup(event, &mut context),
                 }
             }
         }
         self.events = events;
     }
 
-    /// The next cycle after `now` at which something happens without a push or a fill from outside.
-    pub fn next_event(&self, now: Cycle) -> Option<Cycle> {
-        let mut next = self.wheel.next_event();
-        if let Some(&(at, _)) = self.fifo.front()
-            && self.trv.iter().any(|unit| unit.free() > 0)
-        {
-            next = next.min(at.max(now + 1));
-        }
-        (next != NEVER).then_some(next)
-    }
-
-    /// Closes the accounts of a run of `cycles` cycles.
-    pub fn finish(&mut self, cycles: Cycle) -> TiStats {
-        self.account(cycles);
-        TiStats {
-            dispatch: self.counters,
-            trv: self.trv.iter_mut().map(|unit| unit.finish(cycles)).collect(),
-            ist: self.ist.iter_mut().map(|unit| unit.finish(cycles)).collect(),
-        }
-    }
-
     /// Busy cycles of each issue stage so far, for a timeline.
-    pub fn busy(&self, mut see: impl FnMut(Busy)) {
+    pub fn busy(&self, mut see: impl FnMut(StageBusy)) {
         for (index, unit) in self.trv.iter().enumerate() {
-            unit.busy().for_each(|(stage, cycles)| see(Busy { unit: "TRV", index, stage, cycles }));
+            unit.busy().for_each(|(stage, cycles)| see(StageBusy { unit: "TRV", index, stage, cycles }));
         }
         for (index, unit) in self.ist.iter().enumerate() {
-            see(Busy { unit: "IST", index, stage: "", cycles: unit.busy() });
+            see(StageBusy { unit: "IST", index, stage: "", cycles: unit.busy() });
         }
     }
 
     /// What is inside, for the message about a machine that stands still.
     pub fn describe(&self) -> String {
         let rays: Vec<_> = self.trv.iter().map(Trv::rays).collect();
-        format!("ray buffer {} of {}, rays in traversal units {rays:?}", self.fifo.len(), self.entries)
+        format!("ray buffer {} of {}, rays in traversal units {rays:?}", self.ray_buffer.len(), self.entries)
     }
 
-    fn dispatch<T: Tiles>(&mut self, now: Cycle, context: &Context<'_, T>) {
-        let Some(&(at, ray)) = self.fifo.front() else { return };
+    /// Gives the first ray of the buffer to a traversal unit.
+    fn dispatch<T: Tiles>(&mut self, now: TiCycle, tiles: &T) {
+        let Some(&RayMessage { at, ray }) = self.ray_buffer.front() else { return };
         if at > now {
             return;
         }
@@ -243,35 +191,77 @@ impl TiUnit {
         if self.trv[best].free() == 0 {
             return;
         }
-        self.fifo.pop_front();
-        self.trv[best].enter(now, ray, context.tiles, &mut self.wheel);
+        self.ray_buffer.pop_front();
+        self.trv[best].enter(now, ray, tiles, &mut self.wheel);
         self.counters.rays += 1;
     }
 
     /// Accounts the cycles before `now`, in which nothing has changed.
-    fn account(&mut self, now: Cycle) {
+    fn account(&mut self, now: TiCycle) {
         let gap = now - self.accounted;
         self.accounted = now;
         self.counters.active += if self.inside > 0 { gap } else { 0 };
-        if !self.fifo.is_empty() && self.trv.iter().all(|unit| unit.free() == 0) {
+        if !self.ray_buffer.is_empty() && self.trv.iter().all(|unit| unit.free() == 0) {
             self.counters.full += gap;
+        }
+    }
+}
+
+impl Component for TiUnit {
+    type Report = TiStats;
+
+    fn next_event(&self, now: TiCycle) -> When {
+        let next = self.wheel.next_event();
+        match self.ray_buffer.front() {
+            Some(&RayMessage { at, .. }) if self.trv.iter().any(|unit| unit.free() > 0) => {
+                next.min(When::at(at).after(now))
+            }
+            _ => next,
+        }
+    }
+
+    fn finish(&mut self, end: TiCycle) -> TiStats {
+        self.account(end);
+        TiStats {
+            dispatch: self.counters,
+            trv: self.trv.iter_mut().map(|unit| unit.finish(end)).collect(),
+            ist: self.ist.iter_mut().map(|unit| unit.finish(end)).collect(),
+        }
+    }
+}
+
+impl<T: Tiles, M: Memory> Tick<TiContext<'_, T, M>> for TiUnit {
+    /// Runs cycle `now`, after the lines of this cycle were filled.
+    fn tick(&mut self, now: TiCycle, context: TiContext<'_, T, M>) {
+        self.account(now);
+        self.wheel.advance(now);
+        self.dispatch(now, context.tiles);
+        if self.wheel.next_event().is_due(now) {
+            self.handle(now, context);
+        }
+        for ray in self.done.drain(..) {
+            self.results.push_back(RayMessage { at: now, ray });
+            self.inside -= 1;
+        }
+        while let Some(grant) = self.crossbar.grant() {
+            self.trv[grant.request.trv as usize].leaf_granted(now + 1, grant, &mut self.wheel);
         }
     }
 }
 
 impl RayUnit for TiUnit {
     fn has_room(&self) -> bool {
-        self.fifo.len() < self.entries
+        self.ray_buffer.len() < self.entries
     }
 
-    fn push(&mut self, now: Cycle, ray: RayRef) {
+    fn push(&mut self, now: TiCycle, ray: RayRef) {
         assert!(self.has_room(), "the ray buffer is full");
         self.account(now);
-        self.fifo.push_back((now + 1, ray));
+        self.ray_buffer.push_back(RayMessage { at: now + 1, ray });
         self.inside += 1;
     }
 
-    fn results(&mut self) -> &mut VecDeque<(Cycle, RayRef)> {
+    fn results(&mut self) -> &mut VecDeque<RayMessage> {
         &mut self.results
     }
 

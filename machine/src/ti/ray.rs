@@ -6,9 +6,9 @@
 //! the one that deferred the child is visited again, which puts the other deferred children back and leads to the lost one.
 
 use crate::link::RayRef;
-use crate::work::TileWork;
 use crate::work::ops::{Op, OpKind};
 use crate::work::topology::Topology;
+use crate::work::{RayWork, TileWork};
 
 /// The place of a ray in a traversal unit.
 #[derive(Clone, Debug)]
@@ -68,9 +68,9 @@ impl Default for RaySlot {
 impl RaySlot {
     /// A ray enters.
     pub fn enter(&mut self, ray: RayRef, work: &TileWork) {
-        let own = &work.rays[ray.ray as usize];
+        let RayWork { ops_start, ops_len, .. } = work.rays[ray.ray as usize];
         self.ray = ray;
-        (self.at, self.end) = (own.ops_start, own.ops_start + own.ops_len);
+        (self.at, self.end) = (ops_start, ops_start + ops_len);
         (self.deferred, self.held, self.tests) = (0, 0, 0);
         // The operations were written by another thread. Reading one of each line of the host's cache now lets the misses
         // overlap, instead of one after the other when the ray gets there.

@@ -3,12 +3,12 @@
 //! An operation takes the first free cycle at or after the one in which it is ready, so its issue is known as soon as it is
 //! certain to be ready, and the cycles since the issue before can be accounted at once. A cycle without an issue is charged to
 //! what the next operation waited for:
-//! - from its arrival on, to its own wait: a lookup or the hit latency, a line, a refused lookup, or a full stage behind;
+//! - from its arrival on, to what it waited for itself: a lookup or the hit latency, a line, a refused lookup, or a full stage behind;
 //! - before that, to `memory` if at its arrival other operations of the stage waited for lines, otherwise to `idle` as far as
 //!   no ray was in the unit, and to `starved` for the rest.
 
 use crate::counters::Activity;
-use crate::memory::Cycle;
+use crate::time::TiCycle;
 
 /// What an operation waited for between arrival and issue. The numbers are places in an account.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -32,9 +32,9 @@ const IDLE: usize = 7;
 #[derive(Clone, Copy, Debug)]
 pub struct Candidate {
     /// When it came to the stage.
-    pub arrived: Cycle,
+    pub arrived: TiCycle,
     /// When it can issue.
-    pub ready: Cycle,
+    pub ready: TiCycle,
     /// What it waited for in between.
     pub wait: Wait,
     /// It passes without work.
@@ -47,20 +47,20 @@ pub struct Candidate {
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Idle {
     /// Finished spells.
-    total: Cycle,
+    total: u64,
     /// Start of the spell at hand.
-    since: Option<Cycle>,
+    since: Option<TiCycle>,
 }
 
 impl Idle {
     /// A unit that is idle from cycle 0 on.
     pub fn new() -> Self {
-        Self { total: 0, since: Some(0) }
+        Self { total: 0, since: Some(TiCycle(0)) }
     }
 
     /// A ray enters at cycle `now`.
     #[inline]
-    pub fn end(&mut self, now: Cycle) {
+    pub fn end(&mut self, now: TiCycle) {
         if let Some(since) = self.since.take() {
             self.total += now - since;
         }
@@ -68,26 +68,26 @@ impl Idle {
 
     /// The last ray leaves at cycle `now`.
     #[inline]
-    pub fn begin(&mut self, now: Cycle) {
+    pub fn begin(&mut self, now: TiCycle) {
         self.since = Some(now);
     }
 
     /// Idle cycles before `now`.
     #[inline]
-    pub fn before(&self, now: Cycle) -> Cycle {
+    pub fn before(&self, now: TiCycle) -> u64 {
         self.total + self.since.map_or(0, |since| now - since)
     }
 }
 
-/// See the module.
+/// An issue stage with its account.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Stage {
     /// First cycle that is not accounted: the one after the last issue.
-    free: Cycle,
+    free: TiCycle,
     /// Idle cycles of the unit that are accounted or lie before `free`.
-    idle_seen: Cycle,
+    idle_seen: u64,
     /// Cycles by class.
-    account: [Cycle; 8],
+    account: [u64; 8],
 }
 
 impl Stage {
@@ -95,7 +95,7 @@ impl Stage {
     ///
     /// No branch: whether there is a gap, and why, is as good as random.
     #[inline]
-    pub fn issue(&mut self, op: Candidate, idle: &Idle) -> Cycle {
+    pub fn issue(&mut self, op: Candidate, idle: &Idle) -> TiCycle {
         let at = op.ready.max(self.free);
         let arrived = op.arrived.clamp(self.free, at);
         let before = arrived - self.free;
@@ -114,17 +114,17 @@ impl Stage {
 
     /// Cycles in which an operation issued or will issue, bypasses not.
     #[inline]
-    pub fn busy(&self) -> Cycle {
+    pub fn busy(&self) -> u64 {
         self.account[BUSY]
     }
 
-    /// Accounts the cycles up to `cycles`, the length of the run, in which nothing issues any more.
-    pub fn finish(&mut self, cycles: Cycle, idle: &Idle) -> Activity {
-        let rest = cycles.saturating_sub(self.free);
-        let idle = (idle.before(cycles) - self.idle_seen).min(rest);
+    /// Accounts the cycles before `end`, the end of the run, in which nothing issues any more.
+    pub fn finish(&mut self, end: TiCycle, idle: &Idle) -> Activity {
+        let rest = end.since(self.free);
+        let idle = (idle.before(end) - self.idle_seen).min(rest);
         self.account[IDLE] += idle;
         self.account[STARVED] += rest - idle;
-        self.free = self.free.max(cycles);
+        self.free = self.free.max(end);
         let [busy, bypass, fetch, memory, mshr, blocked, starved, idle] = self.account;
         Activity { busy, bypass, fetch, memory, mshr, blocked, starved, idle }
     }
@@ -134,27 +134,29 @@ impl Stage {
 mod tests {
     use super::*;
 
-    const OP: Candidate = Candidate { arrived: 10, ready: 12, wait: Wait::Fetch, bypass: false, others_wait: false };
+    const OP: Candidate =
+        Candidate { arrived: TiCycle(10), ready: TiCycle(12), wait: Wait::Fetch, bypass: false, others_wait: false };
 
     #[test]
     fn one_a_cycle_and_not_before_it_is_ready() {
         let (mut stage, idle) = (Stage::default(), Idle::default());
         assert_eq!(stage.issue(OP, &idle), 12);
         assert_eq!(stage.issue(OP, &idle), 13);
-        assert_eq!(stage.issue(Candidate { ready: 20, ..OP }, &idle), 20);
+        assert_eq!(stage.issue(Candidate { ready: TiCycle(20), ..OP }, &idle), 20);
     }
 
     #[test]
     fn every_cycle_is_charged_once() {
         let (mut stage, mut idle) = (Stage::default(), Idle::new());
-        idle.end(4);
+        idle.end(TiCycle(4));
         stage.issue(OP, &idle);
-        stage.issue(Candidate { ready: 30, arrived: 20, wait: Wait::Memory, others_wait: true, ..OP }, &idle);
-        stage.issue(Candidate { ready: 31, arrived: 31, bypass: true, ..OP }, &idle);
-        idle.begin(40);
-        let activity = stage.finish(50, &idle);
+        let late = Candidate { ready: TiCycle(30), arrived: TiCycle(20), wait: Wait::Memory, others_wait: true, ..OP };
+        stage.issue(late, &idle);
+        stage.issue(Candidate { ready: TiCycle(31), arrived: TiCycle(31), bypass: true, ..OP }, &idle);
+        idle.begin(TiCycle(40));
+        let activity = stage.finish(TiCycle(50), &idle);
         let Activity { busy, bypass, fetch, memory, idle, starved, .. } = activity;
-        // 4 idle and 6 starved before the first; 7 of others and 10 of its own for the second; 8 starved, 10 idle at the end.
+        // 4 idle and 6 starved before the first; 7 of others and 10 for which the second waited itself; 8 starved, 10 idle at the end.
         assert_eq!((busy, bypass, fetch, memory, idle, starved), (2, 1, 2, 17, 14, 14));
         assert_eq!(activity.total(), 50);
     }

@@ -3,12 +3,13 @@
 use rayreel_formats::bvh::Child;
 use rayreel_formats::tile::{RayKind, step};
 
-use super::{Context, TiStats, TiUnit};
+use super::{TiContext, TiStats, TiUnit};
+use crate::component::{Component, Tick};
 use crate::config::{MachineConfig, MissHandling, Pipeline};
-use crate::link::{RayRef, RayUnit};
-use crate::memory::ideal::IdealMemory;
-use crate::memory::{Cycle, Memory, Port};
+use crate::link::{RayMessage, RayRef, RayUnit};
+use crate::memory::{IdealMemory, Port};
 use crate::test_config::machine as config;
+use crate::time::TiCycle;
 use crate::work::check::{PathCounts, walk};
 use crate::work::layout::Layout;
 use crate::work::synthetic::{self, Path};
@@ -38,12 +39,11 @@ fn tile(tree: &Topology, paths: &[(RayKind, &[u8])]) -> Vec<TileWork> {
 }
 
 /// Feeds all rays as the ray buffer takes them; returns when each ray came out, by ray, and the accounts.
-fn run(config: &MachineConfig, tree: &Topology, tiles: &Vec<TileWork>, latency: Cycle) -> (Vec<Cycle>, TiStats, Cycle) {
+fn run(config: &MachineConfig, tree: &Topology, tiles: &Vec<TileWork>, latency: u64) -> (Vec<u64>, TiStats, u64) {
     let layout = Layout::new(config);
-    let context = Context { tree, layout: &layout, tiles };
     let mut memory = IdealMemory::new(latency);
     let mut unit = TiUnit::new(config, Port(0));
-    let (mut out, mut sent, mut now, mut arrived) = (vec![0; tiles[0].rays.len()], 0, 0, Vec::new());
+    let (mut out, mut sent, mut now, mut arrived) = (vec![0; tiles[0].rays.len()], 0, TiCycle(0), Vec::new());
     loop {
         memory.tick(now, &mut arrived);
         arrived.drain(..).for_each(|r| unit.fill(now, r.port, r.line));
@@ -51,18 +51,17 @@ fn run(config: &MachineConfig, tree: &Topology, tiles: &Vec<TileWork>, latency: 
             unit.push(now, RayRef { slot: 0, ray: sent as u32 });
             sent += 1;
         }
-        unit.tick(now, &context, &mut memory);
-        while let Some((at, ray)) = unit.results().pop_front() {
-            out[ray.ray as usize] = at;
+        unit.tick(now, TiContext { tree, layout: &layout, tiles, memory: &mut memory });
+        while let Some(RayMessage { at, ray }) = unit.results().pop_front() {
+            out[ray.ray as usize] = at.0;
         }
-        let next = [unit.next_event(now), memory.next_event()].into_iter().flatten().min();
-        match next {
-            Some(at) => now = at.max(now + 1),
+        match unit.next_event(now).min(memory.next_event(now)).after(now).cycle() {
+            Some(at) => now = at,
             None if sent == out.len() && unit.rays_inside() == 0 => break,
             None => now += 1,
         }
     }
-    (out, unit.finish(now + 1), now + 1)
+    (out, unit.finish(now + 1), (now + 1).0)
 }
 
 const PATH: &[u8] = &[step::LEFT_FIRST, step::MISS, step::HIT, step::POP, step::RIGHT, step::MISS];
@@ -90,7 +89,7 @@ fn a_second_ray_finds_everything_in_the_caches() {
     config.ti.rays_per_trv = 1;
     let rays = [(RayKind::Primary, PATH), (RayKind::Primary, PATH)];
     let (out, _, _) = run(&config, &tree, &tile(&tree, &rays), 40);
-    let hit = |triangles: Cycle| 5 + 2 + triangles + triangles - 1 + 30 + 2;
+    let hit = |triangles: u64| 5 + 2 + triangles + triangles - 1 + 30 + 2;
     // Dispatched in the cycle after the first one left.
     assert_eq!(out[1] - out[0], 1 + 17 + 11 + hit(2) + 3 + 11 + hit(1) + 3);
 }
@@ -244,7 +243,7 @@ fn a_full_row_holds_up_the_queue() {
     // The first is parked in 18. The second is refused from 19 on; the line comes in 58, and it hits then; the third in 59.
     assert_eq!(out, [58 + 10 + 3, 59 + 10 + 3, 60 + 10 + 3]);
     let trv = &stats.trv[0];
-    assert_eq!((trv.front.parked, trv.l1.misses, trv.l1.merges, trv.l1.hits), (1, 1, 0, 2));
+    assert_eq!((trv.buffer.parked, trv.l1.misses, trv.l1.merges, trv.l1.hits), (1, 1, 0, 2));
     assert_eq!(trv.l1.full, 58 - 19);
 }
 
@@ -285,7 +284,7 @@ fn every_line_of_a_retried_operation_is_kept() {
     let (out, stats, _) = run(&config, &tree, &tile(&tree, &[(RayKind::Primary, &[step::NONE])]), 40);
     // Twelve lines a pass, one a cycle: looked up in 18, 40 and 62; all lines came in 58.
     assert_eq!(out, [62 + 12 + 10 + 3]);
-    assert_eq!((stats.trv[0].events.bypasses, stats.trv[0].front.late_reads), (2, 12));
+    assert_eq!((stats.trv[0].events.bypasses, stats.trv[0].buffer.late_reads), (2, 12));
 }
 
 #[test]

@@ -3,20 +3,21 @@
 //! What leaves a pipeline in a cycle is routed in that cycle: to the lookup of a node, to the leaf stage, to the stack stage.
 //! Each stage issues at most one operation a cycle (`parallel`), or all stages together one (`single`, `unified`), first
 //! ready, first issued. A leaf operation issues only when it has an entry of an intersection unit, so pipelines never stall
-//! inside; those that wait for one stand in one line for all traversal units of the core.
+//! inside; those that wait for one stand in one queue for all traversal units of the core.
 
-use super::front::{Front, FrontCounters, Outcome};
-use super::ist::{LeafTask, Tasks};
+use super::context::{EventContext, Tiles};
+use super::crossbar::{LeafGrant, LeafRequest, LeafTask};
+use super::fetch_port::FetchPort;
+use super::input_buffer::{InputBuffer, InputBufferCounters};
 use super::ray::{Popped, RaySlot};
 use super::stage::{Candidate, Idle, Stage, Wait};
-use super::wheel::{Event, Kind, Wheel};
-use super::{Context, Tiles};
+use super::wheel::{Event, EventKind, Wheel};
 use crate::config::{MachineConfig, Pipeline};
 use crate::counters::{Activity, counters};
 use crate::link::RayRef;
-use crate::memory::l1::CacheCounters;
-use crate::memory::{Cycle, Memory, Port};
-use crate::work::layout::Region;
+use crate::memory::{CacheCounters, Memory, Port};
+use crate::time::TiCycle;
+use crate::work::layout::{Lines, Region};
 use crate::work::ops::OpKind;
 
 counters! {
@@ -45,7 +46,7 @@ pub struct TrvStats {
     /// Events.
     pub events: TrvCounters,
     /// Input buffer.
-    pub front: FrontCounters,
+    pub buffer: InputBufferCounters,
     /// L1.
     pub l1: CacheCounters,
 }
@@ -55,7 +56,7 @@ const INNER: usize = 0;
 const LEAF: usize = 1;
 const STACK: usize = 2;
 
-/// See the module.
+/// A traversal unit.
 #[derive(Debug)]
 pub struct Trv {
     index: u8,
@@ -65,27 +66,16 @@ pub struct Trv {
     boxes_per_pass: u8,
     rays: Vec<RaySlot>,
     free: Vec<u8>,
-    entered: Vec<Cycle>,
+    entered: Vec<TiCycle>,
     idle: Idle,
-    front: Front,
+    port: FetchPort,
     stages: [Stage; 3],
     /// Depths of the pipelines.
-    setup: Cycle,
-    inner: Cycle,
-    leaf: Cycle,
-    stack: Cycle,
+    setup_cycles: u64,
+    inner_cycles: u64,
+    leaf_cycles: u64,
+    stack_cycles: u64,
     events: TrvCounters,
-}
-
-/// What a tick works with.
-pub(super) struct Tick<'a, M, T> {
-    pub now: Cycle,
-    pub context: &'a Context<'a, T>,
-    pub tasks: &'a mut Tasks,
-    pub memory: &'a mut M,
-    pub wheel: &'a mut Wheel,
-    /// Finished rays are appended here.
-    pub done: &'a mut Vec<RayRef>,
 }
 
 impl Trv {
@@ -99,6 +89,7 @@ impl Trv {
         };
         let slots = ti.rays_per_trv as usize;
         let l1 = (&ti.trv_l1, ti.trv_lines_per_cycle);
+        let buffer = InputBuffer::new(ti, l1, config.l2.line_bytes, port, ti.rays_per_trv);
         Self {
             index,
             pipeline: ti.pipeline,
@@ -107,14 +98,14 @@ impl Trv {
             boxes_per_pass: ti.aabbs_per_cycle as u8,
             rays: vec![RaySlot::default(); slots],
             free: (0..slots as u8).rev().collect(),
-            entered: vec![0; slots],
+            entered: vec![TiCycle::default(); slots],
             idle: Idle::new(),
-            front: Front::new(ti, l1, config.l2.line_bytes, port, ti.rays_per_trv),
+            port: FetchPort::new(buffer, index, EventKind::RetryLookup),
             stages: [Stage::default(); 3],
-            setup: ti.setup_cycles.into(),
-            inner: inner.into(),
-            leaf: leaf.into(),
-            stack: stack.into(),
+            setup_cycles: ti.setup_cycles.into(),
+            inner_cycles: inner.into(),
+            leaf_cycles: leaf.into(),
+            stack_cycles: stack.into(),
             events: TrvCounters::default(),
         }
     }
@@ -132,7 +123,7 @@ impl Trv {
     }
 
     /// Cycles in which the stages of the unit were or will be busy, by stage.
-    pub fn busy(&self) -> impl Iterator<Item = (&'static str, Cycle)> + '_ {
+    pub fn busy(&self) -> impl Iterator<Item = (&'static str, u64)> + '_ {
         self.names().iter().copied().zip(self.stages.iter().map(Stage::busy))
     }
 
@@ -140,72 +131,67 @@ impl Trv {
     ///
     /// # Panics
     /// When no place is free.
-    pub fn enter<T: Tiles>(&mut self, now: Cycle, ray: RayRef, tiles: &T, wheel: &mut Wheel) {
+    pub fn enter<T: Tiles>(&mut self, now: TiCycle, ray: RayRef, tiles: &T, wheel: &mut Wheel) {
         if self.rays() == 0 {
             self.idle.end(now);
         }
         let slot = self.free.pop().expect("the dispatcher looks for a free place");
         self.rays[slot as usize].enter(ray, tiles.work(ray.slot));
         self.entered[slot as usize] = now;
-        wheel.push(now + self.setup, Event::new(Kind::Setup, self.index, slot));
+        wheel.push(now + self.setup_cycles, Event::new(EventKind::Setup, self.index, slot));
     }
 
-    /// A leaf operation that waited since `arrived` has got an entry of intersection unit `ist` and can issue from `ready` on.
+    /// A leaf operation has got an entry of an intersection unit and can issue from `ready` on.
     #[inline]
-    pub fn leaf_granted(&mut self, ready: Cycle, slot: u8, arrived: Cycle, ist: u8, wheel: &mut Wheel) {
+    pub fn leaf_granted(&mut self, ready: TiCycle, grant: LeafGrant, wheel: &mut Wheel) {
+        let LeafGrant { request: LeafRequest { slot, arrived, .. }, ist } = grant;
         let op = Candidate { arrived, ready, wait: Wait::Blocked, bypass: false, others_wait: false };
         let at = self.stages[self.stage(LEAF)].issue(op, &self.idle);
-        wheel.push(at + self.leaf, Event { extra: ist, ..Event::new(Kind::Leaf, self.index, slot) });
+        wheel.push(at + self.leaf_cycles, Event { extra: ist, ..Event::new(EventKind::Leaf, self.index, slot) });
     }
 
     /// A line arrived at cycle `now`.
-    pub fn fill(&mut self, now: Cycle, line: u64, wheel: &mut Wheel) {
-        let mut waiters = self.front.fill(line);
-        while waiters != 0 {
-            let slot = waiters.trailing_zeros() as u8;
-            waiters &= waiters - 1;
-            if let Some(op) = self.front.filled(now, slot, line) {
-                self.issue(slot, op, wheel);
-            }
+    pub fn fill(&mut self, now: TiCycle, line: u64, wheel: &mut Wheel) {
+        let mut fill = self.port.fill(now, line);
+        while let Some((slot, op)) = self.port.next_filled(&mut fill) {
+            self.issue(slot, op, wheel);
         }
     }
 
     /// A line left an inclusive L2.
     pub fn invalidate(&mut self, line: u64) {
-        self.front.l1_mut().invalidate(line);
+        self.port.invalidate(line);
     }
 
     /// An operation left the stack pipeline.
-    pub(super) fn popped<M: Memory, T: Tiles>(&mut self, slot: u8, tick: &mut Tick<'_, M, T>) {
-        match self.rays[slot as usize].popped(tick.context.tree) {
-            Popped::Empty => self.leave(slot, tick),
-            Popped::Held => self.go_on(slot, tick),
+    pub(super) fn stack_done<T: Tiles, M: Memory>(&mut self, slot: u8, context: &mut EventContext<'_, T, M>) {
+        match self.rays[slot as usize].popped(context.tree) {
+            Popped::Empty => self.leave(slot, context),
+            Popped::Held => self.issue_next(slot, context),
             Popped::Lost(root) => {
                 self.events.restarts += 1;
-                self.visit(slot, root, tick);
+                self.visit(slot, root, context);
             }
         }
     }
 
     /// A refused lookup is tried again; `event` is booked anew while one is held up.
-    pub(super) fn look_up_again<M: Memory, T: Tiles>(&mut self, event: Event, tick: &mut Tick<'_, M, T>) {
-        if let Some((slot, outcome)) = self.front.turn_again(tick.now, tick.memory) {
-            self.follow(slot, outcome, tick);
+    pub(super) fn retry_lookup<T, M: Memory>(&mut self, event: Event, context: &mut EventContext<'_, T, M>) {
+        if let Some((slot, op)) = self.port.retry_lookup(context) {
+            self.issue(slot, op, context.wheel);
         }
-        if self.front.is_held_up() {
-            tick.wheel.push(tick.now + 1, event);
-        }
+        self.port.book_retry(event, context);
     }
 
-    /// Closes the accounts of a run of `cycles` cycles.
-    pub fn finish(&mut self, cycles: Cycle) -> TrvStats {
+    /// Closes the accounts of a run that ends before cycle `end`.
+    pub fn finish(&mut self, end: TiCycle) -> TrvStats {
         let idle = self.idle;
-        let activities = self.stages.each_mut().map(|stage| stage.finish(cycles, &idle));
+        let activities = self.stages.each_mut().map(|stage| stage.finish(end, &idle));
         TrvStats {
             stages: self.names().iter().copied().zip(activities).collect(),
             events: self.events,
-            front: self.front.counters,
-            l1: *self.front.l1().counters(),
+            buffer: self.port.counters(),
+            l1: self.port.l1_counters(),
         }
     }
 
@@ -224,104 +210,105 @@ impl Trv {
 
     /// An operation left the inner-node pipeline.
     #[inline]
-    pub(super) fn passed<M: Memory, T: Tiles>(&mut self, slot: u8, tick: &mut Tick<'_, M, T>) {
+    pub(super) fn inner_done<T: Tiles, M: Memory>(&mut self, slot: u8, context: &mut EventContext<'_, T, M>) {
         let ray = &mut self.rays[slot as usize];
         if ray.tests > 0 {
             // Unified pipeline: a triangle.
             ray.tests -= 1;
             ray.triangle += 1;
             if ray.tests == 0 {
-                return self.go_on(slot, tick);
+                return self.issue_next(slot, context);
             }
-            let lines = tick.context.layout.triangle(ray.triangle);
-            let outcome = self.front.push(tick.now, slot, lines, Region::Triangle, tick.memory);
-            return self.follow(slot, outcome, tick);
+            let triangle = ray.triangle;
+            return self.fetch(slot, context.layout.triangle(triangle), Region::Triangle, context);
         }
         if ray.passes > 1 {
             ray.passes -= 1;
-            return self.again(slot, tick);
+            return self.retry(slot, context);
         }
         self.events.node_visits += 1;
         if ray.restarting() {
             self.events.restart_visits += 1;
             match ray.visited_again(self.short) {
-                Ok(next) => return self.visit(slot, next, tick),
+                Ok(next) => return self.visit(slot, next, context),
                 Err(pushes) => self.events.pushes += u64::from(pushes),
             }
         } else {
             self.events.pushes += u64::from(ray.visited(self.short));
         }
-        self.go_on(slot, tick);
+        self.issue_next(slot, context);
     }
 
-    pub(super) fn leaf_passed<M: Memory, T: Tiles>(&mut self, slot: u8, ist: u8, tick: &mut Tick<'_, M, T>) {
+    pub(super) fn leaf_done<T: Tiles, M: Memory>(&mut self, slot: u8, ist: u8, context: &mut EventContext<'_, T, M>) {
         let ray = &mut self.rays[slot as usize];
         let (tests, triangle) = (std::mem::take(&mut ray.tests), ray.triangle);
         if tests == 0 {
-            tick.tasks.release(ist);
-            self.go_on(slot, tick);
+            context.crossbar.release(ist);
+            self.issue_next(slot, context);
         } else {
             let task = LeafTask { trv: self.index, slot, triangle, tests };
-            tick.tasks.send(tick.now, ist, task, tick.wheel);
+            context.crossbar.send(context.now, ist, task, context.wheel);
         }
     }
 
     /// Puts the ray's next operation where it belongs.
     #[inline]
-    pub(super) fn go_on<M: Memory, T: Tiles>(&mut self, slot: u8, tick: &mut Tick<'_, M, T>) {
+    pub(super) fn issue_next<T: Tiles, M: Memory>(&mut self, slot: u8, context: &mut EventContext<'_, T, M>) {
         let ray = &mut self.rays[slot as usize];
-        match ray.next(tick.context.tiles.work(ray.ray.slot)) {
-            Some(OpKind::Visit { node, .. }) => self.visit(slot, node, tick),
-            Some(OpKind::Leaf { triangle, tests }) => self.enter_leaf(slot, triangle, tests, tick),
+        match ray.next(context.tiles.work(ray.ray.slot)) {
+            Some(OpKind::Visit { node, .. }) => self.visit(slot, node, context),
+            Some(OpKind::Leaf { triangle, tests }) => self.enter_leaf(slot, triangle, tests, context),
             Some(kind) => {
                 self.events.culled += u64::from(matches!(kind, OpKind::Cull { .. }));
                 self.events.stack_operations += 1;
-                let (arrived, stage) = (tick.now, self.stage(STACK));
+                let (arrived, stage) = (context.now, self.stage(STACK));
                 let op = Candidate { arrived, ready: arrived, wait: Wait::Fetch, bypass: false, others_wait: false };
                 let at = self.stages[stage].issue(op, &self.idle);
-                tick.wheel.push(at + self.stack, Event::new(Kind::Stack, self.index, slot));
+                context.wheel.push(at + self.stack_cycles, Event::new(EventKind::Stack, self.index, slot));
             }
-            None => self.leave(slot, tick),
+            None => self.leave(slot, context),
         }
     }
 
-    fn enter_leaf<M: Memory, T: Tiles>(&mut self, slot: u8, triangle: u32, tests: u8, tick: &mut Tick<'_, M, T>) {
+    fn enter_leaf<T: Tiles, M: Memory>(
+        &mut self,
+        slot: u8,
+        triangle: u32,
+        tests: u8,
+        context: &mut EventContext<'_, T, M>,
+    ) {
         self.events.leaves += 1;
         if self.pipeline != Pipeline::Unified {
-            if let Some(ist) = tick.tasks.reserve_or_wait(self.index, slot, tick.now) {
-                self.leaf_granted(tick.now, slot, tick.now, ist, tick.wheel);
+            let request = LeafRequest { trv: self.index, slot, arrived: context.now };
+            if let Some(grant) = context.crossbar.reserve_or_wait(request) {
+                self.leaf_granted(context.now, grant, context.wheel);
             }
         } else if tests > 0 {
-            let lines = tick.context.layout.triangle(triangle);
-            let outcome = self.front.push(tick.now, slot, lines, Region::Triangle, tick.memory);
-            self.follow(slot, outcome, tick);
+            self.fetch(slot, context.layout.triangle(triangle), Region::Triangle, context);
         } else {
             // An empty leaf: there is nothing to read and nothing to test.
-            self.go_on(slot, tick);
+            self.issue_next(slot, context);
         }
     }
 
     #[inline]
-    fn visit<M: Memory, T: Tiles>(&mut self, slot: u8, node: u32, tick: &mut Tick<'_, M, T>) {
+    fn visit<T: Tiles, M: Memory>(&mut self, slot: u8, node: u32, context: &mut EventContext<'_, T, M>) {
         self.rays[slot as usize].passes = self.passes;
-        let lines = tick.context.layout.node(node);
-        let outcome = self.front.push(tick.now, slot, lines, Region::Node, tick.memory);
-        self.follow(slot, outcome, tick);
+        self.fetch(slot, context.layout.node(node), Region::Node, context);
     }
 
-    /// The operation at hand goes to the input buffer again.
-    pub(super) fn again<M: Memory, T: Tiles>(&mut self, slot: u8, tick: &mut Tick<'_, M, T>) {
-        let outcome = self.front.push_again(tick.now, slot, tick.memory);
-        self.follow(slot, outcome, tick);
-    }
-
-    /// What an arrival or a lookup leads to.
+    /// The operation at hand comes to the input buffer.
     #[inline]
-    fn follow<M: Memory, T: Tiles>(&mut self, slot: u8, outcome: Outcome, tick: &mut Tick<'_, M, T>) {
-        match outcome {
-            Outcome::Ready(op) => self.issue(slot, op, tick.wheel),
-            Outcome::HeldUp => tick.wheel.push(tick.now + 1, Event::new(Kind::LookUpAgain, self.index, slot)),
-            Outcome::Waits => {}
+    fn fetch<T, M: Memory>(&mut self, slot: u8, lines: Lines, region: Region, context: &mut EventContext<'_, T, M>) {
+        if let Some(op) = self.port.fetch(slot, lines, region, context) {
+            self.issue(slot, op, context.wheel);
+        }
+    }
+
+    /// The operation at hand comes to the input buffer again: after a bypass, or for its second box.
+    pub(super) fn retry<T, M: Memory>(&mut self, slot: u8, context: &mut EventContext<'_, T, M>) {
+        if let Some(op) = self.port.fetch_again(slot, context) {
+            self.issue(slot, op, context.wheel);
         }
     }
 
@@ -331,25 +318,25 @@ impl Trv {
         let at = self.stages[INNER].issue(op, &self.idle);
         let kind = if op.bypass {
             self.events.bypasses += 1;
-            Kind::InnerBypass
+            EventKind::InnerBypass
         } else if self.rays[slot as usize].tests > 0 {
             self.events.triangle_tests += 1;
-            Kind::Inner
+            EventKind::Inner
         } else {
             self.events.box_tests += u64::from(self.boxes_per_pass);
-            Kind::Inner
+            EventKind::Inner
         };
-        wheel.push(at + self.inner, Event::new(kind, self.index, slot));
+        wheel.push(at + self.inner_cycles, Event::new(kind, self.index, slot));
     }
 
     /// The ray's hit is known: its place becomes free.
-    fn leave<M: Memory, T: Tiles>(&mut self, slot: u8, tick: &mut Tick<'_, M, T>) {
+    fn leave<T: Tiles, M: Memory>(&mut self, slot: u8, context: &mut EventContext<'_, T, M>) {
         self.events.rays += 1;
-        self.events.ray_cycles += tick.now - self.entered[slot as usize];
+        self.events.ray_cycles += context.now - self.entered[slot as usize];
         self.free.push(slot);
         if self.rays() == 0 {
-            self.idle.begin(tick.now);
+            self.idle.begin(context.now);
         }
-        tick.done.push(self.rays[slot as usize].ray);
+        context.done.push(self.rays[slot as usize].ray);
     }
 }

@@ -1,7 +1,7 @@
-//! What a policy hands to the machine: for each tile the rays that it traces, wave by wave, and what is done instead of the
+//! What a policy hands to the machine: for each tile the rays that it traces, round by round, and what is done instead of the
 //! others.
 //!
-//! A wave is what the SRP can decide at one moment: first the R-samples, then the samples that the X step tests (those that
+//! A round is what the SRP can decide at one moment: first the R-samples, then the samples that the X step tests (those that
 //! pass are interpolated, those that fail are traced), then those of the Y step, and so on. Rays that hang on a hit (shadow
 //! and secondary rays) are spawned by the machine when that hit comes back.
 
@@ -48,10 +48,10 @@ pub struct RayWork {
     pub depth: u8,
 }
 
-/// One wave of a tile.
+/// One round of a tile.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Wave {
-    /// Similarity tests (pairs of hits) made before anything of this wave is traced or interpolated.
+pub struct Round {
+    /// Similarity tests (pairs of hits) made before anything of this round is traced or interpolated.
     pub tests: u32,
     /// Hits and whole subtrees interpolated; one for a sample of which nothing is traced.
     pub interpolated: u32,
@@ -79,15 +79,15 @@ pub struct TileWork {
     pub rays: Vec<RayWork>,
     /// The operations of all rays: every ray's are a valid path through the tree.
     pub ops: Vec<Op>,
-    /// The waves, in order.
-    pub waves: Vec<Wave>,
+    /// The rounds, in order.
+    pub rounds: Vec<Round>,
 }
 
 impl TileWork {
     /// The operations of ray `ray`.
     #[inline]
     pub fn path(&self, ray: u32) -> &[Op] {
-        let own = &self.rays[ray as usize];
-        &self.ops[own.ops_start as usize..][..own.ops_len as usize]
+        let RayWork { ops_start, ops_len, .. } = self.rays[ray as usize];
+        &self.ops[ops_start as usize..][..ops_len as usize]
     }
 }

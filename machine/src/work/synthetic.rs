@@ -9,7 +9,7 @@ use rayreel_formats::tile::{RayKind, step};
 use super::check::{PathCounts, walk};
 use super::ops::Op;
 use super::topology::Topology;
-use super::{NO_RAY, NO_TRIANGLE, RayWork, TileWork, Wave};
+use super::{NO_RAY, NO_TRIANGLE, RayWork, Round, TileWork};
 
 /// A small generator of numbers (SplitMix64).
 #[derive(Clone, Copy, Debug)]
@@ -122,7 +122,7 @@ fn random_steps(tree: &Topology, shadow: bool, random: &mut Random) -> Path {
     }
 }
 
-/// One primary ray a path, in one wave; the samples stand in rows of 32.
+/// One primary ray a path, in one round; the samples stand in rows of 32.
 pub fn tile_of(frame: u32, tile: u32, paths: &[Path]) -> TileWork {
     let width = 32.min(paths.len().max(1) as u32);
     let height = (paths.len() as u32).div_ceil(width).max(1);
@@ -135,7 +135,7 @@ pub fn tile_of(frame: u32, tile: u32, paths: &[Path]) -> TileWork {
         secondary_hits: 0,
         rays: Vec::new(),
         ops: Vec::new(),
-        waves: vec![Wave { tests: 0, interpolated: 0, starts: (0..paths.len() as u32).collect() }],
+        rounds: vec![Round { tests: 0, interpolated: 0, starts: (0..paths.len() as u32).collect() }],
     };
     for (i, path) in (0..).zip(paths) {
         let ray = push_ray(&mut work, path, RayKind::Primary);
@@ -172,7 +172,7 @@ pub fn random_tile(tree: &Topology, tile: u32, samples: u32, max_depth: u8, rand
     for sample in 0..samples {
         let at = (sample % work.rect.width, sample / work.rect.width, 0);
         let primary = random_tree(&mut work, tree, RayKind::Primary, at, max_depth, random);
-        work.waves[0].starts.push(primary);
+        work.rounds[0].starts.push(primary);
     }
     work
 }
@@ -201,9 +201,9 @@ fn random_tree(
     };
     let reflect = child(work, 1, RayKind::Reflection);
     let refract = child(work, 2, RayKind::Refraction);
-    let own = &mut work.rays[ray as usize];
-    (own.x, own.y, own.depth, own.shadows) = (x, y, depth, shadows as u8);
-    (own.reflect, own.refract) = (reflect, refract);
-    own.material = if hit { path.hit % 4 } else { 0 };
+    let parent = &mut work.rays[ray as usize];
+    (parent.x, parent.y, parent.depth, parent.shadows) = (x, y, depth, shadows as u8);
+    (parent.reflect, parent.refract) = (reflect, refract);
+    parent.material = if hit { path.hit % 4 } else { 0 };
     ray
 }

@@ -48,8 +48,8 @@ impl Demand {
                     tile.path(i).iter().for_each(|op| sum.count(op.kind()));
                 }
             }
-            sum.items[4] += tile.waves.iter().map(|w| u64::from(w.tests)).sum::<u64>();
-            sum.items[5] += tile.waves.iter().map(|w| u64::from(w.interpolated)).sum::<u64>();
+            sum.items[4] += tile.rounds.iter().map(|w| u64::from(w.tests)).sum::<u64>();
+            sum.items[5] += tile.rounds.iter().map(|w| u64::from(w.interpolated)).sum::<u64>();
             sum.items[6] += tile.rect.len() as u64;
         }
         sum
@@ -163,10 +163,12 @@ fn random_machines_are_never_faster_than_their_busiest_unit() {
 /// A machine that only waits for memory comes near the peak, so the bound above is no empty one.
 #[test]
 fn the_dram_can_be_driven_to_its_peak() {
+    use rayreel_machine::component::Tick;
     use rayreel_machine::memory::{Memory, MemorySystem, Port, Request, Route};
+    use rayreel_machine::time::TiCycle;
     use rayreel_machine::work::layout::Region;
     let config = machine("sgrt-ti2", &["dram.trefi=1000000"]);
-    let (mut memory, mut now, mut line, mut arrived) = (MemorySystem::new(&config), 0, 0, Vec::new());
+    let (mut memory, mut now, mut line, mut arrived) = (MemorySystem::new(&config), TiCycle(0), 0, Vec::new());
     while line < 12_000 {
         let request = Request { port: Port(0), line, region: Region::Sample, route: Route::Read };
         if memory.request(now, request) {
@@ -178,6 +180,6 @@ fn the_dram_can_be_driven_to_its_peak() {
     }
     let dram = &config.dram;
     let peak = u64::from(dram.channels * dram.burst_bytes) * u64::from(dram.clock_mhz) / u64::from(dram.tccd);
-    let reached = arrived.len() as u64 * 64 * u64::from(config.ti.clock_mhz) / now;
+    let reached = arrived.len() as u64 * 64 * u64::from(config.ti.clock_mhz) / now.0;
     assert!(reached <= peak && reached * 100 >= peak * 97, "{reached} of {peak} MB/s");
 }

@@ -24,8 +24,8 @@ fn assert_near(what: &str, unit: &str, cycles: u64, bounds: &[(&'static str, u64
 /// The whole system, and the T&I unit of one core alone.
 fn assert_bound_by(unit: &str, overrides: &[&str], tree: &Topology, tile: TileWork) {
     for miss_handling in ["retry", "accumulate", "reorder"] {
-        let own = format!("ti.miss_handling={miss_handling}");
-        let overrides = [&["gpu.cores=1", "srp.ideal=true", own.as_str()], overrides].concat();
+        let handling = format!("ti.miss_handling={miss_handling}");
+        let overrides = [&["gpu.cores=1", "srp.ideal=true", handling.as_str()], overrides].concat();
         let config = machine("sgrt-ti2", &overrides);
         let what = format!("{unit} {miss_handling}");
         let tiles = vec![tile.clone()];

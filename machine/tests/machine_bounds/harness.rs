@@ -6,13 +6,15 @@ use std::sync::OnceLock;
 use rayreel_formats::Limits;
 use rayreel_formats::bvh::Child;
 use rayreel_formats::trace::Trace;
+use rayreel_machine::component::{Component, Tick};
 use rayreel_machine::config::{MachineConfig, MissHandling, NamedMachine, Pipeline};
 use rayreel_machine::link::{RayRef, RayUnit};
-use rayreel_machine::memory::{Cycle, IdealMemory, Memory, MemorySystem, Port};
+use rayreel_machine::memory::{IdealMemory, Memory, MemorySystem, Port};
 use rayreel_machine::srp::FrameShape;
-use rayreel_machine::stats::{MemoryStats, Stats};
+use rayreel_machine::stats::Stats;
 use rayreel_machine::system::{NoProbe, System};
-use rayreel_machine::ti::{Context, TiStats, TiUnit};
+use rayreel_machine::ti::{TiContext, TiStats, TiUnit};
+use rayreel_machine::time::TiCycle;
 use rayreel_machine::work::TileWork;
 use rayreel_machine::work::check::{PathCounts, walk};
 use rayreel_machine::work::layout::Layout;
@@ -41,24 +43,21 @@ pub fn run_keeping<M: Memory>(
     shape: FrameShape,
     memory: M,
 ) -> (Stats, M) {
-    let mut system = System::new(config, tree, shape, memory);
+    let mut system = System::with_memory(config, tree, shape, memory);
     tiles.iter().for_each(|tile| system.feed(tile.clone(), &mut NoProbe).unwrap());
     system.finish(&mut NoProbe).unwrap()
 }
 
 /// The same with the memory system of the machine, whose counters are part of the result.
 pub fn run_real(config: &MachineConfig, work: (&Topology, &[TileWork]), shape: FrameShape) -> Stats {
-    let (mut stats, memory) = run_keeping(config, work, shape, MemorySystem::new(config));
-    stats.memory = MemoryStats::of(&memory);
-    stats
+    run(config, work, shape, MemorySystem::new(config))
 }
 
 /// All rays of tile 0 through a T&I unit alone, as fast as its ray buffer takes them: accounts, cycles.
-pub fn run_unit(config: &MachineConfig, tree: &Topology, tiles: &Vec<TileWork>, latency: Cycle) -> (TiStats, Cycle) {
+pub fn run_unit(config: &MachineConfig, tree: &Topology, tiles: &Vec<TileWork>, latency: u64) -> (TiStats, u64) {
     let layout = Layout::new(config);
-    let context = Context { tree, layout: &layout, tiles };
     let (mut memory, mut unit) = (IdealMemory::new(latency), TiUnit::new(config, Port(0)));
-    let (rays, mut sent, mut now, mut arrived) = (tiles[0].rays.len() as u32, 0, 0, Vec::new());
+    let (rays, mut sent, mut now, mut arrived) = (tiles[0].rays.len() as u32, 0, TiCycle(0), Vec::new());
     loop {
         memory.tick(now, &mut arrived);
         arrived.drain(..).for_each(|r| unit.fill(now, r.port, r.line));
@@ -66,13 +65,13 @@ pub fn run_unit(config: &MachineConfig, tree: &Topology, tiles: &Vec<TileWork>, 
             unit.push(now, RayRef { slot: 0, ray: sent });
             sent += 1;
         }
-        unit.tick(now, &context, &mut memory);
+        unit.tick(now, TiContext { tree, layout: &layout, tiles, memory: &mut memory });
         unit.results().clear();
         if sent == rays && unit.rays_inside() == 0 {
-            return (unit.finish(now + 1), now + 1);
+            return (unit.finish(now + 1), (now + 1).0);
         }
-        let next = [unit.next_event(now), memory.next_event()].into_iter().flatten().min();
-        now = next.map_or(now + 1, |at| if sent < rays && unit.has_room() { now + 1 } else { at.max(now + 1) });
+        let next = unit.next_event(now).min(memory.next_event(now)).after(now).cycle();
+        now = next.filter(|_| sent == rays || !unit.has_room()).unwrap_or(now + 1);
     }
 }
 

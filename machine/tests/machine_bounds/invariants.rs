@@ -1,7 +1,7 @@
 //! What is worked is the same on every machine; and every cycle and every joule is accounted for.
 
 use rayreel_machine::config::{MachineConfig, PRESETS, PrimaryVisibility};
-use rayreel_machine::energy::{Counts, EnergyReport, Group};
+use rayreel_machine::energy::{EnergyReport, Group};
 use rayreel_machine::srp::{Needs, missing_kernels};
 use rayreel_machine::stats::Stats;
 use rayreel_machine::work::TileWork;
@@ -29,7 +29,7 @@ fn done(stats: &Stats) -> Demand {
     sum
 }
 
-/// Counts that have no counter of their own are left out: pushes are more on restarts.
+/// What no counter counts alone is left out: on restarts children are pushed again.
 fn assert_work(what: &str, config: &MachineConfig, tiles: &[TileWork], stats: &Stats) {
     let asked = Demand { pushes: 0, ends: 0, lights: 0, ..Demand::of(config, tiles) };
     assert_eq!(done(stats), asked, "{what}");
@@ -78,21 +78,14 @@ fn assert_accounts(what: &str, stats: &Stats) {
 
 /// E = sum of parts, by component and by group; power x time = E, in whole femtojoules.
 fn assert_energy(what: &str, config: &MachineConfig, stats: &Stats) {
-    let counts = Counts {
-        cycles: stats.cycles,
-        cores: stats.cores.iter().map(|core| (&core.ti, &core.srp, core.srp_l1)).collect(),
-        l2: stats.memory.l2,
-        dram: stats.memory.dram(),
-        traffic: stats.memory.traffic,
-    };
-    let report = EnergyReport::new(config, &counts);
+    let report = EnergyReport::new(config, stats);
     let parts: u128 = report.components.iter().map(|c| c.dynamic_fj + c.leakage_fj).sum();
     let groups: u128 = [Group::Ti, Group::Srp, Group::Memory].map(|g| report.group_fj(g)).iter().sum();
     assert!(parts > 0 && parts == report.gpu_fj() && groups == parts, "{what}");
     let with_memory = report.ti_with_memory_fj();
     assert!(report.ti_fj() <= with_memory && with_memory < parts, "{what}");
     // Twice the time at the same counts: leakage doubles to a rounding a component, nothing else moves.
-    let twice = EnergyReport::new(config, &Counts { cycles: 2 * stats.cycles, ..counts });
+    let twice = EnergyReport::new(config, &Stats { cycles: 2 * stats.cycles, ..stats.clone() });
     for (one, two) in report.components.iter().zip(&twice.components) {
         assert_eq!(one.dynamic_fj, two.dynamic_fj, "{what}: {}", one.name);
         assert!((2 * one.leakage_fj).abs_diff(two.leakage_fj) <= 1, "{what}: {}", one.name);

@@ -4,7 +4,7 @@
 use std::collections::BTreeMap;
 
 use rayreel_machine::config::{MachineConfig, MissHandling, Pipeline};
-use rayreel_machine::memory::{Cycle, IdealMemory};
+use rayreel_machine::memory::IdealMemory;
 use rayreel_machine::work::layout::{Layout, Lines};
 use rayreel_machine::work::ops::{Op, OpKind};
 use rayreel_machine::work::synthetic::{Random, balanced_topology, random_path, tile_of};
@@ -14,26 +14,26 @@ use rayreel_machine::work::{NO_TRIANGLE, TileWork};
 use super::harness::{SHAPE, random_machine, run};
 
 /// When each line is here; caches are larger than the tree.
-type Cache = BTreeMap<u64, Cycle>;
+type Cache = BTreeMap<u64, u64>;
 
 struct Sum<'a> {
     config: &'a MachineConfig,
     tree: &'a Topology,
     layout: Layout,
-    latency: Cycle,
+    latency: u64,
     nodes: Cache,
     triangles: Cache,
     /// Depths of the inner, leaf and stack pipelines.
-    inner: Cycle,
-    leaf: Cycle,
-    stack: Cycle,
+    inner: u64,
+    leaf: u64,
+    stack: u64,
 }
 
 impl<'a> Sum<'a> {
-    fn new(config: &'a MachineConfig, tree: &'a Topology, latency: Cycle) -> Self {
+    fn new(config: &'a MachineConfig, tree: &'a Topology, latency: u64) -> Self {
         let ti = &config.ti;
         let [inner, leaf, stack, ist] =
-            [ti.inner_cycles, ti.leaf_cycles, ti.stack_cycles, ti.ist_cycles].map(Cycle::from);
+            [ti.inner_cycles, ti.leaf_cycles, ti.stack_cycles, ti.ist_cycles].map(u64::from);
         let (inner, leaf, stack) = match ti.pipeline {
             Pipeline::Parallel => (inner, leaf, stack),
             Pipeline::Single => [inner + leaf + stack; 3].into(),
@@ -44,14 +44,14 @@ impl<'a> Sum<'a> {
     }
 
     /// An operation that needs `lines` arrives at the input buffer at `at`: the cycle in which it issues for good.
-    fn fetch(&mut self, mut at: Cycle, lines: Lines, triangle: bool, depth: Cycle) -> Cycle {
+    fn fetch(&mut self, mut at: u64, lines: Lines, triangle: bool, depth: u64) -> u64 {
         let ti = &self.config.ti;
         let unified = ti.pipeline == Pipeline::Unified;
         let (l1, width) = match triangle && !unified {
             true => (&ti.ist_l1, ti.ist_lines_per_cycle),
             false => (&ti.trv_l1, ti.trv_lines_per_cycle),
         };
-        let (hit, width) = (Cycle::from(l1.latency_cycles), Cycle::from(width));
+        let (hit, width) = (u64::from(l1.latency_cycles), u64::from(width));
         let cache = if triangle { &mut self.triangles } else { &mut self.nodes };
         loop {
             let mut last_line = 0;
@@ -70,12 +70,12 @@ impl<'a> Sum<'a> {
         }
     }
 
-    fn visit(&mut self, at: Cycle, node: u32) -> Cycle {
+    fn visit(&mut self, at: u64, node: u32) -> u64 {
         let passes = 2 / self.config.ti.aabbs_per_cycle;
         (0..passes).fold(at, |at, _| self.fetch(at, self.layout.node(node), false, self.inner) + self.inner)
     }
 
-    fn leaf(&mut self, at: Cycle, first: u32, tests: u32) -> Cycle {
+    fn leaf(&mut self, at: u64, first: u32, tests: u32) -> u64 {
         let ti = &self.config.ti;
         let triangles = (first..first + tests).map(|t| self.layout.triangle(t)).collect::<Vec<_>>();
         if ti.pipeline == Pipeline::Unified {
@@ -84,7 +84,7 @@ impl<'a> Sum<'a> {
         if tests == 0 {
             return at + self.leaf;
         }
-        let (crossbar, depth) = (Cycle::from(ti.crossbar_cycles), Cycle::from(ti.ist_cycles));
+        let (crossbar, depth) = (u64::from(ti.crossbar_cycles), u64::from(ti.ist_cycles));
         // Triangles follow each other: each is looked up in the cycle after the one before issued.
         let mut next = at + self.leaf + crossbar;
         for triangle in triangles {
@@ -94,11 +94,11 @@ impl<'a> Sum<'a> {
     }
 
     /// From the cycle in which the ray is in the ray buffer to that in which its hit is known.
-    fn unit(&mut self, at: Cycle, ops: &[Op]) -> Cycle {
+    fn unit(&mut self, at: u64, ops: &[Op]) -> u64 {
         let ti = &self.config.ti;
         let short = if ti.stack_entries == 0 { u32::MAX } else { ti.stack_entries };
         // Dispatched a cycle later.
-        let (mut at, mut deferred, mut held) = (at + 1 + Cycle::from(ti.setup_cycles), 0_u32, 0_u32);
+        let (mut at, mut deferred, mut held) = (at + 1 + u64::from(ti.setup_cycles), 0_u32, 0_u32);
         for op in ops {
             match op.kind() {
                 OpKind::Visit { node, defers } => {
@@ -129,12 +129,12 @@ impl<'a> Sum<'a> {
     }
 
     /// The whole run of a tile of one primary ray.
-    fn run(&mut self, tile: &TileWork) -> Cycle {
+    fn run(&mut self, tile: &TileWork) -> u64 {
         let (gpu, srp) = (&self.config.gpu, &self.config.srp);
         let (f, ti) = (u64::from(srp.clock_mhz), u64::from(self.config.ti.clock_mhz));
         let to_ti = |srp: u64| (srp * ti).div_ceil(f);
-        let to_srp = |at: Cycle| (at * f).div_ceil(ti);
-        let link = |bytes: u32| Cycle::from(bytes.div_ceil(gpu.interface_bytes_per_cycle)) + 1;
+        let to_srp = |at: u64| (at * f).div_ceil(ti);
+        let link = |bytes: u32| u64::from(bytes.div_ceil(gpu.interface_bytes_per_cycle)) + 1;
         let [raygen, shade, miss, resolve] =
             [srp.kernels.raygen, srp.kernels.shade, srp.kernels.miss, srp.kernels.resolve]
                 .map(|k| u64::from(k.prologue_cycles + k.ii_cycles));
@@ -168,7 +168,7 @@ fn one_ray_alone_takes_the_sum_of_its_latencies() {
         (config.ti.trv_l1.mshrs, config.ti.ist_l1.mshrs) = (4, 4);
         let tree = balanced_topology(2 + random.below(5), random.below(4));
         let tile = tile_of(0, 0, &[random_path(&tree, false, &mut random)]);
-        let latency = 1 + Cycle::from(random.below(60));
+        let latency = 1 + u64::from(random.below(60));
         let stats = run(&config, (&tree, std::slice::from_ref(&tile)), SHAPE, IdealMemory::new(latency));
         let sum = Sum::new(&config, &tree, latency).run(&tile);
         assert_eq!(stats.cycles, sum, "seed {seed}: latency {latency}, {:?}, {:#?}", tile.path(0), config.ti);

@@ -1,9 +1,11 @@
 //! Time may be walked or jumped through, and threads are no input.
 
+use rayreel_machine::component::{Component, Tick};
 use rayreel_machine::energy::EnergyReport;
-use rayreel_machine::memory::{Cycle, Memory, MemorySystem, Request, Response};
-use rayreel_machine::stats::{MemoryStats, Stats};
+use rayreel_machine::memory::{Memory, MemoryStats, MemorySystem, Request, Response};
+use rayreel_machine::stats::Stats;
 use rayreel_machine::system::NoProbe;
+use rayreel_machine::time::{TiCycle, When};
 use rayreel_machine::work::synthetic::Random;
 use rayreel_machine::work::topology::Topology;
 use rayreel_replay::simulate::simulate;
@@ -14,26 +16,16 @@ use super::harness::{SHAPE, golden, machine, random_machine, random_work, run_ke
 /// A memory that has something to say in every cycle.
 struct EveryCycle {
     inner: MemorySystem,
-    now: Cycle,
     ticks: u64,
 }
 
 impl Memory for EveryCycle {
-    fn request(&mut self, now: Cycle, request: Request) -> bool {
+    fn request(&mut self, now: TiCycle, request: Request) -> bool {
         self.inner.request(now, request)
     }
 
-    fn tick(&mut self, now: Cycle, arrived: &mut Vec<Response>) {
-        (self.now, self.ticks) = (now, self.ticks + 1);
-        self.inner.tick(now, arrived);
-    }
-
-    fn next_event(&self) -> Option<Cycle> {
-        Some(self.now + 1)
-    }
-
-    fn is_idle(&self) -> bool {
-        self.inner.is_idle()
+    fn is_idle(&self, now: TiCycle) -> bool {
+        self.inner.is_idle(now)
     }
 
     fn bytes_moved(&self) -> u64 {
@@ -45,15 +37,33 @@ impl Memory for EveryCycle {
     }
 }
 
+impl Component for EveryCycle {
+    type Report = MemoryStats;
+
+    fn next_event(&self, now: TiCycle) -> When {
+        When::at(now + 1)
+    }
+
+    fn finish(&mut self, end: TiCycle) -> MemoryStats {
+        self.inner.finish(end)
+    }
+}
+
+impl Tick<&mut Vec<Response>> for EveryCycle {
+    fn tick(&mut self, now: TiCycle, arrived: &mut Vec<Response>) {
+        self.ticks += 1;
+        self.inner.tick(now, arrived);
+    }
+}
+
 #[test]
 fn every_cycle_or_from_event_to_event() {
     for seed in 0..24 {
         let (tree, tiles) = random_work(seed);
         let mut config = random_machine(&mut Random(seed));
         config.l2.inclusive = seed % 2 == 0;
-        let memory = EveryCycle { inner: MemorySystem::new(&config), now: 0, ticks: 0 };
-        let (mut walked, memory) = run_keeping(&config, (&tree, &tiles), SHAPE, memory);
-        walked.memory = MemoryStats::of(&memory.inner);
+        let memory = EveryCycle { inner: MemorySystem::new(&config), ticks: 0 };
+        let (walked, memory) = run_keeping(&config, (&tree, &tiles), SHAPE, memory);
         // And a few more until the last writes are out.
         assert!(memory.ticks >= walked.cycles, "seed {seed} was walked");
         assert_eq!(walked, run_real(&config, (&tree, &tiles), SHAPE), "seed {seed}");

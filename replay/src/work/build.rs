@@ -12,7 +12,7 @@ use crate::source::PathSource;
 use rayreel_machine::work::check::{PathCounts, walk};
 use rayreel_machine::work::ops::Op;
 use rayreel_machine::work::topology::Topology;
-use rayreel_machine::work::{NO_RAY, NO_TRIANGLE, RayWork, TileWork, Wave};
+use rayreel_machine::work::{NO_RAY, NO_TRIANGLE, RayWork, Round, TileWork};
 
 /// A tile as work, and what its paths ask for.
 #[derive(Clone, Debug, PartialEq)]
@@ -34,7 +34,7 @@ impl Weigh for Built {
 #[derive(Debug, Default)]
 pub(crate) struct Part {
     rays: Vec<RayWork>,
-    waves: Vec<Wave>,
+    waves: Vec<Round>,
     paths: PathCounts,
     samples: u32,
     secondary_hits: u32,
@@ -233,10 +233,10 @@ impl Line {
 }
 
 impl Part {
-    fn wave(&mut self, wave: u8) -> &mut Wave {
+    fn wave(&mut self, wave: u8) -> &mut Round {
         let wave = usize::from(wave);
         if self.waves.len() <= wave {
-            self.waves.resize(wave + 1, Wave::default());
+            self.waves.resize(wave + 1, Round::default());
         }
         &mut self.waves[wave]
     }
@@ -273,7 +273,7 @@ impl Part {
             own.interpolated += wave.interpolated;
             own.starts.extend(wave.starts.into_iter().map(moved));
         }
-        while self.waves.last().is_some_and(|wave| *wave == Wave::default()) {
+        while self.waves.last().is_some_and(|wave| *wave == Round::default()) {
             self.waves.pop();
         }
         let mut paths = self.paths;
@@ -287,7 +287,7 @@ impl Part {
             secondary_hits: self.secondary_hits,
             rays: self.rays,
             ops: self.ops,
-            waves: self.waves,
+            rounds: self.waves,
         };
         Ok(Built { work, paths })
     }

@@ -3,7 +3,7 @@
 use serde_json::{Map, Value, json};
 
 use rayreel_machine::counters::{Activity, Counter};
-use rayreel_machine::memory::l1::CacheCounters;
+use rayreel_machine::memory::CacheCounters;
 use rayreel_machine::srp::{KernelId, SrpStats};
 use rayreel_machine::stats::Stats;
 use rayreel_machine::work::layout::Region;
@@ -72,11 +72,11 @@ fn ti(all: &mut List, stats: &Stats) {
         all.add(&format!("ti/trv/{name}"), activity.list());
     }
     all.add("ti/trv", sum(stats.trv().map(|unit| unit.events)).list());
-    all.add("ti/trv/buffer", sum(stats.trv().map(|unit| unit.front)).list());
+    all.add("ti/trv/buffer", sum(stats.trv().map(|unit| unit.buffer)).list());
     all.add("ti/trv/l1", trv_l1(stats).list());
     all.add("ti/ist/test", ist_activity(stats).list());
     all.add("ti/ist", sum(stats.ist().map(|unit| unit.events)).list());
-    all.add("ti/ist/buffer", sum(stats.ist().map(|unit| unit.front)).list());
+    all.add("ti/ist/buffer", sum(stats.ist().map(|unit| unit.buffer)).list());
     all.add("ti/ist/l1", ist_l1(stats).list());
 }
 

@@ -17,11 +17,11 @@ use super::queue::{Entry, Queue};
 use super::timing::Timing;
 use crate::config;
 use crate::counters::counters;
-use crate::memory::Cycle;
+use crate::time::{ClockCycle, DramCycle, When};
 
 /// Age at which the oldest request closes its bank to younger row hits, tCK. An estimate: well above the time in which a full
 /// queue of row hits drains, so that it does not disturb FR-FCFS, and well below a frame.
-pub const AGE_CAP: Cycle = 4096;
+pub const AGE_CAP: u64 = 4096;
 
 counters! {
     /// What a channel did.
@@ -47,7 +47,7 @@ counters! {
 /// What is sent next.
 #[derive(Clone, Copy, Debug)]
 struct Decision {
-    at: Cycle,
+    at: DramCycle,
     command: Command,
     bank: usize,
     row: u64,
@@ -70,21 +70,21 @@ pub struct Channel {
     write_high: usize,
     write_low: usize,
     drain: bool,
-    refresh_due: Cycle,
+    refresh_due: When<DramCycle>,
     /// Everything before this cycle is decided.
-    now: Cycle,
+    now: DramCycle,
     decision: Option<Decision>,
-    wake: Cycle,
+    wake: When<DramCycle>,
     counters: ChannelCounters,
     #[cfg(test)]
-    pub(super) history: Vec<(Cycle, Command, usize, u64)>,
+    pub(super) history: Vec<(DramCycle, Command, usize, u64)>,
 }
 
 impl Channel {
     /// An idle channel.
     pub fn new(config: &config::Dram, line_bytes: u32) -> Self {
         let timing = Timing::new(config, line_bytes);
-        let refresh_due = if timing.trefi == 0 { Cycle::MAX } else { timing.trefi };
+        let refresh_due = When::only_if(timing.trefi > 0, DramCycle(timing.trefi));
         Self {
             device: Device::new(timing, config.banks),
             reads: Queue::new(config.banks),
@@ -98,7 +98,7 @@ impl Channel {
             write_low: config.write_low as usize,
             drain: false,
             refresh_due,
-            now: 0,
+            now: DramCycle::START,
             decision: None,
             wake: refresh_due,
             counters: ChannelCounters::default(),
@@ -124,7 +124,7 @@ impl Channel {
         *taken += 1;
         let behind = self.transit.iter().rev().take_while(|other| other.arrival > entry.arrival).count();
         self.transit.insert(self.transit.len() - behind, entry);
-        self.wake = self.wake.min(entry.arrival);
+        self.wake = self.wake.min(When::at(entry.arrival));
         true
     }
 
@@ -142,35 +142,33 @@ impl Channel {
 
     /// The next cycle at which [`Channel::run`] does anything, refreshes included.
     #[inline]
-    pub fn wake(&self) -> Cycle {
+    pub fn wake(&self) -> When<DramCycle> {
         self.wake
     }
 
     /// The next cycle at which the channel does anything for a request; nothing before it can free an entry or read data.
     #[inline]
-    pub fn next_event(&self) -> Option<Cycle> {
-        (self.taken() > 0).then_some(self.wake)
+    pub fn next_event(&self) -> When<DramCycle> {
+        if self.taken() > 0 { self.wake } else { When::NEVER }
     }
 
     /// Runs up to and including cycle `limit`; `done` gets each read request and the end of its data.
     #[inline]
-    pub fn run(&mut self, limit: Cycle, done: impl FnMut(Cycle, Entry)) {
-        if limit >= self.wake {
+    pub fn run(&mut self, limit: DramCycle, done: impl FnMut(DramCycle, Entry)) {
+        if self.wake.is_due(limit) {
             self.run_busy(limit, done);
         }
     }
 
-    fn run_busy(&mut self, limit: Cycle, mut done: impl FnMut(Cycle, Entry)) {
+    fn run_busy(&mut self, limit: DramCycle, mut done: impl FnMut(DramCycle, Entry)) {
         loop {
             let stop = self.next_stop();
-            let at = self.decision.map_or(Cycle::MAX, |d| d.at);
-            self.wake = stop.min(at);
-            if self.wake > limit {
-                return;
-            }
+            let command = When::from(self.decision.map(|d| d.at));
+            self.wake = stop.min(command);
+            let Some(wake) = self.wake.due(limit) else { return };
             match self.decision {
-                Some(decision) if at < stop => self.issue(decision, &mut done),
-                _ => self.now = stop,
+                Some(decision) if command < stop => self.issue(decision, &mut done),
+                _ => self.now = wake,
             }
             self.admit();
             self.decision = self.decide();
@@ -179,12 +177,11 @@ impl Channel {
 
     /// The next cycle at which something other than a command changes what is to be sent: a request enters, a refresh is due,
     /// the oldest request comes of age.
-    fn next_stop(&self) -> Cycle {
-        let arrival = self.transit.front().map_or(Cycle::MAX, |entry| entry.arrival.max(self.now));
-        let refresh = if self.refresh_due > self.now { self.refresh_due } else { Cycle::MAX };
-        let age = self.active().entries().first().map_or(0, |oldest| oldest.arrival + AGE_CAP);
-        let age = if age > self.now { age } else { Cycle::MAX };
-        arrival.min(refresh).min(age)
+    fn next_stop(&self) -> When<DramCycle> {
+        let coming = |event: When<DramCycle>| if event.is_due(self.now) { When::NEVER } else { event };
+        let arrival = When::from(self.transit.front().map(|entry| entry.arrival.max(self.now)));
+        let age = self.active().entries().first().map(|oldest| oldest.arrival + AGE_CAP);
+        arrival.min(coming(self.refresh_due)).min(coming(When::from(age)))
     }
 
     fn admit(&mut self) {
@@ -214,7 +211,7 @@ impl Channel {
     }
 
     fn decide(&self) -> Option<Decision> {
-        if self.refresh_due <= self.now {
+        if self.refresh_due.is_due(self.now) {
             let command = if self.device.open_banks() != 0 { Command::PrechargeAll } else { Command::Refresh };
             let at = self.device.earliest(self.now, command, 0);
             return Some(Decision { at, command, bank: 0, row: 0, index: 0 });
@@ -231,14 +228,15 @@ impl Channel {
         let start = self.class_start(column, hits);
         let activate = self.class_start(Command::Activate, closed);
         let precharge = self.class_start(Command::Precharge, conflicts);
-        let at = start.min(activate).min(precharge);
-        if start == at {
+        let first = start.min(activate).min(precharge);
+        let at = first.cycle().expect("a request that waits needs a command");
+        if start == first {
             let banks = self.legal_banks(column, hits, at);
             let hit = |e: &Entry| banks >> e.bank & 1 == 1 && self.device.row(e.bank.into()) == Some(e.row);
             return Some(self.oldest(queue, column, at, hit));
         }
-        let closed = if activate == at { self.legal_banks(Command::Activate, closed, at) } else { 0 };
-        let conflicts = if precharge == at { self.legal_banks(Command::Precharge, conflicts, at) } else { 0 };
+        let closed = if activate == first { self.legal_banks(Command::Activate, closed, at) } else { 0 };
+        let conflicts = if precharge == first { self.legal_banks(Command::Precharge, conflicts, at) } else { 0 };
         let mut decision = self.oldest(queue, Command::Activate, at, |e| (closed | conflicts) >> e.bank & 1 == 1);
         if conflicts >> decision.bank & 1 == 1 {
             decision.command = Command::Precharge;
@@ -248,21 +246,21 @@ impl Channel {
 
     /// The first cycle at which `command` is legal for one of `banks`.
     #[inline]
-    fn class_start(&self, command: Command, banks: u64) -> Cycle {
+    fn class_start(&self, command: Command, banks: u64) -> When<DramCycle> {
         if banks == 0 {
-            return Cycle::MAX;
+            return When::NEVER;
         }
-        let (mut ready, mut rest) = (Cycle::MAX, banks);
+        let (mut ready, mut rest) = (DramCycle::END, banks);
         while rest != 0 {
             ready = ready.min(self.device.bank_ready(command, rest.trailing_zeros() as usize));
             rest &= rest - 1;
         }
-        self.device.start(command, ready.max(self.now))
+        When::at(self.device.start(command, ready.max(self.now)))
     }
 
     /// Those of `banks` for which `command` is legal at `at`, when it is legal for one.
     #[inline]
-    fn legal_banks(&self, command: Command, banks: u64, at: Cycle) -> u64 {
+    fn legal_banks(&self, command: Command, banks: u64, at: DramCycle) -> u64 {
         let (mut legal, mut rest) = (0, banks);
         while rest != 0 {
             let bank = rest.trailing_zeros() as usize;
@@ -274,13 +272,13 @@ impl Channel {
 
     /// The oldest request that is `wanted`; there must be one.
     #[inline]
-    fn oldest(&self, queue: &Queue, command: Command, at: Cycle, wanted: impl Fn(&Entry) -> bool) -> Decision {
+    fn oldest(&self, queue: &Queue, command: Command, at: DramCycle, wanted: impl Fn(&Entry) -> bool) -> Decision {
         let index = queue.entries().iter().position(wanted).expect("a bank with a legal command has a request");
         let entry = &queue.entries()[index];
         Decision { at, command, bank: entry.bank.into(), row: entry.row, index }
     }
 
-    fn issue(&mut self, decision: Decision, done: &mut impl FnMut(Cycle, Entry)) {
+    fn issue(&mut self, decision: Decision, done: &mut impl FnMut(DramCycle, Entry)) {
         let Decision { at, command, bank, row, index } = decision;
         #[cfg(test)]
         self.history.push((at, command, bank, row));
@@ -304,12 +302,13 @@ impl Channel {
             }
             Command::Refresh => {
                 self.counters.refreshes += 1;
-                self.refresh_due += self.device.timing().trefi;
+                let due = self.refresh_due.cycle();
+                self.refresh_due = When::from(due.map(|due| due + self.device.timing().trefi));
             }
         }
     }
 
-    fn column_sent(&mut self, at: Cycle, command: Command, index: usize, done: &mut impl FnMut(Cycle, Entry)) {
+    fn column_sent(&mut self, at: DramCycle, command: Command, index: usize, done: &mut impl FnMut(DramCycle, Entry)) {
         let timing = *self.device.timing();
         self.counters.bus_busy += timing.bursts * timing.tccd;
         let entry = if command == Command::Read {

@@ -3,7 +3,7 @@
 //! RD and WR here stand for a whole line: its bursts go out tCCD apart, and their slots on the command bus are taken at once.
 
 use super::timing::{LONG_COMMAND, SHORT_COMMAND, Timing};
-use crate::memory::Cycle;
+use crate::time::{ClockCycle, DramCycle};
 
 /// No row is open.
 const CLOSED: u64 = u64::MAX;
@@ -29,9 +29,9 @@ pub enum Command {
 #[derive(Clone, Copy, Debug)]
 struct Bank {
     row: u64,
-    activate: Cycle,
-    column: Cycle,
-    precharge: Cycle,
+    activate: DramCycle,
+    column: DramCycle,
+    precharge: DramCycle,
 }
 
 /// The state of a channel's device.
@@ -42,33 +42,34 @@ pub struct Device {
     /// Banks with an open row, bit by bit.
     open: u64,
     /// End of the last command on the command bus.
-    bus_free: Cycle,
+    bus_free: DramCycle,
     /// First slot of the last line's bursts, and how many there are.
-    slots: Cycle,
-    slot_count: Cycle,
-    activate: Cycle,
-    read: Cycle,
-    write: Cycle,
+    slots: DramCycle,
+    slot_count: u64,
+    activate: DramCycle,
+    read: DramCycle,
+    write: DramCycle,
     /// End of the tFAW windows that the last four ACTs opened, and the oldest of them.
-    windows: [Cycle; 4],
+    windows: [DramCycle; 4],
     oldest_window: usize,
 }
 
 impl Device {
     /// A device with all banks closed.
     pub fn new(timing: Timing, banks: u32) -> Self {
-        let bank = Bank { row: CLOSED, activate: 0, column: 0, precharge: 0 };
+        let bank =
+            Bank { row: CLOSED, activate: DramCycle::START, column: DramCycle::START, precharge: DramCycle::START };
         Self {
             timing,
             banks: vec![bank; banks as usize],
             open: 0,
-            bus_free: 0,
-            slots: 0,
+            bus_free: DramCycle::START,
+            slots: DramCycle::START,
             slot_count: 0,
-            activate: 0,
-            read: 0,
-            write: 0,
-            windows: [0; 4],
+            activate: DramCycle::START,
+            read: DramCycle::START,
+            write: DramCycle::START,
+            windows: [DramCycle::START; 4],
             oldest_window: 0,
         }
     }
@@ -100,13 +101,13 @@ impl Device {
     /// The first cycle from `from` on at which `command` is legal if nothing else is sent before; the row's state is the caller's
     /// to check (ACT needs a closed bank, RD and WR the right row, REF all banks closed).
     #[inline]
-    pub fn earliest(&self, from: Cycle, command: Command, bank: usize) -> Cycle {
+    pub fn earliest(&self, from: DramCycle, command: Command, bank: usize) -> DramCycle {
         self.start(command, from.max(self.bank_ready(command, bank)))
     }
 
     /// The first cycle from `ready` on at which the rules of the whole channel allow `command`: buses, tRRD, tFAW, turnaround.
     #[inline(always)]
-    pub fn start(&self, command: Command, ready: Cycle) -> Cycle {
+    pub fn start(&self, command: Command, ready: DramCycle) -> DramCycle {
         match command {
             Command::Activate => self.fit(ready.max(self.activate).max(self.windows[self.oldest_window]), LONG_COMMAND),
             // Slots of an earlier line are over before the next column command is legal.
@@ -118,22 +119,22 @@ impl Device {
 
     /// The first cycle at which the bank itself (for PREab and REF: all banks) allows `command`.
     #[inline(always)]
-    pub fn bank_ready(&self, command: Command, bank: usize) -> Cycle {
+    pub fn bank_ready(&self, command: Command, bank: usize) -> DramCycle {
         match command {
             Command::Activate => self.banks[bank].activate,
             Command::Read | Command::Write => self.banks[bank].column,
             Command::Precharge => self.banks[bank].precharge,
             Command::PrechargeAll => {
                 let open = self.banks.iter().filter(|bank| bank.row != CLOSED);
-                open.map(|bank| bank.precharge).max().unwrap_or(0)
+                open.map(|bank| bank.precharge).max().unwrap_or(DramCycle::START)
             }
-            Command::Refresh => self.banks.iter().map(|bank| bank.activate).max().unwrap_or(0),
+            Command::Refresh => self.banks.iter().map(|bank| bank.activate).max().unwrap_or(DramCycle::START),
         }
     }
 
     /// Earliest start at or after `from` of a command of `length` that leaves the slots of the last line's bursts free.
     #[inline]
-    fn fit(&self, from: Cycle, length: Cycle) -> Cycle {
+    fn fit(&self, from: DramCycle, length: u64) -> DramCycle {
         let mut start = from.max(self.bus_free);
         for burst in 1..self.slot_count {
             let slot = self.slots + burst * self.timing.tccd;
@@ -145,7 +146,7 @@ impl Device {
     }
 
     /// Sends `command` at `now`, when it is legal.
-    pub fn issue(&mut self, now: Cycle, command: Command, bank: usize, row: u64) {
+    pub fn issue(&mut self, now: DramCycle, command: Command, bank: usize, row: u64) {
         debug_assert!(self.earliest(now, command, bank) == now, "{command:?} to bank {bank} at {now} is too early");
         match command {
             Command::Activate => self.activated(now, bank, row),
@@ -157,7 +158,7 @@ impl Device {
         }
     }
 
-    fn activated(&mut self, now: Cycle, bank: usize, row: u64) {
+    fn activated(&mut self, now: DramCycle, bank: usize, row: u64) {
         let t = &self.timing;
         self.open |= 1 << bank;
         let bank = &mut self.banks[bank];
@@ -172,7 +173,7 @@ impl Device {
         self.bus_free = now + LONG_COMMAND;
     }
 
-    fn read(&mut self, now: Cycle, bank: usize) {
+    fn read(&mut self, now: DramCycle, bank: usize) {
         let t = &self.timing;
         let last = now + t.last_burst();
         let bank = &mut self.banks[bank];
@@ -184,7 +185,7 @@ impl Device {
         self.bus_free = now + LONG_COMMAND;
     }
 
-    fn written(&mut self, now: Cycle, bank: usize) {
+    fn written(&mut self, now: DramCycle, bank: usize) {
         let t = &self.timing;
         let last = now + t.last_burst();
         let bank = &mut self.banks[bank];
@@ -196,7 +197,7 @@ impl Device {
         self.bus_free = now + LONG_COMMAND;
     }
 
-    fn precharged(&mut self, now: Cycle, bank: usize) {
+    fn precharged(&mut self, now: DramCycle, bank: usize) {
         self.open &= !(1 << bank);
         let bank = &mut self.banks[bank];
         bank.row = CLOSED;
@@ -204,7 +205,7 @@ impl Device {
         self.bus_free = now + SHORT_COMMAND;
     }
 
-    fn precharged_all(&mut self, now: Cycle) {
+    fn precharged_all(&mut self, now: DramCycle) {
         self.open = 0;
         for bank in &mut self.banks {
             bank.row = CLOSED;
@@ -213,7 +214,7 @@ impl Device {
         self.bus_free = now + SHORT_COMMAND;
     }
 
-    fn refreshed(&mut self, now: Cycle) {
+    fn refreshed(&mut self, now: DramCycle) {
         for bank in &mut self.banks {
             debug_assert!(bank.row == CLOSED, "REF with an open bank");
             bank.activate = now + self.timing.trfc;

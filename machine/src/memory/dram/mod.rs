@@ -7,29 +7,31 @@
 //! channel's queue. Read data pass the other half of the controller and the synchroniser of the T&I clock. Queue entries are
 //! credits held on the T&I side: one is taken when the request is accepted, and it comes back without delay.
 
-pub mod channel;
-pub mod device;
-pub mod queue;
-pub mod timing;
+mod channel;
+mod device;
+mod queue;
+mod timing;
 
 #[cfg(test)]
 pub(super) mod tests;
 
 use std::collections::VecDeque;
 
-pub use channel::{Channel, ChannelCounters};
+pub use channel::ChannelCounters;
 
-use super::Cycle;
-use super::crossing::Crossing;
-use crate::config;
+use channel::Channel;
 use queue::Entry;
 
+use crate::component::{Component, Tick};
+use crate::config;
+use crate::time::{ClockCycle, Crossing, DramCycle, TiCycle, When};
+
 /// Most banks of a channel that the model takes; LPDDR4 has 8.
-pub const BANKS_MAX: u32 = 64;
+const BANKS_MAX: u32 = 64;
 
 /// Where a line lies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Place {
+pub struct DramAddress {
     /// Channel.
     pub channel: usize,
     /// Bank of the channel.
@@ -38,13 +40,13 @@ pub struct Place {
     pub row: u64,
 }
 
-/// A read line on its way back.
+/// A line that is read, on its way there and back.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Arrival {
-    /// Name that the requester gave.
-    pub token: u32,
+pub struct LineRead {
     /// Line number.
     pub line: u64,
+    /// Name by which the requester knows it.
+    pub token: u32,
 }
 
 /// A channel as the T&I clock sees it.
@@ -52,13 +54,13 @@ pub struct Arrival {
 struct Lane {
     channel: Channel,
     /// Lines on their way back, with the T&I cycle at which they are there. In order.
-    arriving: VecDeque<(Cycle, Arrival)>,
+    arriving: VecDeque<(TiCycle, LineRead)>,
     /// Someone waits for a queue entry of this channel.
     watched: bool,
-    /// T&I cycle of the next event that concerns the requesters.
-    next: Cycle,
-    /// T&I cycle at which the channel has something to do.
-    due: Cycle,
+    /// The next event that concerns the requesters.
+    next: When,
+    /// When the channel has something to do.
+    due: When,
 }
 
 /// All channels.
@@ -67,15 +69,16 @@ pub struct Dram {
     lanes: Vec<Lane>,
     banks: u64,
     row_lines: u64,
-    up: Crossing,
-    down: Crossing,
-    before: Cycle,
-    after: Cycle,
+    up: Crossing<TiCycle, DramCycle>,
+    down: Crossing<DramCycle, TiCycle>,
+    /// Controller cycles before the queue, and after the data.
+    before_cycles: u64,
+    after_cycles: u64,
     /// Read command to data at the synchroniser.
-    read_cycles: Cycle,
+    read_cycles: u64,
     /// The first of the lanes' `next` and of their `due`.
-    next: Cycle,
-    due: Cycle,
+    next: When,
+    due: When,
 }
 
 impl Dram {
@@ -86,33 +89,39 @@ impl Dram {
     pub fn new(config: &config::Dram, clock_mhz: u32, line_bytes: u32) -> Self {
         assert!(config.channels > 0 && (1..=BANKS_MAX).contains(&config.banks) && config.row_bytes >= line_bytes);
         let channel = Channel::new(config, line_bytes);
-        let lane = Lane { channel, arriving: VecDeque::new(), watched: false, next: Cycle::MAX, due: 0 };
+        let lane = Lane {
+            channel,
+            arriving: VecDeque::new(),
+            watched: false,
+            next: When::NEVER,
+            due: When::at(TiCycle::START),
+        };
         let timing = timing::Timing::new(config, line_bytes);
-        let before = Cycle::from(config.controller_cycles / 2);
-        let after = Cycle::from(config.controller_cycles) - before;
+        let before_cycles = u64::from(config.controller_cycles / 2);
+        let after_cycles = u64::from(config.controller_cycles) - before_cycles;
         Self {
             lanes: vec![lane; config.channels as usize],
             banks: config.banks.into(),
             row_lines: (config.row_bytes / line_bytes).into(),
             up: Crossing::new(clock_mhz, config.clock_mhz, config.sync_cycles),
             down: Crossing::new(config.clock_mhz, clock_mhz, config.sync_cycles),
-            before,
-            after,
-            read_cycles: timing.last_burst() + timing.read_to_data + after,
-            next: Cycle::MAX,
-            due: 0,
+            before_cycles,
+            after_cycles,
+            read_cycles: timing.last_burst() + timing.read_to_data + after_cycles,
+            next: When::NEVER,
+            due: When::at(TiCycle::START),
         }
     }
 
     /// Where a line lies.
     #[inline]
-    pub fn place(&self, line: u64) -> Place {
+    pub fn address(&self, line: u64) -> DramAddress {
         let channels = self.lanes.len() as u64;
         let (channel, row_number) = ((line % channels) as usize, line / channels / self.row_lines);
-        Place { channel, bank: (row_number % self.banks) as u8, row: row_number / self.banks }
+        DramAddress { channel, bank: (row_number % self.banks) as u8, row: row_number / self.banks }
     }
 
-    /// Whether the channel of `line` takes a read. If not, [`Dram::next_event`] tells when it may.
+    /// Whether the channel of `line` takes a read. If not, its next event tells when it may.
     pub fn has_read_room(&mut self, line: u64) -> bool {
         let lane = (line % self.lanes.len() as u64) as usize;
         let room = self.lanes[lane].channel.has_read_room();
@@ -122,12 +131,24 @@ impl Dram {
         room
     }
 
-    /// Takes a request that leaves at T&I cycle `sent`, not before `now`, or refuses it because the channel's queue is full.
+    /// Takes a read that leaves at T&I cycle `sent`, not before `now`, or refuses it because the channel's queue is full.
     /// Everything up to `now` must have been run.
-    pub fn request(&mut self, now: Cycle, sent: Cycle, line: u64, write: bool, token: u32) -> bool {
-        let Place { channel, bank, row } = self.place(line);
+    #[inline]
+    pub fn read(&mut self, now: TiCycle, sent: TiCycle, read: LineRead) -> bool {
+        self.request(now, sent, read, false)
+    }
+
+    /// Takes a write that leaves at T&I cycle `now`, or refuses it because the channel's queue is full. Everything up to `now`
+    /// must have been run.
+    #[inline]
+    pub fn write(&mut self, now: TiCycle, line: u64) -> bool {
+        self.request(now, now, LineRead { line, token: 0 }, true)
+    }
+
+    fn request(&mut self, now: TiCycle, sent: TiCycle, LineRead { line, token }: LineRead, write: bool) -> bool {
+        let DramAddress { channel, bank, row } = self.address(line);
         // The cycle of `now` has been run: without synchroniser and controller the request is seen one DRAM cycle later.
-        let arrival = (self.up.arrive(sent) + self.before).max(self.up.floor(now) + 1);
+        let arrival = (self.up.arrive(sent) + self.before_cycles).max(self.up.floor(now) + 1);
         let taken = self.lanes[channel].channel.push(Entry { arrival, row, bank, write, prepared: false, token, line });
         if taken {
             self.look_ahead(channel);
@@ -137,25 +158,17 @@ impl Dram {
         taken
     }
 
-    /// Runs up to and including T&I cycle `now`.
-    #[inline]
-    pub fn run(&mut self, now: Cycle) {
-        if now >= self.due {
-            self.run_lanes(now);
-        }
-    }
-
-    fn run_lanes(&mut self, now: Cycle) {
+    fn run_lanes(&mut self, now: TiCycle) {
         let limit = self.up.floor(now);
         for index in 0..self.lanes.len() {
             let Lane { channel, arriving, watched, due, .. } = &mut self.lanes[index];
-            if now < *due {
+            if !due.is_due(now) {
                 continue;
             }
             let taken = channel.taken();
             channel.run(limit, |end, entry| {
-                let ready = self.down.arrive(end + self.after);
-                arriving.push_back((ready, Arrival { token: entry.token, line: entry.line }));
+                let ready = self.down.arrive(end + self.after_cycles);
+                arriving.push_back((ready, LineRead { line: entry.line, token: entry.token }));
             });
             *watched &= channel.taken() == taken;
             self.look_ahead(index);
@@ -163,24 +176,18 @@ impl Dram {
     }
 
     /// The next line that has arrived by T&I cycle `now`, channel by channel.
-    pub fn take(&mut self, now: Cycle) -> Option<Arrival> {
+    pub fn take(&mut self, now: TiCycle) -> Option<LineRead> {
         for index in 0..self.lanes.len() {
             let lane = &mut self.lanes[index];
-            if let Some(&(ready, arrival)) = lane.arriving.front()
+            if let Some(&(ready, read)) = lane.arriving.front()
                 && ready <= now
             {
                 lane.arriving.pop_front();
                 self.look_ahead(index);
-                return Some(arrival);
+                return Some(read);
             }
         }
         None
-    }
-
-    /// The first T&I cycle at which a line can arrive, or a queue that someone waits for can have a free entry.
-    #[inline]
-    pub fn next_event(&self) -> Option<Cycle> {
-        (self.next < Cycle::MAX).then_some(self.next)
     }
 
     fn watch(&mut self, index: usize) {
@@ -193,14 +200,13 @@ impl Dram {
     fn look_ahead(&mut self, index: usize) {
         let lane = &mut self.lanes[index];
         let step = lane.channel.next_event();
-        let data = match (lane.arriving.front(), step) {
-            (Some(&(ready, _)), _) => ready,
-            (None, Some(step)) => self.down.arrive(step + self.read_cycles),
-            (None, None) => Cycle::MAX,
+        let data = match lane.arriving.front() {
+            Some(&(ready, _)) => When::at(ready),
+            None => When::from(step.cycle().map(|step| self.down.arrive(step + self.read_cycles))),
         };
-        lane.due = self.down.ceil(lane.channel.wake());
-        lane.next = if lane.watched && step.is_some() { data.min(lane.due) } else { data };
-        (self.next, self.due) = (Cycle::MAX, Cycle::MAX);
+        lane.due = self.down.ceil_when(lane.channel.wake());
+        lane.next = if lane.watched && !step.is_never() { data.min(lane.due) } else { data };
+        (self.next, self.due) = (When::NEVER, When::NEVER);
         for lane in &self.lanes {
             self.next = self.next.min(lane.next);
             self.due = self.due.min(lane.due);
@@ -210,5 +216,29 @@ impl Dram {
     /// What each channel did.
     pub fn counters(&self) -> impl Iterator<Item = &ChannelCounters> {
         self.lanes.iter().map(|lane| lane.channel.counters())
+    }
+}
+
+impl Component for Dram {
+    /// What each channel did.
+    type Report = Vec<ChannelCounters>;
+
+    /// The first cycle at which a line can arrive, or a queue that someone waits for can have a free entry.
+    #[inline]
+    fn next_event(&self, _: TiCycle) -> When {
+        self.next
+    }
+
+    fn finish(&mut self, _: TiCycle) -> Vec<ChannelCounters> {
+        self.counters().copied().collect()
+    }
+}
+
+impl Tick<()> for Dram {
+    #[inline]
+    fn tick(&mut self, now: TiCycle, (): ()) {
+        if self.due.is_due(now) {
+            self.run_lanes(now);
+        }
     }
 }

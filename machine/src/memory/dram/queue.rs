@@ -1,12 +1,12 @@
 //! A queue of line requests in order of age, which knows for each bank how many of them wait and how many hit the open row.
 
-use crate::memory::Cycle;
+use crate::time::DramCycle;
 
 /// A line request in a channel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Entry {
-    /// Cycle at which it entered the queue, tCK.
-    pub arrival: Cycle,
+    /// Cycle at which it enters the queue.
+    pub arrival: DramCycle,
     /// Row.
     pub row: u64,
     /// Bank.

@@ -6,7 +6,7 @@ use crate::memory::Route;
 use crate::srp::{FLUSH_CYCLES, Srp};
 use crate::test_config::machine;
 use crate::work::layout::Region;
-use crate::work::{TileWork, Wave};
+use crate::work::{Round, TileWork};
 
 fn finished(config: &MachineConfig, work: TileWork) -> (Srp, Unit, Mem) {
     let (mut s, mut unit, mut memory) = (srp(config), Unit::new(64, 50), Mem::new(64, 20));
@@ -40,11 +40,11 @@ fn borders_are_written_and_read_once() {
 }
 
 #[test]
-fn an_external_geometry_buffer_is_written_and_read_by_waves() {
+fn an_external_geometry_buffer_is_written_and_read_by_rounds() {
     let mut config = machine();
     config.gpu.geometry_buffer = GeometryBuffer::External;
     let mut work = uniform(0, 20, None, 0);
-    work.waves.push(Wave { tests: 50, interpolated: 30, starts: Vec::new() });
+    work.rounds.push(Round { tests: 50, interpolated: 30, starts: Vec::new() });
     let (s, ..) = finished(&config, work);
     // Written: 20 samples x 16 bytes. Read: 50 x 2 x (4 + 4 + 1) + 30 x 2 x 6 = 1260 bytes, 20 lines.
     assert_eq!((s.stats().dma.sample_written, s.stats().dma.sample_read), (320, 1280));
@@ -54,7 +54,7 @@ fn an_external_geometry_buffer_is_written_and_read_by_waves() {
 #[test]
 fn local_memory_is_counted_by_field() {
     let mut work = uniform(0, 2, Some(0), 1);
-    work.waves.push(Wave { tests: 5, interpolated: 3, starts: Vec::new() });
+    work.rounds.push(Round { tests: 5, interpolated: 3, starts: Vec::new() });
     let (s, ..) = finished(&machine(), work);
     // Words: object 1, normal 1, position 2, shadow 1, colour 1, flags 1.
     let reads = 2 + 5 * 2 * 3 + 3 * 2 * 3 + 4;

@@ -1,11 +1,13 @@
 //! Exact cycles. The test machine: SRP at twice the T&I clock, raygen 20 + 5, shade 1 + 40 + 22 + 8 a further light.
 
 use super::mocks::{Mem, Unit, run, sample, srp, uniform};
+use crate::component::Tick;
 use crate::config::Divergence;
 use crate::link::RayRef;
-use crate::srp::KernelId;
+use crate::srp::{KernelId, SrpContext};
 use crate::test_config::machine;
-use crate::work::Wave;
+use crate::time::TiCycle;
+use crate::work::Round;
 
 fn pushes(unit: &Unit) -> Vec<u64> {
     unit.pushed.iter().map(|(at, _)| *at).collect()
@@ -14,13 +16,13 @@ fn pushes(unit: &Unit) -> Vec<u64> {
 #[test]
 fn one_raygen_item_takes_prologue_interval_and_link() {
     let (mut s, mut unit, mut memory) = (srp(&machine()), Unit::new(8, 100), Mem::new(64, 10));
-    s.give_tile(0, uniform(0, 1, None, 0));
+    s.give_tile(TiCycle(0), uniform(0, 1, None, 0));
     for cycle in 0..=14 {
-        s.tick(cycle, &mut unit, &mut memory);
+        s.tick(TiCycle(cycle), SrpContext { unit: &mut unit, memory: &mut memory });
         assert!(unit.pushed.is_empty(), "no ray at {cycle}");
     }
     // 25 SRP cycles end within T&I cycle 12; one cycle on the link and one of latency.
-    s.tick(15, &mut unit, &mut memory);
+    s.tick(TiCycle(15), SrpContext { unit: &mut unit, memory: &mut memory });
     assert_eq!(unit.pushed, [(15, RayRef { slot: 0, ray: 0 })]);
 }
 
@@ -66,7 +68,7 @@ fn inspector_sorts_and_naive_pays_for_all() {
         let mut s = srp(config);
         let mut work = super::mocks::empty(0, 2, 2);
         let primaries = (0..16).map(|i| sample(&mut work, Some(i % 2), 0, false)).collect();
-        work.waves.push(Wave { starts: primaries, ..Wave::default() });
+        work.rounds.push(Round { starts: primaries, ..Round::default() });
         run(&mut s, vec![work], &mut Unit::new(64, 10), &mut Mem::new(64, 10), true);
         let shade = s.stats().kernels[KernelId::Shade as usize];
         (shade.batches, shade.cycles, s.stats().activity.inspector)

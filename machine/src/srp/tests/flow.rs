@@ -1,4 +1,4 @@
-//! Waves, tiles, back-pressure, accounts.
+//! Rounds, tiles, back-pressure, accounts.
 
 use std::collections::BTreeSet;
 
@@ -6,29 +6,30 @@ use super::mocks::{Mem, Unit, empty, mixed, run, sample, srp, uniform};
 use crate::memory::Route;
 use crate::srp::{KernelId, Needs, missing_kernels};
 use crate::test_config::machine;
-use crate::work::Wave;
+use crate::time::TiCycle;
+use crate::work::Round;
 use crate::work::layout::Region;
 
-fn two_waves() -> crate::work::TileWork {
+fn two_rounds() -> crate::work::TileWork {
     let mut work = empty(0, 4, 4);
     let first = (0..4).map(|_| sample(&mut work, Some(1), 1, true)).collect();
-    work.waves.push(Wave { starts: first, ..Wave::default() });
+    work.rounds.push(Round { starts: first, ..Round::default() });
     let second = vec![sample(&mut work, None, 0, false)];
-    work.waves.push(Wave { tests: 3, interpolated: 2, starts: second });
+    work.rounds.push(Round { tests: 3, interpolated: 2, starts: second });
     work
 }
 
 #[test]
-fn a_wave_waits_for_the_one_before() {
+fn a_round_waits_for_the_one_before() {
     let (mut s, mut unit, mut memory) = (srp(&machine()), Unit::new(64, 100), Mem::new(64, 10));
-    let work = two_waves();
-    let second = work.waves[1].starts[0];
+    let work = two_rounds();
+    let second = work.rounds[1].starts[0];
     run(&mut s, vec![work], &mut unit, &mut memory, true);
     assert_eq!(unit.pushed.len(), 13);
     let (at, last) = unit.pushed[12];
     assert_eq!(last.ray, second);
     let before = unit.pushed[11].0;
-    // The last ray of wave 0 is back 102 cycles later; then its item, the tests (3 + 20 + 6) and raygen (25) run.
+    // The last ray of round 0 is back 102 cycles later; then its item, the tests (3 + 20 + 6) and raygen (25) run.
     assert!(at >= before + 102 + (29 + 25) / 2, "{at} after {before}");
     let stats = s.stats();
     assert_eq!(stats.kernels[KernelId::Similarity as usize].cycles, 26);
@@ -75,10 +76,10 @@ fn every_ray_is_sent_once_whatever_the_room() {
         assert_eq!((stats.interface.rays, stats.interface.hits), (rays as u64, rays as u64));
         assert_eq!(stats.interface.hit_bytes, rays as u64 * 16);
         assert_eq!(stats.local.tiles, 3);
-        assert_eq!(stats.activity.total(), s.cycles(end), "every SRP cycle in one class");
+        assert_eq!(stats.activity.total(), s.cycles(TiCycle(end)), "every SRP cycle in one class");
         let busy: u64 = stats.kernels.iter().map(|k| k.cycles).sum();
         let a = stats.activity;
-        assert_eq!(busy, a.raygen + a.shade + a.miss + a.update + a.similarity + a.interpolate + a.resolve);
+        assert_eq!(busy, a.raygen + a.shade + a.miss + a.shadow_result + a.similarity + a.interpolate + a.resolve);
     }
 }
 
@@ -99,7 +100,7 @@ fn a_full_unit_stalls_the_array() {
     // The room of one ray: one ray each 50 cycles.
     assert!(unit.pushed.windows(2).all(|w| w[1].0 - w[0].0 >= 50));
     assert!(s.stats().activity.output > 2 * 20 * 50, "{:?}", s.stats().activity);
-    assert_eq!(s.stats().activity.total(), s.cycles(end));
+    assert_eq!(s.stats().activity.total(), s.cycles(TiCycle(end)));
 }
 
 #[test]
@@ -119,7 +120,7 @@ fn the_pixels_of_a_tile_are_written_row_by_row() {
 #[test]
 fn a_machine_without_a_kernel_says_so() {
     let mut config = machine();
-    let needs = Needs::of(&two_waves());
+    let needs = Needs::of(&two_rounds());
     assert_eq!(needs, Needs { similarity: true, interpolate: true });
     assert!(missing_kernels(&config, &needs).is_empty());
     config.srp.kernels.similarity.ii_cycles = 0;

@@ -5,13 +5,14 @@ use std::collections::VecDeque;
 use rayreel_formats::scene::Rect;
 use rayreel_formats::tile::RayKind;
 
+use crate::component::{Component, Tick};
 use crate::config::MachineConfig;
-use crate::link::{RayRef, RayUnit};
-use crate::memory::{Cycle, Memory, Port, Request, Response, Route};
-use crate::srp::interface::earliest;
-use crate::srp::{FrameShape, Srp, SrpPorts};
+use crate::link::{RayMessage, RayRef, RayUnit};
+use crate::memory::{Memory, MemoryStats, Port, Request, Response, Route};
+use crate::srp::{FrameShape, Srp, SrpContext, SrpPorts};
+use crate::time::{TiCycle, When};
 use crate::work::layout::Layout;
-use crate::work::{NO_RAY, NO_TRIANGLE, RayWork, TileWork, Wave};
+use crate::work::{NO_RAY, NO_TRIANGLE, RayWork, Round, TileWork};
 
 fn mix(seed: u64, value: u64) -> u64 {
     let x = (seed ^ value.wrapping_mul(0x9e37_79b9_7f4a_7c15)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -22,28 +23,28 @@ fn mix(seed: u64, value: u64) -> u64 {
 #[derive(Clone, Debug, Default)]
 pub struct Unit {
     pub room: usize,
-    pub latency: Cycle,
+    pub latency: u64,
     pub jitter: u64,
     pub seed: u64,
-    pub inside: Vec<(Cycle, RayRef)>,
-    pub results: VecDeque<(Cycle, RayRef)>,
-    pub pushed: Vec<(Cycle, RayRef)>,
+    pub inside: Vec<RayMessage>,
+    pub results: VecDeque<RayMessage>,
+    pub pushed: Vec<(u64, RayRef)>,
 }
 
 impl Unit {
-    pub fn new(room: usize, latency: Cycle) -> Self {
+    pub fn new(room: usize, latency: u64) -> Self {
         Self { room, latency, ..Self::default() }
     }
 
-    fn tick(&mut self, now: Cycle) {
-        self.inside.sort_by_key(|(at, _)| *at);
-        while self.inside.first().is_some_and(|(at, _)| *at <= now) {
+    fn tick(&mut self, now: TiCycle) {
+        self.inside.sort_by_key(|ray| ray.at);
+        while self.inside.first().is_some_and(|ray| ray.at <= now) {
             self.results.push_back(self.inside.remove(0));
         }
     }
 
-    fn next_event(&self) -> Option<Cycle> {
-        self.inside.iter().map(|(at, _)| *at).min()
+    fn next_event(&self) -> When {
+        When::from(self.inside.iter().map(|ray| ray.at).min())
     }
 }
 
@@ -52,14 +53,14 @@ impl RayUnit for Unit {
         self.inside.len() < self.room
     }
 
-    fn push(&mut self, now: Cycle, ray: RayRef) {
+    fn push(&mut self, now: TiCycle, ray: RayRef) {
         assert!(self.has_room());
         let late = if self.jitter > 0 { mix(self.seed, u64::from(ray.ray)) % self.jitter } else { 0 };
-        self.inside.push((now + self.latency + late, ray));
-        self.pushed.push((now, ray));
+        self.inside.push(RayMessage { at: now + self.latency + late, ray });
+        self.pushed.push((now.0, ray));
     }
 
-    fn results(&mut self) -> &mut VecDeque<(Cycle, RayRef)> {
+    fn results(&mut self) -> &mut VecDeque<RayMessage> {
         &mut self.results
     }
 
@@ -72,31 +73,45 @@ impl RayUnit for Unit {
 #[derive(Clone, Debug, Default)]
 pub struct Mem {
     pub room: usize,
-    pub latency: Cycle,
+    pub latency: u64,
     pub jitter: u64,
     pub seed: u64,
-    pub held: Vec<(Cycle, Request)>,
-    pub log: Vec<(Cycle, Request)>,
+    pub held: Vec<(TiCycle, Request)>,
+    pub log: Vec<(u64, Request)>,
 }
 
 impl Mem {
-    pub fn new(room: usize, latency: Cycle) -> Self {
+    pub fn new(room: usize, latency: u64) -> Self {
         Self { room, latency, ..Self::default() }
     }
 }
 
 impl Memory for Mem {
-    fn request(&mut self, now: Cycle, request: Request) -> bool {
+    fn request(&mut self, now: TiCycle, request: Request) -> bool {
         if self.held.len() >= self.room {
             return false;
         }
         let late = if self.jitter > 0 { mix(self.seed, request.line) % self.jitter } else { 0 };
         self.held.push((now + self.latency + late, request));
-        self.log.push((now, request));
+        self.log.push((now.0, request));
         true
     }
+}
 
-    fn tick(&mut self, now: Cycle, arrived: &mut Vec<Response>) {
+impl Component for Mem {
+    type Report = MemoryStats;
+
+    fn next_event(&self, _: TiCycle) -> When {
+        When::from(self.held.iter().map(|(at, _)| *at).min())
+    }
+
+    fn finish(&mut self, _: TiCycle) -> MemoryStats {
+        MemoryStats::default()
+    }
+}
+
+impl Tick<&mut Vec<Response>> for Mem {
+    fn tick(&mut self, now: TiCycle, arrived: &mut Vec<Response>) {
         self.held.sort_by_key(|(at, _)| *at);
         while self.held.first().is_some_and(|(at, _)| *at <= now) {
             let (_, request) = self.held.remove(0);
@@ -104,10 +119,6 @@ impl Memory for Mem {
                 arrived.push(Response { port: request.port, line: request.line });
             }
         }
-    }
-
-    fn next_event(&self) -> Option<Cycle> {
-        self.held.iter().map(|(at, _)| *at).min()
     }
 }
 
@@ -119,31 +130,31 @@ pub fn srp(config: &MachineConfig) -> Srp {
 }
 
 /// Runs tiles to the end and returns the cycle of the end. The accounts are closed.
-pub fn run(srp: &mut Srp, tiles: Vec<TileWork>, unit: &mut Unit, memory: &mut Mem, skip: bool) -> Cycle {
+pub fn run(srp: &mut Srp, tiles: Vec<TileWork>, unit: &mut Unit, memory: &mut Mem, skip: bool) -> u64 {
     let mut tiles = VecDeque::from(tiles);
     let mut arrived = Vec::new();
-    let mut now = 0;
+    let mut now = TiCycle(0);
     if let Some(tile) = tiles.pop_front() {
-        srp.give_tile(0, tile);
+        srp.give_tile(now, tile);
     }
     loop {
         memory.tick(now, &mut arrived);
         arrived.drain(..).for_each(|response| srp.respond(now, response));
         unit.tick(now);
-        srp.tick(now, unit, memory);
+        srp.tick(now, SrpContext { unit: &mut *unit, memory: &mut *memory });
         if srp.is_done() && tiles.is_empty() {
             srp.finish(now);
-            return now;
+            return now.0;
         }
         while srp.wants_tile()
             && let Some(tile) = tiles.pop_front()
         {
             srp.give_tile(now, tile);
         }
-        let next = earliest(earliest(srp.next_event(), unit.next_event()), memory.next_event());
-        assert!(next.is_some(), "nothing can happen after cycle {now}: deadlock");
-        now = if skip { next.map_or(now + 1, |n| n.max(now + 1)) } else { now + 1 };
-        assert!(now < 10_000_000, "it never ends");
+        let next = srp.next_event(now).min(unit.next_event()).min(memory.next_event(now)).after(now);
+        let next = next.cycle().unwrap_or_else(|| panic!("nothing can happen after cycle {now}: deadlock"));
+        now = if skip { next } else { now + 1 };
+        assert!(now < TiCycle(10_000_000), "it never ends");
     }
 }
 
@@ -188,31 +199,31 @@ pub fn empty(tile: u32, width: u32, height: u32) -> TileWork {
         secondary_hits: 0,
         rays: Vec::new(),
         ops: Vec::new(),
-        waves: Vec::new(),
+        rounds: Vec::new(),
     }
 }
 
-/// A tile of one wave of `n` equal samples.
+/// A tile of one round of `n` equal samples.
 pub fn uniform(tile: u32, n: usize, material: Option<u32>, shadows: u8) -> TileWork {
     let mut work = empty(tile, 2, 2);
     let primaries = (0..n).map(|_| sample(&mut work, material, shadows, false)).collect();
-    work.waves.push(Wave { starts: primaries, ..Wave::default() });
+    work.rounds.push(Round { starts: primaries, ..Round::default() });
     work
 }
 
-/// A tile of two waves with hits of several materials, misses, shadow and reflection rays.
+/// A tile of two rounds with hits of several materials, misses, shadow and reflection rays.
 pub fn mixed(tile: u32, n: usize, seed: u64) -> TileWork {
     let mut work = empty(tile, 16, 16);
     work.border_samples = 8;
-    for wave in 0..2u32 {
+    for round in 0..2u32 {
         let primaries = (0..n as u64)
             .map(|i| {
-                let r = mix(seed, u64::from(wave) * 1000 + i);
+                let r = mix(seed, u64::from(round) * 1000 + i);
                 let material = (!r.is_multiple_of(4)).then_some((r >> 8) as u32 % 5);
                 sample(&mut work, material, (r >> 16) as u8 % 3, r >> 24 & 1 == 1)
             })
             .collect();
-        work.waves.push(Wave { tests: wave * 40, interpolated: wave * 30, starts: primaries });
+        work.rounds.push(Round { tests: round * 40, interpolated: round * 30, starts: primaries });
     }
     work
 }

@@ -3,6 +3,7 @@
 use super::mocks::{Mem, Unit, mixed, run, srp};
 use crate::config::{Divergence, GeometryBuffer, Interface, MachineConfig, PrimaryVisibility};
 use crate::test_config::machine;
+use crate::time::TiCycle;
 
 fn both_ways(name: &str, config: &MachineConfig) {
     for seed in 0..6u64 {
@@ -12,8 +13,8 @@ fn both_ways(name: &str, config: &MachineConfig) {
             let tiles = (0..4).map(|t| mixed(t, 40, seed * 10 + u64::from(t))).collect();
             let mut s = srp(config);
             let end = run(&mut s, tiles, &mut unit, &mut memory, skip);
-            assert_eq!(s.stats().activity.total(), s.cycles(end), "{name} {seed}");
-            (end, unit.pushed, memory.log, *s.stats())
+            assert_eq!(s.stats().activity.total(), s.cycles(TiCycle(end)), "{name} {seed}");
+            (end, unit.pushed, memory.log, s.stats())
         };
         let (skipped, ticked) = (outcome(true), outcome(false));
         assert_eq!(skipped.1, ticked.1, "{name} {seed}: rays");

@@ -3,6 +3,7 @@
 use super::super::device::Command;
 use super::{Bench, Dice, lpddr4};
 use crate::config;
+use crate::time::DramCycle;
 use Command::{Activate, Precharge, PrechargeAll, Read, Refresh, Write};
 
 #[derive(Clone, Copy, Debug)]
@@ -14,9 +15,9 @@ struct Sent {
 }
 
 /// Commands by time, a line's column command as its bursts.
-fn expand(history: &[(u64, Command, usize, u64)], t: &config::Dram) -> Vec<Sent> {
+fn expand(history: &[(DramCycle, Command, usize, u64)], t: &config::Dram) -> Vec<Sent> {
     let mut sent = Vec::new();
-    for &(at, command, bank, row) in history {
+    for &(DramCycle(at), command, bank, row) in history {
         let bursts = if matches!(command, Read | Write) { 2 } else { 1 };
         sent.extend((0..bursts).map(|burst| Sent { at: at + burst * u64::from(t.tccd), command, bank, row }));
     }
@@ -111,5 +112,5 @@ fn random_traffic_breaks_no_rule() {
 #[should_panic(expected = "then")]
 fn the_checker_sees_a_violation() {
     let t = lpddr4();
-    check(&expand(&[(0, Activate, 0, 1), (28, Read, 0, 1)], &t), &t);
+    check(&expand(&[(DramCycle(0), Activate, 0, 1), (DramCycle(28), Read, 0, 1)], &t), &t);
 }

@@ -3,19 +3,20 @@
 use super::super::channel::AGE_CAP;
 use super::{Bench, Dice, lpddr4};
 use crate::config;
+use crate::time::{DramCycle, When};
 
 #[test]
 fn one_read_opens_its_row() {
     let mut b = Bench::new(&lpddr4());
     b.read(10, 3, 5);
-    assert_eq!(b.channel.next_event(), Some(10));
+    assert_eq!(b.channel.next_event(), When::at(DramCycle(10)));
     b.run(9);
     assert!(b.commands().is_empty());
     b.run(6000);
     assert_eq!(b.commands(), ["ACT 3 @10", "RD 3 @39"]);
     // Second burst at 47, its data 32 later, 8 long.
     assert_eq!(b.done, [(87, 0)]);
-    assert_eq!(b.channel.next_event(), None);
+    assert!(b.channel.next_event().is_never());
 }
 
 #[test]

@@ -4,7 +4,7 @@ use super::super::device::{Command, Device};
 use super::super::timing::Timing;
 use super::lpddr4;
 use crate::config;
-use crate::memory::Cycle;
+use crate::time::DramCycle;
 use Command::{Activate, Precharge, PrechargeAll, Read, Refresh, Write};
 
 struct Probe(Device);
@@ -14,16 +14,20 @@ impl Probe {
         Self(Device::new(Timing::new(config, line_bytes), config.banks))
     }
 
-    #[track_caller]
-    fn assert_earliest(&self, command: Command, bank: usize, clk: Cycle) {
-        assert_ne!(self.0.earliest(clk - 1, command, bank), clk - 1, "{command:?} is legal at {}", clk - 1);
-        assert_eq!(self.0.earliest(clk, command, bank), clk, "{command:?}");
+    fn earliest(&self, from: u64, command: Command, bank: usize) -> u64 {
+        self.0.earliest(DramCycle(from), command, bank).0
     }
 
     #[track_caller]
-    fn issue(&mut self, at: Cycle, command: Command, bank: usize) {
-        assert_eq!(self.0.earliest(at, command, bank), at, "{command:?} at {at}");
-        self.0.issue(at, command, bank, 7);
+    fn assert_earliest(&self, command: Command, bank: usize, clk: u64) {
+        assert_ne!(self.earliest(clk - 1, command, bank), clk - 1, "{command:?} is legal at {}", clk - 1);
+        assert_eq!(self.earliest(clk, command, bank), clk, "{command:?}");
+    }
+
+    #[track_caller]
+    fn issue(&mut self, at: u64, command: Command, bank: usize) {
+        assert_eq!(self.earliest(at, command, bank), at, "{command:?} at {at}");
+        self.0.issue(DramCycle(at), command, bank, 7);
     }
 }
 
@@ -139,5 +143,5 @@ fn an_activate_fits_between_two_bursts_exactly() {
     p.issue(100, Activate, 0);
     p.issue(300, Read, 0);
     p.assert_earliest(Activate, 1, 304);
-    assert_eq!(p.0.earliest(305, Activate, 1), 312);
+    assert_eq!(p.earliest(305, Activate, 1), 312);
 }

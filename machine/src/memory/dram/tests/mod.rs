@@ -8,7 +8,7 @@ use super::channel::Channel;
 use super::device::Command;
 use super::queue::Entry;
 use crate::config;
-use crate::memory::Cycle;
+use crate::time::DramCycle;
 
 /// LPDDR4-3200 x16 (JEDEC; memory specifications of DRAMSys).
 pub fn lpddr4() -> config::Dram {
@@ -44,7 +44,7 @@ pub fn lpddr4() -> config::Dram {
 /// A channel with lines of 64 B, and what came out of it.
 struct Bench {
     channel: Channel,
-    done: Vec<(Cycle, u32)>,
+    done: Vec<(u64, u32)>,
 }
 
 impl Bench {
@@ -52,22 +52,23 @@ impl Bench {
         Self { channel: Channel::new(config, 64), done: Vec::new() }
     }
 
-    fn push(&mut self, arrival: Cycle, bank: u8, row: u64, write: bool, token: u32) -> bool {
+    fn push(&mut self, arrival: u64, bank: u8, row: u64, write: bool, token: u32) -> bool {
+        let arrival = DramCycle(arrival);
         self.channel.push(Entry { arrival, row, bank, write, prepared: false, token, line: 0 })
     }
 
-    fn read(&mut self, arrival: Cycle, bank: u8, row: u64) {
+    fn read(&mut self, arrival: u64, bank: u8, row: u64) {
         let token = self.channel.taken() as u32;
         assert!(self.push(arrival, bank, row, false, token));
     }
 
-    fn write(&mut self, arrival: Cycle, bank: u8, row: u64) {
+    fn write(&mut self, arrival: u64, bank: u8, row: u64) {
         assert!(self.push(arrival, bank, row, true, 0));
     }
 
-    fn run(&mut self, limit: Cycle) {
+    fn run(&mut self, limit: u64) {
         let done = &mut self.done;
-        self.channel.run(limit, |end, entry| done.push((end, entry.token)));
+        self.channel.run(DramCycle(limit), |end, entry| done.push((end.0, entry.token)));
     }
 
     /// Commands so far, as `name bank @cycle`.

@@ -19,13 +19,13 @@ use std::collections::VecDeque;
 use super::stage::{Candidate, Wait};
 use crate::config::{self, MissHandling};
 use crate::counters::counters;
-use crate::memory::l1::{Access, L1Cache};
-use crate::memory::{Cycle, Memory, Port};
+use crate::memory::{Access, L1Cache, Memory, Port};
+use crate::time::TiCycle;
 use crate::work::layout::{Lines, Region};
 
 counters! {
     /// What an input buffer did.
-    pub struct FrontCounters {
+    pub struct InputBufferCounters {
         record_writes: "events", "records written into the input buffer";
         record_reads: "events", "records read from it, on issue";
         late_reads: "events", "lines read by operations that had missed";
@@ -39,7 +39,7 @@ counters! {
 pub enum Outcome {
     /// It has its data in sight and can issue.
     Ready(Candidate),
-    /// It is the first whose lookups are held up: [`Front::turn_again`] in the next cycle.
+    /// It is the first whose lookups are held up: [`InputBuffer::retry_lookup`] in the next cycle.
     HeldUp,
     /// It waits for lines, or behind one that is held up.
     Waits,
@@ -48,7 +48,7 @@ pub enum Outcome {
 #[derive(Clone, Copy, Debug)]
 struct Op {
     first: u64,
-    arrived: Cycle,
+    arrived: TiCycle,
     region: Region,
     /// Lines, and how many of them were looked up.
     lines: u8,
@@ -62,25 +62,25 @@ struct Op {
     others_wait: bool,
 }
 
-/// See the module.
+/// The input buffer of a pipeline, with its L1.
 #[derive(Debug)]
-pub struct Front {
+pub struct InputBuffer {
     mode: MissHandling,
-    latency: Cycle,
+    latency_cycles: u64,
     lines_per_cycle: u64,
     l1: L1Cache,
     ops: Vec<Op>,
     /// Operations whose lookups are held up, the one that holds them up first.
     held_up: VecDeque<u8>,
     /// First cycle in which the data port is free.
-    port: Cycle,
+    port_free: TiCycle,
     /// Operations that wait for a line.
     waiting: u32,
     /// What it did.
-    pub counters: FrontCounters,
+    pub counters: InputBufferCounters,
 }
 
-impl Front {
+impl InputBuffer {
     /// A buffer of `entries` slots in front of an L1 that reads so many lines a cycle.
     pub fn new(
         ti: &config::Ti,
@@ -91,7 +91,7 @@ impl Front {
     ) -> Self {
         let none = Op {
             first: 0,
-            arrived: 0,
+            arrived: TiCycle::default(),
             region: Region::Node,
             lines: 0,
             done: 0,
@@ -107,14 +107,14 @@ impl Front {
         }
         Self {
             mode: ti.miss_handling,
-            latency: l1.latency_cycles.into(),
+            latency_cycles: l1.latency_cycles.into(),
             lines_per_cycle: lines_per_cycle.into(),
             l1: cache,
             ops: vec![none; entries as usize],
             held_up: VecDeque::with_capacity(entries as usize),
-            port: 0,
+            port_free: TiCycle::default(),
             waiting: 0,
-            counters: FrontCounters::default(),
+            counters: InputBufferCounters::default(),
         }
     }
 
@@ -130,7 +130,7 @@ impl Front {
 
     /// An operation arrives.
     #[inline]
-    pub fn push<M: Memory>(&mut self, now: Cycle, slot: u8, lines: Lines, region: Region, memory: &mut M) -> Outcome {
+    pub fn push<M: Memory>(&mut self, now: TiCycle, slot: u8, lines: Lines, region: Region, memory: &mut M) -> Outcome {
         self.ops[slot as usize] = Op {
             first: lines.first,
             arrived: now,
@@ -148,7 +148,7 @@ impl Front {
 
     /// An operation comes back after a bypass, or for its second box.
     #[inline]
-    pub fn push_again<M: Memory>(&mut self, now: Cycle, slot: u8, memory: &mut M) -> Outcome {
+    pub fn push_again<M: Memory>(&mut self, now: TiCycle, slot: u8, memory: &mut M) -> Outcome {
         let others_wait = self.waiting > 0;
         let op = &mut self.ops[slot as usize];
         (op.arrived, op.done, op.missed, op.refused, op.others_wait) = (now, 0, false, false, others_wait);
@@ -156,7 +156,7 @@ impl Front {
     }
 
     #[inline]
-    fn arrive<M: Memory>(&mut self, now: Cycle, slot: u8, memory: &mut M) -> Outcome {
+    fn arrive<M: Memory>(&mut self, now: TiCycle, slot: u8, memory: &mut M) -> Outcome {
         self.counters.record_writes += 1;
         if self.held_up.is_empty() && self.look_up(now, slot, memory) {
             return self.looked_up(now, slot);
@@ -167,7 +167,7 @@ impl Front {
 
     /// The lookup of the first operation that is held up goes on, at cycle `now`. Gives the operation with its outcome, once it
     /// is complete.
-    pub fn turn_again<M: Memory>(&mut self, now: Cycle, memory: &mut M) -> Option<(u8, Outcome)> {
+    pub fn retry_lookup<M: Memory>(&mut self, now: TiCycle, memory: &mut M) -> Option<(u8, Outcome)> {
         let &slot = self.held_up.front()?;
         if !self.look_up(now, slot, memory) {
             return None;
@@ -176,14 +176,14 @@ impl Front {
         Some((slot, self.looked_up(now, slot)))
     }
 
-    /// Whether an operation is held up, so that [`Front::turn_again`] is to be called in the next cycle: a queue of the memory
+    /// Whether an operation is held up, so that [`InputBuffer::retry_lookup`] is to be called in the next cycle: a queue of the memory
     /// may have room by then.
     #[inline]
     pub fn is_held_up(&self) -> bool {
         !self.held_up.is_empty()
     }
 
-    /// A line arrived: who waits for it, bit by bit. [`Front::filled`] is to be called for each.
+    /// A line arrived: who waits for it, bit by bit. [`InputBuffer::filled`] is to be called for each.
     #[inline]
     pub fn fill(&mut self, line: u64) -> u128 {
         self.l1.fill(line)
@@ -191,7 +191,7 @@ impl Front {
 
     /// A line that an operation waited for is here at cycle `now`; gives the operation, if it has all its lines.
     #[inline]
-    pub fn filled(&mut self, now: Cycle, slot: u8, line: u64) -> Option<Candidate> {
+    pub fn filled(&mut self, now: TiCycle, slot: u8, line: u64) -> Option<Candidate> {
         let op = &mut self.ops[slot as usize];
         if self.mode == MissHandling::Retry {
             op.kept |= 1 << (line - op.first);
@@ -210,7 +210,7 @@ impl Front {
 
     /// Looks up the lines of an operation that are not looked up yet; false if one is refused.
     #[inline]
-    fn look_up<M: Memory>(&mut self, now: Cycle, slot: u8, memory: &mut M) -> bool {
+    fn look_up<M: Memory>(&mut self, now: TiCycle, slot: u8, memory: &mut M) -> bool {
         let op = &mut self.ops[slot as usize];
         while op.done < op.lines {
             if op.kept >> op.done & 1 == 1 {
@@ -220,11 +220,11 @@ impl Front {
             }
             match self.l1.access(now, op.first + u64::from(op.done), op.region, slot, memory) {
                 Access::Hit => {}
-                Access::Full if self.mode != MissHandling::Retry => {
+                Access::Rejected if self.mode != MissHandling::Retry => {
                     op.refused = true;
                     return false;
                 }
-                Access::Full => op.missed = true,
+                Access::Rejected => op.missed = true,
                 Access::Miss | Access::Merged => {
                     op.missed = true;
                     op.outstanding += 1;
@@ -242,7 +242,7 @@ impl Front {
 
     /// All lines are looked up: the operation has its data in sight, or waits for lines.
     #[inline]
-    fn looked_up(&mut self, now: Cycle, slot: u8) -> Outcome {
+    fn looked_up(&mut self, now: TiCycle, slot: u8) -> Outcome {
         let op = self.ops[slot as usize];
         let retry = self.mode == MissHandling::Retry;
         if !retry && op.outstanding > 0 {
@@ -250,17 +250,18 @@ impl Front {
             return Outcome::Waits;
         }
         self.counters.record_reads += 1;
-        let begin = self.port.max(now);
-        self.port = begin + if op.lines == 1 { 1 } else { u64::from(op.lines).div_ceil(self.lines_per_cycle) };
+        let begin = self.port_free.max(now);
+        let reads = if op.lines == 1 { 1 } else { u64::from(op.lines).div_ceil(self.lines_per_cycle) };
+        self.port_free = begin + reads;
         let wait = match (op.refused, op.missed && !retry) {
             (true, _) => Wait::Refused,
             (false, true) => Wait::Memory,
             (false, false) => Wait::Fetch,
         };
-        Outcome::Ready(candidate(&op, self.port - 1 + self.latency, wait, retry && op.missed))
+        Outcome::Ready(candidate(&op, begin + (reads - 1) + self.latency_cycles, wait, retry && op.missed))
     }
 }
 
-fn candidate(op: &Op, ready: Cycle, wait: Wait, bypass: bool) -> Candidate {
+fn candidate(op: &Op, ready: TiCycle, wait: Wait, bypass: bool) -> Candidate {
     Candidate { arrived: op.arrived, ready, wait, bypass, others_wait: op.others_wait }
 }

@@ -1,0 +1,40 @@
+//! Requests for lines and their answers.
+
+use crate::work::layout::Region;
+
+/// A port of the memory system: one for each L1 and each engine that reads or writes memory.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Port(pub u16);
+
+/// How a request travels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Route {
+    /// A read through the L2.
+    Cached,
+    /// A read of DRAM past the L2.
+    Read,
+    /// A write to DRAM past the L2. Nobody waits for it.
+    Write,
+}
+
+/// A request for one line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Request {
+    /// Who asks.
+    pub port: Port,
+    /// Line number: address / line size.
+    pub line: u64,
+    /// What for.
+    pub region: Region,
+    /// Way.
+    pub route: Route,
+}
+
+/// A line that arrived.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Response {
+    /// Who asked.
+    pub port: Port,
+    /// Line number.
+    pub line: u64,
+}

@@ -1,0 +1,234 @@
+//! The SIMD array of an SRP: which batch it runs, what its rays and reads do, and what it did in every cycle.
+
+use std::collections::VecDeque;
+
+use super::batch::{Batch, BatchContext, Choosing, OUTPUT_RAYS, Progress, choose, sent_ray};
+use super::clock::Clock;
+use super::gather::Gather;
+use super::kernels::{Costs, KernelId};
+use super::queues::QueueId;
+use super::slots::TileSlots;
+use super::stats::ArrayCounters;
+use super::transfers::Transfers;
+use crate::component::Component;
+use crate::config::MachineConfig;
+use crate::link::RayRef;
+use crate::memory::Port;
+use crate::time::{ClockCycle, SrpCycle, TiCycle, When};
+use crate::work::layout::Layout;
+
+/// What the array does while it runs no batch.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Gap {
+    Idle,
+    Unit,
+    Transfer,
+}
+
+/// The array with its output queue and its reads.
+pub struct Array {
+    clock: Clock,
+    costs: Costs,
+    ideal: bool,
+    batch_min: usize,
+    batch_max: usize,
+    /// With fewer rays out than this, kernels that send rays go first.
+    low_rays: usize,
+    batch: Batch,
+    running: Option<Progress>,
+    /// Rays that wait for the interface.
+    pub output: VecDeque<RayRef>,
+    /// Reads of `shade`.
+    pub gather: Gather,
+    /// SRP cycles before this one are in the counters.
+    accounted: SrpCycle,
+    gap: Gap,
+    counters: ArrayCounters,
+    /// Rays of the queue that is worked on, kept for its memory (`srp.ideal`).
+    scratch: Vec<u32>,
+}
+
+impl Array {
+    /// The array of a machine; its L1 is at `port`.
+    pub fn new(config: &MachineConfig, layout: Layout, port: Port) -> Self {
+        let clock = Clock::new(config);
+        Self {
+            clock,
+            costs: Costs::new(config),
+            ideal: config.srp.ideal,
+            batch_min: config.srp.batch_min.max(1) as usize,
+            batch_max: config.srp.batch_max.max(1) as usize,
+            low_rays: (config.ti.ray_fifo_entries + config.ti.trv * config.ti.rays_per_trv).div_ceil(2) as usize,
+            batch: Batch::none(),
+            running: None,
+            output: VecDeque::new(),
+            gather: Gather::new(config, layout, clock, port),
+            accounted: SrpCycle::START,
+            gap: Gap::Idle,
+            counters: ArrayCounters::default(),
+            scratch: Vec::new(),
+        }
+    }
+
+    /// Whether hits are sorted by material.
+    #[inline]
+    pub fn sorts(&self) -> bool {
+        self.costs.sorts()
+    }
+
+    /// Whether a batch runs.
+    pub fn is_running(&self) -> bool {
+        self.running.is_some()
+    }
+
+    /// SRP cycles that begin before T&I cycle `now`.
+    pub fn cycles(&self, now: TiCycle) -> u64 {
+        self.clock.srp(now) - SrpCycle::START
+    }
+
+    /// What was counted so far.
+    pub fn counters(&self) -> &ArrayCounters {
+        &self.counters
+    }
+
+    /// When something happens here by itself. A batch that waits for reads or for room has no event.
+    pub fn next_event(&self, now: TiCycle) -> When {
+        let item = match self.running {
+            Some(Progress::At(at)) => When::at(at),
+            _ => When::NEVER,
+        };
+        item.min(self.gather.next_event(now))
+    }
+
+    /// Runs everything up to `now`, and the steps of tiles that this leads to. Returns whether something was done.
+    pub fn run(&mut self, now: TiCycle, tiles: &mut TileSlots, transfers: &mut Transfers) -> bool {
+        if self.ideal { self.run_ideally(tiles, transfers) } else { self.run_batches(now, tiles, transfers) }
+    }
+
+    fn run_batches(&mut self, now: TiCycle, tiles: &mut TileSlots, transfers: &mut Transfers) -> bool {
+        let mut worked = tiles.advance(transfers);
+        loop {
+            if let Some(progress) = self.running {
+                let early = matches!(progress, Progress::At(at) if at > now);
+                if early || !self.continue_batch(now, tiles, &mut worked) {
+                    return worked;
+                }
+                tiles.advance(transfers);
+            }
+            let choosing = Choosing {
+                batch_min: self.batch_min,
+                low: tiles.rays_out() < self.low_rays,
+                output_full: self.output.len() > OUTPUT_RAYS / 2,
+            };
+            let Some(choice) = choose(tiles.all(), choosing) else { return worked };
+            let (slot, _) = tiles.slot_mut(choice.slot as usize);
+            self.batch.begin(self.accounted, choice, self.batch_max, slot, &self.costs, &mut self.gather);
+            self.counters.kernels[self.batch.kernel as usize].batches += 1;
+            self.running = Some(Progress::Reads);
+            worked = true;
+        }
+    }
+
+    /// Runs the batch up to `now`. Returns whether it ended.
+    fn continue_batch(&mut self, now: TiCycle, tiles: &mut TileSlots, worked: &mut bool) -> bool {
+        let (slot, rays_out) = tiles.slot_mut(self.batch.slot as usize);
+        let mut context = BatchContext {
+            clock: self.clock,
+            costs: &self.costs,
+            slot,
+            gather: &self.gather,
+            output: &mut self.output,
+            rays_out,
+            counters: &mut self.counters,
+        };
+        let before = context.output.len();
+        let progress = self.batch.progress(now, &mut context);
+        *worked |= before != self.output.len() || progress == Progress::Ended;
+        self.accounted = self.batch.at();
+        self.running = (progress != Progress::Ended).then_some(progress);
+        progress == Progress::Ended
+    }
+
+    /// All items at once, without time (`srp.ideal`).
+    fn run_ideally(&mut self, tiles: &mut TileSlots, transfers: &mut Transfers) -> bool {
+        let mut worked = tiles.advance(transfers);
+        for id in 0..tiles.all().len() {
+            while let Some(queue) = self.next_ideal_queue(id, tiles) {
+                self.run_queue_ideally(id, queue, tiles);
+                worked = true;
+            }
+        }
+        worked | tiles.advance(transfers)
+    }
+
+    /// Rays of hits go first: primaries fill what is left of the output queue.
+    fn next_ideal_queue(&self, id: usize, tiles: &TileSlots) -> Option<QueueId> {
+        let mut next: Option<QueueId> = None;
+        tiles.all()[id].queues.each(|queue, _| {
+            let first = next.is_none_or(|other| other.kernel == KernelId::Raygen);
+            if first && (queue.kernel != KernelId::Raygen || self.ideal_room() > 0) {
+                next = Some(queue);
+            }
+        });
+        next
+    }
+
+    fn ideal_room(&self) -> usize {
+        OUTPUT_RAYS.saturating_sub(self.output.len())
+    }
+
+    fn run_queue_ideally(&mut self, id: usize, queue: QueueId, tiles: &mut TileSlots) {
+        let kernel = queue.kernel;
+        let most = if kernel == KernelId::Raygen { self.ideal_room() } else { usize::MAX };
+        let mut rays = std::mem::take(&mut self.scratch);
+        rays.clear();
+        let (slot, rays_out) = tiles.slot_mut(id);
+        let items = slot.queues.take(queue, most, &mut rays);
+        let counters = &mut self.counters.kernels[kernel as usize];
+        counters.batches += 1;
+        counters.items += items as u64;
+        slot.pending -= items as u32;
+        if rays.is_empty() {
+            counters.ops += items as u64 * self.costs.ops(kernel, 0);
+        }
+        for &ray in &rays {
+            let work = &slot.work.rays[ray as usize];
+            counters.ops += self.costs.ops(kernel, if kernel == KernelId::Shade { work.shadows } else { 0 });
+            if kernel == KernelId::Shade {
+                self.gather.add(0, work);
+            }
+            let mut sent = 0;
+            while let Some(child) = sent_ray(kernel, &slot.work, ray, sent) {
+                self.output.push_back(RayRef { slot: id as u8, ray: child });
+                sent += 1;
+            }
+            (slot.pending, slot.rays_out) = (slot.pending + sent, slot.rays_out + sent);
+            *rays_out += sent as usize;
+        }
+        self.scratch = rays;
+    }
+
+    /// Accounts for the SRP cycles before `now` in which the array had no batch.
+    pub fn close_gap(&mut self, now: TiCycle) {
+        let until = self.clock.srp(now);
+        if self.running.is_some() || until <= self.accounted {
+            return;
+        }
+        let activity = &mut self.counters.activity;
+        *match self.gap {
+            Gap::Idle => &mut activity.idle,
+            Gap::Unit => &mut activity.unit,
+            Gap::Transfer => &mut activity.transfer,
+        } += until - self.accounted;
+        self.accounted = until;
+    }
+
+    /// Notes what the array waits for from now on, if it runs no batch.
+    pub fn open_gap(&mut self, tiles: &TileSlots) {
+        self.gap = match () {
+            () if tiles.rays_out() > 0 => Gap::Unit,
+            () if tiles.taken() == 0 => Gap::Idle,
+            () => Gap::Transfer,
+        };
+    }
+}

@@ -1,0 +1,154 @@
+//! The tiles of a core: its slots, what they share, and how many of their rays are out.
+
+use rayreel_formats::tile::RayKind;
+
+use super::batch::taker;
+use super::kernels::KernelId;
+use super::local::TileBuffer;
+use super::stats::LocalCounters;
+use super::tile::{FrameShape, Slot, TileContext};
+use super::transfers::Transfers;
+use crate::config::MachineConfig;
+use crate::link::RayRef;
+use crate::work::TileWork;
+use crate::work::layout::Layout;
+
+/// The tile slots of a core.
+pub struct TileSlots {
+    slots: Vec<Slot>,
+    given: u64,
+    /// Rays of the core that are out, primaries of a rasteriser not.
+    rays_out: usize,
+    buffer: TileBuffer,
+    layout: Layout,
+    shape: FrameShape,
+    core: u32,
+    counters: LocalCounters,
+}
+
+impl TileSlots {
+    /// The slots of core `core`, all free.
+    pub fn new(config: &MachineConfig, layout: Layout, core: u32, shape: FrameShape) -> Self {
+        let slots = config.gpu.tiles_in_flight.clamp(1, 255) as usize;
+        Self {
+            slots: vec![Slot::new(); slots],
+            given: 0,
+            rays_out: 0,
+            buffer: TileBuffer::new(config),
+            layout,
+            shape,
+            core,
+            counters: LocalCounters::default(),
+        }
+    }
+
+    /// All slots.
+    #[inline]
+    pub fn all(&self) -> &[Slot] {
+        &self.slots
+    }
+
+    /// A slot, and the number of rays of the core that are out.
+    #[inline]
+    pub fn slot_mut(&mut self, id: usize) -> (&mut Slot, &mut usize) {
+        (&mut self.slots[id], &mut self.rays_out)
+    }
+
+    /// Rays of the core that are out.
+    #[inline]
+    pub fn rays_out(&self) -> usize {
+        self.rays_out
+    }
+
+    /// The tile of a slot. What it held stays readable until the slot is given another.
+    #[inline]
+    pub fn work(&self, slot: u8) -> &TileWork {
+        &self.slots[slot as usize].work
+    }
+
+    /// Slots that hold a tile.
+    pub fn taken(&self) -> usize {
+        self.slots.iter().filter(|slot| !slot.is_free()).count()
+    }
+
+    /// Whether a slot is free.
+    #[inline]
+    pub fn wants_tile(&self) -> bool {
+        self.slots.iter().any(Slot::is_free)
+    }
+
+    /// What was counted so far.
+    pub fn counters(&self) -> &LocalCounters {
+        &self.counters
+    }
+
+    /// Puts a tile into the first free slot.
+    ///
+    /// # Panics
+    /// When no slot is free.
+    pub fn give(&mut self, work: TileWork, transfers: &mut Transfers) {
+        let free = self.slots.iter().position(Slot::is_free);
+        let id = free.expect("a tile is given only to an SRP that wants one");
+        self.given += 1;
+        let age = self.given;
+        let (slot, mut context) = self.with_context(id, transfers);
+        slot.give(id as u8, age, work, &mut context);
+    }
+
+    /// A ray came back from the T&I unit: its item.
+    #[inline]
+    pub fn ray_returned(&mut self, ray: RayRef, sorts: bool) {
+        self.rays_out -= 1;
+        self.add_item(ray, sorts);
+    }
+
+    /// The item of a ray that came back. One pending ray less, one pending item more; `sorts` tells whether hits are sorted by
+    /// material.
+    #[inline]
+    pub fn add_item(&mut self, RayRef { slot, ray }: RayRef, sorts: bool) {
+        let slot = &mut self.slots[slot as usize];
+        let work = &slot.work.rays[ray as usize];
+        slot.rays_out -= 1;
+        let kernel = taker(work);
+        match kernel {
+            KernelId::Shade => slot.queues.push_shade(if sorts { work.material } else { 0 }, ray),
+            _ => slot.queues.push_ray(kernel, ray),
+        }
+        self.buffer.count(kernel, work.kind == RayKind::Primary, 1, &mut self.counters);
+    }
+
+    /// Takes every step of every tile that is due. Returns whether there was one.
+    pub fn advance(&mut self, transfers: &mut Transfers) -> bool {
+        let mut stepped = false;
+        for id in 0..self.slots.len() {
+            if self.slots[id].is_free() || self.slots[id].pending > 0 {
+                continue;
+            }
+            let (slot, mut context) = self.with_context(id, transfers);
+            while slot.advance(id as u8, &mut context) {
+                stepped = true;
+            }
+        }
+        stepped
+    }
+
+    /// Whether a tile can take a step: a write of it was the last thing that it waited for.
+    pub fn can_advance(&self, transfers: &Transfers) -> bool {
+        let steps =
+            |(id, slot): (usize, &Slot)| !slot.is_free() && slot.pending == 0 && transfers.dma.pending(id as u8) == 0;
+        self.slots.iter().enumerate().any(steps)
+    }
+
+    fn with_context<'a>(&'a mut self, id: usize, transfers: &'a mut Transfers) -> (&'a mut Slot, TileContext<'a>) {
+        let context = TileContext {
+            dma: &mut transfers.dma,
+            raster: transfers.raster.as_mut(),
+            buffer: &self.buffer,
+            layout: self.layout,
+            shape: self.shape,
+            core: self.core,
+            counters: &mut self.counters,
+        };
+        (&mut self.slots[id], context)
+    }
+}
