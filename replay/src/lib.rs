@@ -9,9 +9,11 @@
 //! TileSource -> frame (bands of tiles) -> policy (trace or interpolate) -> image, counts -> report
 //! ```
 
+pub mod counts;
 pub mod error;
 pub mod frame;
 pub mod image;
+pub mod maps;
 pub mod policy;
 pub mod simulate;
 pub mod source;

@@ -1,7 +1,7 @@
 //! A frame through policy and machine.
 
+use crate::counts::FrameStats;
 use crate::error::{ReplayError, Result};
-use crate::frame::counts::FrameStats;
 use crate::frame::{FrameReplay, Replayer};
 use crate::source::PathSource;
 use rayreel_machine::config::MachineConfig;

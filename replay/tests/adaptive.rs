@@ -1,6 +1,6 @@
 //! The adaptive policy against a slow second implementation, and against hits it must not see.
 
-use rayreel_replay::frame::counts::RayCounts;
+use rayreel_replay::counts::RayCounts;
 use rayreel_replay::image::resolve::Resolver;
 use rayreel_replay::policy::view::SampleState;
 use rayreel_replay::policy::{Adaptive, Apron, Limit, Policy, Refine};
@@ -36,7 +36,7 @@ fn assert_same<S: TileSource>(source: &S, frame: &FrameReplay, expected: &Outcom
                 SampleState::Partial => How::Partial,
             };
             assert_eq!(how, expected.how[i], "{what}: sample ({x}, {y})");
-            assert_eq!(frame.states.wave(x, y), expected.waves[i], "{what}: wave of ({x}, {y})");
+            assert_eq!(frame.states.round(x, y), expected.waves[i], "{what}: wave of ({x}, {y})");
             resolver.add(x, y, expected.colours[i].into());
         }
     }
@@ -204,7 +204,7 @@ fn a_flat_frame_by_hand() {
     // A tile of one R-sample and nothing else has no ratio.
     assert_eq!(frame.stats.tiles[5].counts.similarity_ratio(), None);
     assert_eq!(frame.stats.tiles[0].counts.similarity_ratio(), Some(1.0));
-    assert_eq!((frame.states.wave(0, 0), frame.states.wave(1, 0), frame.states.wave(1, 1)), (0, 1, 2));
+    assert_eq!((frame.states.round(0, 0), frame.states.round(1, 0), frame.states.round(1, 1)), (0, 1, 2));
 }
 
 /// One row of nine samples, the second object from column 3 on, one block of 8.
@@ -213,7 +213,7 @@ fn an_edge_by_hand() {
     let source = Synthetic::new(Look::Edge(3), (9, 1), 1, 16, 0);
     let row = |refine| {
         let frame = run(&source, &policy(8, refine, Apron::Share), 1);
-        (0..9).map(|x| (frame.states.state(x, 0), frame.states.wave(x, 0))).collect::<Vec<_>>()
+        (0..9).map(|x| (frame.states.state(x, 0), frame.states.round(x, 0))).collect::<Vec<_>>()
     };
     let (r, t, i) = (SampleState::Reference, SampleState::Traced, SampleState::Interpolated);
     // 0 and 8 differ: 4 is traced. 0 and 4 differ: 2 is traced. 0 and 2 agree, 2 and 4 differ, 4 and 8 agree.
@@ -236,7 +236,7 @@ fn waves_stay_in_their_step() {
                 (_, true) => 1..=levels,
                 (_, false) => levels + 1..=2 * levels,
             };
-            assert!(allowed.contains(&frame.states.wave(x, y)), "block {n}: ({x}, {y}) {allowed:?}");
+            assert!(allowed.contains(&frame.states.round(x, y)), "block {n}: ({x}, {y}) {allowed:?}");
         }
     }
 }

@@ -83,13 +83,12 @@ fn assert_same<S: TileSource>(
     let mut resolver = Resolver::new(source.meta().width, source.meta().height, source.meta().samples);
     for (i, (x, y)) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).enumerate() {
         let how = How::from(frame.states.state(x, y));
-        assert_eq!((how, frame.states.wave(x, y)), (expected.how[i], expected.waves[i]), "{what}: ({x}, {y})");
+        assert_eq!((how, frame.states.round(x, y)), (expected.how[i], expected.waves[i]), "{what}: ({x}, {y})");
         resolver.add(x, y, expected.colours[i].into());
     }
     let bits = |v: &[f32; 3]| v.map(f32::to_bits);
     assert!(resolver.finish().pixels.iter().map(bits).eq(frame.image.pixels.iter().map(bits)), "{what}: colours");
-    let kinds =
-        |rays: rayreel_replay::frame::counts::RayCounts| [rays.primary, rays.reflection, rays.refraction, rays.shadow];
+    let kinds = |rays: rayreel_replay::counts::RayCounts| [rays.primary, rays.reflection, rays.refraction, rays.shadow];
     let tiles = frame.stats.tiles.iter().map(|t| (kinds(t.counts.rays_traced), kinds(t.counts.rays_apron)));
     assert!(tiles.eq(expected.tiles), "{what}: rays of tiles");
 }

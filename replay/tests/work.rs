@@ -12,8 +12,8 @@ use rayreel_machine::work::ops::Op;
 use rayreel_machine::work::synthetic::{Random, balanced_topology, random_path, random_tile};
 use rayreel_machine::work::topology::Topology;
 use rayreel_machine::work::{NO_RAY, TileWork};
+use rayreel_replay::counts::RayCounts;
 use rayreel_replay::error::ReplayError;
-use rayreel_replay::frame::counts::RayCounts;
 use rayreel_replay::policy::view::SampleState;
 use rayreel_replay::policy::{Apron, Policy, Refine};
 use rayreel_replay::{FrameReplay, Options, PathSource, Replayer, TileSource};
@@ -88,7 +88,7 @@ fn assert_waves(work: &TileWork, frame: &FrameReplay) -> u32 {
         for &primary in &wave.starts {
             let (x, y) = (work.rays[primary as usize].x, work.rays[primary as usize].y);
             assert_ne!(frame.states.state(x, y), SampleState::Interpolated);
-            assert_eq!(usize::from(frame.states.wave(x, y)), number);
+            assert_eq!(usize::from(frame.states.round(x, y)), number);
             if x < rect.x + rect.width && y < rect.y + rect.height {
                 assert!(last < Some((y, x)) && outside_is_last(work, wave.starts.as_slice(), primary));
                 last = Some((y, x));

@@ -3,7 +3,8 @@
 use rayreel_formats::Error;
 use rayreel_formats::scene::{Camera, Meta};
 use rayreel_formats::tile::Tile;
-use rayreel_replay::image::{files, map, srgb};
+use rayreel_replay::image::{files, srgb};
+use rayreel_replay::maps;
 use rayreel_replay::policy::{Apron, Refine};
 use rayreel_replay::{NamedPolicy, Options, Policy, ReplayError, TileSource, replay, replay_each};
 use rayreel_study::report::{Origin, Report, keys};
@@ -218,13 +219,13 @@ fn the_map_reads_like_the_figure() {
     let flat = Synthetic::new(Look::Flat, (8, 8), 1, 8, 0);
     let frame =
         replay(&flat, &policy(4, Refine::Direct, Apron::Share), [5], Options::default()).unwrap().frames.remove(0);
-    let picture = map::similarity_map(&frame.states, &frame.blocks);
-    assert!(picture.pixels.iter().all(|p| *p == map::YELLOW), "{picture:?}");
+    let picture = maps::similarity_map(&frame.states, &frame.blocks);
+    assert!(picture.pixels.iter().all(|p| *p == maps::YELLOW), "{picture:?}");
     // Full: nothing is similar.
     let frame = replay(&flat, &Policy::Full, [5], Options::default()).unwrap().frames.remove(0);
-    assert!(map::similarity_map(&frame.states, &frame.blocks).pixels.iter().all(|p| *p == map::BLUE));
-    let small = map::similarity_map_pixels(&frame.states, &frame.blocks, 2);
-    assert_eq!((small.width, small.height, small.pixels[0]), (4, 4, map::BLUE));
+    assert!(maps::similarity_map(&frame.states, &frame.blocks).pixels.iter().all(|p| *p == maps::BLUE));
+    let small = maps::similarity_map_pixels(&frame.states, &frame.blocks, 2);
+    assert_eq!((small.width, small.height, small.pixels[0]), (4, 4, maps::BLUE));
 }
 
 /// Pictures to look at: set RAYREEL_PICTURES to a folder.
@@ -237,9 +238,9 @@ fn pictures_can_be_written() {
     for name in ["adaptive", "adaptive-8"] {
         let policy = NamedPolicy::load(name, &[]).unwrap();
         let frame = replay(&source, &policy.policy, [5], Options::default()).unwrap().frames.remove(0);
-        let map = map::similarity_map(&frame.states, &frame.blocks);
+        let map = maps::similarity_map(&frame.states, &frame.blocks);
         files::write_png(&folder.join(format!("{name}-map.png")), &map).unwrap();
-        let pixels = map::similarity_map_pixels(&frame.states, &frame.blocks, 2);
+        let pixels = maps::similarity_map_pixels(&frame.states, &frame.blocks, 2);
         files::write_png(&folder.join(format!("{name}-map-pixels.png")), &pixels).unwrap();
         files::write_png(&folder.join(format!("{name}.png")), &srgb::encode(&frame.image)).unwrap();
         files::write_exr(&folder.join(format!("{name}.exr")), &frame.image).unwrap();

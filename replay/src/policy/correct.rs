@@ -11,30 +11,30 @@ use super::tree::Node;
 use super::view::{SampleState, TileView};
 use super::{Correct, Limit};
 
-/// Corrects a tile whose samples are all known. The first pass is wave `wave`, and each pass a wave.
-pub fn correct(view: &mut TileView, rules: &Correct, tests: &Tests, wave: u8) {
+/// Corrects a tile whose samples are all known. The first pass is round `round`, and each pass a round.
+pub fn correct(view: &mut TileView, rules: &Correct, tests: &Tests, round: u8) {
     let limit = match rules.colour {
         Limit::Off => -1.0,
         Limit::At(limit) => limit,
     };
     let mut front = vec![true; view.rect().len()];
     for pass in 0..rules.passes {
-        let wave = wave + pass as u8;
-        let found = contradicted(view, tests, limit, wave, &front);
+        let round = round + pass as u8;
+        let found = contradicted(view, tests, limit, round, &front);
         if found.is_empty() {
             return;
         }
         // Only what was traced just now can contradict anew.
         front.fill(false);
         for (x, y) in found {
-            view.correct(x, y, wave);
+            view.correct(x, y, round);
             front[place(view, x, y)] = true;
         }
     }
 }
 
 /// The interpolated samples that a traced neighbour in `front` contradicts.
-fn contradicted(view: &mut TileView, tests: &Tests, limit: f64, wave: u8, front: &[bool]) -> Vec<(u32, u32)> {
+fn contradicted(view: &mut TileView, tests: &Tests, limit: f64, round: u8, front: &[bool]) -> Vec<(u32, u32)> {
     let rect = view.rect();
     let (right, bottom) = (rect.x + rect.width, rect.y + rect.height);
     let mut found = Vec::new();
@@ -58,7 +58,7 @@ fn contradicted(view: &mut TileView, tests: &Tests, limit: f64, wave: u8, front:
                 found.push((x, y));
             }
         }
-        view.tested((rect.x, y), wave, made);
+        view.tested((rect.x, y), round, made);
     }
     found
 }

@@ -20,23 +20,28 @@
 //!
 //! Not here: which tiles are in memory when (see [`crate::frame`]).
 
-pub mod adaptive;
-pub mod audit;
-pub mod correct;
-pub mod interpolate;
-pub mod lattice;
+mod adaptive;
+mod audit;
+mod blocks;
+mod correct;
+mod interpolate;
+mod lattice;
 mod load;
-pub mod rate;
-pub mod reuse;
+mod rate;
+mod reuse;
+mod sampler;
 pub mod schema;
-pub mod similarity;
-pub mod target;
+mod similarity;
+mod target;
 pub mod tree;
 pub mod view;
 
 use serde::{Deserialize, Serialize};
 
+pub use interpolate::between;
 pub use load::{NamedPolicy, PRESETS};
+pub use sampler::{SamplePolicy, Sampler};
+pub use view::{SampleState, TileView};
 
 /// A sampling policy, resolved: every value is there.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -24,8 +24,9 @@
 
 use rayreel_formats::math::Vec3;
 
+use super::interpolate::{interpolate_node, interpolate_tree};
 use super::similarity::{Compared, Tests};
-use super::tree::{Node, finish, interpolate_node, interpolate_tree};
+use super::tree::{Node, finish};
 use super::view::Tracer;
 
 /// A sample between two others, to be built.

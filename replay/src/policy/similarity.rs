@@ -10,8 +10,7 @@
 
 use rayreel_formats::math::Vec3;
 
-use super::tree::{Node, children};
-use super::view::SurfacePoint;
+use super::tree::{Node, SurfacePoint, children};
 use super::{Limit, Similarity};
 
 /// The tests of a policy, ready to run.
@@ -142,7 +141,7 @@ impl Tests {
 
     /// True when the local colours of two hits may stand for what is between them.
     pub fn alike_locals(&self, (a, b): (&Node, &Node), weights: (Vec3, Vec3), totals: (Vec3, Vec3), gap: u32) -> bool {
-        self.colour_limit(gap, a.own_rays.midpoint(b.own_rays)).is_none_or(|limit| {
+        self.colour_limit(gap, a.hit_rays.midpoint(b.hit_rays)).is_none_or(|limit| {
             let shares = (weights.0.times(a.local), weights.1.times(b.local));
             within(difference(shares, totals), limit)
         })
@@ -233,7 +232,7 @@ mod tests {
     }
 
     fn node(surface: Option<SurfacePoint>, colour: Vec3) -> Node {
-        Node { surface, local: colour, colour, reflect: None, refract: None, own_rays: 3, rays: 3, len: 1 }
+        Node { surface, local: colour, colour, reflect: None, refract: None, hit_rays: 3, rays: 3, len: 1 }
     }
 
     fn pass(rules: &Similarity, a: &Node, b: &Node, gap: u32) -> bool {

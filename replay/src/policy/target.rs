@@ -15,7 +15,7 @@
 //! of 1 the limit goes only as far as the traced share of the samples stays below `target.share`.
 
 use super::Target;
-use crate::frame::counts::TileStats;
+use crate::counts::TileStats;
 use crate::image::psnr::SquaredError;
 
 /// How the squared error grows with the colour limit: its power. Measured on the five built-in scenes, from 0.4 (provence) to 0.9 (lab).
@@ -57,7 +57,7 @@ impl Seen {
 
 /// Chooses the factor on the colour limit.
 #[derive(Clone, Debug)]
-pub struct Controller {
+pub struct LimitController {
     target: Target,
     /// Mean squared error that is aimed at, in 8-bit levels; none without a target.
     aim: Option<f64>,
@@ -67,13 +67,13 @@ pub struct Controller {
 
 /// A frame whose rows are finished one by one.
 #[derive(Clone, Debug)]
-pub struct Running {
-    controller: Controller,
+pub struct FirstFrame {
+    controller: LimitController,
     seen: Seen,
     total: u64,
 }
 
-impl Controller {
+impl LimitController {
     /// For a policy's target.
     pub fn new(target: &Target) -> Self {
         let aim = target.psnr_db.value().map(|db| 255.0 * 255.0 * libm::pow(10.0, -db / 10.0));
@@ -86,8 +86,8 @@ impl Controller {
     }
 
     /// A first frame of `total` samples.
-    pub fn first(&self, total: u64) -> Running {
-        Running { controller: Self { factor: None, ..self.clone() }, seen: Seen::default(), total }
+    pub fn first(&self, total: u64) -> FirstFrame {
+        FirstFrame { controller: Self { factor: None, ..self.clone() }, seen: Seen::default(), total }
     }
 
     /// Takes note of the tiles of a finished frame. `first` says that it followed no other.
@@ -112,7 +112,7 @@ impl Controller {
     }
 }
 
-impl Running {
+impl FirstFrame {
     /// Takes note of a finished row of tiles; the factor for the next row to begin.
     pub fn row(&mut self, tiles: &[TileStats]) -> f64 {
         let Some(aim) = self.controller.aim else { return 1.0 };
@@ -127,13 +127,13 @@ impl Running {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::frame::counts::Counts;
+    use crate::counts::Counts;
     use crate::policy::Limit;
 
     const TOTAL: u64 = 8 * 1024;
 
-    fn controller(db: f64) -> Controller {
-        Controller::new(&Target { psnr_db: Limit::At(db), audit: 8, strictest: 0.25, loosest: 4.0, share: 0.4 })
+    fn controller(db: f64) -> LimitController {
+        LimitController::new(&Target { psnr_db: Limit::At(db), audit: 8, strictest: 0.25, loosest: 4.0, share: 0.4 })
     }
 
     /// A tile of 1024 samples, `traced` of which were traced, whose audits found a mean squared error of `mean`.
@@ -149,9 +149,9 @@ mod tests {
 
     /// The factor after a first frame of such tiles.
     fn after(mean: f64, traced: u64, factor: f64) -> f64 {
-        let mut own = controller(20.0);
-        own.learn(&[tile(mean, traced, factor); 8], true);
-        own.factor()
+        let mut limit = controller(20.0);
+        limit.learn(&[tile(mean, traced, factor); 8], true);
+        limit.factor()
     }
 
     #[test]
@@ -183,23 +183,23 @@ mod tests {
 
     #[test]
     fn no_target_out_of_reach_breaks_it() {
-        let mut own = Controller::new(&Target { strictest: 0.0, share: 1.0, ..controller(99.0).target });
+        let mut limit = LimitController::new(&Target { strictest: 0.0, share: 1.0, ..controller(99.0).target });
         for (frame, mean) in [9.0e4, 0.0, 9.0e4, 9.0e4].into_iter().enumerate() {
-            own.learn(&[tile(mean, 0, own.factor()); 8], frame == 0);
-            assert!((LEAST_FACTOR..=4.0).contains(&own.factor()), "{}", own.factor());
+            limit.learn(&[tile(mean, 0, limit.factor()); 8], frame == 0);
+            assert!((LEAST_FACTOR..=4.0).contains(&limit.factor()), "{}", limit.factor());
         }
-        assert!(own.factor() < 0.1);
+        assert!(limit.factor() < 0.1);
     }
 
     #[test]
     fn later_frames_go_half_of_the_way() {
-        let mut own = controller(20.0);
-        own.learn(&[tile(AIM / libm::pow(4.0, GROWTH), 100, 1.0); 8], true);
-        assert!((own.factor() - 4.0).abs() < 1.0e-2);
-        own.learn(&[tile(AIM, 100, 1.0); 8], false);
-        assert!((own.factor() - 2.0).abs() < 1.0e-2);
-        own.learn(&[tile(AIM, 100, 1.0); 8], true);
-        assert!((own.factor() - 1.0).abs() < 1.0e-2, "a cut forgets");
+        let mut limit = controller(20.0);
+        limit.learn(&[tile(AIM / libm::pow(4.0, GROWTH), 100, 1.0); 8], true);
+        assert!((limit.factor() - 4.0).abs() < 1.0e-2);
+        limit.learn(&[tile(AIM, 100, 1.0); 8], false);
+        assert!((limit.factor() - 2.0).abs() < 1.0e-2);
+        limit.learn(&[tile(AIM, 100, 1.0); 8], true);
+        assert!((limit.factor() - 1.0).abs() < 1.0e-2, "a cut forgets");
     }
 
     #[test]
@@ -221,8 +221,8 @@ mod tests {
 
     #[test]
     fn without_a_target_nothing_moves() {
-        let mut own = Controller::new(&Target { psnr_db: Limit::Off, ..controller(20.0).target });
-        own.learn(&[tile(9.0 * AIM, 100, 1.0); 8], true);
-        assert_eq!((own.factor(), own.first(TOTAL).row(&[tile(9.0 * AIM, 100, 1.0)])), (1.0, 1.0));
+        let mut limit = LimitController::new(&Target { psnr_db: Limit::Off, ..controller(20.0).target });
+        limit.learn(&[tile(9.0 * AIM, 100, 1.0); 8], true);
+        assert_eq!((limit.factor(), limit.first(TOTAL).row(&[tile(9.0 * AIM, 100, 1.0)])), (1.0, 1.0));
     }
 }

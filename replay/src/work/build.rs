@@ -1,4 +1,4 @@
-//! A decided tile as work for the machine: the rays of its traced samples, wave by wave.
+//! A decided tile as work for the machine: the rays of its traced samples, round by round.
 //!
 //! Every path is checked against the tree while it is turned into operations. What a tile traces of its neighbours
 //! (`Apron::Retrace`) stands behind its own rays.
@@ -7,7 +7,7 @@ use rayreel_formats::tile::{RayKind, RayNode, Tile};
 
 use super::stream::Weigh;
 use crate::error::{ReplayError, Result};
-use crate::policy::view::{SampleState, TileView, WaveCounts};
+use crate::policy::view::{RoundCounts, SampleState, TileView};
 use crate::source::PathSource;
 use rayreel_machine::work::check::{PathCounts, walk};
 use rayreel_machine::work::ops::Op;
@@ -34,7 +34,7 @@ impl Weigh for Built {
 #[derive(Debug, Default)]
 pub(crate) struct Part {
     rays: Vec<RayWork>,
-    waves: Vec<Wave>,
+    rounds: Vec<Wave>,
     paths: PathCounts,
     samples: u32,
     secondary_hits: u32,
@@ -52,12 +52,10 @@ const DEPTHS: usize = 16;
 
 impl<S: PathSource + ?Sized> Builder<'_, S> {
     /// All that a tile traces, tests and interpolates itself.
-    pub fn own(&self, view: &TileView, tile: &Tile) -> Result<Part> {
-        let rect = view.rect();
+    pub fn tile(&self, view: &TileView, tile: &Tile) -> Result<Part> {
         let mut part = Part::default();
-        let samples = (rect.y..rect.y + rect.height).flat_map(|y| (rect.x..rect.x + rect.width).map(move |x| (x, y)));
-        self.samples(&mut part, view, tile, samples)?;
-        part.count(view.waves());
+        self.samples(&mut part, view, tile, view.samples())?;
+        part.count(view.rounds());
         part.secondary_hits = view.secondary_hits();
         Ok(part)
     }
@@ -82,14 +80,14 @@ impl<S: PathSource + ?Sized> Builder<'_, S> {
             return Err(bad(tile, detail));
         }
         for (x, y) in samples {
-            let Some((state, wave)) = view.state(x, y) else { continue };
+            let Some((state, round)) = view.state(x, y) else { continue };
             if state == SampleState::Interpolated {
                 continue;
             }
             let sample = (y - rect.y) as usize * rect.width as usize + (x - rect.x) as usize;
             part.samples += 1;
             let traces = |node| view.traces_hit(sample, node);
-            self.sample(part, tile, &index, (sample, wave, traces), (x, y))?;
+            self.sample(part, tile, &index, (sample, round, traces), (x, y))?;
         }
         Ok(())
     }
@@ -101,49 +99,49 @@ impl<S: PathSource + ?Sized> Builder<'_, S> {
         part: &mut Part,
         tile: &Tile,
         index: &[u32],
-        (sample, wave, traces): (usize, u8, impl Fn(usize) -> bool),
+        (sample, round, traces): (usize, u8, impl Fn(usize) -> bool),
         at: (u32, u32),
     ) -> Result<()> {
         // Per depth the last hit: its ray if it was traced, what it is, and whether its children were announced.
         let mut line = Line { above: [None; DEPTHS] };
         let nodes = tile.tree.sample(sample);
         for (i, node) in nodes.clone().enumerate() {
-            let own = &tile.tree.nodes[node];
-            let parent = line.parent(own, i == 0).map_err(|detail| bad(tile, detail))?;
+            let hit = &tile.tree.nodes[node];
+            let parent = line.parent(hit, i == 0).map_err(|detail| bad(tile, detail))?;
             let ray = traces(i).then_some(part.rays.len() as u32);
             if let Some(ray) = ray {
                 match parent.map(|up| &mut part.rays[up as usize]) {
-                    Some(up) if own.class.kind() == RayKind::Reflection => up.reflect = ray,
+                    Some(up) if hit.class.kind() == RayKind::Reflection => up.reflect = ray,
                     Some(up) => up.refract = ray,
-                    None => part.wave(wave).starts.push(ray),
+                    None => part.round(round).starts.push(ray),
                 }
                 self.rays(part, tile, node, index[node], at)?;
             }
-            line.note(own, ray).map_err(|()| lacking(tile, at))?;
+            line.note(hit, ray).map_err(|()| lacking(tile, at))?;
         }
         line.finish().map_err(|()| lacking(tile, at))
     }
 
     /// Appends the ray of a node and the shadow rays of its hit.
     fn rays(&self, part: &mut Part, tile: &Tile, node: usize, number: u32, (x, y): (u32, u32)) -> Result<()> {
-        let own = &tile.tree.nodes[node];
+        let hit = &tile.tree.nodes[node];
         let triangle = tile.hits[node].triangle;
-        let shadows = own.shadows.count();
-        if own.hit != (triangle < self.tree.triangles) || !own.hit && (shadows > 0 || own.reflect || own.refract) {
+        let shadows = hit.shadows.count();
+        if hit.hit != (triangle < self.tree.triangles) || !hit.hit && (shadows > 0 || hit.reflect || hit.refract) {
             return Err(bad(tile, format!("ray {number} of sample ({x}, {y}) and its hit disagree")));
         }
         let mut ray = RayWork {
             ops_start: 0,
             ops_len: 0,
-            kind: own.class.kind(),
+            kind: hit.class.kind(),
             shadows: shadows as u8,
-            triangle: if own.hit { triangle } else { NO_TRIANGLE },
-            material: if own.hit { self.source.material_of(triangle) } else { 0 },
+            triangle: if hit.hit { triangle } else { NO_TRIANGLE },
+            material: if hit.hit { self.source.material_of(triangle) } else { 0 },
             reflect: NO_RAY,
             refract: NO_RAY,
             x,
             y,
-            depth: own.class.depth() as u8,
+            depth: hit.class.depth() as u8,
         };
         self.ray(part, tile, number, ray)?;
         // Shadow rays have the place of the ray they hang on, and no surface of their own.
@@ -233,20 +231,20 @@ impl Line {
 }
 
 impl Part {
-    fn wave(&mut self, wave: u8) -> &mut Wave {
-        let wave = usize::from(wave);
-        if self.waves.len() <= wave {
-            self.waves.resize(wave + 1, Wave::default());
+    fn round(&mut self, round: u8) -> &mut Wave {
+        let round = usize::from(round);
+        if self.rounds.len() <= round {
+            self.rounds.resize(round + 1, Wave::default());
         }
-        &mut self.waves[wave]
+        &mut self.rounds[round]
     }
 
     /// Adds tests and interpolated samples.
-    pub fn count(&mut self, waves: &[WaveCounts]) {
-        for (wave, counts) in (0..).zip(waves) {
-            let own = self.wave(wave);
-            own.tests += counts.tests;
-            own.interpolated += counts.interpolated;
+    pub fn count(&mut self, rounds: &[RoundCounts]) {
+        for (round, counts) in (0..).zip(rounds) {
+            let round = self.round(round);
+            round.tests += counts.tests;
+            round.interpolated += counts.interpolated;
         }
     }
 
@@ -267,14 +265,14 @@ impl Part {
             refract: moved(ray.refract),
             ..*ray
         }));
-        for (number, wave) in (0..).zip(apron.waves) {
-            let own = self.wave(number);
-            own.tests += wave.tests;
-            own.interpolated += wave.interpolated;
-            own.starts.extend(wave.starts.into_iter().map(moved));
+        for (number, added) in (0..).zip(apron.rounds) {
+            let round = self.round(number);
+            round.tests += added.tests;
+            round.interpolated += added.interpolated;
+            round.starts.extend(added.starts.into_iter().map(moved));
         }
-        while self.waves.last().is_some_and(|wave| *wave == Wave::default()) {
-            self.waves.pop();
+        while self.rounds.last().is_some_and(|round| *round == Wave::default()) {
+            self.rounds.pop();
         }
         let mut paths = self.paths;
         paths += apron.paths;
@@ -287,7 +285,7 @@ impl Part {
             secondary_hits: self.secondary_hits,
             rays: self.rays,
             ops: self.ops,
-            waves: self.waves,
+            waves: self.rounds,
         };
         Ok(Built { work, paths })
     }
