@@ -11,6 +11,7 @@ use rayreel_machine::config::NamedMachine;
 use rayreel_machine::config::schema::is_machine_override;
 use rayreel_machine::probes::Watch;
 use rayreel_machine::timeline::Timeline;
+use rayreel_replay::error::RequestError;
 use rayreel_replay::image::{errors, files, srgb};
 use rayreel_replay::maps;
 use rayreel_replay::simulate::simulate_each;
@@ -98,7 +99,8 @@ fn chosen(args: &Args, meta: &Meta) -> Result<Range<u32>> {
     let Some((first, count)) = args.frames else { return Ok(all) };
     for frame in [first, first + (count - 1)] {
         if !all.contains(&frame) {
-            return Err(ReplayError::NoSuchFrame { frame, first: all.start, last: all.end.saturating_sub(1) }.into());
+            let (first, last) = (all.start, all.end.saturating_sub(1));
+            return Err(ReplayError::from(RequestError::NoSuchFrame { frame, first, last }).into());
         }
     }
     Ok(first..first + count)

@@ -257,8 +257,8 @@ fn broken_paths_are_errors() {
     for seed in 0..40 {
         match run(&Broken { trace: &trace, seed }, &Policy::Full) {
             Ok(_) => assert_eq!(seed % 4, 3, "only a single step may happen to stay valid"),
-            Err(ReplayError::BadPath { tile: 1, .. }) => refused += 1,
-            Err(ReplayError::BadTile { tile: 1, .. }) if seed % 4 == 2 => {}
+            Err(ReplayError::Corrupt { tile: 1, ray: Some(_), .. }) => refused += 1,
+            Err(ReplayError::Corrupt { tile: 1, ray: None, .. }) if seed % 4 == 2 => {}
             Err(error) => panic!("{error}"),
         }
     }

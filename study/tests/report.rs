@@ -3,6 +3,7 @@
 use rayreel_formats::Error;
 use rayreel_formats::scene::{Camera, Meta};
 use rayreel_formats::tile::Tile;
+use rayreel_replay::error::RequestError;
 use rayreel_replay::image::{files, srgb};
 use rayreel_replay::maps;
 use rayreel_replay::policy::{Apron, Refine};
@@ -169,9 +170,12 @@ fn frames_must_exist() {
     let run = |frames: &[u32]| replay(&source(), &Policy::Full, frames.iter().copied(), Options::default());
     let text = run(&[5, 8]).unwrap_err().to_string();
     assert!(text.contains("frame 8") && text.contains("5 to 7"), "{text}");
-    assert!(matches!(run(&[]).unwrap_err(), ReplayError::Nothing { .. }));
+    assert!(matches!(run(&[]).unwrap_err(), ReplayError::Request(RequestError::Nothing { .. })));
     let empty = Synthetic::new(Look::Flat, (0, 9), 1, 8, 0);
-    assert!(matches!(replay(&empty, &Policy::Full, [5], Options::default()), Err(ReplayError::Nothing { .. })));
+    assert!(matches!(
+        replay(&empty, &Policy::Full, [5], Options::default()),
+        Err(ReplayError::Request(RequestError::Nothing { .. }))
+    ));
 }
 
 /// A source that fails, or lies, from tile 3 on.

@@ -10,7 +10,7 @@ use super::band::{AdjacentBands, Band, Reader};
 use super::canvas::{Canvas, FrameReplay};
 use super::states::Blocks;
 use crate::counts::TileStats;
-use crate::error::{ReplayError, Result};
+use crate::error::{ReplayError, RequestError, Result};
 use crate::image::compare::Comparer;
 use crate::policy::{SamplePolicy, Sampler};
 use crate::source::{PathSource, TileSource};
@@ -55,7 +55,7 @@ impl<'a, S: TileSource + ?Sized> Replayer<'a, S> {
         let meta = source.meta();
         let (width, height) = meta.grid();
         if width == 0 || height == 0 || meta.tile == 0 {
-            return Err(ReplayError::Nothing { what: "the sample grid of the trace is empty" });
+            return Err(RequestError::Nothing { what: "the sample grid of the trace is empty" }.into());
         }
         let (sampler, comparer) = (policy.sampler(meta)?, Comparer::new(meta, options.perception));
         Ok(Self { source, sampler, options, comparer, stop: Stop::never() })
@@ -96,7 +96,7 @@ impl<'a, S: TileSource + ?Sized> Replayer<'a, S> {
         let meta = self.source.meta();
         if !meta.frame_numbers().contains(&frame) {
             let (first, last) = (meta.first_frame, meta.first_frame + meta.frames.saturating_sub(1));
-            return Err(ReplayError::NoSuchFrame { frame, first, last });
+            return Err(RequestError::NoSuchFrame { frame, first, last }.into());
         }
         self.source.camera(frame).map_err(|e| ReplayError::Trace {
             what: "the camera".into(),

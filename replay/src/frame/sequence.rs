@@ -3,7 +3,7 @@
 use super::canvas::FrameReplay;
 use super::replayer::{Options, Replayer};
 use crate::counts::FrameStats;
-use crate::error::{ReplayError, Result};
+use crate::error::{RequestError, Result};
 use crate::policy::SamplePolicy;
 use crate::source::TileSource;
 
@@ -58,7 +58,7 @@ pub fn replay_each<S: TileSource + ?Sized, P: SamplePolicy + ?Sized>(
         sink(frame)?;
     }
     if stats.is_empty() {
-        return Err(ReplayError::Nothing { what: "no frame was chosen" });
+        return Err(RequestError::Nothing { what: "no frame was chosen" }.into());
     }
     Ok(stats)
 }

@@ -4,7 +4,7 @@ use rayreel_formats::scene::Meta;
 
 use super::flicker::Flicker;
 use super::flip::{self, FlipMap};
-use super::psnr::SquaredError;
+use super::psnr::{SquaredError, decibels};
 use super::tiles::{TileGrid, tile_errors, worst};
 use super::{Image, srgb, ssim};
 use crate::error::Result;
@@ -24,6 +24,13 @@ pub struct Quality {
     pub worst_tile: Option<WorstTile>,
     /// Squared change of the error since the frame before; `None` if that was not replayed.
     pub flicker: Option<SquaredError>,
+}
+
+impl Quality {
+    /// PSNR in dB; `None` if nothing differs.
+    pub fn psnr_db(&self) -> Option<f64> {
+        decibels(self.squared_error, self.values)
+    }
 }
 
 /// The tile that differs most.

@@ -10,7 +10,7 @@ use super::tree::Forest;
 use super::view::TileView;
 use super::{Apron, NamedPolicy, Policy};
 use crate::counts::TileStats;
-use crate::error::{ReplayError, Result};
+use crate::error::{RequestError, Result};
 
 impl SamplePolicy for Policy {
     fn name(&self) -> String {
@@ -131,5 +131,5 @@ fn check_tile(tile: u32, blocks: &[u32]) -> Result<()> {
     let below = tile / block * block;
     let tiles: Vec<_> = [below, below + block].into_iter().filter(|&t| t > 0).map(|t| t.to_string()).collect();
     let blocks = if blocks.is_empty() { "none does".into() } else { blocks.join(", ") };
-    Err(ReplayError::TileSize { tile, block, blocks, tiles: tiles.join(" or ") })
+    Err(RequestError::TileSize { tile, block, blocks, tiles: tiles.join(" or ") }.into())
 }

@@ -6,7 +6,7 @@
 use rayreel_formats::tile::{RayKind, RayNode, Tile};
 
 use super::stream::Weigh;
-use crate::error::{ReplayError, Result};
+use crate::error::{RayStep, ReplayError, Result};
 use crate::policy::view::{RoundCounts, SampleState, TileView};
 use crate::source::PathSource;
 use rayreel_machine::work::check::{PathCounts, walk};
@@ -154,14 +154,11 @@ impl<S: PathSource + ?Sized> Builder<'_, S> {
         let (start, len) = tile.paths.spans[number as usize];
         let ops_start = part.ops.len() as u32;
         let shadow = ray.kind == RayKind::Shadow;
-        let broken = |step, detail| ReplayError::BadPath {
+        let broken = |step, detail: &str| ReplayError::Corrupt {
             frame: tile.frame,
             tile: tile.index,
-            x: ray.x,
-            y: ray.y,
-            ray: number,
-            step,
-            detail,
+            ray: Some(RayStep { x: ray.x, y: ray.y, ray: number, step }),
+            detail: detail.into(),
         };
         let steps = tile.paths.steps.get(start as usize..).and_then(|rest| rest.get(..len as usize));
         let steps = steps.ok_or_else(|| broken(0, "its steps are not in the tile"))?;
@@ -296,5 +293,5 @@ fn lacking(tile: &Tile, at: (u32, u32)) -> ReplayError {
 }
 
 fn bad(tile: &Tile, detail: String) -> ReplayError {
-    ReplayError::BadTile { frame: tile.frame, tile: tile.index, detail }
+    ReplayError::Corrupt { frame: tile.frame, tile: tile.index, ray: None, detail }
 }

@@ -112,7 +112,7 @@ mod tests {
     }
 
     fn failed() -> ReplayError {
-        ReplayError::Nothing { what: "a test" }
+        ReplayError::Usage { detail: "a test".into() }
     }
 
     /// Sums count what `put` has returned for, so they are never more than what waits.
@@ -157,7 +157,7 @@ mod tests {
             taken.push(item);
             Ok(())
         });
-        assert!(matches!(result, Err(ReplayError::Nothing { .. })));
+        assert!(matches!(result, Err(ReplayError::Usage { .. })));
         assert_eq!(taken, [1, 2, 3, 4, 5]);
     }
 
@@ -176,7 +176,7 @@ mod tests {
             taken += 1;
             if taken == 3 { Err(failed()) } else { Ok(()) }
         });
-        assert!(matches!(result, Err(ReplayError::Nothing { .. })));
+        assert!(matches!(result, Err(ReplayError::Usage { .. })));
         // The three that were taken; at most one more waited.
         assert!((3..=4).contains(&put.load(Ordering::SeqCst)), "{put:?}");
     }

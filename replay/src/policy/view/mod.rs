@@ -59,7 +59,6 @@ pub struct TileView {
 }
 
 /// The recorded ray tree of one sample, of which hits may be traced one by one.
-#[derive(Debug)]
 pub struct Tracer<'a> {
     nodes: &'a [Node],
     traced: &'a mut [bool],
@@ -92,12 +91,12 @@ impl Tracer<'_> {
 }
 
 impl TileView {
-    /// A view of a recorded tile in which nothing is traced yet. With `deep` it shows whole ray trees, else primary hits
+    /// A view of a recorded tile in which nothing is traced yet. Policies cannot make one: who holds a tile has seen it. With `deep` it shows whole ray trees, else primary hits
     /// with the colour of all.
     ///
     /// # Errors
     /// When the tile's columns do not fit its rectangle.
-    pub fn new<S: TileSource + ?Sized>(
+    pub(crate) fn new<S: TileSource + ?Sized>(
         source: &S,
         camera: &Camera,
         (frame, index): (u32, u32),
@@ -105,7 +104,8 @@ impl TileView {
         deep: bool,
     ) -> Result<Self> {
         let rect = source.meta().tile_rect(index);
-        let recorded = Recorded::new(source, camera, tile, rect, deep).map_err(|detail| ReplayError::BadTile {
+        let recorded = Recorded::new(source, camera, tile, rect, deep).map_err(|detail| ReplayError::Corrupt {
+            ray: None,
             frame,
             tile: index,
             detail,
