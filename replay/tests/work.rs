@@ -100,13 +100,13 @@ fn assert_waves(work: &TileWork, frame: &FrameReplay) -> u32 {
     outside
 }
 
-/// Apron samples stand behind the tile's own in every wave: their rays come later.
-fn outside_is_last(work: &TileWork, primaries: &[u32], own: u32) -> bool {
+/// Apron samples stand behind those of the tile in every round: their rays come later.
+fn outside_is_last(work: &TileWork, primaries: &[u32], last: u32) -> bool {
     let inside = |ray: u32| {
         let (ray, rect) = (&work.rays[ray as usize], work.rect);
         ray.x < rect.x + rect.width && ray.y < rect.y + rect.height
     };
-    primaries.iter().take_while(|&&ray| ray != own).all(|&ray| inside(ray))
+    primaries.iter().take_while(|&&ray| ray != last).all(|&ray| inside(ray))
 }
 
 #[test]
@@ -130,7 +130,7 @@ fn rays_and_waves_are_those_of_the_policy() {
                 rays += work.rays.len() as u64;
             }
             assert_eq!(paths.rays, rays);
-            let again = matches!(&policy, Policy::Adaptive(own) if own.apron == Apron::Retrace);
+            let again = matches!(&policy, Policy::Adaptive(adaptive) if adaptive.apron == Apron::Retrace);
             assert!(interpolated == frame.stats.counts.samples_interpolated || again && interpolated > 0, "{policy:?}");
         }
     }

@@ -28,13 +28,13 @@ pub struct TileRate {
     pub relax: f64,
 }
 
-/// The rates of a frame's tiles.
+/// The rates of a frame's tiles, in tile order.
 #[derive(Clone, Debug, Default)]
 pub struct Rates {
     columns: u32,
     /// Per tile block edge and factor on the colour limit.
     tiles: Vec<(u32, f64)>,
-    /// In a frame without one before: what its rows learn from those above.
+    /// In a first frame, or after a cut: what its rows learn from those above.
     first: Option<FirstFrame>,
 }
 
@@ -82,14 +82,14 @@ pub struct RateController {
 struct History {
     frame: u32,
     forward: Vec3,
-    tiles: Vec<Memory>,
+    tiles: Vec<TileHistory>,
     /// The ratios changed so much that they say nothing about the next frame.
     cut: bool,
 }
 
-/// What is known of a tile.
+/// What is remembered of a tile.
 #[derive(Clone, Copy, Debug)]
-struct Memory {
+struct TileHistory {
     block: u32,
     ratio: Option<f64>,
     /// Frames in a row that asked for a larger (positive) or smaller (negative) block.
@@ -146,12 +146,12 @@ impl RateController {
     /// Takes note of what the tiles of `frame` were like under `rates`.
     pub fn learn(&mut self, frame: u32, camera: &Camera, rates: &Rates, stats: &[TileStats]) {
         let Policy::Multirate(multirate) = &self.policy else { return };
-        let fresh = rates.tiles.iter().map(|&(block, _)| Memory { block, ratio: None, asked: 0 }).collect();
+        let fresh = rates.tiles.iter().map(|&(block, _)| TileHistory { block, ratio: None, asked: 0 }).collect();
         let known = self.history.take().filter(|history| !self.is_cut(multirate, history, frame, camera));
         if let Some(target) = &mut self.target {
             target.learn(stats, known.is_none());
         }
-        let mut tiles: Vec<Memory> = known.map_or(fresh, |history| history.tiles);
+        let mut tiles: Vec<TileHistory> = known.map_or(fresh, |history| history.tiles);
         let (mut change, mut compared) = (0.0, 0u32);
         for (memory, stats) in tiles.iter_mut().zip(stats) {
             let ratio = stats.counts.similarity_ratio();
@@ -198,7 +198,7 @@ impl RateController {
     }
 }
 
-impl Memory {
+impl TileHistory {
     /// Lets the tile change its block if enough frames asked for it.
     fn follow(&mut self, multirate: &Multirate, frame: u32) {
         let shift = if frame % 2 == 1 { multirate.alternate } else { 0.0 };
