@@ -1,7 +1,7 @@
 //! The steps of the adaptive policies on one tile; `full` is the same with blocks of one sample.
 //!
-//! A tile needs of its neighbours: for the X step the R-samples on its closing column, for the Y step its closing row after
-//! that row's own X step. Where the tile to the left has smaller blocks, a tile traces the samples of its first column that
+//! What a tile needs of its neighbours: for the X step the R-samples on its closing column (the first of the tile to the
+//! right), for the Y step its closing row (the first of the tile below) after that tile's X step. Where the tile to the left has smaller blocks, a tile traces the samples of its first column that
 //! close its neighbour's R-rows too.
 
 use rayreel_formats::math::Vec3;
@@ -121,7 +121,7 @@ impl TileRules<'_> {
         let rect = view.rect();
         let bottom = rect.y + rect.height;
         for x in rect.x..rect.x + rect.width {
-            // Beside the R-rows, whatever the tile to the left needed of the first column.
+            // In the first column that is more than the R-rows: what the tile to the left needed is traced too.
             let mut ends: Vec<_> = (rect.y..bottom).filter(|&y| view.state(x, y).is_some()).collect();
             ends.extend(closing.map(|_| bottom));
             let far = closing.map(|row| row.tree((x - rect.x) as usize));
@@ -131,7 +131,7 @@ impl TileRules<'_> {
         correct(view, &self.rules.sampling.correct, &self.tests, 1 + 2 * self.levels());
     }
 
-    /// Rounds that one step may take.
+    /// How many rounds one step may take.
     fn levels(&self) -> u8 {
         match self.rules.sampling.refine {
             Refine::Direct => 1,
@@ -159,7 +159,8 @@ struct Line<'a> {
 }
 
 impl Line<'_> {
-    /// Decides the samples between two known ones. `foreseen` is how far off the prediction of the traced one of them was.
+    /// Decides the samples between two known ones. One of the two may have been traced just now, as the middle of a wider gap:
+    /// `foreseen` is how far its colour was off the one that interpolation would have given it, else infinite.
     fn decide(&mut self, a: u32, b: u32, foreseen: f64) {
         if b - a < 2 {
             return;
@@ -190,7 +191,7 @@ impl Line<'_> {
         let mut tree = Vec::new();
         match self.axis {
             Axis::X(_) => interpolate_tree(self.tree(near), self.tree(far), s, &mut tree),
-            // Nothing is interpolated from it any more: its primary hit is enough.
+            // No further sample is interpolated from this one, so its primary hit is enough.
             Axis::Y(_) => {
                 let alone = |tree: &[Node]| Node { reflect: None, refract: None, len: 1, ..tree[0] };
                 interpolate_tree(&[alone(self.tree(near))], &[alone(self.tree(far))], s, &mut tree);

@@ -103,11 +103,11 @@ impl<S: PathSource + ?Sized> Builder<'_, S> {
         at: (u32, u32),
     ) -> Result<()> {
         // Per depth the last hit: its ray if it was traced, what it is, and whether its children were announced.
-        let mut line = Line { above: [None; DEPTHS] };
+        let mut ancestors = Ancestors { above: [None; DEPTHS] };
         let nodes = tile.tree.sample(sample);
         for (i, node) in nodes.clone().enumerate() {
             let hit = &tile.tree.nodes[node];
-            let parent = line.parent(hit, i == 0).map_err(|detail| bad(tile, detail))?;
+            let parent = ancestors.parent(hit, i == 0).map_err(|detail| bad(tile, detail))?;
             let ray = traces(i).then_some(part.rays.len() as u32);
             if let Some(ray) = ray {
                 match parent.map(|up| &mut part.rays[up as usize]) {
@@ -117,9 +117,9 @@ impl<S: PathSource + ?Sized> Builder<'_, S> {
                 }
                 self.rays(part, tile, node, index[node], at)?;
             }
-            line.note(hit, ray).map_err(|()| lacking(tile, at))?;
+            ancestors.note(hit, ray).map_err(|()| lacking(tile, at))?;
         }
-        line.finish().map_err(|()| lacking(tile, at))
+        ancestors.finish().map_err(|()| lacking(tile, at))
     }
 
     /// Appends the ray of a node and the shadow rays of its hit.
@@ -175,14 +175,14 @@ impl<S: PathSource + ?Sized> Builder<'_, S> {
     }
 }
 
-/// The last hit of each depth on the way down a ray tree.
-struct Line {
-    above: [Option<Above>; DEPTHS],
+/// The way down to a hit of a ray tree: the last hit of each depth.
+struct Ancestors {
+    above: [Option<Ancestor>; DEPTHS],
 }
 
 /// A hit whose children may be still to come.
 #[derive(Clone, Copy)]
-struct Above {
+struct Ancestor {
     class: u16,
     /// Its ray in the work, if that is traced.
     ray: Option<u32>,
@@ -190,7 +190,7 @@ struct Above {
     refract: bool,
 }
 
-impl Line {
+impl Ancestors {
     /// The ray that spawned `node`, if it is traced. The hit above must be there and have announced the child.
     fn parent(&mut self, node: &RayNode, primary: bool) -> Result<Option<u32>, String> {
         let class = node.class;
@@ -213,7 +213,7 @@ impl Line {
 
     /// Takes note of `node`; an error if a child of the hit that was last at its depth did not come.
     fn note(&mut self, node: &RayNode, ray: Option<u32>) -> Result<(), ()> {
-        let above = Above { class: node.class.0, ray, reflect: node.reflect, refract: node.refract };
+        let above = Ancestor { class: node.class.0, ray, reflect: node.reflect, refract: node.refract };
         match self.above[node.class.depth() as usize].replace(above) {
             Some(old) if old.reflect || old.refract => Err(()),
             _ => Ok(()),
@@ -236,7 +236,7 @@ impl Part {
         &mut self.rounds[round]
     }
 
-    /// Adds tests and interpolated samples.
+    /// Adds what was tested and interpolated, round by round.
     pub fn count(&mut self, rounds: &[RoundCounts]) {
         for (round, counts) in (0..).zip(rounds) {
             let round = self.round(round);

@@ -18,7 +18,7 @@ pub(crate) struct Output<'a, T> {
 }
 
 impl<T: Weigh> Output<'_, T> {
-    /// Hands an item over, waiting until there is room. An item finds room beside none, whatever it weighs.
+    /// Hands an item over, waiting until there is room. An item heavier than all the room waits until nothing else does.
     ///
     /// # Errors
     /// When the consumer has stopped: nobody sees this error, it only ends the producer.
@@ -34,7 +34,7 @@ impl<T: Weigh> Output<'_, T> {
 /// The memory of what waits.
 struct Room {
     limit: usize,
-    /// Bytes in use; nothing once there is no limit any more.
+    /// Bytes in use. `None` lifts the limit: the consumer has gone, and nobody would make room.
     used: Mutex<Option<usize>>,
     freed: Condvar,
 }

@@ -247,7 +247,7 @@ impl TileView {
         self.traced[self.recorded.range(sample).start + if self.deep { node } else { 0 }]
     }
 
-    /// Hits that a tile buffer holds beyond one a sample.
+    /// Hits of the known trees beyond one a sample: what a tile buffer has to hold besides.
     pub(crate) fn secondary_hits(&self) -> u32 {
         self.known.secondary_hits()
     }
@@ -278,7 +278,7 @@ impl TileView {
         }
     }
 
-    /// Gives a sample its state; its place in the tile.
+    /// Gives a sample its state, which it has once. Its number in the tile.
     fn decide(&mut self, x: u32, y: u32, state: SampleState, round: u8) -> usize {
         let i = self.offset(x, y);
         assert!(self.states[i].is_none(), "a policy decided sample ({x}, {y}) twice");
