@@ -49,10 +49,10 @@ pub fn of(error: &anyhow::Error) -> Exit {
                 e,
                 StudyError::Conflict { .. }
                     | StudyError::Table { .. }
-                    | StudyError::Replay(ReplayError::BadTile { .. })
+                    | StudyError::Replay(ReplayError::Corrupt { ray: None, .. })
             )
         });
-        scene || report || study || matches!(cause.downcast_ref(), Some(ReplayError::BadTile { .. }))
+        scene || report || study || matches!(cause.downcast_ref(), Some(ReplayError::Corrupt { ray: None, .. }))
     };
     if error.chain().any(bad_data) { Exit::BadData } else { Exit::Usage }
 }

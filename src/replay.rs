@@ -11,7 +11,9 @@ use rayreel_machine::config::NamedMachine;
 use rayreel_machine::config::schema::is_machine_override;
 use rayreel_machine::probes::Watch;
 use rayreel_machine::timeline::Timeline;
-use rayreel_replay::image::{errors, files, map, srgb};
+use rayreel_replay::error::RequestError;
+use rayreel_replay::image::{errors, files, srgb};
+use rayreel_replay::maps;
 use rayreel_replay::simulate::simulate_each;
 use rayreel_replay::{FrameReplay, NamedPolicy, Options, ReplayError, Replayer, replay_each};
 use rayreel_study::report::{Origin, Report};
@@ -97,7 +99,8 @@ fn chosen(args: &Args, meta: &Meta) -> Result<Range<u32>> {
     let Some((first, count)) = args.frames else { return Ok(all) };
     for frame in [first, first + (count - 1)] {
         if !all.contains(&frame) {
-            return Err(ReplayError::NoSuchFrame { frame, first: all.start, last: all.end.saturating_sub(1) }.into());
+            let (first, last) = (all.start, all.end.saturating_sub(1));
+            return Err(ReplayError::from(RequestError::NoSuchFrame { frame, first, last }).into());
         }
     }
     Ok(first..first + count)
@@ -157,7 +160,7 @@ pub fn write_pictures(frame: &FrameReplay, samples: u32, out: &Path, prefix: &st
     if let Some(flip) = &frame.flip {
         files::write_png(&file("flip.png"), &errors::flip_picture(flip))?;
     }
-    let similarity = map::similarity_map_pixels(&frame.states, &frame.blocks, samples);
+    let similarity = maps::similarity_map_pixels(&frame.states, &frame.blocks, samples);
     files::write_png(&file("similarity.png"), &similarity)?;
-    files::write_png(&file("rate.png"), &map::rate_map_pixels(&frame.states, &frame.blocks, samples))
+    files::write_png(&file("rate.png"), &maps::rate_map_pixels(&frame.states, &frame.blocks, samples))
 }

@@ -24,79 +24,22 @@ pub enum ReplayError {
         #[source]
         source: Box<rayreel_formats::Error>,
     },
-    /// A tile does not hold what its metadata promise.
-    #[error("frame {frame}, tile {tile}: {detail}; check the trace with `rayreel verify`")]
-    BadTile {
+    /// A tile contradicts itself: its metadata, its columns, or a path that does not lead through the tree. The trace must be
+    /// captured again.
+    #[error("frame {frame}, tile {tile}{}: {detail}; check the trace with `rayreel verify`", ray_step(.ray))]
+    Corrupt {
         /// The frame.
         frame: u32,
         /// The tile.
         tile: u32,
+        /// Where in the tile, if one step of a path is wrong.
+        ray: Option<RayStep>,
         /// What is wrong.
         detail: String,
     },
-    /// A recorded path does not lead through the tree.
-    #[error(
-        "frame {frame}, tile {tile}, sample ({x}, {y}), ray {ray}, step {step}: {detail}; check the trace with \
-         `rayreel verify`"
-    )]
-    BadPath {
-        /// The frame.
-        frame: u32,
-        /// The tile.
-        tile: u32,
-        /// The sample: column of the frame's grid.
-        x: u32,
-        /// The sample: row of the frame's grid.
-        y: u32,
-        /// The ray, as the tile numbers its recorded rays.
-        ray: u32,
-        /// The step of the ray, from 0.
-        step: u32,
-        /// What is wrong there.
-        detail: &'static str,
-    },
-    /// The trace does not hold this frame.
-    #[error("frame {frame} is not in the trace, which holds frames {first} to {last}; choose one of these")]
-    NoSuchFrame {
-        /// The frame asked for.
-        frame: u32,
-        /// First frame of the trace.
-        first: u32,
-        /// Last frame of the trace.
-        last: u32,
-    },
-    /// The machine has no kernel that the policy needs.
-    #[error(
-        "machine {machine} has no kernel {kernels}, which the policy needs; use policy full, another machine, or give it one \
-         (--set srp.kernels.similarity.ii_cycles=2)"
-    )]
-    MissingKernel {
-        /// The machine.
-        machine: String,
-        /// What is missing.
-        kernels: String,
-    },
-    /// There is nothing to replay.
-    #[error("{what}; there is nothing to replay")]
-    Nothing {
-        /// What is empty.
-        what: &'static str,
-    },
-    /// The blocks of the policy do not fit the tiles of the trace.
-    #[error(
-        "blocks of {block} samples do not fill tiles of {tile} samples; choose a block that divides {tile} ({blocks}), or \
-         capture with a tile size that is a multiple of {block} (such as {tiles})"
-    )]
-    TileSize {
-        /// Tile edge of the trace, samples.
-        tile: u32,
-        /// Block edge of the policy, samples.
-        block: u32,
-        /// The blocks that would work.
-        blocks: String,
-        /// Some tile sizes that would work.
-        tiles: String,
-    },
+    /// What was asked for does not suit the trace or the machine. Ask for something else.
+    #[error(transparent)]
+    Request(#[from] RequestError),
     /// No preset of this name, and not a file.
     #[error("no policy preset {name:?}; {near}, or give the path of a .toml file")]
     UnknownPreset {
@@ -169,6 +112,9 @@ pub enum ReplayError {
         /// What the decoder says.
         detail: String,
     },
+    /// A stop was requested. Nothing is wrong: the same call again does the work.
+    #[error("interrupted")]
+    Interrupted,
     /// The calling code broke a rule of the interface.
     #[error("wrong use: {detail}")]
     Usage {
@@ -185,4 +131,69 @@ impl ReplayError {
     pub(crate) fn output(path: &std::path::Path, action: &'static str, source: io::Error) -> Self {
         Self::Output { path: path.to_path_buf(), action, source }
     }
+}
+
+/// A step of a ray of a tile.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct RayStep {
+    /// The sample: column of the frame's grid.
+    pub x: u32,
+    /// The sample: row of the frame's grid.
+    pub y: u32,
+    /// The ray, as the tile numbers its recorded rays.
+    pub ray: u32,
+    /// The step of the ray, from 0.
+    pub step: u32,
+}
+
+fn ray_step(at: &Option<RayStep>) -> String {
+    at.map_or_else(String::new, |RayStep { x, y, ray, step }| format!(", sample ({x}, {y}), ray {ray}, step {step}"))
+}
+
+/// Why a request does not suit the trace or the machine.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum RequestError {
+    /// The trace does not hold this frame.
+    #[error("frame {frame} is not in the trace, which holds frames {first} to {last}; choose one of these")]
+    NoSuchFrame {
+        /// The frame asked for.
+        frame: u32,
+        /// First frame of the trace.
+        first: u32,
+        /// Last frame of the trace.
+        last: u32,
+    },
+    /// The machine has no kernel that the policy needs.
+    #[error(
+        "machine {machine} has no kernel {kernels}, which the policy needs; use policy full, another machine, or give it one \
+         (--set srp.kernels.similarity.ii_cycles=2)"
+    )]
+    MissingKernel {
+        /// The machine.
+        machine: String,
+        /// What is missing.
+        kernels: String,
+    },
+    /// There is nothing to replay.
+    #[error("{what}; there is nothing to replay")]
+    Nothing {
+        /// What is empty.
+        what: &'static str,
+    },
+    /// The blocks of the policy do not fit the tiles of the trace.
+    #[error(
+        "blocks of {block} samples do not fill tiles of {tile} samples; choose a block that divides {tile} ({blocks}), or \
+         capture with a tile size that is a multiple of {block} (such as {tiles})"
+    )]
+    TileSize {
+        /// Tile edge of the trace, samples.
+        tile: u32,
+        /// Block edge of the policy, samples.
+        block: u32,
+        /// The blocks that would work.
+        blocks: String,
+        /// Some tile sizes that would work.
+        tiles: String,
+    },
 }

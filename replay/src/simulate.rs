@@ -1,7 +1,21 @@
 //! A frame through policy and machine.
+//!
+//! ```
+//! use rayreel_formats::{Limits, trace::Trace};
+//! use rayreel_machine::{config::NamedMachine, system::NoProbe};
+//! use rayreel_replay::{NamedPolicy, Options, PathSource, Replayer, simulate::simulate};
+//!
+//! let trace = Trace::open("../traces/v1_0_cornell.rtrace".as_ref(), Limits::default())?;
+//! let (policy, machine) = (NamedPolicy::load("multirate", &[])?, NamedMachine::load("sgrt-ti2", &[])?);
+//! let mut replayer = Replayer::new(&trace, &policy, Options::default())?;
+//! let named = (machine.name.as_str(), &machine.config);
+//! let frame = simulate(&mut replayer, 0, &trace.topology(), named, &mut NoProbe)?;
+//! assert_eq!((frame.stats.cycles, frame.stats.rays()), (30_247, 4054));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
-use crate::error::{ReplayError, Result};
-use crate::frame::counts::FrameStats;
+use crate::counts::FrameStats;
+use crate::error::{RequestError, Result};
 use crate::frame::{FrameReplay, Replayer};
 use crate::source::PathSource;
 use rayreel_machine::config::MachineConfig;
@@ -49,7 +63,7 @@ impl MachineRun {
 /// `probe` may watch.
 ///
 /// # Errors
-/// As [`simulate`], and what `sink` returns; [`ReplayError::Nothing`] if there is no frame.
+/// As [`simulate`], and what `sink` returns; [`RequestError::Nothing`] if there is no frame.
 pub fn simulate_each<S: PathSource + ?Sized, P: Probe>(
     replayer: &mut Replayer<'_, S>,
     frames: impl IntoIterator<Item = u32>,
@@ -67,7 +81,7 @@ pub fn simulate_each<S: PathSource + ?Sized, P: Probe>(
         sink(replay)?;
     }
     if runs.is_empty() {
-        return Err(ReplayError::Nothing { what: "no frame was chosen" });
+        return Err(RequestError::Nothing { what: "no frame was chosen" }.into());
     }
     Ok((counted, runs))
 }
@@ -75,7 +89,7 @@ pub fn simulate_each<S: PathSource + ?Sized, P: Probe>(
 /// Replays frame `frame` and runs its rays through a machine that starts with cold caches. `probe` may watch.
 ///
 /// # Errors
-/// As [`Replayer::frame_with`]; [`ReplayError::MissingKernel`] if the machine cannot run the policy; [`ReplayError::Machine`] if
+/// As [`Replayer::frame_with`]; [`RequestError::MissingKernel`] if the machine cannot run the policy; [`ReplayError::Machine`] if
 /// the machine stands still.
 pub fn simulate<S: PathSource + ?Sized, P: Probe>(
     replayer: &mut Replayer<'_, S>,
@@ -94,7 +108,7 @@ pub fn simulate<S: PathSource + ?Sized, P: Probe>(
         if missing.is_empty() {
             return Ok(system.feed(work, probe)?);
         }
-        Err(ReplayError::MissingKernel { machine: name.into(), kernels: missing.join(" and ") })
+        Err(RequestError::MissingKernel { machine: name.into(), kernels: missing.join(" and ") }.into())
     })?;
     let (stats, _) = system.finish(probe)?;
     let energy = EnergyReport::new(config, &stats);

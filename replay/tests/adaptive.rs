@@ -1,12 +1,12 @@
 //! The adaptive policy against a slow second implementation, and against hits it must not see.
 
-use rayreel_replay::frame::counts::RayCounts;
+use rayreel_replay::counts::RayCounts;
 use rayreel_replay::image::resolve::Resolver;
 use rayreel_replay::policy::view::SampleState;
 use rayreel_replay::policy::{Adaptive, Apron, Limit, Policy, Refine};
 use rayreel_replay::{FrameReplay, Options, TileSource, replay};
 use rayreel_testkit::poison::Poisoned;
-use rayreel_testkit::reference::{self, How, Outcome};
+use rayreel_testkit::reference::{self, Origin, Outcome};
 use rayreel_testkit::synthetic::{Look, Synthetic};
 use rayreel_testkit::{adaptive, policy, switches};
 
@@ -30,13 +30,13 @@ fn assert_same<S: TileSource>(source: &S, frame: &FrameReplay, expected: &Outcom
         for x in 0..width {
             let i = y as usize * expected.width + x as usize;
             let how = match frame.states.state(x, y) {
-                SampleState::Reference => How::R,
-                SampleState::Traced => How::Traced,
-                SampleState::Interpolated => How::Interpolated,
-                SampleState::Partial => How::Partial,
+                SampleState::Reference => Origin::R,
+                SampleState::Traced => Origin::Traced,
+                SampleState::Interpolated => Origin::Interpolated,
+                SampleState::Partial => Origin::Partial,
             };
             assert_eq!(how, expected.how[i], "{what}: sample ({x}, {y})");
-            assert_eq!(frame.states.wave(x, y), expected.waves[i], "{what}: wave of ({x}, {y})");
+            assert_eq!(frame.states.round(x, y), expected.waves[i], "{what}: wave of ({x}, {y})");
             resolver.add(x, y, expected.colours[i].into());
         }
     }
@@ -44,10 +44,10 @@ fn assert_same<S: TileSource>(source: &S, frame: &FrameReplay, expected: &Outcom
     assert!(image.pixels.iter().map(bits).eq(frame.image.pixels.iter().map(bits)), "{what}: colours");
     let counts = &frame.stats.counts;
     let number = |how| expected.count(how);
-    assert_eq!(counts.samples_reference, number(How::R), "{what}");
-    assert_eq!(counts.samples_traced, number(How::R) + number(How::Traced) + number(How::Partial), "{what}");
-    assert_eq!(counts.samples_partial, number(How::Partial), "{what}");
-    assert_eq!(counts.samples_interpolated, number(How::Interpolated), "{what}");
+    assert_eq!(counts.samples_reference, number(Origin::R), "{what}");
+    assert_eq!(counts.samples_traced, number(Origin::R) + number(Origin::Traced) + number(Origin::Partial), "{what}");
+    assert_eq!(counts.samples_partial, number(Origin::Partial), "{what}");
+    assert_eq!(counts.samples_interpolated, number(Origin::Interpolated), "{what}");
     assert_eq!(counts.samples_full, expected.how.len() as u64, "{what}");
     assert_eq!(counts.samples_apron, expected.samples_apron, "{what}");
     assert_eq!(kinds(counts.rays_full), expected.rays_full, "{what}");
@@ -79,10 +79,10 @@ fn equals_the_reference() {
         for look in [Look::Discs, Look::Noise] {
             // A tile of 24 samples is a multiple of every block.
             let source = Synthetic::new(look, size, 1 + i as u32 % 2, 24, i as u64);
-            for own in policies() {
-                let what = format!("{look:?} {size:?} {own:?}");
-                let expected = reference::replay(&source, &own, FRAME);
-                let policy = Policy::Adaptive(own);
+            for variant in policies() {
+                let what = format!("{look:?} {size:?} {variant:?}");
+                let expected = reference::replay(&source, &variant, FRAME);
+                let policy = Policy::Adaptive(variant);
                 let frame = run(&source, &policy, 1);
                 assert_same(&source, &frame, &expected, &what);
                 assert_eq!(run(&source, &policy, 4), frame, "{what}: threads");
@@ -97,26 +97,31 @@ fn equals_the_reference_under_all_tests() {
     let noise = Synthetic::new(Look::Noise, (40, 30), 2, 16, 4);
     for switches in 0u32..32 {
         let on = |bit: u32, value: f64| if switches >> bit & 1 == 1 { Limit::At(value) } else { Limit::Off };
-        let mut own = adaptive(4, Refine::Hierarchical, Apron::Retrace);
-        own.sampling.similarity.object_id = switches & 1 == 1;
-        own.sampling.similarity.shadow = switches & 2 == 2;
-        own.sampling.similarity.normal_deg = on(2, 7.5);
-        own.sampling.similarity.position = on(3, 0.05);
-        own.sampling.similarity.plane = on(4, 0.01);
+        let mut variant = adaptive(4, Refine::Hierarchical, Apron::Retrace);
+        variant.sampling.similarity.object_id = switches & 1 == 1;
+        variant.sampling.similarity.shadow = switches & 2 == 2;
+        variant.sampling.similarity.normal_deg = on(2, 7.5);
+        variant.sampling.similarity.position = on(3, 0.05);
+        variant.sampling.similarity.plane = on(4, 0.01);
         for source in [&source, &noise] {
-            let expected = reference::replay(source, &own, FRAME);
-            assert_same(source, &run(source, &Policy::Adaptive(own.clone()), 2), &expected, &format!("{own:?}"));
+            let expected = reference::replay(source, &variant, FRAME);
+            assert_same(
+                source,
+                &run(source, &Policy::Adaptive(variant.clone()), 2),
+                &expected,
+                &format!("{variant:?}"),
+            );
         }
     }
 }
 
 #[test]
 fn tiles_do_not_change_the_picture() {
-    let own = policy(3, Refine::Hierarchical, Apron::Share);
-    let whole = run(&Synthetic::new(Look::Discs, (45, 33), 2, 96, 1), &own, 2);
+    let variant = policy(3, Refine::Hierarchical, Apron::Share);
+    let whole = run(&Synthetic::new(Look::Discs, (45, 33), 2, 96, 1), &variant, 2);
     // 15 is odd: pixels of two samples straddle tiles.
     for tile in [3, 15, 24] {
-        let frame = run(&Synthetic::new(Look::Discs, (45, 33), 2, tile, 1), &own, 2);
+        let frame = run(&Synthetic::new(Look::Discs, (45, 33), 2, tile, 1), &variant, 2);
         assert_eq!((&frame.image, &frame.states), (&whole.image, &whole.states), "tile {tile}");
         assert_eq!(frame.reference, whole.reference, "tile {tile}");
         assert_eq!(frame.stats.counts, whole.stats.counts, "tile {tile}");
@@ -127,13 +132,13 @@ fn tiles_do_not_change_the_picture() {
 #[test]
 fn equals_the_reference_with_ray_trees() {
     let mut seen = [0; 4];
-    for (i, own) in switches::draw(160, 1).into_iter().enumerate() {
+    for (i, variant) in switches::draw(160, 1).into_iter().enumerate() {
         let look = if i % 4 == 3 { Look::Noise } else { Look::Trees };
         let source = Synthetic::new(look, SIZES[i % 3], 1 + i as u32 % 2, 24, i as u64);
-        let expected = reference::replay(&source, &own, FRAME);
-        let what = format!("{i}: {look:?} {own:?}");
-        assert_same(&source, &run(&source, &Policy::Adaptive(own), 2), &expected, &what);
-        let kinds = [How::R, How::Traced, How::Partial, How::Interpolated];
+        let expected = reference::replay(&source, &variant, FRAME);
+        let what = format!("{i}: {look:?} {variant:?}");
+        assert_same(&source, &run(&source, &Policy::Adaptive(variant), 2), &expected, &what);
+        let kinds = [Origin::R, Origin::Traced, Origin::Partial, Origin::Interpolated];
         (0..4).for_each(|k| seen[k] += expected.count(kinds[k]));
     }
     // The comparison means something: each kind is there, and often.
@@ -144,18 +149,18 @@ fn equals_the_reference_with_ray_trees() {
 #[test]
 fn untraced_hits_are_never_read() {
     let (mut partial, mut poisoned) = (0, 0);
-    let simple = policies().into_iter().map(|own| (Look::Discs, own));
-    let drawn = switches::draw(60, 2).into_iter().map(|own| (Look::Trees, own));
-    for (i, (look, own)) in simple.chain(drawn).enumerate() {
+    let simple = policies().into_iter().map(|variant| (Look::Discs, variant));
+    let drawn = switches::draw(60, 2).into_iter().map(|variant| (Look::Trees, variant));
+    for (i, (look, variant)) in simple.chain(drawn).enumerate() {
         let source = Synthetic::new(look, (37, 29), 2, 24, 9 + i as u64);
-        let outcome = reference::replay(&source, &own, FRAME);
-        let policy = Policy::Adaptive(own);
+        let outcome = reference::replay(&source, &variant, FRAME);
+        let policy = Policy::Adaptive(variant);
         let clean = run(&source, &policy, 2);
         if outcome.traced.iter().flatten().all(|traced| *traced) {
             continue;
         }
         poisoned += 1;
-        partial += outcome.count(How::Partial);
+        partial += outcome.count(Origin::Partial);
         for seed in 0..2 {
             let frame = run(&Poisoned { source: &source, outcome: &outcome, seed }, &policy, 2);
             assert_eq!(frame.image, clean.image, "{policy:?}");
@@ -204,7 +209,7 @@ fn a_flat_frame_by_hand() {
     // A tile of one R-sample and nothing else has no ratio.
     assert_eq!(frame.stats.tiles[5].counts.similarity_ratio(), None);
     assert_eq!(frame.stats.tiles[0].counts.similarity_ratio(), Some(1.0));
-    assert_eq!((frame.states.wave(0, 0), frame.states.wave(1, 0), frame.states.wave(1, 1)), (0, 1, 2));
+    assert_eq!((frame.states.round(0, 0), frame.states.round(1, 0), frame.states.round(1, 1)), (0, 1, 2));
 }
 
 /// One row of nine samples, the second object from column 3 on, one block of 8.
@@ -213,7 +218,7 @@ fn an_edge_by_hand() {
     let source = Synthetic::new(Look::Edge(3), (9, 1), 1, 16, 0);
     let row = |refine| {
         let frame = run(&source, &policy(8, refine, Apron::Share), 1);
-        (0..9).map(|x| (frame.states.state(x, 0), frame.states.wave(x, 0))).collect::<Vec<_>>()
+        (0..9).map(|x| (frame.states.state(x, 0), frame.states.round(x, 0))).collect::<Vec<_>>()
     };
     let (r, t, i) = (SampleState::Reference, SampleState::Traced, SampleState::Interpolated);
     // 0 and 8 differ: 4 is traced. 0 and 4 differ: 2 is traced. 0 and 2 agree, 2 and 4 differ, 4 and 8 agree.
@@ -226,9 +231,9 @@ fn an_edge_by_hand() {
 #[test]
 fn waves_stay_in_their_step() {
     let source = Synthetic::new(Look::Noise, (41, 37), 1, 24, 8);
-    for (own, levels) in policies().into_iter().zip([1, 1, 1, 1, 1, 1, 2, 2, 1, 1, 2, 2, 1, 1, 3, 3]) {
-        let n = own.block;
-        let frame = run(&source, &Policy::Adaptive(own), 1);
+    for (variant, levels) in policies().into_iter().zip([1, 1, 1, 1, 1, 1, 2, 2, 1, 1, 2, 2, 1, 1, 3, 3]) {
+        let n = variant.block;
+        let frame = run(&source, &Policy::Adaptive(variant), 1);
         for (x, y) in (0..37).flat_map(|y| (0..41).map(move |x| (x, y))) {
             let on_row = y % n == 0 || y == 36;
             let allowed = match (frame.states.state(x, y), on_row) {
@@ -236,7 +241,7 @@ fn waves_stay_in_their_step() {
                 (_, true) => 1..=levels,
                 (_, false) => levels + 1..=2 * levels,
             };
-            assert!(allowed.contains(&frame.states.wave(x, y)), "block {n}: ({x}, {y}) {allowed:?}");
+            assert!(allowed.contains(&frame.states.round(x, y)), "block {n}: ({x}, {y}) {allowed:?}");
         }
     }
 }

@@ -56,13 +56,13 @@ impl Page {
             for unit in &core.ti.trv {
                 unit.stages.iter().for_each(|(name, activity)| self.activity(&format!("trv.{name}"), activity));
                 self.group("trv", unit.events.list());
-                self.group("trv.front", unit.front.list());
+                self.group("trv.front", unit.buffer.list());
                 self.group("trv.l1", unit.l1.list());
             }
             for unit in &core.ti.ist {
                 self.activity("ist", &unit.activity);
                 self.group("ist", unit.events.list());
-                self.group("ist.front", unit.front.list());
+                self.group("ist.front", unit.buffer.list());
                 self.group("ist.l1", unit.l1.list());
             }
             let srp = &core.srp;

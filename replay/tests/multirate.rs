@@ -6,7 +6,7 @@ use rayreel_replay::image::psnr::SquaredError;
 use rayreel_replay::image::resolve::Resolver;
 use rayreel_replay::policy::{Adaptive, Foveated, Limit, Multirate, NamedPolicy, Policy, Target};
 use rayreel_replay::{FrameReplay, Options, TileSource, replay};
-use rayreel_testkit::reference::{self, How};
+use rayreel_testkit::reference::{self, Origin};
 use rayreel_testkit::synthetic::{Look, Random, Synthetic};
 use rayreel_testkit::{preset, switches};
 
@@ -48,8 +48,8 @@ impl TileSource for Patchwork {
     }
 }
 
-/// What `own` does, with blocks that follow every ratio at once and a colour limit that follows one pixel in five.
-fn nervous(own: &Adaptive) -> Policy {
+/// What `variant` does, with blocks that follow every ratio at once and a colour limit that follows one pixel in five.
+fn nervous(variant: &Adaptive) -> Policy {
     Policy::Multirate(Multirate {
         start: 4,
         finest: 2,
@@ -61,35 +61,34 @@ fn nervous(own: &Adaptive) -> Policy {
         cut_deg: 180.0,
         cut_change: 1.0,
         target: Target { psnr_db: Limit::At(30.0), audit: 5, strictest: 0.2, loosest: 5.0, share: 0.9 },
-        sampling: own.sampling.clone(),
+        sampling: variant.sampling.clone(),
     })
 }
 
 fn assert_same<S: TileSource>(
     source: &S,
-    own: &Adaptive,
+    variant: &Adaptive,
     rates: &[(u32, f64)],
     audit: Option<u64>,
     frame: &FrameReplay,
     what: &str,
 ) {
     let (expected, audits) = match audit {
-        Some(every) => reference::replay_audited(source, own, rates, (frame.frame, every)),
-        None => (reference::replay_tiles(source, own, rates, frame.frame), vec![(0, 0); rates.len()]),
+        Some(every) => reference::replay_audited(source, variant, rates, (frame.frame, every)),
+        None => (reference::replay_tiles(source, variant, rates, frame.frame), vec![(0, 0); rates.len()]),
     };
     let found: Vec<_> = frame.stats.tiles.iter().map(|t| (t.audited.sum, t.audited.values)).collect();
     assert_eq!(found, audits, "{what}: audits");
     let (width, height) = source.meta().grid();
     let mut resolver = Resolver::new(source.meta().width, source.meta().height, source.meta().samples);
     for (i, (x, y)) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).enumerate() {
-        let how = How::from(frame.states.state(x, y));
-        assert_eq!((how, frame.states.wave(x, y)), (expected.how[i], expected.waves[i]), "{what}: ({x}, {y})");
+        let how = Origin::from(frame.states.state(x, y));
+        assert_eq!((how, frame.states.round(x, y)), (expected.how[i], expected.waves[i]), "{what}: ({x}, {y})");
         resolver.add(x, y, expected.colours[i].into());
     }
     let bits = |v: &[f32; 3]| v.map(f32::to_bits);
     assert!(resolver.finish().pixels.iter().map(bits).eq(frame.image.pixels.iter().map(bits)), "{what}: colours");
-    let kinds =
-        |rays: rayreel_replay::frame::counts::RayCounts| [rays.primary, rays.reflection, rays.refraction, rays.shadow];
+    let kinds = |rays: rayreel_replay::counts::RayCounts| [rays.primary, rays.reflection, rays.refraction, rays.shadow];
     let tiles = frame.stats.tiles.iter().map(|t| (kinds(t.counts.rays_traced), kinds(t.counts.rays_apron)));
     assert!(tiles.eq(expected.tiles), "{what}: rays of tiles");
 }
@@ -100,17 +99,24 @@ fn assert_same<S: TileSource>(
 fn neighbours_of_any_block_fit_together() {
     let (mut pairs, mut factors) = (std::collections::BTreeSet::new(), std::collections::BTreeSet::new());
     let mut errors = SquaredError::default();
-    for (seed, own) in (0u64..).zip(switches::draw(16, 3)) {
+    for (seed, variant) in (0u64..).zip(switches::draw(16, 3)) {
         let source = Patchwork::new([(93, 61), (80, 49), (65, 65)][seed as usize % 3], seed);
-        let frames = replay(&source, &nervous(&own), 0..6, Options::default()).unwrap().frames;
+        let frames = replay(&source, &nervous(&variant), 0..6, Options::default()).unwrap().frames;
         for frame in frames {
             let blocks = frame.blocks.tiles();
             let rates: Vec<_> =
                 blocks.iter().zip(&frame.stats.tiles).map(|(&block, tile)| (block, tile.factor)).collect();
             factors.extend(rates.iter().map(|r| r.1.to_bits()));
             errors = errors + frame.stats.tiles.iter().map(|t| t.audited).sum();
-            let own = Adaptive { apron: rayreel_replay::policy::Apron::Share, ..own.clone() };
-            assert_same(&source, &own, &rates, Some(5), &frame, &format!("{seed}, frame {}: {own:?}", frame.frame));
+            let variant = Adaptive { apron: rayreel_replay::policy::Apron::Share, ..variant.clone() };
+            assert_same(
+                &source,
+                &variant,
+                &rates,
+                Some(5),
+                &frame,
+                &format!("{seed}, frame {}: {variant:?}", frame.frame),
+            );
             let columns = source.meta().tile_grid().0 as usize;
             pairs.extend(blocks.chunks(columns).flat_map(|row| row.windows(2)).map(|pair| (pair[0], pair[1])));
         }
@@ -123,30 +129,30 @@ fn neighbours_of_any_block_fit_together() {
 #[test]
 fn rings_equal_the_reference() {
     let Policy::Foveated(fixed) = NamedPolicy::load("foveated", &[]).unwrap().policy else { panic!("a preset") };
-    for (seed, own) in (0u64..).zip(switches::draw(8, 4)) {
+    for (seed, variant) in (0u64..).zip(switches::draw(8, 4)) {
         let source = Patchwork::new((111, 77), seed);
-        let policy = Foveated { gaze_x: 0.4, sampling: own.sampling.clone(), ..fixed.clone() };
+        let policy = Foveated { gaze_x: 0.4, sampling: variant.sampling.clone(), ..fixed.clone() };
         let frame =
             replay(&source, &Policy::Foveated(policy.clone()), [2], Options::default()).unwrap().frames.remove(0);
         let rates: Vec<_> = (0..source.meta().tile_count()).map(|tile| ring(&policy, source.meta(), tile)).collect();
         assert!(rates.iter().any(|r| r.0 == 2) && rates.iter().any(|r| r.0 == 16), "{rates:?}");
         assert_eq!(frame.blocks.tiles(), rates.iter().map(|r| r.0).collect::<Vec<_>>());
-        let own = Adaptive { apron: rayreel_replay::policy::Apron::Share, ..own };
-        assert_same(&source, &own, &rates, None, &frame, &format!("{seed}: {own:?}"));
+        let variant = Adaptive { apron: rayreel_replay::policy::Apron::Share, ..variant };
+        assert_same(&source, &variant, &rates, None, &frame, &format!("{seed}: {variant:?}"));
     }
 }
 
 /// Block and factor of a tile as POLICIES.md has them: from the middle of its samples.
-fn ring(own: &Foveated, meta: &Meta, tile: u32) -> (u32, f64) {
+fn ring(policy: &Foveated, meta: &Meta, tile: u32) -> (u32, f64) {
     let (rect, (w, h)) = (meta.tile_rect(tile), meta.grid());
-    let x = f64::from(rect.x) + f64::from(rect.width) / 2.0 - own.gaze_x * f64::from(w);
-    let y = f64::from(rect.y) + f64::from(rect.height) / 2.0 - own.gaze_y * f64::from(h);
+    let x = f64::from(rect.x) + f64::from(rect.width) / 2.0 - policy.gaze_x * f64::from(w);
+    let y = f64::from(rect.y) + f64::from(rect.height) / 2.0 - policy.gaze_y * f64::from(h);
     let distance = (x / f64::from(h)).hypot(y / f64::from(h));
-    let way = ((distance - own.inner) / (own.outer - own.inner)).clamp(0.0, 1.0);
-    let mut block = own.finest;
-    let rings = f64::from(own.coarsest / own.finest).log2();
+    let way = ((distance - policy.inner) / (policy.outer - policy.inner)).clamp(0.0, 1.0);
+    let mut block = policy.finest;
+    let rings = f64::from(policy.coarsest / policy.finest).log2();
     (0..(way * rings) as u32).for_each(|_| block *= 2);
-    (block, 1.0 + (own.relax - 1.0) * way)
+    (block, 1.0 + (policy.relax - 1.0) * way)
 }
 
 /// With a single block to choose from, a sequence is that of `adaptive`.
@@ -161,9 +167,9 @@ fn one_block_is_adaptive() {
             format!("coarsest={block}"),
             "target.psnr_db=off".into(),
         ];
-        let own = NamedPolicy::load("multirate", &set).unwrap().policy;
+        let policy = NamedPolicy::load("multirate", &set).unwrap().policy;
         let frames = source.meta.frame_numbers();
-        let rated = replay(&source, &own, frames.clone(), Options::default()).unwrap();
+        let rated = replay(&source, &policy, frames.clone(), Options::default()).unwrap();
         let fixed = replay(&source, &Policy::Adaptive(preset("multirate", block)), frames, Options::default()).unwrap();
         assert_eq!(rated, fixed);
     }

@@ -13,7 +13,7 @@ use rayreel_machine::work::{NO_RAY, NO_TRIANGLE, TileWork};
 use rayreel_replay::policy::{Adaptive, Apron, Policy};
 use rayreel_replay::simulate::simulate;
 use rayreel_replay::{FrameReplay, NamedPolicy, Options, PathSource, Replayer};
-use rayreel_testkit::reference::{self, How, Outcome};
+use rayreel_testkit::reference::{self, Origin, Outcome};
 use rayreel_testkit::{preset, switches};
 
 fn golden(name: &str) -> Trace {
@@ -46,16 +46,16 @@ fn expected(outcome: &Outcome, tile: &Tile) -> (Vec<Ray>, Vec<(u8, Ray)>) {
         // Whether the last hit of each depth was traced.
         let mut line = [false; 17];
         for (node, &traced) in tile.tree.sample(sample).zip(&outcome.traced[at]) {
-            let own = &tile.tree.nodes[node];
-            let depth = own.class.depth();
+            let hit = &tile.tree.nodes[node];
+            let depth = hit.class.depth();
             line[depth as usize] = traced;
             if !traced {
                 continue;
             }
-            let triangle = if own.hit { tile.hits[node].triangle } else { NO_TRIANGLE };
-            let ray = (x, y, own.class.kind(), depth, triangle);
+            let triangle = if hit.hit { tile.hits[node].triangle } else { NO_TRIANGLE };
+            let ray = (x, y, hit.class.kind(), depth, triangle);
             rays.push(ray);
-            (0..own.shadows.count()).for_each(|_| rays.push((x, y, RayKind::Shadow, depth, NO_TRIANGLE)));
+            (0..hit.shadows.count()).for_each(|_| rays.push((x, y, RayKind::Shadow, depth, NO_TRIANGLE)));
             if depth == 0 || !line[depth as usize - 1] {
                 starts.push((outcome.waves[at], ray));
             }
@@ -77,12 +77,13 @@ fn key(ray: &Ray) -> (u32, u32, u32, u32, u32) {
 fn assert_work(work: &TileWork, outcome: &Outcome, tile: &Tile, what: &str) -> usize {
     let (rays, starts) = expected(outcome, tile);
     let of = |ray: u32| {
-        let own = &work.rays[ray as usize];
-        (own.x, own.y, own.kind, u32::from(own.depth), own.triangle)
+        let ray = &work.rays[ray as usize];
+        (ray.x, ray.y, ray.kind, u32::from(ray.depth), ray.triangle)
     };
     let found = (0..work.rays.len() as u32).map(|ray| key(&of(ray))).collect();
     assert_eq!(sorted(found), sorted(rays.iter().map(key).collect()), "{what}: rays of tile {}", work.tile);
-    let begun = (0u8..).zip(&work.rounds).flat_map(|(wave, own)| own.starts.iter().map(move |&ray| (wave, ray)));
+    let begun =
+        (0u8..).zip(&work.rounds).flat_map(|(number, round)| round.starts.iter().map(move |&ray| (number, ray)));
     let found = sorted(begun.clone().map(|(wave, ray)| (wave, key(&of(ray)))).collect());
     assert_eq!(found, sorted(starts.iter().map(|(wave, ray)| (*wave, key(ray))).collect()), "{what}: starts");
     // Each ray is begun or spawned, once.
@@ -106,13 +107,15 @@ fn work_is_what_the_reference_traces() {
         let trace = golden(name);
         let frame = trace.meta().first_frame;
         let mut list: Vec<Adaptive> = vec![preset("multirate", 8), preset("aggressive", 4), preset("quality", 2)];
-        list.extend(switches::draw(14, 6).into_iter().filter(|own| trace.meta().tile.is_multiple_of(own.block)));
-        for own in list {
-            let mut own = Adaptive { apron: Apron::Share, ..own };
-            own.sampling.stand_in = true;
-            let outcome = reference::replay(&trace, &own, frame);
-            let what = format!("{name} {own:?}");
-            let (replayed, works) = run(&trace, &Policy::Adaptive(own));
+        list.extend(
+            switches::draw(14, 6).into_iter().filter(|variant| trace.meta().tile.is_multiple_of(variant.block)),
+        );
+        for variant in list {
+            let mut variant = Adaptive { apron: Apron::Share, ..variant };
+            variant.sampling.stand_in = true;
+            let outcome = reference::replay(&trace, &variant, frame);
+            let what = format!("{name} {variant:?}");
+            let (replayed, works) = run(&trace, &Policy::Adaptive(variant));
             assert!(works.iter().map(|work| work.tile).eq(0..trace.meta().tile_count()));
             let mut rays = 0;
             for work in &works {
@@ -121,7 +124,7 @@ fn work_is_what_the_reference_traces() {
                 rays += work.rays.len() as u64;
             }
             assert_eq!(rays, replayed.stats.counts.rays_traced.total(), "{what}");
-            assert_eq!(replayed.stats.counts.samples_partial, outcome.count(How::Partial), "{what}");
+            assert_eq!(replayed.stats.counts.samples_partial, outcome.count(Origin::Partial), "{what}");
         }
     }
     assert!(secondary_starts > 500, "{secondary_starts} rays leave interpolated hits");
@@ -131,8 +134,8 @@ fn work_is_what_the_reference_traces() {
 #[test]
 fn retraced_aprons_add_their_rays() {
     let trace = golden("v1_0_teapot.rtrace");
-    let own = Adaptive { apron: Apron::Retrace, ..preset("multirate", 8) };
-    let (frame, works) = run(&trace, &Policy::Adaptive(own));
+    let variant = Adaptive { apron: Apron::Retrace, ..preset("multirate", 8) };
+    let (frame, works) = run(&trace, &Policy::Adaptive(variant));
     for (work, stats) in works.iter().zip(&frame.stats.tiles) {
         let counts = stats.counts;
         assert_eq!(work.rays.len() as u64, counts.rays_traced.total() + counts.rays_apron.total());

@@ -76,9 +76,9 @@ fn the_reference_runs_on_a_trace() {
     let path = folder.path().join("a.rtrace");
     write(&source, &path);
     let trace = Trace::open(&path, Limits::default()).unwrap();
-    let own = rayreel_testkit::adaptive(2, Refine::Direct, Apron::Share);
-    let expected = reference::replay(&trace, &own, 6);
-    let frame = replay(&trace, &Policy::Adaptive(own), [6], Options::default()).unwrap().frames.remove(0);
+    let adaptive = rayreel_testkit::adaptive(2, Refine::Direct, Apron::Share);
+    let expected = reference::replay(&trace, &adaptive, 6);
+    let frame = replay(&trace, &Policy::Adaptive(adaptive), [6], Options::default()).unwrap().frames.remove(0);
     let bits = |pixels: &[[f32; 3]]| pixels.iter().map(|p| p.map(f32::to_bits)).collect::<Vec<_>>();
     assert_eq!(bits(&frame.image.pixels), bits(&expected.colours));
     assert_eq!(frame.stats.counts.rays_traced.total(), expected.rays_traced.iter().sum::<u64>());

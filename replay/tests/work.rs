@@ -12,8 +12,8 @@ use rayreel_machine::work::ops::Op;
 use rayreel_machine::work::synthetic::{Random, balanced_topology, random_path, random_tile};
 use rayreel_machine::work::topology::Topology;
 use rayreel_machine::work::{NO_RAY, TileWork};
+use rayreel_replay::counts::RayCounts;
 use rayreel_replay::error::ReplayError;
-use rayreel_replay::frame::counts::RayCounts;
 use rayreel_replay::policy::view::SampleState;
 use rayreel_replay::policy::{Apron, Policy, Refine};
 use rayreel_replay::{FrameReplay, Options, PathSource, Replayer, TileSource};
@@ -88,7 +88,7 @@ fn assert_waves(work: &TileWork, frame: &FrameReplay) -> u32 {
         for &primary in &wave.starts {
             let (x, y) = (work.rays[primary as usize].x, work.rays[primary as usize].y);
             assert_ne!(frame.states.state(x, y), SampleState::Interpolated);
-            assert_eq!(usize::from(frame.states.wave(x, y)), number);
+            assert_eq!(usize::from(frame.states.round(x, y)), number);
             if x < rect.x + rect.width && y < rect.y + rect.height {
                 assert!(last < Some((y, x)) && outside_is_last(work, wave.starts.as_slice(), primary));
                 last = Some((y, x));
@@ -100,13 +100,13 @@ fn assert_waves(work: &TileWork, frame: &FrameReplay) -> u32 {
     outside
 }
 
-/// Apron samples stand behind the tile's own in every wave: their rays come later.
-fn outside_is_last(work: &TileWork, primaries: &[u32], own: u32) -> bool {
+/// Apron samples stand behind those of the tile in every round: their rays come later.
+fn outside_is_last(work: &TileWork, primaries: &[u32], last: u32) -> bool {
     let inside = |ray: u32| {
         let (ray, rect) = (&work.rays[ray as usize], work.rect);
         ray.x < rect.x + rect.width && ray.y < rect.y + rect.height
     };
-    primaries.iter().take_while(|&&ray| ray != own).all(|&ray| inside(ray))
+    primaries.iter().take_while(|&&ray| ray != last).all(|&ray| inside(ray))
 }
 
 #[test]
@@ -130,7 +130,7 @@ fn rays_and_waves_are_those_of_the_policy() {
                 rays += work.rays.len() as u64;
             }
             assert_eq!(paths.rays, rays);
-            let again = matches!(&policy, Policy::Adaptive(own) if own.apron == Apron::Retrace);
+            let again = matches!(&policy, Policy::Adaptive(adaptive) if adaptive.apron == Apron::Retrace);
             assert!(interpolated == frame.stats.counts.samples_interpolated || again && interpolated > 0, "{policy:?}");
         }
     }
@@ -257,8 +257,8 @@ fn broken_paths_are_errors() {
     for seed in 0..40 {
         match run(&Broken { trace: &trace, seed }, &Policy::Full) {
             Ok(_) => assert_eq!(seed % 4, 3, "only a single step may happen to stay valid"),
-            Err(ReplayError::BadPath { tile: 1, .. }) => refused += 1,
-            Err(ReplayError::BadTile { tile: 1, .. }) if seed % 4 == 2 => {}
+            Err(ReplayError::Corrupt { tile: 1, ray: Some(_), .. }) => refused += 1,
+            Err(ReplayError::Corrupt { tile: 1, ray: None, .. }) if seed % 4 == 2 => {}
             Err(error) => panic!("{error}"),
         }
     }

@@ -9,7 +9,8 @@ use rayreel_formats::tile::Tile;
 use rayreel_formats::trace::Trace;
 use rayreel_machine::probes::Watch;
 use rayreel_machine::work::topology::Topology;
-use rayreel_replay::image::{Srgb8, errors, files, map, srgb};
+use rayreel_replay::image::{Srgb8, errors, files, srgb};
+use rayreel_replay::maps;
 use rayreel_replay::simulate::{MachineFrame, MachineRun, simulate};
 use rayreel_replay::{FrameReplay, Options, PathSource, Replayer, TileSource};
 
@@ -117,8 +118,8 @@ fn png(frame: &FrameReplay, wanted: &Wanted, meta: &Meta) -> rayreel_replay::Res
         Kind::Result => Some(srgb::encode(&frame.image)),
         Kind::Reference => reference(),
         Kind::Error => reference().map(|full| errors::amplified(&srgb::encode(&frame.image), &full)).transpose()?,
-        Kind::Similarity => Some(map::similarity_map_pixels(&frame.states, &frame.blocks, meta.samples)),
-        Kind::Rate => Some(map::rate_map_pixels(&frame.states, &frame.blocks, meta.samples)),
+        Kind::Similarity => Some(maps::similarity_map_pixels(&frame.states, &frame.blocks, meta.samples)),
+        Kind::Rate => Some(maps::rate_map_pixels(&frame.states, &frame.blocks, meta.samples)),
     };
     picture.map_or(Ok(Vec::new()), |picture| files::png(&shrunk(picture, wanted.shrink)))
 }

@@ -4,7 +4,7 @@ use rayreel_formats::scene::Meta;
 use rayreel_machine::config::NamedMachine;
 use rayreel_machine::srp::KernelId;
 use rayreel_replay::NamedPolicy;
-use rayreel_replay::frame::counts::FrameStats;
+use rayreel_replay::counts::FrameStats;
 use rayreel_replay::simulate::MachineRun;
 use rayreel_study::report::run::{Cost as RunCost, RunFigures};
 use rayreel_study::report::{Origin, Report, TileReport};

@@ -3,7 +3,9 @@
 use rayreel_formats::Error;
 use rayreel_formats::scene::{Camera, Meta};
 use rayreel_formats::tile::Tile;
-use rayreel_replay::image::{files, map, srgb};
+use rayreel_replay::error::RequestError;
+use rayreel_replay::image::{files, srgb};
+use rayreel_replay::maps;
 use rayreel_replay::policy::{Apron, Refine};
 use rayreel_replay::{NamedPolicy, Options, Policy, ReplayError, TileSource, replay, replay_each};
 use rayreel_study::report::{Origin, Report, keys};
@@ -168,9 +170,12 @@ fn frames_must_exist() {
     let run = |frames: &[u32]| replay(&source(), &Policy::Full, frames.iter().copied(), Options::default());
     let text = run(&[5, 8]).unwrap_err().to_string();
     assert!(text.contains("frame 8") && text.contains("5 to 7"), "{text}");
-    assert!(matches!(run(&[]).unwrap_err(), ReplayError::Nothing { .. }));
+    assert!(matches!(run(&[]).unwrap_err(), ReplayError::Request(RequestError::Nothing { .. })));
     let empty = Synthetic::new(Look::Flat, (0, 9), 1, 8, 0);
-    assert!(matches!(replay(&empty, &Policy::Full, [5], Options::default()), Err(ReplayError::Nothing { .. })));
+    assert!(matches!(
+        replay(&empty, &Policy::Full, [5], Options::default()),
+        Err(ReplayError::Request(RequestError::Nothing { .. }))
+    ));
 }
 
 /// A source that fails, or lies, from tile 3 on.
@@ -218,13 +223,13 @@ fn the_map_reads_like_the_figure() {
     let flat = Synthetic::new(Look::Flat, (8, 8), 1, 8, 0);
     let frame =
         replay(&flat, &policy(4, Refine::Direct, Apron::Share), [5], Options::default()).unwrap().frames.remove(0);
-    let picture = map::similarity_map(&frame.states, &frame.blocks);
-    assert!(picture.pixels.iter().all(|p| *p == map::YELLOW), "{picture:?}");
+    let picture = maps::similarity_map(&frame.states, &frame.blocks);
+    assert!(picture.pixels.iter().all(|p| *p == maps::YELLOW), "{picture:?}");
     // Full: nothing is similar.
     let frame = replay(&flat, &Policy::Full, [5], Options::default()).unwrap().frames.remove(0);
-    assert!(map::similarity_map(&frame.states, &frame.blocks).pixels.iter().all(|p| *p == map::BLUE));
-    let small = map::similarity_map_pixels(&frame.states, &frame.blocks, 2);
-    assert_eq!((small.width, small.height, small.pixels[0]), (4, 4, map::BLUE));
+    assert!(maps::similarity_map(&frame.states, &frame.blocks).pixels.iter().all(|p| *p == maps::BLUE));
+    let small = maps::similarity_map_pixels(&frame.states, &frame.blocks, 2);
+    assert_eq!((small.width, small.height, small.pixels[0]), (4, 4, maps::BLUE));
 }
 
 /// Pictures to look at: set RAYREEL_PICTURES to a folder.
@@ -237,9 +242,9 @@ fn pictures_can_be_written() {
     for name in ["adaptive", "adaptive-8"] {
         let policy = NamedPolicy::load(name, &[]).unwrap();
         let frame = replay(&source, &policy.policy, [5], Options::default()).unwrap().frames.remove(0);
-        let map = map::similarity_map(&frame.states, &frame.blocks);
+        let map = maps::similarity_map(&frame.states, &frame.blocks);
         files::write_png(&folder.join(format!("{name}-map.png")), &map).unwrap();
-        let pixels = map::similarity_map_pixels(&frame.states, &frame.blocks, 2);
+        let pixels = maps::similarity_map_pixels(&frame.states, &frame.blocks, 2);
         files::write_png(&folder.join(format!("{name}-map-pixels.png")), &pixels).unwrap();
         files::write_png(&folder.join(format!("{name}.png")), &srgb::encode(&frame.image)).unwrap();
         files::write_exr(&folder.join(format!("{name}.exr")), &frame.image).unwrap();

@@ -11,7 +11,7 @@ use crate::second_read::{Frame, read};
 
 /// How a sample came to be known.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum How {
+pub enum Origin {
     /// An R-sample, traced first.
     R,
     /// Traced by the X or the Y step, or by correction.
@@ -22,7 +22,7 @@ pub enum How {
     Interpolated,
 }
 
-impl From<SampleState> for How {
+impl From<SampleState> for Origin {
     fn from(state: SampleState) -> Self {
         match state {
             SampleState::Reference => Self::R,
@@ -39,7 +39,7 @@ pub type Rays = [u64; 4];
 /// What the reference found out about a frame. Samples are row by row over the whole grid.
 pub struct Outcome {
     pub width: usize,
-    pub how: Vec<How>,
+    pub how: Vec<Origin>,
     pub waves: Vec<u8>,
     pub colours: Vec<[f32; 3]>,
     /// Per sample and recorded hit whether its rays were traced.
@@ -56,7 +56,7 @@ pub struct Outcome {
 
 impl Outcome {
     /// Number of samples of a kind.
-    pub fn count(&self, how: How) -> u64 {
+    pub fn count(&self, how: Origin) -> u64 {
         self.how.iter().filter(|h| **h == how).count() as u64
     }
 }
@@ -65,7 +65,7 @@ impl Outcome {
 #[derive(Clone)]
 struct Known {
     tree: Hit,
-    how: How,
+    how: Origin,
     wave: u8,
 }
 
@@ -110,7 +110,7 @@ fn decide<'a, S: TileSource>(
         for (x, y) in area.samples() {
             let own = on(x, area.n, last.0) && on(y, area.n, last.1);
             if own || x == area.x0 && on(y, left, last.1) {
-                maker.whole(y * width + x, How::R, 0);
+                maker.whole(y * width + x, Origin::R, 0);
             }
         }
     }
@@ -194,7 +194,7 @@ impl Area {
 
 impl Maker<'_> {
     /// Traces a sample whole.
-    fn whole(&mut self, at: usize, how: How, wave: u8) {
+    fn whole(&mut self, at: usize, how: Origin, wave: u8) {
         self.traced[at].fill(true);
         self.known[at] = Some(Known { tree: self.frame.recorded[at].clone(), how, wave });
     }
@@ -223,7 +223,7 @@ impl Maker<'_> {
             for (i, &at) in line.iter().enumerate().take(gap).skip(1) {
                 let (near, far, s) = nearer(&a, &b, i, gap);
                 let tree = between(near, far, s);
-                self.known[at] = Some(Known { tree, how: How::Interpolated, wave });
+                self.known[at] = Some(Known { tree, how: Origin::Interpolated, wave });
             }
             return;
         }
@@ -235,7 +235,7 @@ impl Maker<'_> {
         self.trace(area, (&a, &b), line, m, wave);
         let mut foreseen = f64::INFINITY;
         let middle = self.known[line[m]].as_ref().unwrap();
-        if self.policy.sampling.similarity.predict && middle.how == How::Traced {
+        if self.policy.sampling.similarity.predict && middle.how == Origin::Traced {
             let (near, far, s) = nearer(&a, &b, m, gap);
             let guess = mix(near.colour, far.colour, s);
             foreseen = super::rules::difference((guess, middle.tree.colour), (guess, middle.tree.colour));
@@ -247,18 +247,18 @@ impl Maker<'_> {
     /// Traces sample `i` of `line`, or what of it must be.
     fn trace(&mut self, area: &Area, (a, b): (&Hit, &Hit), line: &[usize], i: usize, wave: u8) {
         if !self.policy.sampling.secondary {
-            return self.whole(line[i], How::Traced, wave);
+            return self.whole(line[i], Origin::Traced, wave);
         }
         let (near, far, s) = nearer(a, b, i, line.len() - 1);
         let judge = self.judge(area, line.len() - 1);
         let mut traced = vec![false; self.traced[line[i]].len()];
         let tree = judge.rebuild((near, far), s, &self.frame.recorded[line[i]], &mut traced);
         let how = match (traced.iter().any(|t| *t), traced.iter().all(|t| *t)) {
-            (false, _) => How::Interpolated,
-            (true, true) => How::Traced,
-            (true, false) => How::Partial,
+            (false, _) => Origin::Interpolated,
+            (true, true) => Origin::Traced,
+            (true, false) => Origin::Partial,
         };
-        if !traced[0] && how == How::Partial {
+        if !traced[0] && how == Origin::Partial {
             self.stand_ins.push((line[i], tree.clone()));
         }
         self.traced[line[i]] = traced;
@@ -273,12 +273,12 @@ impl Maker<'_> {
             let mut found = Vec::new();
             for (x, y) in area.samples() {
                 let own = self.known[y * self.frame.width + x].as_ref().unwrap();
-                if own.how == How::Interpolated && news.iter().any(|&at| self.contradicts(area, (x, y), at)) {
+                if own.how == Origin::Interpolated && news.iter().any(|&at| self.contradicts(area, (x, y), at)) {
                     found.push((x, y));
                 }
             }
             let wave = 1 + 2 * area.levels(self.policy.sampling.refine) + pass;
-            found.iter().for_each(|&(x, y)| self.whole(y * self.frame.width + x, How::Traced, wave));
+            found.iter().for_each(|&(x, y)| self.whole(y * self.frame.width + x, Origin::Traced, wave));
             news = found;
         }
     }
@@ -297,8 +297,8 @@ impl Maker<'_> {
             let before = self.display(&samples);
             for &at in &samples {
                 let Known { how, wave, .. } = *self.known[at].as_ref().unwrap();
-                if how == How::Interpolated {
-                    self.whole(at, How::Traced, wave);
+                if how == Origin::Interpolated {
+                    self.whole(at, Origin::Traced, wave);
                 }
             }
             let after = self.display(&samples);
@@ -324,7 +324,7 @@ impl Maker<'_> {
         }
         let (own, witness) = (&self.known[y * self.frame.width + x], &self.known[v * self.frame.width + u]);
         let (own, witness) = (own.as_ref().unwrap(), witness.as_ref().unwrap());
-        if witness.how == How::Interpolated || self.judge(area, 1).alike(&own.tree, &witness.tree) {
+        if witness.how == Origin::Interpolated || self.judge(area, 1).alike(&own.tree, &witness.tree) {
             return false;
         }
         let colours = (own.tree.colour, witness.tree.colour);

@@ -11,7 +11,7 @@ use crate::common::capture;
 use crate::common::scenes::moving;
 use crate::common::trace::open;
 use rayreel_testkit::poison::Poisoned;
-use rayreel_testkit::reference::{self, How, Outcome};
+use rayreel_testkit::reference::{self, Origin, Outcome};
 use rayreel_testkit::{adaptive, preset, switches};
 
 /// Traces of several scenes and both grids; a tile of 24 is a multiple of every block.
@@ -61,7 +61,7 @@ fn assert_same(trace: &Trace, frame: &FrameReplay, expected: &Outcome, what: &st
     let (width, height) = trace.meta().grid();
     let mut resolver = Resolver::new(trace.meta().width, trace.meta().height, trace.meta().samples);
     for (i, (x, y)) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).enumerate() {
-        let how = How::from(frame.states.state(x, y));
+        let how = Origin::from(frame.states.state(x, y));
         assert_eq!(how, expected.how[i], "{what}: sample ({x}, {y})");
         resolver.add(x, y, expected.colours[i].into());
     }
@@ -70,9 +70,9 @@ fn assert_same(trace: &Trace, frame: &FrameReplay, expected: &Outcome, what: &st
     assert_eq!(wrong, None, "{what}: colour of a pixel");
     let counts = &frame.stats.counts;
     let number = |how| expected.count(how);
-    assert_eq!(counts.samples_traced, number(How::R) + number(How::Traced) + number(How::Partial), "{what}");
-    assert_eq!(counts.samples_partial, number(How::Partial), "{what}");
-    assert_eq!(counts.samples_interpolated, number(How::Interpolated), "{what}");
+    assert_eq!(counts.samples_traced, number(Origin::R) + number(Origin::Traced) + number(Origin::Partial), "{what}");
+    assert_eq!(counts.samples_partial, number(Origin::Partial), "{what}");
+    assert_eq!(counts.samples_interpolated, number(Origin::Interpolated), "{what}");
     assert_eq!(counts.samples_apron, expected.samples_apron, "{what}");
     let kinds = [counts.rays_full, counts.rays_traced, counts.rays_apron]
         .map(|rays| [rays.primary, rays.reflection, rays.refraction, rays.shadow]);
@@ -89,7 +89,7 @@ fn real_traces_replay_like_the_reference() {
             let frame = run(&trace, &policy);
             let expected = reference::replay(&trace, &policy, trace.meta().first_frame);
             assert_same(&trace, &frame, &expected, &what);
-            partial += expected.count(How::Partial);
+            partial += expected.count(Origin::Partial);
             ratios.push(frame.stats.counts.similarity_ratio().unwrap());
         }
         // The comparison means something: some samples pass and some fail.

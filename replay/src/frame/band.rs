@@ -4,18 +4,16 @@
 //! now known, and leave. So two bands are held at a time, whatever the height of the frame.
 
 use rayon::prelude::*;
-use rayreel_formats::scene::Camera;
+use rayreel_formats::scene::{Camera, Rect};
 use rayreel_formats::tile::Tile;
 
-use super::counts::{Counts, RayCounts, TileStats};
+use crate::counts::{Counts, RayCounts, TileStats};
 use crate::error::{ReplayError, Result};
-use crate::image::psnr::SquaredError;
-use crate::policy::Apron;
-use crate::policy::adaptive::{Rules, TileRules};
-use crate::policy::rate::Rates;
 use crate::policy::tree::Forest;
 use crate::policy::view::{SampleState, TileView};
+use crate::policy::{Apron, Sampler};
 use crate::source::{PathSource, TileSource};
+use crate::stop::Stop;
 use crate::work::build::{Builder, Built, Part};
 
 /// The tiles of one row, left to right.
@@ -23,20 +21,6 @@ pub(super) struct Band {
     pub tiles: Vec<TileView>,
     /// What was recorded of each tile, if a machine wants its paths; else empty.
     recorded: Vec<Tile>,
-}
-
-/// How the tiles of a frame are sampled.
-#[derive(Clone, Copy)]
-pub(super) struct How<'a> {
-    pub rules: &'a Rules,
-    pub rates: &'a Rates,
-}
-
-impl<'a> How<'a> {
-    /// The rules for a tile.
-    pub fn tile(&self, view: &TileView) -> TileRules<'a> {
-        self.rules.tile(self.rates.tile(view.index()))
-    }
 }
 
 /// A source of tiles, with or without paths.
@@ -48,106 +32,121 @@ pub(super) struct Reader<'a, S: ?Sized, R> {
     pub read: R,
     /// The tiles are kept for a machine.
     pub keep: bool,
+    /// Looked at before each tile.
+    pub stop: &'a Stop,
 }
 
 /// The other bands that a band needs to become work.
-pub(super) struct Nearby<'a> {
+pub(super) struct AdjacentBands<'a> {
     pub below: Option<&'a Band>,
     /// There is a band above.
     pub above: bool,
 }
 
+/// A tile that has begun: its view, what it shares with the tile to its left, and what was recorded of it if that is kept.
+type Begun = (TileView, Option<Forest>, Option<Tile>);
+
+impl<S, R> Reader<'_, S, R>
+where
+    S: TileSource + ?Sized,
+    R: Fn(u32) -> rayreel_formats::Result<Tile> + Sync,
+{
+    /// Reads tile `index` and lets the sampler begin it.
+    fn begin(&self, sampler: &dyn Sampler, index: u32) -> Result<Begun> {
+        self.stop.check()?;
+        let tile = (self.read)(index).map_err(|e| ReplayError::Trace {
+            what: format!("tile {index}"),
+            frame: self.frame,
+            source: Box::new(e),
+        })?;
+        let mut view = TileView::new(self.source, self.camera, (self.frame, index), &tile, sampler.deep())?;
+        sampler.begin_tile(&mut view);
+        let (rows, x) = (sampler.shared_rows(&view), view.rect().x);
+        let shared = (!rows.is_empty()).then(|| forest(&view, rows.into_iter().map(|y| (x, y))));
+        Ok((view, shared, self.keep.then_some(tile)))
+    }
+}
+
 impl Band {
-    /// Reads tile row `row` and decides all its samples on R-rows.
-    pub fn open<S, R>(reader: &Reader<'_, S, R>, how: How<'_>, row: u32) -> Result<Self>
+    /// Reads tile row `row` and lets the sampler take its first two looks at the tiles.
+    pub fn open<S, R>(reader: &Reader<'_, S, R>, sampler: &dyn Sampler, row: u32) -> Result<Self>
     where
         S: TileSource + ?Sized,
         R: Fn(u32) -> rayreel_formats::Result<Tile> + Sync,
     {
-        let &Reader { source, camera, frame, keep, .. } = reader;
-        let columns = source.meta().tile_grid().0;
-        let read = |index| -> Result<(TileView, Forest, Option<Tile>)> {
-            let tile = (reader.read)(index).map_err(|e| ReplayError::Trace {
-                what: format!("tile {index}"),
-                frame,
-                source: Box::new(e),
-            })?;
-            let mut view = TileView::new(source, camera, (frame, index), &tile, how.rules.deep())?;
-            let rules = how.tile(&view);
-            rules.trace_references(&mut view);
-            let first = rules.first_column(&view);
-            Ok((view, first, keep.then_some(tile)))
-        };
+        let columns = reader.source.meta().tile_grid().0;
         // Collected one by one before errors are looked at, so that the first tile's error is reported on any machine.
-        let results: Vec<_> = (row * columns..(row + 1) * columns).into_par_iter().map(read).collect();
+        let begun: Vec<_> =
+            (row * columns..(row + 1) * columns).into_par_iter().map(|index| reader.begin(sampler, index)).collect();
         let (mut tiles, mut borders, mut recorded) = (Vec::new(), Vec::new(), Vec::new());
-        for (view, first, tile) in results.into_iter().collect::<Result<Vec<_>>>()? {
+        for (view, shared, tile) in begun.into_iter().collect::<Result<Vec<_>>>()? {
             tiles.push(view);
-            borders.push(first);
+            borders.push(shared);
             recorded.extend(tile);
         }
         tiles.par_iter_mut().enumerate().for_each(|(i, view)| {
-            how.tile(view).step_x(view, borders.get(i + 1));
+            sampler.step_x(view, borders.get(i + 1).and_then(Option::as_ref));
         });
         Ok(Self { tiles, recorded })
     }
 
-    /// Decides the other samples; `below` is the next band, already open.
-    pub fn close(&mut self, how: How<'_>, frame: u32, below: Option<&Self>) -> Vec<TileStats> {
-        let decided = self.tiles.par_iter_mut().enumerate().map(|(i, view)| {
-            let closing = below.map(|band| TileRules::first_row(&band.tiles[i]));
-            how.tile(view).step_y(view, closing.as_ref());
-            how.rules.audit.map(|audit| audit.run(view, frame)).unwrap_or_default()
+    /// Lets the sampler decide the other samples; `below` is the next band, already open.
+    ///
+    /// # Errors
+    /// When it left a sample undecided.
+    pub fn close(&mut self, sampler: &dyn Sampler, frame: u32, below: Option<&Self>) -> Result<Vec<TileStats>> {
+        self.tiles.par_iter_mut().enumerate().for_each(|(i, view)| {
+            let closing = below.filter(|_| sampler.shares_first_row()).map(|band| {
+                let Rect { x, y, width, .. } = band.tiles[i].rect();
+                forest(&band.tiles[i], (x..x + width).map(|x| (x, y)))
+            });
+            sampler.step_y(view, closing.as_ref());
         });
-        let audits: Vec<_> = decided.collect();
-        audits.into_par_iter().enumerate().map(|(i, audited)| self.stats(how, below, i, audited)).collect()
+        let stats: Vec<_> =
+            (0..self.tiles.len()).into_par_iter().map(|i| self.stats(sampler, frame, below, i)).collect();
+        stats.into_iter().collect()
     }
 
-    fn stats(&self, how: How<'_>, below: Option<&Self>, i: usize, audited: SquaredError) -> TileStats {
+    fn stats(&self, sampler: &dyn Sampler, frame: u32, below: Option<&Self>, i: usize) -> Result<TileStats> {
         let view = &self.tiles[i];
-        let rect = view.rect();
-        let mut counts =
-            Counts { samples_full: rect.len() as u64, rays_full: view.recorded_rays(), ..Counts::default() };
-        for y in rect.y..rect.y + rect.height {
-            for x in rect.x..rect.x + rect.width {
-                count(&mut counts, view, x, y);
-            }
+        let (tile, samples_full) = (view.index(), view.rect().len() as u64);
+        let mut counts = Counts { samples_full, rays_full: view.recorded_rays(), ..Counts::default() };
+        for (x, y) in view.samples() {
+            count(&mut counts, view, (x, y)).ok_or_else(|| ReplayError::Usage {
+                detail: format!("the policy left sample ({x}, {y}) of tile {tile} of frame {frame} undecided"),
+            })?;
         }
-        if how.rules.apron == Apron::Retrace {
-            for rays in self.apron(how, below, i) {
+        if sampler.apron() == Apron::Retrace {
+            for rays in self.apron(sampler, below, i) {
                 counts.samples_apron += 1;
                 counts.rays_apron += rays;
             }
         }
-        TileStats { tile: view.index(), counts, audited, factor: how.rates.tile(view.index()).relax }
+        Ok(TileStats { tile, counts, audited: view.audits(), factor: sampler.factor(tile) })
     }
 
     /// The rays of the samples outside tile `i` that its steps read as traced.
-    fn apron(&self, how: How<'_>, below: Option<&Self>, i: usize) -> Vec<RayCounts> {
-        let outside = self.outside(how, below, i);
-        let rays = |(band, j, samples): (&Self, usize, Vec<(u32, u32)>)| -> Vec<RayCounts> {
-            samples.into_iter().filter_map(|(x, y)| band.tiles[j].traced_rays(x, y)).collect()
+    fn apron(&self, sampler: &dyn Sampler, below: Option<&Self>, i: usize) -> Vec<RayCounts> {
+        let rays = |OutsideSamples { band, tile, samples }: OutsideSamples<'_>| -> Vec<RayCounts> {
+            samples.into_iter().filter_map(|(x, y)| band.tiles[tile].traced_rays(x, y)).collect()
         };
-        outside.into_iter().flat_map(rays).collect()
+        self.outside(sampler, below, i).into_iter().flat_map(rays).collect()
     }
 
-    /// The samples outside tile `i` that its steps read, with the band and tile that they are in: the R-rows of the closing
-    /// column, the closing row, and the corner of both.
-    fn outside<'a>(&'a self, how: How<'_>, below: Option<&'a Self>, i: usize) -> Vec<Outside<'a>> {
+    /// The samples outside tile `i` that its steps read: the shared rows of the closing column, the closing row, and the
+    /// corner of both.
+    fn outside<'a>(&'a self, sampler: &dyn Sampler, below: Option<&'a Self>, i: usize) -> Vec<OutsideSamples<'a>> {
         let rect = self.tiles[i].rect();
         let (right, bottom) = (rect.x + rect.width, rect.y + rect.height);
         let mut list = Vec::new();
-        if i + 1 < self.tiles.len() {
-            list.push((
-                self,
-                i + 1,
-                how.tile(&self.tiles[i]).lattice.rows(rect.y, bottom).map(|y| (right, y)).collect(),
-            ));
+        if let Some(next) = self.tiles.get(i + 1) {
+            let samples = sampler.shared_rows(next).into_iter().map(|y| (right, y)).collect();
+            list.push(OutsideSamples { band: self, tile: i + 1, samples });
         }
-        if let Some(band) = below {
-            list.push((band, i, (rect.x..right).map(|x| (x, bottom)).collect()));
+        if let Some(band) = below.filter(|_| sampler.shares_first_row()) {
+            list.push(OutsideSamples { band, tile: i, samples: (rect.x..right).map(|x| (x, bottom)).collect() });
             if i + 1 < band.tiles.len() {
-                list.push((band, i + 1, vec![(right, bottom)]));
+                list.push(OutsideSamples { band, tile: i + 1, samples: vec![(right, bottom)] });
             }
         }
         list
@@ -161,8 +160,8 @@ impl Band {
     pub fn work<S>(
         &self,
         builder: &Builder<'_, S>,
-        how: How<'_>,
-        nearby: &Nearby<'_>,
+        sampler: &dyn Sampler,
+        adjacent: &AdjacentBands<'_>,
         mut put: impl FnMut(Built) -> Result<()>,
     ) -> Result<()>
     where
@@ -170,8 +169,8 @@ impl Band {
     {
         let build = |i: usize| {
             let (view, tile) = (&self.tiles[i], &self.recorded[i]);
-            let border = border_samples(how, view, (i > 0, nearby.above));
-            builder.own(view, tile)?.join(self.apron_part(builder, how, nearby.below, i)?, tile, border)
+            let border = border_samples(sampler, view, (i > 0, adjacent.above));
+            builder.tile(view, tile)?.join(self.apron_part(builder, sampler, adjacent.below, i)?, tile, border)
         };
         let (count, group) = (self.recorded.len(), rayon::current_num_threads());
         for first in (0..count).step_by(group) {
@@ -182,53 +181,73 @@ impl Band {
     }
 
     /// What tile `i` does for its apron: nothing if that is shared. The closing row repeats its X step.
-    fn apron_part<S>(&self, builder: &Builder<'_, S>, how: How<'_>, below: Option<&Self>, i: usize) -> Result<Part>
+    fn apron_part<S>(
+        &self,
+        builder: &Builder<'_, S>,
+        sampler: &dyn Sampler,
+        below: Option<&Self>,
+        i: usize,
+    ) -> Result<Part>
     where
         S: PathSource + ?Sized,
     {
         let mut part = Part::default();
-        if how.rules.apron == Apron::Retrace {
-            for (band, j, samples) in self.outside(how, below, i) {
-                builder.apron(&mut part, &band.tiles[j], &band.recorded[j], &samples)?;
+        if sampler.apron() == Apron::Retrace {
+            for OutsideSamples { band, tile, samples } in self.outside(sampler, below, i) {
+                builder.apron(&mut part, &band.tiles[tile], &band.recorded[tile], &samples)?;
             }
-            if let Some(band) = below {
-                part.count(band.tiles[i].first_row_waves());
+            if let Some(band) = below.filter(|_| sampler.shares_first_row()) {
+                part.count(band.tiles[i].first_row_rounds());
             }
         }
         Ok(part)
     }
 }
 
-/// Samples of one tile: its band, its place in that, and the samples.
-type Outside<'a> = (&'a Band, usize, Vec<(u32, u32)>);
+/// Samples of one tile that another one reads.
+struct OutsideSamples<'a> {
+    band: &'a Band,
+    /// Which tile of the band.
+    tile: usize,
+    /// Column and row in the frame's grid.
+    samples: Vec<(u32, u32)>,
+}
 
-/// How many samples of a tile are read by the tiles to its `left` and `above`: in its first column those on its neighbour's
-/// R-rows, and its whole first row. None if each tile traces them again, or if blocks of one sample leave nothing to test.
-fn border_samples(how: How<'_>, view: &TileView, (left, above): (bool, bool)) -> u32 {
-    let rules = how.tile(view);
-    if how.rules.apron == Apron::Retrace || rules.lattice.block == 1 {
+/// The trees of some samples of a tile.
+fn forest(view: &TileView, samples: impl Iterator<Item = (u32, u32)>) -> Forest {
+    let mut forest = Forest::default();
+    samples.for_each(|(x, y)| forest.push(view.tree(x, y)));
+    forest
+}
+
+/// How many samples of a tile are read by the tiles to its `left` and `above`: those of its first column and row that it
+/// shares. None if each tile traces them again.
+fn border_samples(sampler: &dyn Sampler, view: &TileView, (left, above): (bool, bool)) -> u32 {
+    if sampler.apron() == Apron::Retrace {
         return 0;
     }
     let rect = view.rect();
-    let column = if left { rules.left.rows(rect.y, rect.y + rect.height).count() as u32 } else { 0 };
-    let row = if above { rect.width } else { 0 };
-    // The corner is in both.
-    column + row - u32::from(left && above)
+    let column = if left { sampler.shared_rows(view) } else { Vec::new() };
+    let row = if above && sampler.shares_first_row() { rect.width } else { 0 };
+    let corner = row > 0 && column.contains(&rect.y);
+    column.len() as u32 + row - u32::from(corner)
 }
 
-fn count(counts: &mut Counts, view: &TileView, x: u32, y: u32) {
+/// Adds a sample; nothing if it is not decided.
+fn count(counts: &mut Counts, view: &TileView, (x, y): (u32, u32)) -> Option<()> {
+    let (state, _) = view.state(x, y)?;
     counts.rays_traced += view.traced_rays(x, y).unwrap_or_default();
-    match view.state(x, y) {
-        Some((SampleState::Reference, _)) => {
+    match state {
+        SampleState::Interpolated => counts.samples_interpolated += 1,
+        SampleState::Traced => counts.samples_traced += 1,
+        SampleState::Reference => {
             counts.samples_reference += 1;
             counts.samples_traced += 1;
         }
-        Some((SampleState::Traced, _)) => counts.samples_traced += 1,
-        Some((SampleState::Partial, _)) => {
+        SampleState::Partial => {
             counts.samples_partial += 1;
             counts.samples_traced += 1;
         }
-        Some((SampleState::Interpolated, _)) => counts.samples_interpolated += 1,
-        None => unreachable!("the steps of a policy decide every sample"),
     }
+    Some(())
 }

@@ -4,7 +4,7 @@ use rayreel_formats::scene::Meta;
 
 use crate::policy::view::SampleState;
 
-/// State and wave of every sample of a frame, row by row.
+/// State and round of every sample of a frame, row by row.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct StateMap {
     /// Columns of samples.
@@ -12,14 +12,14 @@ pub struct StateMap {
     /// Rows of samples.
     pub height: u32,
     states: Vec<SampleState>,
-    waves: Vec<u8>,
+    rounds: Vec<u8>,
 }
 
 impl StateMap {
     /// A map in which every sample is an R-sample.
     pub fn new((width, height): (u32, u32)) -> Self {
         let len = width as usize * height as usize;
-        Self { width, height, states: vec![SampleState::Reference; len], waves: vec![0; len] }
+        Self { width, height, states: vec![SampleState::Reference; len], rounds: vec![0; len] }
     }
 
     /// The state of sample (`x`, `y`).
@@ -30,19 +30,19 @@ impl StateMap {
         self.states[self.offset(x, y)]
     }
 
-    /// The wave in which a sample was traced or interpolated: 0 for R-samples, then the tests of the X step, then those of
-    /// the Y step, one wave a level of refinement.
+    /// The round in which a sample was traced or interpolated: 0 for R-samples, then the tests of the X step, then those of
+    /// the Y step, one round a level of refinement.
     ///
     /// # Panics
     /// When the sample is outside the frame.
-    pub fn wave(&self, x: u32, y: u32) -> u8 {
-        self.waves[self.offset(x, y)]
+    pub fn round(&self, x: u32, y: u32) -> u8 {
+        self.rounds[self.offset(x, y)]
     }
 
-    pub(super) fn set(&mut self, x: u32, y: u32, (state, wave): (SampleState, u8)) {
+    pub(super) fn set(&mut self, x: u32, y: u32, (state, round): (SampleState, u8)) {
         let i = self.offset(x, y);
         self.states[i] = state;
-        self.waves[i] = wave;
+        self.rounds[i] = round;
     }
 
     fn offset(&self, x: u32, y: u32) -> usize {

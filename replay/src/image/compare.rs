@@ -4,11 +4,45 @@ use rayreel_formats::scene::Meta;
 
 use super::flicker::Flicker;
 use super::flip::{self, FlipMap};
-use super::psnr::SquaredError;
+use super::psnr::{SquaredError, decibels};
 use super::tiles::{TileGrid, tile_errors, worst};
 use super::{Image, srgb, ssim};
 use crate::error::Result;
-use crate::frame::counts::{Quality, WorstTile};
+
+/// How near the picture is to that of `full`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Quality {
+    /// Sum of the squared differences of all 8-bit sRGB values.
+    pub squared_error: u64,
+    /// Number of values: three a pixel.
+    pub values: u64,
+    /// Structural similarity; `None` if it was not asked for, or of a picture too small for its window.
+    pub ssim: Option<f64>,
+    /// Mean FLIP value: 0 for identical pictures, at most 1; `None` if it was not asked for.
+    pub flip: Option<f64>,
+    /// The tile that differs most; `None` if none does.
+    pub worst_tile: Option<WorstTile>,
+    /// Squared change of the error since the frame before; `None` if that was not replayed.
+    pub flicker: Option<SquaredError>,
+}
+
+impl Quality {
+    /// PSNR in dB; `None` if nothing differs.
+    pub fn psnr_db(&self) -> Option<f64> {
+        decibels(self.squared_error, self.values)
+    }
+}
+
+/// The tile that differs most.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct WorstTile {
+    /// Its frame.
+    pub frame: u32,
+    /// Its number in the frame.
+    pub tile: u32,
+    /// Its error.
+    pub error: SquaredError,
+}
 
 /// Compares the frames of a sequence, one after the other: flicker is between a frame and the one before.
 #[derive(Clone, Debug)]

@@ -5,7 +5,6 @@ pub mod errors;
 pub mod files;
 pub mod flicker;
 pub mod flip;
-pub mod map;
 pub mod psnr;
 pub mod resolve;
 pub mod srgb;

@@ -1,19 +1,20 @@
 //! The steps of the adaptive policies on one tile; `full` is the same with blocks of one sample.
 //!
-//! A tile needs of its neighbours: for the X step the R-samples on its closing column, for the Y step its closing row after
-//! that row's own X step. Where the tile to the left has smaller blocks, a tile traces the samples of its first column that
+//! What a tile needs of its neighbours: for the X step the R-samples on its closing column (the first of the tile to the
+//! right), for the Y step its closing row (the first of the tile below) after that tile's X step. Where the tile to the left has smaller blocks, a tile traces the samples of its first column that
 //! close its neighbour's R-rows too.
 
-use rayreel_formats::scene::Meta;
+use rayreel_formats::math::Vec3;
+use rayreel_formats::scene::{Meta, Rect};
 
 use super::audit::Audit;
 use super::correct::correct;
-use super::interpolate::nearer;
-use super::lattice::Lattice;
+use super::interpolate::{interpolate_tree, mix, nearer};
+use super::lattice::SampleLattice;
 use super::rate::TileRate;
 use super::reuse::Rebuild;
 use super::similarity::{Compared, Tests};
-use super::tree::{Forest, Node, interpolate_tree};
+use super::tree::{Forest, Node};
 use super::view::{SampleState, TileView};
 use super::{Apron, Policy, Refine, Sampling};
 use crate::error::Result;
@@ -22,6 +23,8 @@ use crate::error::Result;
 #[derive(Clone, Debug)]
 pub struct Rules {
     size: (u32, u32),
+    /// There are I-samples: the blocks have more than one sample.
+    blocks: bool,
     /// Who pays for the far border of a tile.
     pub apron: Apron,
     sampling: Sampling,
@@ -34,9 +37,9 @@ pub struct Rules {
 pub struct TileRules<'a> {
     rules: &'a Rules,
     /// Where the R-samples stand.
-    pub lattice: Lattice,
+    pub lattice: SampleLattice,
     /// Where the tile to the left has its R-rows.
-    pub left: Lattice,
+    pub left: SampleLattice,
     tests: Tests,
 }
 
@@ -51,15 +54,15 @@ impl Rules {
         let (apron, sampling) = match policy {
             // Blocks of one sample leave nothing to test, and nothing to correct.
             Policy::Full => (Apron::Share, Sampling::NONE),
-            Policy::Adaptive(own) => (own.apron, own.sampling.clone()),
-            Policy::Multirate(own) => {
-                let every = own.target.psnr_db.value().map(|_| own.target.audit);
+            Policy::Adaptive(adaptive) => (adaptive.apron, adaptive.sampling.clone()),
+            Policy::Multirate(multirate) => {
+                let every = multirate.target.psnr_db.value().map(|_| multirate.target.audit);
                 audit = every.map(|every| Audit { every, samples: meta.samples, width: meta.width });
-                (Apron::Share, own.sampling.clone())
+                (Apron::Share, multirate.sampling.clone())
             }
-            Policy::Foveated(own) => (Apron::Share, own.sampling.clone()),
+            Policy::Foveated(foveated) => (Apron::Share, foveated.sampling.clone()),
         };
-        Ok(Self { size, apron, sampling, audit })
+        Ok(Self { size, blocks: *policy != Policy::Full, apron, sampling, audit })
     }
 
     /// True when the policy looks at more than primary hits.
@@ -67,16 +70,21 @@ impl Rules {
         self.sampling.secondary || self.sampling.similarity.secondary
     }
 
+    /// Whether neighbouring tiles read each other's samples: where each sample is an R-sample nothing is tested.
+    pub fn reads_neighbours(&self) -> bool {
+        self.blocks
+    }
+
     /// The rules for a tile of rate `rate`.
     pub fn tile(&self, rate: TileRate) -> TileRules<'_> {
-        let lattice = |block| Lattice { width: self.size.0, height: self.size.1, block };
+        let lattice = |block| SampleLattice { width: self.size.0, height: self.size.1, block };
         let tests = Tests::new(&self.sampling.similarity, rate.relax);
         TileRules { rules: self, lattice: lattice(rate.block), left: lattice(rate.left), tests }
     }
 }
 
 impl TileRules<'_> {
-    /// Traces the R-samples of the tile: wave 0.
+    /// Traces the R-samples of the tile: round 0.
     pub fn trace_references(&self, view: &mut TileView) {
         let rect = view.rect();
         for y in rect.y..rect.y + rect.height {
@@ -90,20 +98,9 @@ impl TileRules<'_> {
         }
     }
 
-    /// The samples of the tile's first column that close the R-rows of the tile to its left, top to bottom.
-    pub fn first_column(&self, view: &TileView) -> Forest {
-        let rect = view.rect();
-        let mut column = Forest::default();
-        self.left.rows(rect.y, rect.y + rect.height).for_each(|y| column.push(view.tree(rect.x, y)));
-        column
-    }
-
-    /// The tile's first row, which closes the tile above.
-    pub fn first_row(view: &TileView) -> Forest {
-        let rect = view.rect();
-        let mut row = Forest::default();
-        (rect.x..rect.x + rect.width).for_each(|x| row.push(view.tree(x, rect.y)));
-        row
+    /// The rows on which a sample of the tile's first column closes an R-row of the tile to its left, top to bottom.
+    pub fn shared_rows(&self, rect: Rect) -> Vec<u32> {
+        if self.rules.reads_neighbours() { self.left.rows(rect.y, rect.y + rect.height).collect() } else { Vec::new() }
     }
 
     /// The X step: decides all samples on the R-rows of the tile. `closing` holds the samples of the closing column on these
@@ -114,7 +111,7 @@ impl TileRules<'_> {
             let mut ends: Vec<_> = self.lattice.columns(rect.x, rect.x + rect.width).collect();
             ends.extend(closing.map(|_| rect.x + rect.width));
             let far = closing.map(|column| column.tree(i));
-            let mut line = Line { rules: self, view, axis: Axis::X(y), wave: 1, far };
+            let mut line = Line { rules: self, view, axis: Axis::X(y), round: 1, far };
             ends.windows(2).for_each(|pair| line.decide(pair[0], pair[1], f64::INFINITY));
         }
     }
@@ -124,17 +121,17 @@ impl TileRules<'_> {
         let rect = view.rect();
         let bottom = rect.y + rect.height;
         for x in rect.x..rect.x + rect.width {
-            // Beside the R-rows, whatever the tile to the left needed of the first column.
+            // In the first column that is more than the R-rows: what the tile to the left needed is traced too.
             let mut ends: Vec<_> = (rect.y..bottom).filter(|&y| view.state(x, y).is_some()).collect();
             ends.extend(closing.map(|_| bottom));
             let far = closing.map(|row| row.tree((x - rect.x) as usize));
-            let mut line = Line { rules: self, view, axis: Axis::Y(x), wave: 1 + self.levels(), far };
+            let mut line = Line { rules: self, view, axis: Axis::Y(x), round: 1 + self.levels(), far };
             ends.windows(2).for_each(|pair| line.decide(pair[0], pair[1], f64::INFINITY));
         }
         correct(view, &self.rules.sampling.correct, &self.tests, 1 + 2 * self.levels());
     }
 
-    /// Waves that one step may take.
+    /// How many rounds one step may take.
     fn levels(&self) -> u8 {
         match self.rules.sampling.refine {
             Refine::Direct => 1,
@@ -155,21 +152,22 @@ struct Line<'a> {
     rules: &'a TileRules<'a>,
     view: &'a mut TileView,
     axis: Axis,
-    /// The wave of the first test.
-    wave: u8,
+    /// The round of the first test.
+    round: u8,
     /// The sample past the end of the tile.
     far: Option<&'a [Node]>,
 }
 
 impl Line<'_> {
-    /// Decides the samples between two known ones. `foreseen` is how far off the prediction of the traced one of them was.
+    /// Decides the samples between two known ones. One of the two may have been traced just now, as the middle of a wider gap:
+    /// `foreseen` is how far its colour was off the one that interpolation would have given it, else infinite.
     fn decide(&mut self, a: u32, b: u32, foreseen: f64) {
         if b - a < 2 {
             return;
         }
         let mut compared = Compared::default();
         let similar = self.rules.tests.similar(self.tree(a), self.tree(b), b - a, foreseen, &mut compared);
-        self.view.tested(self.at(a + 1), self.wave, compared.pairs);
+        self.view.tested(self.at(a + 1), self.round, compared.pairs);
         match self.rules.rules.sampling.refine {
             _ if similar => (a + 1..b).for_each(|i| self.interpolate(a, b, i)),
             Refine::Direct => (a + 1..b).for_each(|i| self.trace(a, b, i)),
@@ -178,10 +176,10 @@ impl Line<'_> {
                 let expected = self.rules.tests.predict.then(|| self.expected_colour(a, b, middle));
                 self.trace(a, b, middle);
                 let foreseen = expected.map_or(f64::INFINITY, |colour| self.miss(middle, colour));
-                self.wave += 1;
+                self.round += 1;
                 self.decide(a, middle, foreseen);
                 self.decide(middle, b, foreseen);
-                self.wave -= 1;
+                self.round -= 1;
             }
         }
     }
@@ -193,21 +191,21 @@ impl Line<'_> {
         let mut tree = Vec::new();
         match self.axis {
             Axis::X(_) => interpolate_tree(self.tree(near), self.tree(far), s, &mut tree),
-            // Nothing is interpolated from it any more: its primary hit is enough.
+            // No further sample is interpolated from this one, so its primary hit is enough.
             Axis::Y(_) => {
                 let alone = |tree: &[Node]| Node { reflect: None, refract: None, len: 1, ..tree[0] };
                 interpolate_tree(&[alone(self.tree(near))], &[alone(self.tree(far))], s, &mut tree);
             }
         }
         let (x, y) = self.at(i);
-        self.view.interpolate(x, y, &tree, self.wave);
+        self.view.interpolate(x, y, &tree, self.round);
     }
 
     /// Traces sample `i` between `a` and `b`: whole, or what of it cannot be interpolated.
     fn trace(&mut self, a: u32, b: u32, i: u32) {
         let (x, y) = self.at(i);
         if !self.rules.rules.sampling.secondary {
-            return self.view.trace(x, y, SampleState::Traced, self.wave);
+            return self.view.trace(x, y, SampleState::Traced, self.round);
         }
         let (swap, s) = nearer(i - a, b - a);
         let (near, far) = if swap { (b, a) } else { (a, b) };
@@ -215,25 +213,25 @@ impl Line<'_> {
         let totals = (near[0].colour, far[0].colour);
         let (tests, gap, mut pairs) = (&self.rules.tests, b - a, 0);
         let stand_in = self.rules.rules.sampling.stand_in;
-        self.view.rebuild(x, y, self.wave, |tracer, out| {
+        self.view.rebuild(x, y, self.round, |tracer, out| {
             let compared = Compared::default();
             let mut rebuild = Rebuild { tests, stand_in, tracer, out, gap, s, totals, compared, interpolated: 0 };
             rebuild.build(&near, &far);
             pairs = rebuild.compared.pairs;
             rebuild.interpolated
         });
-        self.view.tested((x, y), self.wave, pairs);
+        self.view.tested((x, y), self.round, pairs);
     }
 
     /// The colour that sample `i` would have by interpolation.
-    fn expected_colour(&self, a: u32, b: u32, i: u32) -> rayreel_formats::math::Vec3 {
+    fn expected_colour(&self, a: u32, b: u32, i: u32) -> Vec3 {
         let (swap, s) = nearer(i - a, b - a);
         let (near, far) = if swap { (b, a) } else { (a, b) };
-        super::interpolate::mix(self.tree(near)[0].colour, self.tree(far)[0].colour, s)
+        mix(self.tree(near)[0].colour, self.tree(far)[0].colour, s)
     }
 
     /// How far `colour` is off the colour of sample `i`; infinite if that was not traced whole.
-    fn miss(&self, i: u32, colour: rayreel_formats::math::Vec3) -> f64 {
+    fn miss(&self, i: u32, colour: Vec3) -> f64 {
         let (x, y) = self.at(i);
         if !matches!(self.view.state(x, y), Some((SampleState::Traced, _))) {
             return f64::INFINITY;

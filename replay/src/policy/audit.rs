@@ -1,12 +1,11 @@
 //! Audits: a few pixels are traced whole, to see how far off the picture is.
 //!
-//! A policy cannot know what it did not trace. So one pixel in `target.audit`, drawn by a hash of frame and place, is traced in any
-//! case: rays of its interpolated samples go out in the wave in which they were interpolated, tests and neighbours use the
-//! interpolated values as everywhere, and in the end both are compared as displayed. The mean over the audited pixels estimates the
-//! squared error of the picture without bias, but for samples of which some rays were traced: their error is not looked at, since
-//! tracing them again would cost what they saved.
+//! A policy cannot know what it did not trace. So one pixel in `target.audit`, drawn by a hash of frame and place, is traced in
+//! any case. Its rays go out in the round in which its samples were interpolated. Tests and neighbours use the interpolated
+//! values as everywhere. In the end both are compared as displayed, and the picture shows what was traced.
 //!
-//! The audited pixels show what was traced.
+//! The mean over the audited pixels estimates the squared error of the picture without bias, with one exception: the error of
+//! samples of which some rays were traced is not looked at, since tracing them again would cost what they saved.
 
 use super::view::{SampleState, TileView};
 use crate::image::psnr::SquaredError;
@@ -55,8 +54,8 @@ impl Audit {
 
     fn trace(&self, view: &mut TileView, x: u32, y: u32) {
         for (x, y) in self.inside(x, y) {
-            if let Some((SampleState::Interpolated, wave)) = view.state(x, y) {
-                view.correct(x, y, wave);
+            if let Some((SampleState::Interpolated, round)) = view.state(x, y) {
+                view.correct(x, y, round);
             }
         }
     }

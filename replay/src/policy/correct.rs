@@ -11,30 +11,31 @@ use super::tree::Node;
 use super::view::{SampleState, TileView};
 use super::{Correct, Limit};
 
-/// Corrects a tile whose samples are all known. The first pass is wave `wave`, and each pass a wave.
-pub fn correct(view: &mut TileView, rules: &Correct, tests: &Tests, wave: u8) {
+/// Corrects a tile whose samples are all known. The first pass is round `round`, and each pass a round.
+pub fn correct(view: &mut TileView, rules: &Correct, tests: &Tests, round: u8) {
     let limit = match rules.colour {
         Limit::Off => -1.0,
         Limit::At(limit) => limit,
     };
-    let mut front = vec![true; view.rect().len()];
+    // The samples that may contradict: in the first pass all.
+    let mut witnesses = vec![true; view.rect().len()];
     for pass in 0..rules.passes {
-        let wave = wave + pass as u8;
-        let found = contradicted(view, tests, limit, wave, &front);
+        let round = round + pass as u8;
+        let found = contradicted(view, tests, limit, round, &witnesses);
         if found.is_empty() {
             return;
         }
-        // Only what was traced just now can contradict anew.
-        front.fill(false);
+        // Later only those that were traced just now: the others had their say.
+        witnesses.fill(false);
         for (x, y) in found {
-            view.correct(x, y, wave);
-            front[place(view, x, y)] = true;
+            view.correct(x, y, round);
+            witnesses[offset(view, x, y)] = true;
         }
     }
 }
 
-/// The interpolated samples that a traced neighbour in `front` contradicts.
-fn contradicted(view: &mut TileView, tests: &Tests, limit: f64, wave: u8, front: &[bool]) -> Vec<(u32, u32)> {
+/// The interpolated samples that a traced neighbour among `witnesses` contradicts.
+fn contradicted(view: &mut TileView, tests: &Tests, limit: f64, round: u8, witnesses: &[bool]) -> Vec<(u32, u32)> {
     let rect = view.rect();
     let (right, bottom) = (rect.x + rect.width, rect.y + rect.height);
     let mut found = Vec::new();
@@ -45,32 +46,32 @@ fn contradicted(view: &mut TileView, tests: &Tests, limit: f64, wave: u8, front:
                 continue;
             }
             let (columns, rows) = (x.max(rect.x + 1) - 1..right.min(x + 2), y.max(rect.y + 1) - 1..bottom.min(y + 2));
-            let own = &view.tree(x, y)[0];
+            let doubted = &view.tree(x, y)[0];
             let around = rows.flat_map(|v| columns.clone().map(move |u| (u, v)));
             // The sample itself is interpolated, so it is no witness.
-            let mut witnesses = around.filter(|&(u, v)| {
-                front[place(view, u, v)] && !matches!(view.state(u, v), Some((SampleState::Interpolated, _)))
+            let mut nearby = around.filter(|&(u, v)| {
+                witnesses[offset(view, u, v)] && !matches!(view.state(u, v), Some((SampleState::Interpolated, _)))
             });
-            if witnesses.any(|(u, v)| {
+            if nearby.any(|(u, v)| {
                 made += 1;
-                contradicts(own, &view.tree(u, v)[0], tests, limit)
+                contradicts(doubted, &view.tree(u, v)[0], tests, limit)
             }) {
                 found.push((x, y));
             }
         }
-        view.tested((rect.x, y), wave, made);
+        view.tested((rect.x, y), round, made);
     }
     found
 }
 
-/// Attributes differ, and it shows.
-fn contradicts(own: &Node, witness: &Node, tests: &Tests, limit: f64) -> bool {
-    let colours = (own.colour, witness.colour);
+/// Whether the attributes of two hits differ, and a viewer could see it.
+fn contradicts(doubted: &Node, witness: &Node, tests: &Tests, limit: f64) -> bool {
+    let colours = (doubted.colour, witness.colour);
     let shows = difference(colours, colours);
-    !tests.alike_hits(own, witness) && (shows > limit || shows.is_nan())
+    !tests.alike_hits(doubted, witness) && (shows > limit || shows.is_nan())
 }
 
-fn place(view: &TileView, x: u32, y: u32) -> usize {
+fn offset(view: &TileView, x: u32, y: u32) -> usize {
     let rect = view.rect();
     (y - rect.y) as usize * rect.width as usize + (x - rect.x) as usize
 }

@@ -5,7 +5,7 @@
 
 use rayreel_formats::math::Vec3;
 
-use super::view::SurfacePoint;
+use super::tree::{Node, SurfacePoint, children};
 
 /// The nearer of two ends for the sample `step` of `gap` samples after the first, and the share of the other one: whether the
 /// ends change places, and `distance / gap`.
@@ -37,9 +37,51 @@ pub fn mix(near: Vec3, far: Vec3, s: f32) -> Vec3 {
     near + (far - near) * s
 }
 
+/// The tree between two trees, `share` of the way from `near` to `far` (at most a half).
+pub fn between(near: &[Node], far: &[Node], share: f32) -> Vec<Node> {
+    let mut tree = Vec::with_capacity(near.len());
+    interpolate_tree(near, far, share, &mut tree);
+    tree
+}
+
+/// Appends the tree between two trees of similar samples, `s` of the way from `near` to `far` (at most a half). Hits that
+/// both have are interpolated one by one; where one has a child that the other lacks, the subtree becomes a single hit with
+/// the interpolated colour. The local colour of every hit is interpolated for itself: texture tests look at it.
+pub fn interpolate_tree(near: &[Node], far: &[Node], s: f32, out: &mut Vec<Node>) {
+    let at = out.len();
+    let (a, b) = (&near[0], &far[0]);
+    let mut node = interpolate_node(a, b, s);
+    node.colour = mix(a.colour, b.colour, s);
+    if !a.branches_as(b) {
+        (node.reflect, node.refract) = (None, None);
+        out.push(node);
+        return;
+    }
+    out.push(node);
+    for ((_, near), (_, far)) in children(near).zip(children(far)) {
+        interpolate_tree(near, far, s, out);
+    }
+    out[at].len = (out.len() - at) as u32;
+}
+
+/// The hit between two: local colour, weights and surface; its subtree is still to come.
+pub fn interpolate_node(near: &Node, far: &Node, s: f32) -> Node {
+    let weight = |a: Option<Vec3>, b: Option<Vec3>| a.zip(b).map(|(a, b)| mix(a, b, s));
+    Node {
+        surface: match (&near.surface, &far.surface) {
+            (Some(near), Some(far)) => Some(surface(near, far, s)),
+            (near, _) => *near,
+        },
+        local: mix(near.local, far.local, s),
+        reflect: weight(near.reflect, far.reflect),
+        refract: weight(near.refract, far.refract),
+        len: 1,
+        ..*near
+    }
+}
+
 #[cfg(test)]
 mod tests {
-    use super::super::tree::{Node, interpolate_tree};
     use super::*;
     use proptest::prelude::*;
     use rayreel_formats::math::vec3;
@@ -54,7 +96,7 @@ mod tests {
             colour: colour.into(),
             reflect: None,
             refract: None,
-            own_rays: 1,
+            hit_rays: 1,
             rays: 1,
             len: 1,
         }

@@ -2,7 +2,7 @@
 
 /// The R-sample grid of a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Lattice {
+pub struct SampleLattice {
     /// Columns of samples in the frame.
     pub width: u32,
     /// Rows of samples in the frame.
@@ -11,7 +11,7 @@ pub struct Lattice {
     pub block: u32,
 }
 
-impl Lattice {
+impl SampleLattice {
     /// True for a column of R-samples: a multiple of the block, or the last one.
     pub fn is_column(&self, x: u32) -> bool {
         x.is_multiple_of(self.block) || x + 1 == self.width
@@ -24,14 +24,14 @@ impl Lattice {
 
     /// The R-columns in `from..to`, ascending.
     pub fn columns(&self, from: u32, to: u32) -> impl Iterator<Item = u32> + use<> {
-        let own = *self;
-        (from..to).filter(move |&x| own.is_column(x))
+        let lattice = *self;
+        (from..to).filter(move |&x| lattice.is_column(x))
     }
 
     /// The R-rows in `from..to`, ascending.
     pub fn rows(&self, from: u32, to: u32) -> impl Iterator<Item = u32> + use<> {
-        let own = *self;
-        (from..to).filter(move |&y| own.is_row(y))
+        let lattice = *self;
+        (from..to).filter(move |&y| lattice.is_row(y))
     }
 }
 
@@ -41,11 +41,11 @@ mod tests {
 
     #[test]
     fn the_last_column_and_row_close_the_frame() {
-        let lattice = Lattice { width: 8, height: 7, block: 3 };
+        let lattice = SampleLattice { width: 8, height: 7, block: 3 };
         assert_eq!(lattice.columns(0, 8).collect::<Vec<_>>(), [0, 3, 6, 7]);
         assert_eq!(lattice.rows(0, 7).collect::<Vec<_>>(), [0, 3, 6]);
         assert_eq!(lattice.columns(3, 6).collect::<Vec<_>>(), [3]);
-        let every = Lattice { width: 3, height: 1, block: 1 };
+        let every = SampleLattice { width: 3, height: 1, block: 1 };
         assert_eq!(every.columns(0, 3).count(), 3);
     }
 }

@@ -1,42 +1,48 @@
 //! Sampling policies: which recorded samples are traced, and which are interpolated from traced ones.
 //!
-//! The sample grid of the whole frame is cut into blocks of n x n samples. *R-samples* stand at every column that is a
-//! multiple of n, or the last one, in every row that is a multiple of n, or the last one; they are always traced. The others
-//! are *I-samples*, decided in two steps:
+//! A [`SamplePolicy`] decides, tile by tile, through a [`TileView`], which gives out nothing that the policy has not traced. The
+//! built-in ones are the kinds of [`Policy`]. They cut the sample grid of the frame into blocks of n x n samples. *R-samples*
+//! stand at every column that is a multiple of n, or the last one, in every row that is a multiple of n, or the last one. They
+//! are always traced. The others are *I-samples*, decided in two steps:
 //!
-//! - **X step**, along each row of R-samples: between two neighbouring R-samples that are similar ([`similarity`]) the
-//!   samples are interpolated ([`interpolate`]), otherwise traced: all of them ([`Refine::Direct`]), or the middle one, after
-//!   which both halves are tested again ([`Refine::Hierarchical`]).
+//! - **X step**, along each row of R-samples. Between two neighbouring R-samples that are similar the samples are interpolated.
+//!   Otherwise they are traced: all of them ([`Refine::Direct`]), or the middle one, after which both halves are tested again
+//!   ([`Refine::Hierarchical`]).
 //! - **Y step**, down each column, the same between two neighbouring rows of R-samples, whose samples are all known by now.
 //!
-//!
-//! Then, if it is on, **correction** ([`correct`]): interpolated samples that a traced neighbour contradicts are traced too.
-//! With `secondary` an I-sample need not be traced whole: each hit of its ray tree is decided by itself ([`reuse`]).
+//! Then, if it is on, **correction**: interpolated samples that a traced neighbour contradicts are traced too. With `secondary`
+//! an I-sample need not be traced whole: each hit of its ray tree is decided by itself.
 //!
 //! The block is the same for all tiles (`adaptive`), follows each tile's similarity in the frame before (`multirate`), or the
-//! distance from a gaze point (`foveated`): [`rate`]. But for these and for correction, the result depends on the frame alone
-//! and not on its tiles; they matter for accounting ([`Apron`]). A policy sees only what it has traced: [`view::TileView`]
-//! gives out nothing else. `full` is the same with blocks of one sample.
+//! distance from a gaze point (`foveated`); `full` has blocks of one sample. But for blocks that differ and for correction, the
+//! result depends on the frame alone and not on its tiles, which only matter for accounting ([`Apron`]).
 //!
-//! Not here: which tiles are in memory when (see [`crate::frame`]).
+//! The files, each of which uses only those before it: `schema` and `load` (settings), `tree` (a sample's hits), `interpolate`,
+//! `similarity`, `lattice` (where R-samples stand), `view`, `reuse` (hit by hit), `correct`, `audit`, `target`, `rate` (blocks and
+//! limits of tiles), `sampler` (the seam), `adaptive` (the steps on a tile), `blocks` (all of it as a sampler).
 
-pub mod adaptive;
-pub mod audit;
-pub mod correct;
-pub mod interpolate;
-pub mod lattice;
+mod adaptive;
+mod audit;
+mod blocks;
+mod correct;
+mod interpolate;
+mod lattice;
 mod load;
-pub mod rate;
-pub mod reuse;
+mod rate;
+mod reuse;
+mod sampler;
 pub mod schema;
-pub mod similarity;
-pub mod target;
+mod similarity;
+mod target;
 pub mod tree;
 pub mod view;
 
 use serde::{Deserialize, Serialize};
 
+pub use interpolate::between;
 pub use load::{NamedPolicy, PRESETS};
+pub use sampler::{SamplePolicy, Sampler};
+pub use view::{SampleState, TileView};
 
 /// A sampling policy, resolved: every value is there.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -71,8 +77,8 @@ pub struct Sampling {
     pub refine: Refine,
     /// Each hit of a ray tree is decided by itself.
     pub secondary: bool,
-    /// With `secondary`: a primary hit may be interpolated although some of its children are traced ([`reuse`] says what that
-    /// means for a replay); else it is traced with them.
+    /// With `secondary`: a primary hit may be interpolated although some of its children are traced (POLICIES.md says
+    /// what that means for a replay); else it is traced with them.
     pub stand_in: bool,
     /// When two samples are similar.
     pub similarity: Similarity,
@@ -121,7 +127,7 @@ pub struct Multirate {
     pub sampling: Sampling,
 }
 
-/// The quality to hold, and how far the colour limit may be moved for it: [`target`] has the rules.
+/// The quality to hold, and how far the colour limit may be moved for it: POLICIES.md has the rules.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Target {
@@ -207,7 +213,7 @@ pub struct Similarity {
     /// is left to differ.
     pub texture: Limit,
     /// Largest difference of the samples' colours as displayed, across a gap of two samples and for a sample of three rays
-    /// ([`similarity::Tests::colour_limit`] has the rule).
+    /// (POLICIES.md has the rule).
     pub colour: Limit,
     /// A traced middle sample that was predicted within the colour limit passes the colour test for both its halves.
     pub predict: bool,

@@ -24,12 +24,12 @@
 
 use rayreel_formats::math::Vec3;
 
+use super::interpolate::{interpolate_node, interpolate_tree};
 use super::similarity::{Compared, Tests};
-use super::tree::{Node, finish, interpolate_node, interpolate_tree};
+use super::tree::{Node, finish};
 use super::view::Tracer;
 
 /// A sample between two others, to be built.
-#[derive(Debug)]
 pub struct Rebuild<'a, 't> {
     /// The tests.
     pub tests: &'a Tests,
@@ -51,11 +51,12 @@ pub struct Rebuild<'a, 't> {
     pub interpolated: u32,
 }
 
-/// A place in the three trees: both ends, the nearer first, and the number of the recorded hit.
+/// The same hit in three trees: those of both ends, the nearer first, and the recorded one.
 #[derive(Clone, Copy)]
-struct Place<'a> {
+struct SameHit<'a> {
     near: &'a [Node],
     far: &'a [Node],
+    /// Its number in the recorded tree.
     recorded: usize,
     /// What a unit of colour here adds to either end.
     weights: (Vec3, Vec3),
@@ -65,12 +66,12 @@ struct Place<'a> {
 impl Rebuild<'_, '_> {
     /// Builds the tree between `near` and `far`, which are not similar as a whole.
     pub fn build(&mut self, near: &[Node], far: &[Node]) {
-        self.hit(Place { near, far, recorded: 0, weights: (Vec3::ONE, Vec3::ONE), primary: true });
+        self.hit(SameHit { near, far, recorded: 0, weights: (Vec3::ONE, Vec3::ONE), primary: true });
     }
 
-    /// Appends the hit at `place` and everything below it.
-    fn hit(&mut self, place: Place<'_>) {
-        let Place { near, far, recorded, weights, primary } = place;
+    /// Appends the sample's hit and everything below it.
+    fn hit(&mut self, hit: SameHit<'_>) {
+        let SameHit { near, far, recorded, weights, primary } = hit;
         if !primary && self.tests.similar_below((near, far), weights, self.totals, self.gap, &mut self.compared) {
             interpolate_tree(near, far, self.s, self.out);
             self.interpolated += 1;
@@ -84,34 +85,34 @@ impl Rebuild<'_, '_> {
             self.out.push(interpolate_node(a, b, self.s));
             self.interpolated += 1;
         } else {
-            let own = self.tracer.hit(recorded);
-            if !branches || !self.on_one_surface(a, b, &own) {
+            let traced = self.tracer.hit(recorded);
+            if !branches || !self.on_one_surface(a, b, &traced) {
                 let subtree = self.tracer.subtree(recorded);
                 self.out.extend_from_slice(subtree);
                 return;
             }
-            self.out.push(own);
+            self.out.push(traced);
         }
-        self.children(place);
+        self.children(hit);
         finish(&mut self.out[at..]);
     }
 
-    /// Appends the children of the hit at `place`, which branches alike in all three trees.
-    fn children(&mut self, place: Place<'_>) {
-        let (a, b) = (&place.near[0], &place.far[0]);
-        let (mut i, mut j, mut k) = (1, 1, place.recorded + 1);
+    /// Appends the children of a hit that branches alike in all three trees.
+    fn children(&mut self, hit: SameHit<'_>) {
+        let (a, b) = (&hit.near[0], &hit.far[0]);
+        let (mut i, mut j, mut k) = (1, 1, hit.recorded + 1);
         for weights in [a.reflect.zip(b.reflect), a.refract.zip(b.refract)].into_iter().flatten() {
-            let weights = (place.weights.0.times(weights.0), place.weights.1.times(weights.1));
-            let (near, far) = (&place.near[i..], &place.far[j..]);
+            let weights = (hit.weights.0.times(weights.0), hit.weights.1.times(weights.1));
+            let (near, far) = (&hit.near[i..], &hit.far[j..]);
             let (near, far) = (&near[..near[0].len as usize], &far[..far[0].len as usize]);
-            self.hit(Place { near, far, recorded: k, weights, primary: false });
+            self.hit(SameHit { near, far, recorded: k, weights, primary: false });
             (i, j, k) = (i + near.len(), j + far.len(), k + self.tracer.len(k));
         }
     }
 
     /// True when a traced hit is of one surface with both ends, so that its children are between theirs.
-    fn on_one_surface(&mut self, a: &Node, b: &Node, own: &Node) -> bool {
+    fn on_one_surface(&mut self, a: &Node, b: &Node, traced: &Node) -> bool {
         self.compared.pairs += 2;
-        self.tests.one_surface(a, own) && self.tests.one_surface(own, b)
+        self.tests.one_surface(a, traced) && self.tests.one_surface(traced, b)
     }
 }

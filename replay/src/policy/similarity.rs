@@ -10,8 +10,7 @@
 
 use rayreel_formats::math::Vec3;
 
-use super::tree::{Node, children};
-use super::view::SurfacePoint;
+use super::tree::{Node, SurfacePoint, children};
 use super::{Limit, Similarity};
 
 /// The tests of a policy, ready to run.
@@ -31,7 +30,7 @@ pub struct Tests {
     unlike: f64,
 }
 
-/// Two trees that are compared, and how many pairs of hits that took.
+/// How much work comparing took.
 #[derive(Debug, Default)]
 pub struct Compared {
     /// Pairs of hits that were looked at: what a similarity kernel is busy with.
@@ -59,19 +58,21 @@ impl Tests {
     /// The largest colour difference that passes across a gap of `gap` samples whose ends cost `rays` rays each; `None` if
     /// colours are not tested.
     ///
-    /// It weighs error against rays. An edge of contrast `d` somewhere between the ends leaves an error that grows with `d^2`
-    /// and with the number of samples between them; finding it costs the rays of a few samples. Both are in balance where
-    /// `d^2 * gap^2` is in proportion to the rays of a sample, so the limit is `colour * (2 / gap) * sqrt(rays / 3)`: stricter
-    /// across wide gaps, more lenient where samples are expensive. Three rays are our unit: `colour` is
-    /// the limit for a primary ray with two more.
+    /// The limit is `colour * (2 / gap) * sqrt(rays / 3)`: stricter across wide gaps, more lenient where samples are
+    /// expensive. It weighs error against rays. An edge of contrast `d` between the ends leaves an error that grows with `d^2`
+    /// and with the number of samples between them. Finding the edge costs the rays of a few samples. Both are in balance
+    /// where `d^2 * gap^2` is in proportion to the rays of a sample. `colour` is the limit across a gap of two samples that
+    /// cost three rays each: a primary ray and two more.
     pub fn colour_limit(&self, gap: u32, rays: u32) -> Option<f64> {
         let limit = self.colour?;
         Some(limit * (2.0 / f64::from(gap)) * (f64::from(rays) / 3.0).sqrt())
     }
 
     /// True when all tests that are on pass for two samples `gap` apart. `a` is the one with the lower coordinate. Without a
-    /// colour test two misses are similar; a hit and a miss never are. `foreseen` is the colour difference that stands for
-    /// the ends' own if it is smaller: how far off the prediction of the sample between their outer neighbours was.
+    /// colour test two misses are similar; a hit and a miss never are.
+    ///
+    /// One of the two may be the traced middle of a gap twice as wide. `foreseen` then says how far its colour was off the one
+    /// that interpolation would have given it. The smaller of this and the difference between `a` and `b` is tested.
     pub fn similar(&self, a: &[Node], b: &[Node], gap: u32, foreseen: f64, compared: &mut Compared) -> bool {
         compared.pairs += 1;
         if !self.alike_hits(&a[0], &b[0]) {
@@ -80,8 +81,8 @@ impl Tests {
         let mut margin = 0.0;
         if let Some(limit) = self.colour_limit(gap, rays_of(a, b)) {
             let totals = (a[0].colour, b[0].colour);
-            let own = difference(totals, totals);
-            let colour = if foreseen < own { foreseen } else { own };
+            let seen = difference(totals, totals);
+            let colour = if foreseen < seen { foreseen } else { seen };
             // A NaN is never within a limit.
             if !within(colour, limit) {
                 return false;
@@ -142,7 +143,7 @@ impl Tests {
 
     /// True when the local colours of two hits may stand for what is between them.
     pub fn alike_locals(&self, (a, b): (&Node, &Node), weights: (Vec3, Vec3), totals: (Vec3, Vec3), gap: u32) -> bool {
-        self.colour_limit(gap, a.own_rays.midpoint(b.own_rays)).is_none_or(|limit| {
+        self.colour_limit(gap, a.hit_rays.midpoint(b.hit_rays)).is_none_or(|limit| {
             let shares = (weights.0.times(a.local), weights.1.times(b.local));
             within(difference(shares, totals), limit)
         })
@@ -179,8 +180,8 @@ fn within(value: f64, limit: f64) -> bool {
     value <= limit
 }
 
-/// What is added to the square roots of both colours, so that dark colours are not judged more strictly than a display shows
-/// them: near black sRGB is linear, and there a square root would be infinitely steep.
+/// Added to the square roots of both colours. Near black sRGB is linear, while a square root is infinitely steep: without
+/// this, dark colours would be judged more strictly than a display shows them.
 const DARK: f64 = 0.06;
 
 /// How much two contributions differ as displayed, when they are parts of samples of the colours `totals`: the root mean
@@ -233,7 +234,7 @@ mod tests {
     }
 
     fn node(surface: Option<SurfacePoint>, colour: Vec3) -> Node {
-        Node { surface, local: colour, colour, reflect: None, refract: None, own_rays: 3, rays: 3, len: 1 }
+        Node { surface, local: colour, colour, reflect: None, refract: None, hit_rays: 3, rays: 3, len: 1 }
     }
 
     fn pass(rules: &Similarity, a: &Node, b: &Node, gap: u32) -> bool {

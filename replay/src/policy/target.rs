@@ -1,42 +1,53 @@
-//! Rate control: the colour limit is moved so that the picture comes out at the quality asked for, as a video encoder moves its
-//! quantiser.
+//! Holding a quality: the limit on colour differences is moved so that the picture comes out at the PSNR asked for, as a video
+//! encoder moves its quantiser.
 //!
-//! What is seen of the error are the audits ([`super::audit`]). An error that was found under a factor f on the colour limit is
-//! taken to be proportional to f^`GROWTH`, which gives the error at factor 1, `unit`, whatever the factors were. Then
+//! The limit of a tile is multiplied by a factor. The policy cannot see the error of its picture. It estimates it from a few
+//! pixels that are traced whole, the audits ([`super::audit`]). The error is taken to grow with the factor to the power of
+//! `GROWTH`. So an error found under any factor gives the error at factor 1, and that the factor at which the error would be
+//! on target.
 //!
-//! - **after a frame**, all tiles of the next one have the factor at which that frame would have met the target; from the second
-//!   such frame on the geometric mean of this and the factor before, so that chance in the audits moves the picture less;
-//! - **in a first frame** (and after a cut) each row of tiles has its own factor, from the rows that are finished: the row
-//!   just above is still at work, so those two and more above. It is the one at which the rest of the frame, were it like what
-//!   was seen, would use up what the target leaves; but at most 1, since a limit that is loose above and strict below costs
-//!   more than it saves.
+//! - **After a frame**, all tiles of the next one have the factor that would have put that frame on target. From the second
+//!   such frame on it is the geometric mean of this and the factor before: audits are few, and their chance moves the picture
+//!   less so.
+//! - **In a first frame**, and after a cut, each row of tiles has its own factor. It follows from the rows that are finished,
+//!   which end two rows above: the row just above is still at work. Suppose that the rest of the frame is like what was seen.
+//!   Then this factor makes the whole frame end on target. It is at most 1: limits that are loose above and strict below cost
+//!   more rays than one limit between them.
 //!
-//! The target is not pursued at any price: where much is traced anyway, a stricter limit costs many rays for little. So below a factor
-//! of 1 the limit goes only as far as the traced share of the samples stays below `target.share`.
+//! The target is not pursued at any price. Where much is traced anyway, a stricter limit costs many rays for little. So the
+//! factor goes below 1 only as far as the traced share of the samples stays below `target.share`.
+//!
+//! POLICIES.md has the formulas and a worked example.
 
 use super::Target;
-use crate::frame::counts::TileStats;
+use crate::counts::TileStats;
 use crate::image::psnr::SquaredError;
 
-/// How the squared error grows with the colour limit: its power. Measured on the five built-in scenes, from 0.4 (provence) to 0.9 (lab).
+/// The squared error grows with the colour limit to this power. Measured on the five built-in scenes it is 0.4 (provence) to
+/// 0.9 (lab).
 const GROWTH: f64 = 0.7;
 
-/// Before anything is audited the error is taken to be on target; that weighs as much as so many audited values.
+/// The estimate begins as if so many values had been audited and found on target: a few first audits do not move it far.
 const PRIOR: f64 = 192.0;
 
-/// Of what the target leaves for the rest of a frame at least this fraction of the target itself is planned with.
+/// The rows above may have spent so much of the error allowed that little or none is left for the rest of the frame. The rest
+/// is still allowed this fraction of the target's error, or it would be traced whole.
 const LEAST_REST: f64 = 0.25;
 
-/// Smallest factor, whatever `target.strictest`: at 0 no error would say anything about the limit any more.
+/// Smallest factor, whatever `target.strictest`. At 0 every sample would be traced, and no error found would ever say that the
+/// limit may be looser.
 const LEAST_FACTOR: f64 = 0.01;
 
 /// What was seen of a frame so far.
 #[derive(Clone, Debug, Default)]
 struct Seen {
-    /// Squared error of the audited values, and what it would be at factor 1.
+    /// Squared error of the audited values.
     found: SquaredError,
+    /// What its sum would be had every tile had factor 1.
     unit: f64,
+    /// Samples of the finished tiles.
     samples: u64,
+    /// Those that were traced.
     traced: u64,
 }
 
@@ -48,16 +59,16 @@ impl Seen {
         self.traced += stats.counts.samples_traced;
     }
 
-    /// Mean squared errors: as found, and at factor 1.
+    /// Mean squared errors, 8-bit levels: as found, and at factor 1.
     fn means(&self, aim: f64) -> (f64, f64) {
         let mean = |sum: f64| (sum + aim * PRIOR) / (self.found.values as f64 + PRIOR);
         (mean(self.found.sum as f64), mean(self.unit))
     }
 }
 
-/// Chooses the factor on the colour limit.
+/// Chooses the factor on the colour limit, frame by frame.
 #[derive(Clone, Debug)]
-pub struct Controller {
+pub struct LimitController {
     target: Target,
     /// Mean squared error that is aimed at, in 8-bit levels; none without a target.
     aim: Option<f64>,
@@ -65,15 +76,15 @@ pub struct Controller {
     factor: Option<f64>,
 }
 
-/// A frame whose rows are finished one by one.
+/// A first frame, whose rows of tiles choose the factor of rows below.
 #[derive(Clone, Debug)]
-pub struct Running {
-    controller: Controller,
+pub struct FirstFrame {
+    controller: LimitController,
     seen: Seen,
     total: u64,
 }
 
-impl Controller {
+impl LimitController {
     /// For a policy's target.
     pub fn new(target: &Target) -> Self {
         let aim = target.psnr_db.value().map(|db| 255.0 * 255.0 * libm::pow(10.0, -db / 10.0));
@@ -86,8 +97,8 @@ impl Controller {
     }
 
     /// A first frame of `total` samples.
-    pub fn first(&self, total: u64) -> Running {
-        Running { controller: Self { factor: None, ..self.clone() }, seen: Seen::default(), total }
+    pub fn first(&self, total: u64) -> FirstFrame {
+        FirstFrame { controller: Self { factor: None, ..self.clone() }, seen: Seen::default(), total }
     }
 
     /// Takes note of the tiles of a finished frame. `first` says that it followed no other.
@@ -112,7 +123,7 @@ impl Controller {
     }
 }
 
-impl Running {
+impl FirstFrame {
     /// Takes note of a finished row of tiles; the factor for the next row to begin.
     pub fn row(&mut self, tiles: &[TileStats]) -> f64 {
         let Some(aim) = self.controller.aim else { return 1.0 };
@@ -127,13 +138,13 @@ impl Running {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::frame::counts::Counts;
+    use crate::counts::Counts;
     use crate::policy::Limit;
 
     const TOTAL: u64 = 8 * 1024;
 
-    fn controller(db: f64) -> Controller {
-        Controller::new(&Target { psnr_db: Limit::At(db), audit: 8, strictest: 0.25, loosest: 4.0, share: 0.4 })
+    fn controller(db: f64) -> LimitController {
+        LimitController::new(&Target { psnr_db: Limit::At(db), audit: 8, strictest: 0.25, loosest: 4.0, share: 0.4 })
     }
 
     /// A tile of 1024 samples, `traced` of which were traced, whose audits found a mean squared error of `mean`.
@@ -149,9 +160,32 @@ mod tests {
 
     /// The factor after a first frame of such tiles.
     fn after(mean: f64, traced: u64, factor: f64) -> f64 {
-        let mut own = controller(20.0);
-        own.learn(&[tile(mean, traced, factor); 8], true);
-        own.factor()
+        let mut limit = controller(20.0);
+        limit.learn(&[tile(mean, traced, factor); 8], true);
+        limit.factor()
+    }
+
+    /// The example of POLICIES.md, figure by figure. A tile has 3000 audited values.
+    #[test]
+    fn the_worked_example_of_the_policies() {
+        let tiles = |sum, traced, factor: f64| {
+            let counts = Counts { samples_full: TOTAL, samples_traced: traced, ..Counts::default() };
+            [TileStats { tile: 0, counts, audited: SquaredError { sum, values: 3000 }, factor }]
+        };
+        let near = |found: f64, written: f64| assert!((found - written).abs() < 5.0e-4, "{found}, not {written}");
+        let mut limit = controller(20.0);
+        near(limit.aim.unwrap(), 650.25);
+        // A first frame with twice the error that is aimed at, and a fifth of its samples traced.
+        limit.learn(&tiles(3_901_500, TOTAL / 5, 1.0), true);
+        near(limit.factor(), 0.388);
+        // The next frame comes out on target.
+        limit.learn(&tiles(1_950_750, TOTAL / 5, limit.factor()), false);
+        near(limit.factor(), 0.396);
+        let mut dear = controller(20.0);
+        dear.learn(&tiles(3_901_500, TOTAL * 7 / 20, 1.0), true);
+        near(dear.factor(), 0.625);
+        let mut first = controller(20.0).first(8 * TOTAL);
+        near(first.row(&tiles(3_901_500, TOTAL / 5, 1.0)), 0.316);
     }
 
     #[test]
@@ -183,23 +217,23 @@ mod tests {
 
     #[test]
     fn no_target_out_of_reach_breaks_it() {
-        let mut own = Controller::new(&Target { strictest: 0.0, share: 1.0, ..controller(99.0).target });
+        let mut limit = LimitController::new(&Target { strictest: 0.0, share: 1.0, ..controller(99.0).target });
         for (frame, mean) in [9.0e4, 0.0, 9.0e4, 9.0e4].into_iter().enumerate() {
-            own.learn(&[tile(mean, 0, own.factor()); 8], frame == 0);
-            assert!((LEAST_FACTOR..=4.0).contains(&own.factor()), "{}", own.factor());
+            limit.learn(&[tile(mean, 0, limit.factor()); 8], frame == 0);
+            assert!((LEAST_FACTOR..=4.0).contains(&limit.factor()), "{}", limit.factor());
         }
-        assert!(own.factor() < 0.1);
+        assert!(limit.factor() < 0.1);
     }
 
     #[test]
     fn later_frames_go_half_of_the_way() {
-        let mut own = controller(20.0);
-        own.learn(&[tile(AIM / libm::pow(4.0, GROWTH), 100, 1.0); 8], true);
-        assert!((own.factor() - 4.0).abs() < 1.0e-2);
-        own.learn(&[tile(AIM, 100, 1.0); 8], false);
-        assert!((own.factor() - 2.0).abs() < 1.0e-2);
-        own.learn(&[tile(AIM, 100, 1.0); 8], true);
-        assert!((own.factor() - 1.0).abs() < 1.0e-2, "a cut forgets");
+        let mut limit = controller(20.0);
+        limit.learn(&[tile(AIM / libm::pow(4.0, GROWTH), 100, 1.0); 8], true);
+        assert!((limit.factor() - 4.0).abs() < 1.0e-2);
+        limit.learn(&[tile(AIM, 100, 1.0); 8], false);
+        assert!((limit.factor() - 2.0).abs() < 1.0e-2);
+        limit.learn(&[tile(AIM, 100, 1.0); 8], true);
+        assert!((limit.factor() - 1.0).abs() < 1.0e-2, "a cut forgets");
     }
 
     #[test]
@@ -221,8 +255,8 @@ mod tests {
 
     #[test]
     fn without_a_target_nothing_moves() {
-        let mut own = Controller::new(&Target { psnr_db: Limit::Off, ..controller(20.0).target });
-        own.learn(&[tile(9.0 * AIM, 100, 1.0); 8], true);
-        assert_eq!((own.factor(), own.first(TOTAL).row(&[tile(9.0 * AIM, 100, 1.0)])), (1.0, 1.0));
+        let mut limit = LimitController::new(&Target { psnr_db: Limit::Off, ..controller(20.0).target });
+        limit.learn(&[tile(9.0 * AIM, 100, 1.0); 8], true);
+        assert_eq!((limit.factor(), limit.first(TOTAL).row(&[tile(9.0 * AIM, 100, 1.0)])), (1.0, 1.0));
     }
 }

@@ -6,9 +6,22 @@
 use std::ops::Range;
 
 use rayreel_formats::math::Vec3;
+use rayreel_formats::tile::Shadows;
 
-use super::interpolate::{mix, surface};
-use super::view::SurfacePoint;
+/// Where a closest-hit ray met a surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SurfacePoint {
+    /// Object number.
+    pub object: u32,
+    /// What the shadow rays of the hit found.
+    pub shadows: Shadows,
+    /// Unit shading normal as stored, not turned towards the ray.
+    pub normal: Vec3,
+    /// Hit point of a primary ray, scene units; zero for other rays, whose positions no test looks at.
+    pub position: Vec3,
+    /// Length of the ray, scene units.
+    pub t: f32,
+}
 
 /// One hit of a ray tree (or a miss) with the subtree below it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,8 +36,8 @@ pub struct Node {
     pub reflect: Option<Vec3>,
     /// Weight of the refraction, if there is one.
     pub refract: Option<Vec3>,
-    /// Rays of this hit: the one that met it and its shadow rays.
-    pub own_rays: u32,
+    /// Rays of this hit alone: the one that met it and its shadow rays.
+    pub hit_rays: u32,
     /// Rays of the whole subtree.
     pub rays: u32,
     /// Hits of the whole subtree.
@@ -52,49 +65,13 @@ pub fn children(tree: &[Node]) -> impl Iterator<Item = (Vec3, &[Node])> {
 /// Sets colour, rays and length of `tree[0]`, whose subtrees (all that follows in `tree`) are finished. The colour is put
 /// together in the order of [`rayreel_formats::tile::composite`], so that a traced tree has the recorded colour to the bit.
 pub fn finish(tree: &mut [Node]) {
-    let (mut colour, mut rays, mut len) = (tree[0].local, tree[0].own_rays, 1);
+    let (mut colour, mut rays, mut len) = (tree[0].local, tree[0].hit_rays, 1);
     for (weight, child) in children(tree) {
         colour = colour + weight.times(child[0].colour);
         rays += child[0].rays;
         len += child[0].len;
     }
     (tree[0].colour, tree[0].rays, tree[0].len) = (colour, rays, len);
-}
-
-/// Appends the tree between two trees of similar samples, `s` of the way from `near` to `far` (at most a half). Hits that
-/// both have are interpolated one by one; where one has a child that the other lacks, the subtree becomes a single hit with
-/// the interpolated colour. The local colour of every hit is interpolated for itself: texture tests look at it.
-pub fn interpolate_tree(near: &[Node], far: &[Node], s: f32, out: &mut Vec<Node>) {
-    let at = out.len();
-    let (a, b) = (&near[0], &far[0]);
-    let mut node = interpolate_node(a, b, s);
-    node.colour = mix(a.colour, b.colour, s);
-    if !a.branches_as(b) {
-        (node.reflect, node.refract) = (None, None);
-        out.push(node);
-        return;
-    }
-    out.push(node);
-    for ((_, near), (_, far)) in children(near).zip(children(far)) {
-        interpolate_tree(near, far, s, out);
-    }
-    out[at].len = (out.len() - at) as u32;
-}
-
-/// The hit between two: local colour, weights and surface; its subtree is still to come.
-pub fn interpolate_node(near: &Node, far: &Node, s: f32) -> Node {
-    let weight = |a: Option<Vec3>, b: Option<Vec3>| a.zip(b).map(|(a, b)| mix(a, b, s));
-    Node {
-        surface: match (&near.surface, &far.surface) {
-            (Some(near), Some(far)) => Some(surface(near, far, s)),
-            (near, _) => *near,
-        },
-        local: mix(near.local, far.local, s),
-        reflect: weight(near.reflect, far.reflect),
-        refract: weight(near.refract, far.refract),
-        len: 1,
-        ..*near
-    }
 }
 
 /// The trees of many samples, one after the other.

@@ -1,4 +1,4 @@
-//! A decided tile as work for the machine: the rays of its traced samples, wave by wave.
+//! A decided tile as work for the machine: the rays of its traced samples, round by round.
 //!
 //! Every path is checked against the tree while it is turned into operations. What a tile traces of its neighbours
 //! (`Apron::Retrace`) stands behind its own rays.
@@ -6,8 +6,8 @@
 use rayreel_formats::tile::{RayKind, RayNode, Tile};
 
 use super::stream::Weigh;
-use crate::error::{ReplayError, Result};
-use crate::policy::view::{SampleState, TileView, WaveCounts};
+use crate::error::{RayStep, ReplayError, Result};
+use crate::policy::view::{RoundCounts, SampleState, TileView};
 use crate::source::PathSource;
 use rayreel_machine::work::check::{PathCounts, walk};
 use rayreel_machine::work::ops::Op;
@@ -34,7 +34,7 @@ impl Weigh for Built {
 #[derive(Debug, Default)]
 pub(crate) struct Part {
     rays: Vec<RayWork>,
-    waves: Vec<Round>,
+    rounds: Vec<Round>,
     paths: PathCounts,
     samples: u32,
     secondary_hits: u32,
@@ -52,12 +52,10 @@ const DEPTHS: usize = 16;
 
 impl<S: PathSource + ?Sized> Builder<'_, S> {
     /// All that a tile traces, tests and interpolates itself.
-    pub fn own(&self, view: &TileView, tile: &Tile) -> Result<Part> {
-        let rect = view.rect();
+    pub fn tile(&self, view: &TileView, tile: &Tile) -> Result<Part> {
         let mut part = Part::default();
-        let samples = (rect.y..rect.y + rect.height).flat_map(|y| (rect.x..rect.x + rect.width).map(move |x| (x, y)));
-        self.samples(&mut part, view, tile, samples)?;
-        part.count(view.waves());
+        self.samples(&mut part, view, tile, view.samples())?;
+        part.count(view.rounds());
         part.secondary_hits = view.secondary_hits();
         Ok(part)
     }
@@ -82,14 +80,14 @@ impl<S: PathSource + ?Sized> Builder<'_, S> {
             return Err(bad(tile, detail));
         }
         for (x, y) in samples {
-            let Some((state, wave)) = view.state(x, y) else { continue };
+            let Some((state, round)) = view.state(x, y) else { continue };
             if state == SampleState::Interpolated {
                 continue;
             }
             let sample = (y - rect.y) as usize * rect.width as usize + (x - rect.x) as usize;
             part.samples += 1;
             let traces = |node| view.traces_hit(sample, node);
-            self.sample(part, tile, &index, (sample, wave, traces), (x, y))?;
+            self.sample(part, tile, &index, (sample, round, traces), (x, y))?;
         }
         Ok(())
     }
@@ -101,49 +99,49 @@ impl<S: PathSource + ?Sized> Builder<'_, S> {
         part: &mut Part,
         tile: &Tile,
         index: &[u32],
-        (sample, wave, traces): (usize, u8, impl Fn(usize) -> bool),
+        (sample, round, traces): (usize, u8, impl Fn(usize) -> bool),
         at: (u32, u32),
     ) -> Result<()> {
         // Per depth the last hit: its ray if it was traced, what it is, and whether its children were announced.
-        let mut line = Line { above: [None; DEPTHS] };
+        let mut ancestors = Ancestors { above: [None; DEPTHS] };
         let nodes = tile.tree.sample(sample);
         for (i, node) in nodes.clone().enumerate() {
-            let own = &tile.tree.nodes[node];
-            let parent = line.parent(own, i == 0).map_err(|detail| bad(tile, detail))?;
+            let hit = &tile.tree.nodes[node];
+            let parent = ancestors.parent(hit, i == 0).map_err(|detail| bad(tile, detail))?;
             let ray = traces(i).then_some(part.rays.len() as u32);
             if let Some(ray) = ray {
                 match parent.map(|up| &mut part.rays[up as usize]) {
-                    Some(up) if own.class.kind() == RayKind::Reflection => up.reflect = ray,
+                    Some(up) if hit.class.kind() == RayKind::Reflection => up.reflect = ray,
                     Some(up) => up.refract = ray,
-                    None => part.wave(wave).starts.push(ray),
+                    None => part.round(round).starts.push(ray),
                 }
                 self.rays(part, tile, node, index[node], at)?;
             }
-            line.note(own, ray).map_err(|()| lacking(tile, at))?;
+            ancestors.note(hit, ray).map_err(|()| lacking(tile, at))?;
         }
-        line.finish().map_err(|()| lacking(tile, at))
+        ancestors.finish().map_err(|()| lacking(tile, at))
     }
 
     /// Appends the ray of a node and the shadow rays of its hit.
     fn rays(&self, part: &mut Part, tile: &Tile, node: usize, number: u32, (x, y): (u32, u32)) -> Result<()> {
-        let own = &tile.tree.nodes[node];
+        let hit = &tile.tree.nodes[node];
         let triangle = tile.hits[node].triangle;
-        let shadows = own.shadows.count();
-        if own.hit != (triangle < self.tree.triangles) || !own.hit && (shadows > 0 || own.reflect || own.refract) {
+        let shadows = hit.shadows.count();
+        if hit.hit != (triangle < self.tree.triangles) || !hit.hit && (shadows > 0 || hit.reflect || hit.refract) {
             return Err(bad(tile, format!("ray {number} of sample ({x}, {y}) and its hit disagree")));
         }
         let mut ray = RayWork {
             ops_start: 0,
             ops_len: 0,
-            kind: own.class.kind(),
+            kind: hit.class.kind(),
             shadows: shadows as u8,
-            triangle: if own.hit { triangle } else { NO_TRIANGLE },
-            material: if own.hit { self.source.material_of(triangle) } else { 0 },
+            triangle: if hit.hit { triangle } else { NO_TRIANGLE },
+            material: if hit.hit { self.source.material_of(triangle) } else { 0 },
             reflect: NO_RAY,
             refract: NO_RAY,
             x,
             y,
-            depth: own.class.depth() as u8,
+            depth: hit.class.depth() as u8,
         };
         self.ray(part, tile, number, ray)?;
         // Shadow rays have the place of the ray they hang on, and no surface of their own.
@@ -156,14 +154,11 @@ impl<S: PathSource + ?Sized> Builder<'_, S> {
         let (start, len) = tile.paths.spans[number as usize];
         let ops_start = part.ops.len() as u32;
         let shadow = ray.kind == RayKind::Shadow;
-        let broken = |step, detail| ReplayError::BadPath {
+        let broken = |step, detail: &str| ReplayError::Corrupt {
             frame: tile.frame,
             tile: tile.index,
-            x: ray.x,
-            y: ray.y,
-            ray: number,
-            step,
-            detail,
+            ray: Some(RayStep { x: ray.x, y: ray.y, ray: number, step }),
+            detail: detail.into(),
         };
         let steps = tile.paths.steps.get(start as usize..).and_then(|rest| rest.get(..len as usize));
         let steps = steps.ok_or_else(|| broken(0, "its steps are not in the tile"))?;
@@ -180,14 +175,14 @@ impl<S: PathSource + ?Sized> Builder<'_, S> {
     }
 }
 
-/// The last hit of each depth on the way down a ray tree.
-struct Line {
-    above: [Option<Above>; DEPTHS],
+/// The way down to a hit of a ray tree: the last hit of each depth.
+struct Ancestors {
+    above: [Option<Ancestor>; DEPTHS],
 }
 
 /// A hit whose children may be still to come.
 #[derive(Clone, Copy)]
-struct Above {
+struct Ancestor {
     class: u16,
     /// Its ray in the work, if that is traced.
     ray: Option<u32>,
@@ -195,7 +190,7 @@ struct Above {
     refract: bool,
 }
 
-impl Line {
+impl Ancestors {
     /// The ray that spawned `node`, if it is traced. The hit above must be there and have announced the child.
     fn parent(&mut self, node: &RayNode, primary: bool) -> Result<Option<u32>, String> {
         let class = node.class;
@@ -218,7 +213,7 @@ impl Line {
 
     /// Takes note of `node`; an error if a child of the hit that was last at its depth did not come.
     fn note(&mut self, node: &RayNode, ray: Option<u32>) -> Result<(), ()> {
-        let above = Above { class: node.class.0, ray, reflect: node.reflect, refract: node.refract };
+        let above = Ancestor { class: node.class.0, ray, reflect: node.reflect, refract: node.refract };
         match self.above[node.class.depth() as usize].replace(above) {
             Some(old) if old.reflect || old.refract => Err(()),
             _ => Ok(()),
@@ -233,20 +228,20 @@ impl Line {
 }
 
 impl Part {
-    fn wave(&mut self, wave: u8) -> &mut Round {
-        let wave = usize::from(wave);
-        if self.waves.len() <= wave {
-            self.waves.resize(wave + 1, Round::default());
+    fn round(&mut self, round: u8) -> &mut Round {
+        let round = usize::from(round);
+        if self.rounds.len() <= round {
+            self.rounds.resize(round + 1, Round::default());
         }
-        &mut self.waves[wave]
+        &mut self.rounds[round]
     }
 
-    /// Adds tests and interpolated samples.
-    pub fn count(&mut self, waves: &[WaveCounts]) {
-        for (wave, counts) in (0..).zip(waves) {
-            let own = self.wave(wave);
-            own.tests += counts.tests;
-            own.interpolated += counts.interpolated;
+    /// Adds what was tested and interpolated, round by round.
+    pub fn count(&mut self, rounds: &[RoundCounts]) {
+        for (round, counts) in (0..).zip(rounds) {
+            let round = self.round(round);
+            round.tests += counts.tests;
+            round.interpolated += counts.interpolated;
         }
     }
 
@@ -267,14 +262,14 @@ impl Part {
             refract: moved(ray.refract),
             ..*ray
         }));
-        for (number, wave) in (0..).zip(apron.waves) {
-            let own = self.wave(number);
-            own.tests += wave.tests;
-            own.interpolated += wave.interpolated;
-            own.starts.extend(wave.starts.into_iter().map(moved));
+        for (number, added) in (0..).zip(apron.rounds) {
+            let round = self.round(number);
+            round.tests += added.tests;
+            round.interpolated += added.interpolated;
+            round.starts.extend(added.starts.into_iter().map(moved));
         }
-        while self.waves.last().is_some_and(|wave| *wave == Round::default()) {
-            self.waves.pop();
+        while self.rounds.last().is_some_and(|round| *round == Round::default()) {
+            self.rounds.pop();
         }
         let mut paths = self.paths;
         paths += apron.paths;
@@ -287,7 +282,7 @@ impl Part {
             secondary_hits: self.secondary_hits,
             rays: self.rays,
             ops: self.ops,
-            rounds: self.waves,
+            rounds: self.rounds,
         };
         Ok(Built { work, paths })
     }
@@ -298,5 +293,5 @@ fn lacking(tile: &Tile, at: (u32, u32)) -> ReplayError {
 }
 
 fn bad(tile: &Tile, detail: String) -> ReplayError {
-    ReplayError::BadTile { frame: tile.frame, tile: tile.index, detail }
+    ReplayError::Corrupt { frame: tile.frame, tile: tile.index, ray: None, detail }
 }

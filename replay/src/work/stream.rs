@@ -18,7 +18,7 @@ pub(crate) struct Output<'a, T> {
 }
 
 impl<T: Weigh> Output<'_, T> {
-    /// Hands an item over, waiting until there is room. An item finds room beside none, whatever it weighs.
+    /// Hands an item over, waiting until there is room. An item heavier than all the room waits until nothing else does.
     ///
     /// # Errors
     /// When the consumer has stopped: nobody sees this error, it only ends the producer.
@@ -34,7 +34,7 @@ impl<T: Weigh> Output<'_, T> {
 /// The memory of what waits.
 struct Room {
     limit: usize,
-    /// Bytes in use; nothing once there is no limit any more.
+    /// Bytes in use. `None` lifts the limit: the consumer has gone, and nobody would make room.
     used: Mutex<Option<usize>>,
     freed: Condvar,
 }
@@ -112,7 +112,7 @@ mod tests {
     }
 
     fn failed() -> ReplayError {
-        ReplayError::Nothing { what: "a test" }
+        ReplayError::Usage { detail: "a test".into() }
     }
 
     /// Sums count what `put` has returned for, so they are never more than what waits.
@@ -157,7 +157,7 @@ mod tests {
             taken.push(item);
             Ok(())
         });
-        assert!(matches!(result, Err(ReplayError::Nothing { .. })));
+        assert!(matches!(result, Err(ReplayError::Usage { .. })));
         assert_eq!(taken, [1, 2, 3, 4, 5]);
     }
 
@@ -176,7 +176,7 @@ mod tests {
             taken += 1;
             if taken == 3 { Err(failed()) } else { Ok(()) }
         });
-        assert!(matches!(result, Err(ReplayError::Nothing { .. })));
+        assert!(matches!(result, Err(ReplayError::Usage { .. })));
         // The three that were taken; at most one more waited.
         assert!((3..=4).contains(&put.load(Ordering::SeqCst)), "{put:?}");
     }

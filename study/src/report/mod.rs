@@ -18,7 +18,8 @@ use self::run::{ComponentReport, RunFigures};
 
 use crate::error::{Result, StudyError};
 use rayreel_machine::config::{MachineConfig, NamedMachine};
-use rayreel_replay::frame::counts::{Counts, FrameStats, Quality, RayCounts, TileStats, WorstTile};
+use rayreel_replay::counts::{Counts, FrameStats, RayCounts, TileStats};
+use rayreel_replay::image::compare::{Quality, WorstTile};
 use rayreel_replay::image::psnr::{SquaredError, decibels};
 use rayreel_replay::policy::{NamedPolicy, Policy};
 use rayreel_replay::simulate::MachineRun;

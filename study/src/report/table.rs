@@ -4,7 +4,7 @@ use std::fmt::{self, Display};
 
 use crate::report::format::{amount, grouped, ratio, share};
 use crate::report::{Figures, FrameReport, Report, page};
-use rayreel_replay::frame::counts::RayCounts;
+use rayreel_replay::counts::RayCounts;
 
 impl Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

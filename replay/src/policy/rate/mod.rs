@@ -13,9 +13,9 @@
 use rayreel_formats::math::Vec3;
 use rayreel_formats::scene::{Camera, Meta};
 
-use super::target::{Controller, Running};
-use super::{Foveated, Multirate, Policy};
-use crate::frame::counts::TileStats;
+use crate::counts::TileStats;
+use crate::policy::target::{FirstFrame, LimitController};
+use crate::policy::{Foveated, Multirate, Policy};
 
 /// What a tile is sampled with.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,14 +28,14 @@ pub struct TileRate {
     pub relax: f64,
 }
 
-/// The rates of a frame's tiles.
-#[derive(Clone, Debug)]
+/// The rates of a frame's tiles, in tile order.
+#[derive(Clone, Debug, Default)]
 pub struct Rates {
     columns: u32,
     /// Per tile block edge and factor on the colour limit.
     tiles: Vec<(u32, f64)>,
-    /// In a frame without one before: what its rows learn from those above.
-    first: Option<Running>,
+    /// In a first frame, or after a cut: what its rows learn from those above.
+    first: Option<FirstFrame>,
 }
 
 impl Rates {
@@ -59,6 +59,7 @@ impl Rates {
     }
 
     /// The blocks, tile by tile.
+    #[cfg(test)]
     pub fn blocks(&self) -> Vec<u32> {
         self.tiles.iter().map(|t| t.0).collect()
     }
@@ -66,14 +67,14 @@ impl Rates {
 
 /// Chooses the rates of one frame after the other.
 #[derive(Clone, Debug)]
-pub struct Pacer {
+pub struct RateController {
     columns: u32,
     rows: u32,
     tile: u32,
     grid: (u32, u32),
     policy: Policy,
     history: Option<History>,
-    target: Option<Controller>,
+    target: Option<LimitController>,
 }
 
 /// What the last frame left.
@@ -81,26 +82,26 @@ pub struct Pacer {
 struct History {
     frame: u32,
     forward: Vec3,
-    tiles: Vec<Memory>,
+    tiles: Vec<TileHistory>,
     /// The ratios changed so much that they say nothing about the next frame.
     cut: bool,
 }
 
-/// What is known of a tile.
+/// What is remembered of a tile.
 #[derive(Clone, Copy, Debug)]
-struct Memory {
+struct TileHistory {
     block: u32,
     ratio: Option<f64>,
     /// Frames in a row that asked for a larger (positive) or smaller (negative) block.
     asked: i32,
 }
 
-impl Pacer {
+impl RateController {
     /// Prepares `policy` for the tiles of a trace.
     pub fn new(policy: &Policy, meta: &Meta) -> Self {
         let (columns, rows) = meta.tile_grid();
         let target = match policy {
-            Policy::Multirate(own) => Some(Controller::new(&own.target)),
+            Policy::Multirate(multirate) => Some(LimitController::new(&multirate.target)),
             _ => None,
         };
         Self { columns, rows, tile: meta.tile, grid: meta.grid(), policy: policy.clone(), history: None, target }
@@ -113,9 +114,9 @@ impl Pacer {
         };
         match policy {
             Policy::Full => vec![1],
-            Policy::Adaptive(own) => vec![own.block],
-            Policy::Multirate(own) => range(own.finest, own.coarsest),
-            Policy::Foveated(own) => range(own.finest, own.coarsest),
+            Policy::Adaptive(adaptive) => vec![adaptive.block],
+            Policy::Multirate(multirate) => range(multirate.finest, multirate.coarsest),
+            Policy::Foveated(foveated) => range(foveated.finest, foveated.coarsest),
         }
     }
 
@@ -125,17 +126,17 @@ impl Pacer {
         let mut first = None;
         let tiles = match &self.policy {
             Policy::Full => vec![(1, 1.0); count],
-            Policy::Adaptive(own) => vec![(own.block, 1.0); count],
-            Policy::Foveated(own) => (0..self.columns * self.rows).map(|tile| self.foveated(own, tile)).collect(),
-            Policy::Multirate(own) => match (&self.history, &self.target) {
-                (Some(history), target) if !self.is_cut(own, history, frame, camera) => {
-                    let factor = target.as_ref().map_or(1.0, Controller::factor);
+            Policy::Adaptive(adaptive) => vec![(adaptive.block, 1.0); count],
+            Policy::Foveated(rings) => (0..self.columns * self.rows).map(|tile| self.foveated(rings, tile)).collect(),
+            Policy::Multirate(multirate) => match (&self.history, &self.target) {
+                (Some(history), target) if !self.is_cut(multirate, history, frame, camera) => {
+                    let factor = target.as_ref().map_or(1.0, LimitController::factor);
                     history.tiles.iter().map(|memory| (memory.block, factor)).collect()
                 }
                 (_, target) => {
                     let total = u64::from(self.grid.0) * u64::from(self.grid.1);
                     first = target.as_ref().map(|target| target.first(total));
-                    vec![(own.start, 1.0); count]
+                    vec![(multirate.start, 1.0); count]
                 }
             },
         };
@@ -144,13 +145,13 @@ impl Pacer {
 
     /// Takes note of what the tiles of `frame` were like under `rates`.
     pub fn learn(&mut self, frame: u32, camera: &Camera, rates: &Rates, stats: &[TileStats]) {
-        let Policy::Multirate(own) = &self.policy else { return };
-        let fresh = rates.tiles.iter().map(|&(block, _)| Memory { block, ratio: None, asked: 0 }).collect();
-        let known = self.history.take().filter(|history| !self.is_cut(own, history, frame, camera));
+        let Policy::Multirate(multirate) = &self.policy else { return };
+        let fresh = rates.tiles.iter().map(|&(block, _)| TileHistory { block, ratio: None, asked: 0 }).collect();
+        let known = self.history.take().filter(|history| !self.is_cut(multirate, history, frame, camera));
         if let Some(target) = &mut self.target {
             target.learn(stats, known.is_none());
         }
-        let mut tiles: Vec<Memory> = known.map_or(fresh, |history| history.tiles);
+        let mut tiles: Vec<TileHistory> = known.map_or(fresh, |history| history.tiles);
         let (mut change, mut compared) = (0.0, 0u32);
         for (memory, stats) in tiles.iter_mut().zip(stats) {
             let ratio = stats.counts.similarity_ratio();
@@ -159,15 +160,15 @@ impl Pacer {
                 compared += 1;
             }
             memory.ratio = ratio;
-            memory.follow(own, frame);
+            memory.follow(multirate, frame);
         }
-        let cut = compared > 0 && change / f64::from(compared) > own.cut_change;
+        let cut = compared > 0 && change / f64::from(compared) > multirate.cut_change;
         self.history = Some(History { frame, forward: self.forward(camera), tiles, cut });
     }
 
-    fn is_cut(&self, own: &Multirate, history: &History, frame: u32, camera: &Camera) -> bool {
+    fn is_cut(&self, multirate: &Multirate, history: &History, frame: u32, camera: &Camera) -> bool {
         let (a, b) = (history.forward, self.forward(camera));
-        let cosine = libm::cos(own.cut_deg.to_radians());
+        let cosine = libm::cos(multirate.cut_deg.to_radians());
         history.cut || history.frame.checked_add(1) != Some(frame) || f64::from(a.dot(b)) < cosine
     }
 
@@ -178,36 +179,36 @@ impl Pacer {
     }
 
     /// Block and relaxation of a tile by the distance of its middle from the gaze point.
-    fn foveated(&self, own: &Foveated, tile: u32) -> (u32, f64) {
+    fn foveated(&self, rings: &Foveated, tile: u32) -> (u32, f64) {
         let (w, h) = (f64::from(self.grid.0), f64::from(self.grid.1));
         let middle = |index: u32, size: f64| {
             let start = f64::from(index * self.tile);
             (start + (start + f64::from(self.tile)).min(size)) * 0.5
         };
-        let x = (middle(tile % self.columns, w) - own.gaze_x * w) / h;
-        let y = (middle(tile / self.columns, h) - own.gaze_y * h) / h;
+        let x = (middle(tile % self.columns, w) - rings.gaze_x * w) / h;
+        let y = (middle(tile / self.columns, h) - rings.gaze_y * h) / h;
         let distance = (x * x + y * y).sqrt();
         // 0 up to the inner radius, 1 from the outer one on.
-        let way = if own.outer > own.inner { (distance - own.inner) / (own.outer - own.inner) } else { 1.0 };
-        let way = if distance <= own.inner { 0.0 } else { way.clamp(0.0, 1.0) };
-        let steps = (own.coarsest / own.finest).trailing_zeros();
+        let way = if rings.outer > rings.inner { (distance - rings.inner) / (rings.outer - rings.inner) } else { 1.0 };
+        let way = if distance <= rings.inner { 0.0 } else { way.clamp(0.0, 1.0) };
+        let steps = (rings.coarsest / rings.finest).trailing_zeros();
         // The largest block from the outer radius on, the others in rings of equal width inside.
         let ring = ((way * f64::from(steps)).floor() as u32).min(steps);
-        (own.finest << ring, 1.0 + (own.relax - 1.0) * way)
+        (rings.finest << ring, 1.0 + (rings.relax - 1.0) * way)
     }
 }
 
-impl Memory {
+impl TileHistory {
     /// Lets the tile change its block if enough frames asked for it.
-    fn follow(&mut self, own: &Multirate, frame: u32) {
-        let shift = if frame % 2 == 1 { own.alternate } else { 0.0 };
+    fn follow(&mut self, multirate: &Multirate, frame: u32) {
+        let shift = if frame % 2 == 1 { multirate.alternate } else { 0.0 };
         let asks = match self.ratio {
-            Some(ratio) if ratio >= own.raise + shift && self.block < own.coarsest => 1,
-            Some(ratio) if ratio <= own.lower - shift && self.block > own.finest => -1,
+            Some(ratio) if ratio >= multirate.raise + shift && self.block < multirate.coarsest => 1,
+            Some(ratio) if ratio <= multirate.lower - shift && self.block > multirate.finest => -1,
             _ => 0,
         };
         self.asked = if asks == 0 || self.asked.signum() == -asks { asks } else { self.asked + asks };
-        if self.asked.unsigned_abs() >= own.hold {
+        if self.asked.unsigned_abs() >= multirate.hold {
             self.block = if asks > 0 { self.block * 2 } else { self.block / 2 };
             self.asked = 0;
         }
@@ -215,5 +216,4 @@ impl Memory {
 }
 
 #[cfg(test)]
-#[path = "rate_tests.rs"]
 mod tests;

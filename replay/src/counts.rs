@@ -6,6 +6,7 @@ use std::ops::{Add, AddAssign};
 use rayreel_formats::tile::{RayKind, RayNode};
 use serde::Serialize;
 
+use crate::image::compare::Quality;
 use crate::image::psnr::SquaredError;
 
 /// Rays by kind.
@@ -141,34 +142,6 @@ pub struct TileStats {
     pub audited: SquaredError,
     /// Factor on the colour limit.
     pub factor: f64,
-}
-
-/// How near the picture is to that of `full`.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Quality {
-    /// Sum of the squared differences of all 8-bit sRGB values.
-    pub squared_error: u64,
-    /// Number of values: three a pixel.
-    pub values: u64,
-    /// Structural similarity; `None` if it was not asked for, or of a picture too small for its window.
-    pub ssim: Option<f64>,
-    /// Mean FLIP value: 0 for identical pictures, at most 1; `None` if it was not asked for.
-    pub flip: Option<f64>,
-    /// The tile that differs most; `None` if none does.
-    pub worst_tile: Option<WorstTile>,
-    /// Squared change of the error since the frame before; `None` if that was not replayed.
-    pub flicker: Option<SquaredError>,
-}
-
-/// The tile that differs most.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct WorstTile {
-    /// Its frame.
-    pub frame: u32,
-    /// Its number in the frame.
-    pub tile: u32,
-    /// Its error.
-    pub error: SquaredError,
 }
 
 /// What a frame cost, and how good it is.

@@ -1,0 +1,190 @@
+//! One frame after the other under a policy, with or without a machine that takes the tiles as work.
+
+use rayreel_formats::scene::Camera;
+use rayreel_formats::tile::Tile;
+use rayreel_machine::work::TileWork;
+use rayreel_machine::work::check::PathCounts;
+use rayreel_machine::work::topology::Topology;
+
+use super::band::{AdjacentBands, Band, Reader};
+use super::canvas::{Canvas, FrameReplay};
+use super::states::Blocks;
+use crate::counts::TileStats;
+use crate::error::{ReplayError, RequestError, Result};
+use crate::image::compare::Comparer;
+use crate::policy::{SamplePolicy, Sampler};
+use crate::source::{PathSource, TileSource};
+use crate::stop::Stop;
+use crate::work::build::{Builder, Built};
+use crate::work::stream::{Output, ahead};
+
+/// Memory for tiles that wait for their machine, bytes: thirty million operations, seconds of simulation. That bridges the
+/// reading of the next row of tiles, whose own operations may all fit, or take almost 1 GB (`lab`, `full`, 2048x1024).
+const BYTES_AHEAD: usize = 128 << 20;
+
+/// What a replay also makes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Options {
+    /// Make the picture of `full` too, and compare with it.
+    pub reference: bool,
+    /// Compare as a viewer does too, by SSIM and FLIP: that takes longer than all other figures together.
+    pub perception: bool,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self { reference: true, perception: true }
+    }
+}
+
+/// Replays one frame after the other. Policies may learn from the frame before, so frames are best given in order.
+pub struct Replayer<'a, S: ?Sized> {
+    source: &'a S,
+    sampler: Box<dyn Sampler>,
+    options: Options,
+    comparer: Comparer,
+    stop: Stop,
+}
+
+impl<'a, S: TileSource + ?Sized> Replayer<'a, S> {
+    /// Prepares `policy` for the frames of `source`.
+    ///
+    /// # Errors
+    /// A value of the policy out of range, blocks that do not fit the tiles, a trace without samples.
+    pub fn new<P: SamplePolicy + ?Sized>(source: &'a S, policy: &P, options: Options) -> Result<Self> {
+        let meta = source.meta();
+        let (width, height) = meta.grid();
+        if width == 0 || height == 0 || meta.tile == 0 {
+            return Err(RequestError::Nothing { what: "the sample grid of the trace is empty" }.into());
+        }
+        let (sampler, comparer) = (policy.sampler(meta)?, Comparer::new(meta, options.perception));
+        Ok(Self { source, sampler, options, comparer, stop: Stop::never() })
+    }
+
+    /// Looks at `stop` before each tile that it reads or hands to a machine, and ends the frame with
+    /// [`ReplayError::Interrupted`] once that is requested.
+    #[must_use]
+    pub fn with_stop(mut self, stop: Stop) -> Self {
+        self.stop = stop;
+        self
+    }
+
+    /// What is replayed.
+    pub fn source(&self) -> &'a S {
+        self.source
+    }
+
+    /// Replays frame `frame`.
+    ///
+    /// # Errors
+    /// A frame that the trace does not hold, or that cannot be read; [`ReplayError::Interrupted`].
+    pub fn frame(&mut self, frame: u32) -> Result<FrameReplay> {
+        let (source, camera) = (self.source, self.camera(frame)?);
+        let mut canvas = Canvas::new(source.meta(), self.options.reference);
+        let read = |index| source.tile(frame, index);
+        let reader = Reader { source, camera: &camera, frame, read, keep: false, stop: &self.stop };
+        bands(&reader, &mut *self.sampler, |closed| {
+            canvas.add(&closed.band.tiles, closed.stats);
+            Ok(())
+        })?;
+        self.finish(frame, canvas)
+    }
+
+    /// The camera of a frame that is about to begin.
+    fn camera(&self, frame: u32) -> Result<Camera> {
+        self.stop.check()?;
+        let meta = self.source.meta();
+        if !meta.frame_numbers().contains(&frame) {
+            let (first, last) = (meta.first_frame, meta.first_frame + meta.frames.saturating_sub(1));
+            return Err(RequestError::NoSuchFrame { frame, first, last }.into());
+        }
+        self.source.camera(frame).map_err(|e| ReplayError::Trace {
+            what: "the camera".into(),
+            frame,
+            source: Box::new(e),
+        })
+    }
+
+    fn finish(&mut self, frame: u32, canvas: Canvas) -> Result<FrameReplay> {
+        self.sampler.end_frame(&canvas.tiles);
+        let meta = self.source.meta();
+        let blocks = (0..meta.tile_count()).map(|tile| self.sampler.block(tile)).collect();
+        canvas.finish(frame, Blocks::new(blocks, meta), &mut self.comparer)
+    }
+}
+
+impl<S: PathSource + ?Sized> Replayer<'_, S> {
+    /// Replays frame `frame` and gives its tiles to `consume` as work for a machine, in tile order. `tree` is the source's
+    /// topology. Later tiles are read, decided and made work of in the background meanwhile, some rows of tiles ahead as long
+    /// as their work is small. Gives also what the paths of all tiles ask for, to be compared with what a machine did.
+    ///
+    /// # Errors
+    /// As [`Replayer::frame`]; a path that does not lead through the tree; and what `consume` returns, after which it is not
+    /// called again.
+    pub fn frame_with(
+        &mut self,
+        frame: u32,
+        tree: &Topology,
+        mut consume: impl FnMut(TileWork) -> Result<()>,
+    ) -> Result<(FrameReplay, PathCounts)> {
+        let (source, camera) = (self.source, self.camera(frame)?);
+        let mut canvas = Canvas::new(source.meta(), self.options.reference);
+        let read = |index| source.tile_with_paths(frame, index);
+        let (stop, sampler) = (&self.stop, &mut *self.sampler);
+        let reader = Reader { source, camera: &camera, frame, read, keep: true, stop };
+        let builder = Builder { source, tree };
+        let produce = |output: &Output<'_, Built>| {
+            let mut above = false;
+            bands(&reader, sampler, |Closed { sampler, band, stats, below }| {
+                canvas.add(&band.tiles, stats);
+                band.work(&builder, sampler, &AdjacentBands { below, above }, |tile| output.put(tile))?;
+                above = true;
+                Ok(())
+            })
+        };
+        let mut paths = PathCounts::default();
+        ahead(BYTES_AHEAD, produce, |tile| {
+            stop.check()?;
+            paths += tile.paths;
+            consume(tile.work)
+        })?;
+        Ok((self.finish(frame, canvas)?, paths))
+    }
+}
+
+/// A band whose samples are all decided.
+struct Closed<'a> {
+    sampler: &'a dyn Sampler,
+    band: Band,
+    stats: Vec<TileStats>,
+    /// The next band, already open.
+    below: Option<&'a Band>,
+}
+
+/// Opens the bands of a frame top to bottom, closes each as soon as the one below it is open, and gives it to `give`. What a
+/// band was like may change how the sampler treats those that are not open yet: the one after the next and on.
+fn bands<S, R>(
+    reader: &Reader<'_, S, R>,
+    sampler: &mut dyn Sampler,
+    mut give: impl FnMut(Closed<'_>) -> Result<()>,
+) -> Result<()>
+where
+    S: TileSource + ?Sized,
+    R: Fn(u32) -> rayreel_formats::Result<Tile> + Sync,
+{
+    let mut close = |sampler: &mut dyn Sampler, mut band: Band, below: Option<&Band>| {
+        let stats = band.close(sampler, reader.frame, below)?;
+        sampler.end_row(&stats);
+        give(Closed { sampler, band, stats, below })
+    };
+    sampler.begin_frame(reader.frame, reader.camera);
+    let mut above: Option<Band> = None;
+    for row in 0..reader.source.meta().tile_grid().1 {
+        let band = Band::open(reader, sampler, row)?;
+        if let Some(above) = above.take() {
+            close(sampler, above, Some(&band))?;
+        }
+        above = Some(band);
+    }
+    above.map_or(Ok(()), |last| close(sampler, last, None))
+}

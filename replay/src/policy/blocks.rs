@@ -1,0 +1,135 @@
+//! The policies of a [`Policy`] at work: blocks of samples, whose size each tile has from [`super::rate`] and whose steps are
+//! those of [`super::adaptive`].
+
+use rayreel_formats::scene::{Camera, Meta};
+
+use super::adaptive::{Rules, TileRules};
+use super::rate::{RateController, Rates};
+use super::sampler::{SamplePolicy, Sampler};
+use super::tree::Forest;
+use super::view::TileView;
+use super::{Apron, NamedPolicy, Policy};
+use crate::counts::TileStats;
+use crate::error::{RequestError, Result};
+
+impl SamplePolicy for Policy {
+    fn name(&self) -> String {
+        self.kind().into()
+    }
+
+    fn text(&self) -> String {
+        toml::to_string(self).expect("the values of a policy are words and numbers, which TOML can hold")
+    }
+
+    fn sampler(&self, meta: &Meta) -> Result<Box<dyn Sampler>> {
+        Ok(Box::new(BlockSampler::new(self, meta)?))
+    }
+}
+
+impl SamplePolicy for NamedPolicy {
+    fn name(&self) -> String {
+        self.name.clone()
+    }
+
+    fn text(&self) -> String {
+        self.policy.text()
+    }
+
+    fn sampler(&self, meta: &Meta) -> Result<Box<dyn Sampler>> {
+        self.policy.sampler(meta)
+    }
+}
+
+/// A [`Policy`] at work.
+struct BlockSampler {
+    rules: Rules,
+    control: RateController,
+    now: Now,
+}
+
+/// The frame at work.
+#[derive(Default)]
+struct Now {
+    frame: u32,
+    camera: Option<Camera>,
+    rates: Rates,
+}
+
+impl BlockSampler {
+    fn new(policy: &Policy, meta: &Meta) -> Result<Self> {
+        let rules = Rules::new(policy, meta)?;
+        check_tile(meta.tile, &RateController::blocks(policy))?;
+        Ok(Self { rules, control: RateController::new(policy, meta), now: Now::default() })
+    }
+
+    fn tile(&self, view: &TileView) -> TileRules<'_> {
+        self.rules.tile(self.now.rates.tile(view.index()))
+    }
+}
+
+impl Sampler for BlockSampler {
+    fn deep(&self) -> bool {
+        self.rules.deep()
+    }
+
+    fn begin_frame(&mut self, frame: u32, camera: &Camera) {
+        self.now = Now { frame, camera: Some(*camera), rates: self.control.rates(frame, camera) };
+    }
+
+    fn begin_tile(&self, view: &mut TileView) {
+        self.tile(view).trace_references(view);
+    }
+
+    fn shared_rows(&self, view: &TileView) -> Vec<u32> {
+        self.tile(view).shared_rows(view.rect())
+    }
+
+    fn shares_first_row(&self) -> bool {
+        self.rules.reads_neighbours()
+    }
+
+    fn step_x(&self, view: &mut TileView, right: Option<&Forest>) {
+        self.tile(view).step_x(view, right);
+    }
+
+    fn step_y(&self, view: &mut TileView, below: Option<&Forest>) {
+        self.tile(view).step_y(view, below);
+        if let Some(audit) = self.rules.audit {
+            let error = audit.run(view, self.now.frame);
+            view.audited(error);
+        }
+    }
+
+    fn end_row(&mut self, row: &[TileStats]) {
+        self.now.rates.finished(row);
+    }
+
+    fn end_frame(&mut self, tiles: &[TileStats]) {
+        if let Some(camera) = &self.now.camera {
+            self.control.learn(self.now.frame, camera, &self.now.rates, tiles);
+        }
+    }
+
+    fn block(&self, tile: u32) -> u32 {
+        self.now.rates.tile(tile).block
+    }
+
+    fn factor(&self, tile: u32) -> f64 {
+        self.now.rates.tile(tile).relax
+    }
+
+    fn apron(&self) -> Apron {
+        self.rules.apron
+    }
+}
+
+/// Tiles must begin at R-samples of every block that they may have.
+fn check_tile(tile: u32, blocks: &[u32]) -> Result<()> {
+    let Some(&block) = blocks.iter().find(|b| !tile.is_multiple_of(**b)) else { return Ok(()) };
+    let fit = |b: &u32| tile.is_multiple_of(*b);
+    let blocks: Vec<_> = [2, 3, 4, 8, 16].into_iter().filter(fit).map(|b| b.to_string()).collect();
+    let below = tile / block * block;
+    let tiles: Vec<_> = [below, below + block].into_iter().filter(|&t| t > 0).map(|t| t.to_string()).collect();
+    let blocks = if blocks.is_empty() { "none does".into() } else { blocks.join(", ") };
+    Err(RequestError::TileSize { tile, block, blocks, tiles: tiles.join(" or ") }.into())
+}

@@ -1,0 +1,295 @@
+//! What a policy may see: the hits it has traced, and what was interpolated from them.
+//!
+//! The recorded samples of a tile are private to this module. The only ways to one are [`TileView::trace`] and [`Tracer`],
+//! which mark the hits as traced and count their rays, so a policy cannot use a value that hardware would not have had.
+
+mod recorded;
+
+use rayreel_formats::math::Vec3;
+use rayreel_formats::scene::{Camera, Rect};
+use rayreel_formats::tile::Tile;
+
+use super::tree::{Forest, Node};
+use crate::counts::RayCounts;
+use crate::error::{ReplayError, Result};
+use crate::image::psnr::SquaredError;
+use crate::source::TileSource;
+use recorded::Recorded;
+
+/// What became of a sample.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SampleState {
+    /// An R-sample: traced before any test.
+    Reference,
+    /// An I-sample that was traced.
+    Traced,
+    /// An I-sample of which some rays were traced and some hits interpolated.
+    Partial,
+    /// An I-sample that was interpolated.
+    Interpolated,
+}
+
+/// What was done in one round beside tracing.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct RoundCounts {
+    /// Similarity tests: pairs of hits that were compared.
+    pub tests: u32,
+    /// Hits and whole subtrees that were interpolated; one for a sample of which nothing was traced.
+    pub interpolated: u32,
+}
+
+/// A tile in the hands of a policy. Coordinates are those of the frame's sample grid.
+pub struct TileView {
+    index: u32,
+    rect: Rect,
+    /// Trees have all their hits; else each sample is one.
+    deep: bool,
+    recorded: Recorded,
+    /// Per recorded hit whether its rays were traced.
+    traced: Vec<bool>,
+    known: Forest,
+    /// State and round of the samples that are known.
+    states: Vec<Option<(SampleState, u8)>>,
+    /// Per round what was done beside tracing.
+    rounds: Vec<RoundCounts>,
+    /// The part of `rounds` on the first row: the tile above does it again if it does not share (`Apron::Retrace`).
+    first_row: Vec<RoundCounts>,
+    /// What audits of the tile found.
+    audited: SquaredError,
+}
+
+/// The recorded ray tree of one sample, of which hits may be traced one by one.
+pub struct Tracer<'a> {
+    nodes: &'a [Node],
+    traced: &'a mut [bool],
+}
+
+impl Tracer<'_> {
+    /// Traces hit `node` and its shadow rays.
+    pub fn hit(&mut self, node: usize) -> Node {
+        self.traced[node] = true;
+        self.nodes[node]
+    }
+
+    /// Traces hit `node` and everything below it.
+    pub fn subtree(&mut self, node: usize) -> &[Node] {
+        let range = node..node + self.nodes[node].len as usize;
+        self.traced[range.clone()].fill(true);
+        &self.nodes[range]
+    }
+
+    /// Whether recorded rays stand for the children of `like` below hit `node`: the recorded sample branches in the same
+    /// way. This looks at the shape of the record only: without a stand-in a policy has to trace more.
+    pub fn stands_in(&self, node: usize, like: &Node) -> bool {
+        self.nodes[node].branches_as(like)
+    }
+
+    /// Hits of the subtree at `node`.
+    pub fn len(&self, node: usize) -> usize {
+        self.nodes[node].len as usize
+    }
+}
+
+impl TileView {
+    /// A view of a recorded tile in which nothing is traced yet. Policies cannot make one: who holds a tile has seen it. With `deep` it shows whole ray trees, else primary hits
+    /// with the colour of all.
+    ///
+    /// # Errors
+    /// When the tile's columns do not fit its rectangle.
+    pub(crate) fn new<S: TileSource + ?Sized>(
+        source: &S,
+        camera: &Camera,
+        (frame, index): (u32, u32),
+        tile: &Tile,
+        deep: bool,
+    ) -> Result<Self> {
+        let rect = source.meta().tile_rect(index);
+        let recorded = Recorded::new(source, camera, tile, rect, deep).map_err(|detail| ReplayError::Corrupt {
+            ray: None,
+            frame,
+            tile: index,
+            detail,
+        })?;
+        let (traced, states) = (vec![false; recorded.nodes.len()], vec![None; rect.len()]);
+        let (known, rounds, first_row, audited) = (Forest::new(rect.len()), vec![], vec![], SquaredError::default());
+        Ok(Self { index, rect, deep, recorded, traced, known, states, rounds, first_row, audited })
+    }
+
+    /// Tile number in the frame.
+    pub fn index(&self) -> u32 {
+        self.index
+    }
+
+    /// The samples of the tile.
+    pub fn rect(&self) -> Rect {
+        self.rect
+    }
+
+    /// Column and row of all samples of the tile, row by row.
+    pub fn samples(&self) -> impl Iterator<Item = (u32, u32)> + use<> {
+        let Rect { x, y, width, height } = self.rect;
+        (y..y + height).flat_map(move |v| (x..x + width).map(move |u| (u, v)))
+    }
+
+    /// Traces sample (`x`, `y`) whole in round `round`: as an R-sample, or as an I-sample that is traced.
+    ///
+    /// # Panics
+    /// When the sample is outside the tile, or known already: a policy never pays twice. When `state` is neither of the two.
+    pub fn trace(&mut self, x: u32, y: u32, state: SampleState, round: u8) {
+        assert!(matches!(state, SampleState::Reference | SampleState::Traced), "a traced sample cannot be {state:?}");
+        let i = self.decide(x, y, state, round);
+        let range = self.recorded.range(i);
+        self.traced[range.clone()].fill(true);
+        self.known.set(i, &self.recorded.nodes[range]);
+    }
+
+    /// Traces a sample that was interpolated after all.
+    ///
+    /// # Panics
+    /// When the sample is outside the tile, or not interpolated.
+    pub fn correct(&mut self, x: u32, y: u32, round: u8) {
+        let i = self.offset(x, y);
+        assert!(
+            matches!(self.states[i], Some((SampleState::Interpolated, _))),
+            "only interpolated samples are corrected"
+        );
+        self.states[i] = None;
+        self.trace(x, y, SampleState::Traced, round);
+    }
+
+    /// Gives sample (`x`, `y`) an interpolated tree.
+    ///
+    /// # Panics
+    /// As [`TileView::trace`].
+    pub fn interpolate(&mut self, x: u32, y: u32, tree: &[Node], round: u8) {
+        let i = self.decide(x, y, SampleState::Interpolated, round);
+        self.known.set(i, tree);
+        self.count(y, round, |counts| counts.interpolated += 1);
+    }
+
+    /// Builds sample (`x`, `y`) from hits that are traced and hits that are interpolated: `build` appends its tree, hit by
+    /// hit, and gives the number of interpolated hits.
+    ///
+    /// # Panics
+    /// As [`TileView::trace`].
+    pub fn rebuild(&mut self, x: u32, y: u32, round: u8, build: impl FnOnce(&mut Tracer<'_>, &mut Vec<Node>) -> u32) {
+        let i = self.offset(x, y);
+        let range = self.recorded.range(i);
+        let mut tree = Vec::with_capacity(range.len());
+        let (nodes, traced) = (&self.recorded.nodes[range.clone()], &mut self.traced[range.clone()]);
+        let interpolated = build(&mut Tracer { nodes, traced }, &mut tree);
+        let traced = self.traced[range.clone()].iter().filter(|t| **t).count();
+        let state = match (traced, interpolated) {
+            (0, _) => SampleState::Interpolated,
+            (_, 0) => SampleState::Traced,
+            _ => SampleState::Partial,
+        };
+        let i = self.decide(x, y, state, round);
+        self.known.set(i, &tree);
+        self.count(y, round, |counts| counts.interpolated += interpolated);
+    }
+
+    /// Notes `tests` similarity tests in round `round` that decide about sample (`x`, `y`) and others.
+    pub fn tested(&mut self, (_, y): (u32, u32), round: u8, tests: u32) {
+        self.count(y, round, |counts| counts.tests += tests);
+    }
+
+    /// Notes what an audit found: the squared error of values that the policy interpolated and then traced.
+    pub fn audited(&mut self, error: SquaredError) {
+        self.audited = self.audited + error;
+    }
+
+    /// Sum of what audits found.
+    pub fn audits(&self) -> SquaredError {
+        self.audited
+    }
+
+    /// Per round what was done beside tracing; rounds that are not there did nothing.
+    pub fn rounds(&self) -> &[RoundCounts] {
+        &self.rounds
+    }
+
+    /// The part of [`TileView::rounds`] on the tile's first row.
+    pub fn first_row_rounds(&self) -> &[RoundCounts] {
+        &self.first_row
+    }
+
+    /// The tree of a sample that was traced or interpolated.
+    ///
+    /// # Panics
+    /// When the sample is outside the tile, or not known yet.
+    pub fn tree(&self, x: u32, y: u32) -> &[Node] {
+        let i = self.offset(x, y);
+        assert!(self.states[i].is_some(), "a policy read sample ({x}, {y}) before it was known");
+        self.known.tree(i)
+    }
+
+    /// State of a sample and the round that brought it; `None` while it is not known.
+    ///
+    /// # Panics
+    /// When the sample is outside the tile.
+    pub fn state(&self, x: u32, y: u32) -> Option<(SampleState, u8)> {
+        self.states[self.offset(x, y)]
+    }
+
+    /// The rays that were traced for a sample; `None` if none was.
+    ///
+    /// # Panics
+    /// When the sample is outside the tile.
+    pub fn traced_rays(&self, x: u32, y: u32) -> Option<RayCounts> {
+        let range = self.recorded.range(self.offset(x, y));
+        let rays = range.filter(|&node| self.traced[node]).map(|node| self.recorded.rays[node]);
+        rays.fold(None, |sum, rays| Some(sum.unwrap_or_default() + rays))
+    }
+
+    /// Whether the rays of the `node`-th recorded hit of a sample were traced.
+    pub(crate) fn traces_hit(&self, sample: usize, node: usize) -> bool {
+        self.traced[self.recorded.range(sample).start + if self.deep { node } else { 0 }]
+    }
+
+    /// Hits of the known trees beyond one a sample: what a tile buffer has to hold besides.
+    pub(crate) fn secondary_hits(&self) -> u32 {
+        self.known.secondary_hits()
+    }
+
+    /// The rays of all recorded samples. Not for policies: it is what tracing everything costs.
+    pub(crate) fn recorded_rays(&self) -> RayCounts {
+        self.recorded.rays.iter().copied().sum()
+    }
+
+    /// The recorded colours of row `y`. Not for policies: it is the picture that they are compared with.
+    pub(crate) fn recorded_row(&self, y: u32) -> impl Iterator<Item = Vec3> {
+        let start = self.offset(self.rect.x, y);
+        let first = &self.recorded.first[start..start + self.rect.width as usize];
+        first.iter().map(|&node| self.recorded.nodes[node as usize].colour)
+    }
+
+    fn count(&mut self, y: u32, round: u8, add: impl Fn(&mut RoundCounts)) {
+        let round = usize::from(round);
+        let add_to = |rounds: &mut Vec<RoundCounts>| {
+            if rounds.len() <= round {
+                rounds.resize(round + 1, RoundCounts::default());
+            }
+            add(&mut rounds[round]);
+        };
+        add_to(&mut self.rounds);
+        if y == self.rect.y {
+            add_to(&mut self.first_row);
+        }
+    }
+
+    /// Gives a sample its state, which it has once. Its number in the tile.
+    fn decide(&mut self, x: u32, y: u32, state: SampleState, round: u8) -> usize {
+        let i = self.offset(x, y);
+        assert!(self.states[i].is_none(), "a policy decided sample ({x}, {y}) twice");
+        self.states[i] = Some((state, round));
+        i
+    }
+
+    fn offset(&self, x: u32, y: u32) -> usize {
+        let Rect { x: left, y: top, width, height } = self.rect;
+        let inside = (left..left + width).contains(&x) && (top..top + height).contains(&y);
+        assert!(inside, "sample ({x}, {y}) is outside tile {}", self.index);
+        (y - top) as usize * width as usize + (x - left) as usize
+    }
+}
