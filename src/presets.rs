@@ -2,11 +2,11 @@
 
 use anyhow::Result;
 use clap::Subcommand;
+use rayreel_machine::config::{MACHINES, NamedMachine, PRESETS, Sourced};
 use rayreel_machine::MachineError;
-use rayreel_machine::config::schema::KEYS;
-use rayreel_machine::config::{self, NamedMachine, Sourced};
-use rayreel_replay::policy::{self, Policy, schema};
+use rayreel_replay::policy::{self, POLICIES, Policy};
 use rayreel_replay::{NamedPolicy, ReplayError};
+use rayreel_settings::{Family, SettingsError, is_path};
 use serde_json::{Map, Value, json};
 
 use crate::common::{print, print_json};
@@ -43,43 +43,18 @@ enum Action {
 pub fn run(args: &Args) -> Result<Exit> {
     match &args.action {
         Action::List { json } => list(*json)?,
-        Action::Show { preset, set, json } => match NamedMachine::load(preset, set) {
-            Ok(machine) if *json => print_json(&machine_json(&machine))?,
-            Ok(machine) => print(&machine_text(&machine))?,
-            Err(error @ MachineError::UnknownMachine { .. }) => match NamedPolicy::load(preset, set) {
-                Ok(policy) => show_policy(&policy, *json)?,
-                // Neither: the message that knows a similar name is the better one.
-                Err(ReplayError::UnknownPreset { near, .. }) if !near.starts_with("did you mean") => {
-                    return Err(error.into());
-                }
-                Err(error) => return Err(error.into()),
-            },
-            Err(error) => return Err(error.into()),
-        },
+        Action::Show { preset, set, json } => show(preset, set, *json)?,
     }
     Ok(Exit::Done)
 }
 
-fn list(as_json: bool) -> Result<()> {
-    let mut machines = Vec::new();
-    for (name, _) in config::PRESETS {
-        let machine = NamedMachine::load(name, &[])?;
-        let extends = machine.chain.get(1).map(|a| a.name.clone());
-        machines.push((*name, extends, machine.chain[0].why.clone()));
+fn show(preset: &str, set: &[String], as_json: bool) -> Result<()> {
+    if POLICIES.owns(preset) || (!is_path(preset) && !MACHINES.owns(preset) && nearer_to_policies(preset)) {
+        let policy = NamedPolicy::load(preset, set)?;
+        return if as_json { print_json(&policy_json(&policy)?) } else { print(&policy.page()) };
     }
-    let policies: Vec<_> = policy::PRESETS.iter().map(|(name, text)| (*name, comment(text))).collect();
-    if as_json {
-        let machine = |(name, extends, why): &(&str, Option<String>, String)| json!({"name": name, "extends": extends, "why": why});
-        return print_json(&json!({
-            "machines": machines.iter().map(machine).collect::<Vec<_>>(),
-            "policies": policies.iter().map(|(name, why)| json!({"name": name, "why": why})).collect::<Vec<_>>(),
-        }));
-    }
-    let mut text = "machines\n".to_owned();
-    machines.iter().for_each(|(name, _, why)| text += &format!("  {name:<22} {}\n", first_sentence(why)));
-    text += "\npolicies\n";
-    policies.iter().for_each(|(name, why)| text += &format!("  {name:<22} {}\n", first_sentence(why)));
-    print(&text)
+    let machine = NamedMachine::load(preset, set)?;
+    if as_json { print_json(&machine_json(&machine)) } else { print(&machine.page()) }
 }
 
 /// What a policy preset does, in one sentence.
