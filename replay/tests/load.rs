@@ -93,7 +93,10 @@ fn overrides_change_one_value_each() {
     let policy = load("adaptive", &sets).unwrap();
     let values = adaptive(&policy);
     assert_eq!((values.block, values.sampling.refine), (4, Refine::Hierarchical));
-    assert_eq!((values.sampling.similarity.normal_deg, values.sampling.similarity.plane), (Limit::At(12.0), Limit::At(0.5)));
+    assert_eq!(
+        (values.sampling.similarity.normal_deg, values.sampling.similarity.plane),
+        (Limit::At(12.0), Limit::At(0.5))
+    );
     assert!(values.sampling.similarity.object_id, "the others stay");
     assert!(policy.name.starts_with("adaptive+similarity.normal_deg=12+"), "{}", policy.name);
     let off = load("adaptive", &["similarity.normal_deg=off"]).unwrap();
@@ -166,7 +169,8 @@ fn files_extend_presets_and_files() {
         path.to_str().unwrap().to_owned()
     };
     write("a.toml", "extends = \"adaptive-8\"\n[similarity]\nplane = 0.5\n");
-    let b = write("b.toml", "extends = \"./a.toml\"\nwhy = \"mine\"\nkind = \"adaptive\"\n[similarity]\nshadow = false\n");
+    let b =
+        write("b.toml", "extends = \"./a.toml\"\nwhy = \"mine\"\nkind = \"adaptive\"\n[similarity]\nshadow = false\n");
     let policy = load(&b, &["apron=retrace"]).unwrap();
     assert_eq!(policy.name, "b+apron=retrace");
     let same = load("adaptive-8", &["similarity.plane=0.5", "similarity.shadow=false", "apron=retrace"]).unwrap();

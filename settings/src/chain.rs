@@ -91,8 +91,11 @@ fn read(family: &Family, spec: &str, folder: &mut PathBuf) -> Result<File> {
         return Err(family.unknown_preset(spec));
     }
     let path = folder.join(spec);
-    let text = std::fs::read_to_string(&path)
-        .map_err(|source| SettingsError::File { what: family.what, path: path.clone(), source })?;
+    let text = std::fs::read_to_string(&path).map_err(|source| SettingsError::File {
+        what: family.what,
+        path: path.clone(),
+        source,
+    })?;
     *folder = path.parent().map(Path::to_path_buf).unwrap_or_default();
     let name = path.file_stem().map_or_else(|| spec.into(), |stem| stem.to_string_lossy().into_owned());
     File::parse(family, &name, &path.display().to_string(), &text)

@@ -127,7 +127,8 @@ impl Schema {
         let table = |name: &str| name.rsplit_once('.').map(|(table, _)| table.to_owned());
         let of_table = |key: &&str| table(key).is_some_and(|of| of == table(name).unwrap_or_default());
         let sisters: Vec<_> = names.iter().copied().filter(of_table).collect();
-        let found = [sisters, names].iter().map(|names| near(name, names)).find(|text| text.starts_with("did you mean"));
+        let found =
+            [sisters, names].iter().map(|names| near(name, names)).find(|text| text.starts_with("did you mean"));
         found.unwrap_or_else(|| all.into())
     }
 }

@@ -38,7 +38,11 @@ pub fn page(name: &str, chain: &[Ancestor], values: &[Sourced], schema: &Schema)
     let rows: Vec<_> = values.iter().map(|value| row(value, base, schema)).collect();
     let width = rows.iter().map(|row| row.start.chars().count()).max().unwrap_or(0);
     let mut tables: Vec<&str> = Vec::new();
-    rows.iter().for_each(|row| if !tables.contains(&row.table) { tables.push(row.table) });
+    rows.iter().for_each(|row| {
+        if !tables.contains(&row.table) {
+            tables.push(row.table)
+        }
+    });
     for table in tables {
         // A file has each table once, wherever its keys stand in the structs.
         if !table.is_empty() {
