@@ -3,8 +3,8 @@
 use anyhow::Result;
 use clap::Subcommand;
 use rayreel_machine::config::{MACHINES, NamedMachine, PRESETS, Sourced};
-use rayreel_replay::policy::{self, POLICIES, Policy};
 use rayreel_replay::NamedPolicy;
+use rayreel_replay::policy::{self, POLICIES, Policy};
 use rayreel_settings::{is_path, near};
 use serde_json::{Map, Value, json};
 

@@ -63,9 +63,8 @@ impl Schema {
         if let Some(key) = self.get(name) {
             return Ok(key);
         }
-        let below = self.below(name);
-        if !below.is_empty() {
-            let allowed = format!("a table with {}", below.join(", "));
+        if self.is_table(name) {
+            let allowed = format!("a table with {}", self.below(name).collect::<Vec<_>>().join(", "));
             return Err(SettingsError::bad_value(origin, name, value, allowed));
         }
         Err(self.unknown(name, self.near(name), origin))
@@ -94,7 +93,7 @@ impl Schema {
             let name = format!("{prefix}{name}");
             let unknown_top = |inner: &Table| prefix.is_empty() && self.get(&name).is_none() && !inner.is_empty();
             match value {
-                Value::Table(inner) if !self.below(&name).is_empty() || unknown_top(inner) => {
+                Value::Table(inner) if self.is_table(&name) || unknown_top(inner) => {
                     self.leaves(inner, &format!("{name}."), leaf)?;
                 }
                 _ => leaf(&name, value)?,
@@ -115,9 +114,12 @@ impl Schema {
     }
 
     /// The keys in the table of this name, without it.
-    fn below(&self, name: &str) -> Vec<&'static str> {
-        let inside = |key: &Key| key.name.strip_prefix(name)?.strip_prefix('.');
-        self.keys.iter().filter_map(inside).collect()
+    fn below(&self, name: &str) -> impl Iterator<Item = &'static str> {
+        self.keys.iter().filter_map(move |key| key.name.strip_prefix(name)?.strip_prefix('.'))
+    }
+
+    fn is_table(&self, name: &str) -> bool {
+        self.below(name).next().is_some()
     }
 
     fn near(&self, name: &str) -> String {

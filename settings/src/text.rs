@@ -75,6 +75,6 @@ fn row(value: &Sourced, base: &str, schema: &Schema) -> Row {
 
 /// Lines that a reader of TOML skips. It knows no control characters in them.
 fn comment(text: &str) -> String {
-    let line = |line: &str| format!("# {}\n", line.replace(char::is_control, " "));
+    let line = |line: &str| format!("# {}\n", line.replace(char::is_control, " ").trim_end());
     text.lines().map(line).collect()
 }
