@@ -2,11 +2,10 @@
 
 use anyhow::Result;
 use clap::Subcommand;
-use rayreel_machine::MachineError;
-use rayreel_machine::config::schema::KEYS;
-use rayreel_machine::config::{self, NamedMachine, Sourced};
-use rayreel_replay::policy::{self, Policy, schema};
-use rayreel_replay::{NamedPolicy, ReplayError};
+use rayreel_machine::config::{MACHINES, NamedMachine, PRESETS, Sourced};
+use rayreel_replay::NamedPolicy;
+use rayreel_replay::policy::{self, POLICIES, Policy};
+use rayreel_settings::{is_path, near};
 use serde_json::{Map, Value, json};
 
 use crate::common::{print, print_json};
@@ -43,31 +42,36 @@ enum Action {
 pub fn run(args: &Args) -> Result<Exit> {
     match &args.action {
         Action::List { json } => list(*json)?,
-        Action::Show { preset, set, json } => match NamedMachine::load(preset, set) {
-            Ok(machine) if *json => print_json(&machine_json(&machine))?,
-            Ok(machine) => print(&machine_text(&machine))?,
-            Err(error @ MachineError::UnknownMachine { .. }) => match NamedPolicy::load(preset, set) {
-                Ok(policy) => show_policy(&policy, *json)?,
-                // Neither: the message that knows a similar name is the better one.
-                Err(ReplayError::UnknownPreset { near, .. }) if !near.starts_with("did you mean") => {
-                    return Err(error.into());
-                }
-                Err(error) => return Err(error.into()),
-            },
-            Err(error) => return Err(error.into()),
-        },
+        Action::Show { preset, set, json } => show(preset, set, *json)?,
     }
     Ok(Exit::Done)
 }
 
+fn show(preset: &str, set: &[String], as_json: bool) -> Result<()> {
+    if is_policy(preset) {
+        let policy = NamedPolicy::load(preset, set)?;
+        return if as_json { print_json(&policy_json(&policy)?) } else { print(&policy.page()) };
+    }
+    let machine = NamedMachine::load(preset, set)?;
+    if as_json { print_json(&machine_json(&machine)) } else { print(&machine.page()) }
+}
+
+/// Whether `preset` is a policy rather than a machine. Of a name that is neither, the message that knows a similar one is better.
+fn is_policy(preset: &str) -> bool {
+    let similar = || {
+        let names: Vec<_> = policy::PRESETS.iter().map(|(name, _)| *name).collect();
+        near(preset, &names).starts_with("did you mean")
+    };
+    POLICIES.owns(preset) || (!is_path(preset) && !MACHINES.owns(preset) && similar())
+}
+
 fn list(as_json: bool) -> Result<()> {
     let mut machines = Vec::new();
-    for (name, _) in config::PRESETS {
-        let machine = NamedMachine::load(name, &[])?;
-        let extends = machine.chain.get(1).map(|a| a.name.clone());
-        machines.push((*name, extends, machine.chain[0].why.clone()));
+    for (name, _) in PRESETS {
+        let chain = MACHINES.load(name)?.chain;
+        machines.push((*name, chain.get(1).map(|base| base.name.clone()), chain[0].why.clone()));
     }
-    let policies: Vec<_> = policy::PRESETS.iter().map(|(name, text)| (*name, comment(text))).collect();
+    let policies: Vec<_> = policy::PRESETS.iter().map(|(name, _)| (*name, why(name))).collect();
     if as_json {
         let machine = |(name, extends, why): &(&str, Option<String>, String)| json!({"name": name, "extends": extends, "why": why});
         return print_json(&json!({
@@ -82,27 +86,19 @@ fn list(as_json: bool) -> Result<()> {
     print(&text)
 }
 
+/// What a policy preset does, and why.
+fn why(preset: &str) -> String {
+    POLICIES.load(preset).map(|loaded| loaded.chain[0].why.clone()).unwrap_or_default()
+}
+
 /// What a policy preset does, in one sentence.
 pub fn policy_summary(preset: &str) -> String {
-    let text = policy::PRESETS.iter().find(|(name, _)| *name == preset).map_or("", |(_, text)| text);
-    first_sentence(&comment(text)).to_owned()
+    first_sentence(&why(preset)).to_owned()
 }
 
 /// Every value of a policy, as a policy file.
-pub fn policy_values(policy: &Policy) -> Result<String> {
-    let own = serde_json::to_value(policy)?;
-    Ok(keys(policy).iter().map(|key| format!("{} = {}\n", key.name, value_of(&own, key))).collect())
-}
-
-/// The value of a key.
-fn value_of<'a>(own: &'a Value, key: &schema::Key) -> &'a Value {
-    key.name.split('.').try_fold(own, |value, part| value.get(part)).unwrap_or(&Value::Null)
-}
-
-/// The comment at the head of a policy preset.
-fn comment(text: &str) -> String {
-    let lines = text.lines().map_while(|line| line.strip_prefix('#'));
-    lines.map(str::trim).collect::<Vec<_>>().join(" ")
+pub fn policy_values(policy: &Policy) -> String {
+    policy.values().map(|(key, value)| format!("{} = {value}\n", key.name)).collect()
 }
 
 fn first_sentence(text: &str) -> &str {
@@ -121,47 +117,6 @@ fn machine_json(machine: &NamedMachine) -> Value {
     })
 }
 
-fn machine_text(machine: &NamedMachine) -> String {
-    let mut text = format!("# {}\n", machine.name);
-    for ancestor in &machine.chain {
-        text += &format!("# {}: {}\n", ancestor.name, ancestor.why);
-    }
-    let row = |v: &Sourced| {
-        let (table, name) = v.key.rsplit_once('.').unwrap_or(("", v.key));
-        let rule = KEYS.iter().find(|k| k.name == v.key).map(|k| k.rule);
-        let shown = rule.map_or_else(|| v.value.to_string(), |rule| rule.show(&v.value));
-        let from = if v.from == machine.chain[machine.chain.len() - 1].name {
-            String::new()
-        } else {
-            format!(" [{}]", v.from)
-        };
-        (table, format!("{name} = {shown}"), format!("# {}: {}{from}", v.class, v.source))
-    };
-    let rows: Vec<_> = machine.values.iter().map(row).collect();
-    let width = rows.iter().map(|(_, value, _)| value.len()).max().unwrap_or(0);
-    let mut last = "";
-    for (table, value, source) in &rows {
-        if *table != last {
-            text += &format!("\n[{table}]\n");
-            last = table;
-        }
-        text += &format!("{value:<width$}  {source}\n");
-    }
-    text
-}
-
-fn show_policy(policy: &NamedPolicy, as_json: bool) -> Result<()> {
-    let own = serde_json::to_value(&policy.policy)?;
-    if as_json {
-        return print_json(&json!({"name": policy.name, "policy": own}));
-    }
-    let mut text = format!("# {}\n", policy.name);
-    for key in &keys(&policy.policy) {
-        text += &format!("{:<40}  # {}\n", format!("{} = {}", key.name, value_of(&own, key)), key.doc);
-    }
-    print(&text)
-}
-
-fn keys(policy: &Policy) -> Vec<schema::Key> {
-    schema::keys(policy.kind()).unwrap_or_default()
+fn policy_json(policy: &NamedPolicy) -> Result<Value> {
+    Ok(json!({"name": policy.name, "policy": serde_json::to_value(&policy.policy)?}))
 }

@@ -1,10 +1,10 @@
-//! The tables of `MODEL.md` are what the presets say.
+//! The tables of `MODEL.md` are what the presets and the table of keys say.
 
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
-use rayreel_machine::config::schema::KEYS;
+use rayreel_machine::config::schema::{KEYS, Rule};
 use rayreel_machine::config::{NamedMachine, PRESETS};
 
 fn presets() -> String {
@@ -20,12 +20,15 @@ fn presets() -> String {
 fn constants() -> String {
     let machine = NamedMachine::load("sgrt-ti2", &[]).unwrap();
     let mut classes = BTreeMap::new();
-    let mut text = "| key | value | class | source |\n|---|---|---|---|\n".to_owned();
+    let mut text = "| key | value | unit | meaning | class | source |\n|---|---|---|---|---|---|\n".to_owned();
     for v in &machine.values {
         *classes.entry(v.class).or_insert(0) += 1;
-        let rule = KEYS.iter().find(|k| k.name == v.key).unwrap().rule;
-        let (value, source) = (rule.show(&v.value), v.source.replace('|', "\\|"));
-        text += &format!("| `{}` | {} | {} | {source} |\n", v.key, value.trim_matches('"'), v.class);
+        let key = KEYS.iter().find(|k| k.name == v.key).unwrap();
+        let (value, source) = (key.rule.show(&v.value), v.source.replace('|', "\\|"));
+        // A size is shown with its unit.
+        let unit = if matches!(key.rule, Rule::Size(..)) { "" } else { key.unit };
+        let value = value.trim_matches('"');
+        text += &format!("| `{}` | {value} | {unit} | {} | {} | {source} |\n", v.key, key.meaning, v.class);
     }
     let counts: Vec<_> = classes.iter().map(|(class, n)| format!("{n} {class}")).collect();
     format!("{} values: {}.\n\n{text}", machine.values.len(), counts.join(", "))
@@ -52,6 +55,6 @@ fn the_tables_are_those_of_the_presets() {
     assert!(
         page == expected,
         "MODEL.md is not what the presets say, first at {changed:?}; if the change is meant: RAYREEL_BLESS=1 cargo test -p \
-         rayreel-replay --test model, and review the diff"
+         rayreel-machine --test model, and review the diff"
     );
 }

@@ -40,60 +40,6 @@ pub enum ReplayError {
     /// What was asked for does not suit the trace or the machine. Ask for something else.
     #[error(transparent)]
     Request(#[from] RequestError),
-    /// No preset of this name, and not a file.
-    #[error("no policy preset {name:?}; {near}, or give the path of a .toml file")]
-    UnknownPreset {
-        /// The name asked for.
-        name: String,
-        /// Names that exist.
-        near: String,
-    },
-    /// A policy file cannot be read.
-    #[error("cannot read the policy file {}", path.display())]
-    PolicyFile {
-        /// The file.
-        path: PathBuf,
-        /// Why.
-        source: io::Error,
-    },
-    /// A policy is not TOML.
-    #[error("{origin} is not valid TOML: {detail}")]
-    PolicySyntax {
-        /// The file or the preset.
-        origin: String,
-        /// What the parser says, with line and column.
-        detail: String,
-    },
-    /// An override is not of the form `key=value`.
-    #[error("cannot read the override {text:?}; write key=value, for example similarity.normal_deg=12")]
-    BadOverride {
-        /// The override.
-        text: String,
-    },
-    /// A policy has no such key.
-    #[error("{origin}: no key {key:?} in a policy of kind {kind:?}; {near}")]
-    UnknownKey {
-        /// The file, the preset or the override.
-        origin: String,
-        /// The key.
-        key: String,
-        /// Kind of the policy.
-        kind: String,
-        /// Keys that exist.
-        near: String,
-    },
-    /// A policy value has the wrong type or is out of range.
-    #[error("{origin}: {key} = {value} is not allowed; it must be {allowed}")]
-    BadValue {
-        /// The file, the preset or the override.
-        origin: String,
-        /// The key.
-        key: String,
-        /// The value, as TOML.
-        value: String,
-        /// What is allowed.
-        allowed: String,
-    },
     /// An output file cannot be written.
     #[error("cannot {action} {}", path.display())]
     Output {
@@ -121,6 +67,9 @@ pub enum ReplayError {
         /// Which rule.
         detail: String,
     },
+    /// Settings of a policy.
+    #[error(transparent)]
+    Settings(#[from] rayreel_settings::SettingsError),
     /// The machine.
     #[error(transparent)]
     Machine(#[from] rayreel_machine::MachineError),

@@ -14,33 +14,74 @@ fn message(spec: &str, overrides: &[&str]) -> String {
 
 fn adaptive(policy: &NamedPolicy) -> &rayreel_replay::policy::Adaptive {
     match &policy.policy {
-        Policy::Adaptive(own) => own,
+        Policy::Adaptive(adaptive) => adaptive,
         other => panic!("{other:?}"),
     }
 }
 
+/// Keys of results are hashes of these texts: a preset may be written in another way, but must not become another policy.
 #[test]
-fn every_preset_loads_and_names_every_key() {
-    for (name, text) in PRESETS {
+fn every_preset_is_what_it_was() {
+    let mut all = String::new();
+    for (name, _) in PRESETS {
         let policy = load(name, &[]).unwrap();
         assert_eq!(policy.name, *name);
         policy.policy.check().unwrap();
-        let table: toml::Table = text.parse().unwrap();
-        assert_eq!(toml::Table::try_from(&policy.policy).unwrap(), table, "{name} leaves nothing to defaults");
-        for key in schema::keys(policy.policy.kind()).unwrap() {
-            let value =
-                key.name.split('.').try_fold(&toml::Value::Table(table.clone()), |v, part| v.get(part)).cloned();
-            assert!(value.is_some_and(|v| key.rule.allows(&v)), "{name}: {}", key.name);
-        }
+        all += &format!("{name} {}\n", serde_json::to_string(&policy.policy).unwrap());
     }
+    assert_eq!(all, include_str!("presets.txt"));
+}
+
+#[test]
+fn every_preset_gives_every_key_a_value_that_is_allowed() {
+    for (name, _) in PRESETS {
+        let policy = load(name, &[]).unwrap().policy;
+        let table = toml::Value::try_from(&policy).unwrap();
+        for key in schema::keys(policy.kind()).unwrap() {
+            let value = key.name.split('.').try_fold(&table, |v, part| v.get(part)).cloned();
+            assert!(value.is_some_and(|v| key.rule.accept(&v).is_some()), "{name}: {}", key.name);
+        }
+        assert_eq!(leaves(&table), schema::keys(policy.kind()).unwrap().len(), "{name} has no other");
+    }
+}
+
+fn leaves(value: &toml::Value) -> usize {
+    value.as_table().map_or(1, |table| table.values().map(leaves).sum())
+}
+
+/// A preset that extends another names what it changes; one that extends none leaves nothing to defaults.
+#[test]
+fn presets_write_what_differs_from_what_they_extend() {
+    for (name, text) in PRESETS {
+        let mut table: toml::Table = text.parse().unwrap();
+        let why = table.remove("why").unwrap();
+        assert!(why.as_str().is_some_and(|why| why.ends_with('.') && why.len() > 60), "{name} says why");
+        let of = |name: &str| toml::Value::try_from(&load(name, &[]).unwrap().policy).unwrap();
+        let Some(base) = table.remove("extends") else {
+            assert_eq!(of(name), toml::Value::Table(table), "{name} leaves nothing to defaults");
+            continue;
+        };
+        let changed = differences(&of(name), &of(base.as_str().unwrap()));
+        assert_eq!(toml::Value::Table(table), changed, "{name} names what it changes");
+    }
+}
+
+/// The values of `a` that `b` has not, in their tables.
+fn differences(a: &toml::Value, b: &toml::Value) -> toml::Value {
+    let mut changed = toml::Table::new();
+    for (name, value) in a.as_table().unwrap().iter().filter(|(name, value)| b.get(name) != Some(value)) {
+        let value = if value.is_table() { differences(value, &b[name]) } else { value.clone() };
+        changed.insert(name.clone(), value);
+    }
+    toml::Value::Table(changed)
 }
 
 #[test]
 fn adaptive_is_what_the_paper_evaluated() {
     let policy = load("adaptive", &[]).unwrap();
-    let own = adaptive(&policy);
-    assert_eq!((own.block, own.sampling.refine), (2, Refine::Direct));
-    let tests = &own.sampling.similarity;
+    let values = adaptive(&policy);
+    assert_eq!((values.block, values.sampling.refine), (2, Refine::Direct));
+    let tests = &values.sampling.similarity;
     assert!(tests.object_id && tests.shadow);
     assert_eq!((tests.normal_deg, tests.position, tests.plane), (Limit::At(10.0), Limit::Off, Limit::Off));
 }
@@ -50,10 +91,13 @@ fn overrides_change_one_value_each() {
     let sets =
         ["similarity.normal_deg=12", "block = 4", "refine=hierarchical", "similarity.plane=0.5", "apron=\"retrace\""];
     let policy = load("adaptive", &sets).unwrap();
-    let own = adaptive(&policy);
-    assert_eq!((own.block, own.sampling.refine), (4, Refine::Hierarchical));
-    assert_eq!((own.sampling.similarity.normal_deg, own.sampling.similarity.plane), (Limit::At(12.0), Limit::At(0.5)));
-    assert!(own.sampling.similarity.object_id, "the others stay");
+    let values = adaptive(&policy);
+    assert_eq!((values.block, values.sampling.refine), (4, Refine::Hierarchical));
+    assert_eq!(
+        (values.sampling.similarity.normal_deg, values.sampling.similarity.plane),
+        (Limit::At(12.0), Limit::At(0.5))
+    );
+    assert!(values.sampling.similarity.object_id, "the others stay");
     assert!(policy.name.starts_with("adaptive+similarity.normal_deg=12+"), "{}", policy.name);
     let off = load("adaptive", &["similarity.normal_deg=off"]).unwrap();
     assert_eq!(adaptive(&off).sampling.similarity.normal_deg, Limit::Off);
@@ -97,13 +141,13 @@ fn files_are_completed_from_the_preset_of_their_kind() {
         load(path.to_str().unwrap(), &["similarity.shadow=false"])
     };
     let policy = file("kind = \"adaptive\"\nblock = 4\n[similarity]\nposition = 0.25\n").unwrap();
-    let own = adaptive(&policy);
+    let values = adaptive(&policy);
     assert_eq!(policy.name, "mine+similarity.shadow=false");
     assert_eq!(
-        (own.block, own.sampling.similarity.position, own.sampling.similarity.normal_deg),
+        (values.block, values.sampling.similarity.position, values.sampling.similarity.normal_deg),
         (4, Limit::At(0.25), Limit::At(10.0))
     );
-    assert!(!own.sampling.similarity.shadow);
+    assert!(!values.sampling.similarity.shadow);
     for (text, part) in [
         ("block = 4", "kind = \"(missing)\" is not allowed"),
         ("kind = \"adaptive\"\nblok = 4", "did you mean block?"),
@@ -113,6 +157,60 @@ fn files_are_completed_from_the_preset_of_their_kind() {
     ] {
         let error = file(text).unwrap_err().to_string();
         assert!(error.contains(part), "{error:?} does not say {part:?}");
+    }
+}
+
+#[test]
+fn files_extend_presets_and_files() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: &str| {
+        let path = folder.path().join(name);
+        std::fs::write(&path, text).unwrap();
+        path.to_str().unwrap().to_owned()
+    };
+    write("a.toml", "extends = \"adaptive-8\"\n[similarity]\nplane = 0.5\n");
+    let b =
+        write("b.toml", "extends = \"./a.toml\"\nwhy = \"mine\"\nkind = \"adaptive\"\n[similarity]\nshadow = false\n");
+    let policy = load(&b, &["apron=retrace"]).unwrap();
+    assert_eq!(policy.name, "b+apron=retrace");
+    let same = load("adaptive-8", &["similarity.plane=0.5", "similarity.shadow=false", "apron=retrace"]).unwrap();
+    assert_eq!(policy.policy, same.policy);
+    // Another kind takes all of its preset.
+    let quality = write("q.toml", "extends = \"quality\"\nstart = 8");
+    assert_eq!(load(&quality, &["kind=adaptive"]).unwrap().policy, load("adaptive", &[]).unwrap().policy);
+    assert_eq!(load(&quality, &["kind=multirate"]).unwrap().policy, load("quality", &["start=8"]).unwrap().policy);
+    for (text, part) in [
+        ("extends = \"me.toml\"", "policy files extend one another in a circle"),
+        ("extends = \"multirat\"", "no policy preset \"multirat\"; did you mean multirate?"),
+        ("extends = \"gone.toml\"", "cannot read the policy file"),
+        ("extends = 3", "me.toml: extends = 3 is not allowed; it must be a text in quotes"),
+        ("extends = \"multirate\"\nblok = 4", "no key \"blok\" in a policy of kind \"multirate\""),
+        ("extends = \"multirate\"\nhold = 9", "me.toml: hold = 9 is not allowed; it must be 1 or 2"),
+        (
+            "extends = \"multirate\"\nkind = \"adaptive\"",
+            "me.toml: kind = \"adaptive\" is not allowed; it must be \"multirate\", the kind of what it extends",
+        ),
+        ("extends = \"quality\"\nfinest = 16", "finest = 16 is not allowed; it must be a value up to that of coarsest"),
+    ] {
+        let path = write("me.toml", text);
+        let error = load(&path, &[]).unwrap_err().to_string();
+        assert!(error.contains(part), "{error:?} does not say {part:?}");
+    }
+}
+
+/// What `presets show` prints of a policy, and what a plan keeps of it, are policy files that give it back.
+#[test]
+fn a_printed_policy_loads_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("again.toml");
+    for (name, _) in PRESETS {
+        let sets: &[&str] = if *name == "full" { &[] } else { &["similarity.colour=0.0000001", "secondary=true"] };
+        let policy = load(name, sets).unwrap();
+        for text in [policy.page(), policy.to_toml().unwrap()] {
+            std::fs::write(&path, &text).unwrap();
+            assert_eq!(load(path.to_str().unwrap(), &[]).unwrap().policy, policy.policy, "{text}");
+        }
+        assert_eq!(policy.page().lines().count(), 1 + schema::keys(policy.policy.kind()).unwrap().len());
     }
 }
 

@@ -61,7 +61,7 @@ fn policies(setup: &Setup<'_>) -> Result<Vec<Policy>> {
         Ok(Policy {
             name: named.name.clone(),
             summary: summary(entry),
-            config_toml: presets::policy_values(&named.policy)?,
+            config_toml: presets::policy_values(&named.policy),
         })
     };
     let used = |own: &&(&Entry, Arc<NamedPolicy>)| {

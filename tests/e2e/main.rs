@@ -24,6 +24,7 @@ mod kill;
 mod page;
 mod paper;
 mod policies;
+mod presets;
 mod readers;
 mod repair;
 mod replay_json;

@@ -1,19 +1,23 @@
-//! What the values of a machine must hold together. Ranges of single values stand in `schema`.
+//! What the values of a machine must hold together. Ranges of single values stand beside their fields.
 
-use super::{Kernels, L1, MachineConfig, Pipeline};
-use crate::error::{MachineError, Result};
+use rayreel_settings::{Result, SettingsError};
+
+use super::cache::L1;
+use super::srp::Kernels;
+use super::ti::Pipeline;
+use super::whole::MachineConfig;
 
 /// Checks values against one another; `origin` says where they are from.
 ///
 /// # Errors
-/// [`MachineError::MachineConflict`], the first that is found, with the names and values of the keys.
+/// [`SettingsError::Conflict`], the first that is found, with the names and values of the keys.
 pub fn check(config: &MachineConfig, origin: &str) -> Result<()> {
     let found = caches(config)
         .or_else(|| ti(config))
         .or_else(|| dram(config))
         .or_else(|| kernels(&config.srp.kernels))
         .or_else(|| srp(config));
-    found.map_or(Ok(()), |detail| Err(MachineError::MachineConflict { origin: origin.into(), detail }))
+    found.map_or(Ok(()), |detail| Err(SettingsError::Conflict { origin: origin.into(), detail }))
 }
 
 fn powers_of_two(values: &[(&str, u64)]) -> Option<String> {
@@ -23,7 +27,7 @@ fn powers_of_two(values: &[(&str, u64)]) -> Option<String> {
 
 fn caches(config: &MachineConfig) -> Option<String> {
     let line = u64::from(config.l2.line_bytes);
-    let l1 = |name: &str, own: &L1| cache(name, own.size.0, own.ways.into(), line);
+    let l1 = |name: &str, l1: &L1| cache(name, l1.size.0, l1.ways.into(), line);
     powers_of_two(&[("l2.line_bytes", line), ("l2.banks", config.l2.banks.into())])
         .or_else(|| l1("ti.trv_l1", &config.ti.trv_l1))
         .or_else(|| l1("ti.ist_l1", &config.ti.ist_l1))

@@ -1,26 +1,11 @@
 //! Policies by preset name or file, with overrides.
 
-use std::path::Path;
-
-use serde::Deserialize;
+use rayreel_settings::{Key, Loaded};
 use toml::{Table, Value};
 
-use super::{Policy, schema};
+use super::kinds::Policy;
+use super::schema::{self, POLICIES, check_order};
 use crate::error::{ReplayError, Result};
-
-/// The compiled-in presets: name and TOML text.
-pub const PRESETS: &[(&str, &str)] = &[
-    ("full", include_str!("../presets/full.toml")),
-    ("adaptive", include_str!("../presets/adaptive.toml")),
-    ("adaptive-4", include_str!("../presets/adaptive-4.toml")),
-    ("adaptive-8", include_str!("../presets/adaptive-8.toml")),
-    ("paper-ss", include_str!("../presets/paper-ss.toml")),
-    ("paper-us", include_str!("../presets/paper-us.toml")),
-    ("multirate", include_str!("../presets/multirate.toml")),
-    ("quality", include_str!("../presets/quality.toml")),
-    ("aggressive", include_str!("../presets/aggressive.toml")),
-    ("foveated", include_str!("../presets/foveated.toml")),
-];
 
 /// A policy and what results call it.
 #[derive(Clone, Debug, PartialEq)]
@@ -34,13 +19,12 @@ pub struct NamedPolicy {
 impl NamedPolicy {
     /// The policy of a preset, or of a TOML file if `spec` ends in `.toml` or contains a path separator, with each of
     /// `overrides` (`key=value`, dotted key, TOML value; words need no quotes) applied in order. What a file leaves out is
-    /// taken from the preset named like its kind.
+    /// taken from what it extends, or else from the preset named like its kind.
     ///
     /// # Errors
-    /// An unknown preset, an unreadable file, a key that does not exist, a value out of range.
+    /// An unknown preset, an unreadable file, a circle of `extends`, a key that does not exist, a value out of range.
     pub fn load(spec: &str, overrides: &[String]) -> Result<Self> {
-        let (name, origin, text) = read(spec)?;
-        Self::build(name, &origin, &text, overrides)
+        Self::resolve(POLICIES.load(spec)?, overrides)
     }
 
     /// The policy that [`NamedPolicy::to_toml`] wrote, or any other text of a policy file, with overrides as in
@@ -49,17 +33,17 @@ impl NamedPolicy {
     /// # Errors
     /// As there.
     pub fn parse(name: &str, text: &str, overrides: &[String]) -> Result<Self> {
-        Self::build(name.into(), &format!("policy {name}"), text, overrides)
+        Self::resolve(POLICIES.parse(name, text)?, overrides)
     }
 
-    fn build(mut name: String, origin: &str, text: &str, overrides: &[String]) -> Result<Self> {
-        let mut table: Table = parse(text, origin)?;
-        schema::check(&table, origin)?;
+    fn resolve(mut loaded: Loaded, overrides: &[String]) -> Result<Self> {
+        let mut name = loaded.chain[0].name.clone();
         for text in overrides {
-            apply(&mut table, text)?;
+            loaded.set(text)?;
             name = format!("{name}+{text}");
         }
-        Ok(Self { name, policy: resolve(table, origin)? })
+        check_order(|key| loaded.get(key), &loaded.origin)?;
+        Ok(Self { name, policy: loaded.build()? })
     }
 
     /// A policy file that gives this policy whatever the presets become.
@@ -69,102 +53,34 @@ impl NamedPolicy {
     pub fn to_toml(&self) -> Result<String> {
         toml::to_string(&self.policy).map_err(|e| ReplayError::Usage { detail: e.to_string() })
     }
+
+    /// The same for people: each value with its meaning.
+    pub fn page(&self) -> String {
+        let head = self.name.replace(char::is_control, " ");
+        let line = |(key, value): (&Key, Value)| {
+            let value = format!("{} = {value}", key.name);
+            format!("{value:<40}  # {}\n", key.about())
+        };
+        format!("# {head}\n{}", self.policy.values().map(line).collect::<String>())
+    }
 }
 
 impl Policy {
+    /// Every value with its key, in the order of the structs.
+    pub fn values(&self) -> impl Iterator<Item = (&'static Key, Value)> {
+        // A policy is made of words and numbers: it has a form as TOML.
+        let table = Value::try_from(self).unwrap_or_else(|_| Value::Table(Table::new()));
+        let value = move |key: &Key| key.name.split('.').try_fold(&table, |value, part| value.get(part)).cloned();
+        schema::keys(self.kind()).unwrap_or_default().iter().filter_map(move |key| Some((key, value(key)?)))
+    }
+
     /// Checks a policy that was made by code rather than loaded.
     ///
     /// # Errors
-    /// [`ReplayError::BadValue`] names key, value and the allowed range.
+    /// A value out of range, with the name of its key.
     pub fn check(&self) -> Result<()> {
         let table = Table::try_from(self).map_err(|e| ReplayError::Usage { detail: e.to_string() })?;
-        schema::check(&table, "policy")
+        POLICIES.check(table.clone())?;
+        Ok(check_order(|key| table.get(key), "policy")?)
     }
-}
-
-/// Name, origin for messages, and text of a policy.
-fn read(spec: &str) -> Result<(String, String, String)> {
-    if let Some((name, text)) = PRESETS.iter().find(|(name, _)| *name == spec) {
-        return Ok(((*name).into(), format!("preset {name}"), (*text).into()));
-    }
-    if !(spec.ends_with(".toml") || spec.contains(['/', '\\'])) {
-        let names: Vec<_> = PRESETS.iter().map(|(name, _)| *name).collect();
-        return Err(ReplayError::UnknownPreset { name: spec.into(), near: rayreel_settings::near(spec, &names) });
-    }
-    let path = Path::new(spec);
-    let text =
-        std::fs::read_to_string(path).map_err(|source| ReplayError::PolicyFile { path: path.to_path_buf(), source })?;
-    let name = path.file_stem().map_or_else(|| spec.into(), |stem| stem.to_string_lossy().into_owned());
-    Ok((name, spec.into(), text))
-}
-
-fn parse(text: &str, origin: &str) -> Result<Table> {
-    text.parse().map_err(|e: toml::de::Error| ReplayError::PolicySyntax {
-        origin: origin.into(),
-        detail: e.to_string().trim_end().into(),
-    })
-}
-
-/// Puts `key=value` into `table`. Changing the kind drops all other keys: they belong to the old kind.
-fn apply(table: &mut Table, text: &str) -> Result<()> {
-    let bad = || ReplayError::BadOverride { text: text.into() };
-    let (key, value) = text.split_once('=').ok_or_else(bad)?;
-    let (key, value) = (key.trim(), value.trim());
-    if key.is_empty() || value.is_empty() {
-        return Err(bad());
-    }
-    // A word that is not TOML by itself is taken as a string, so that `refine=hierarchical` needs no quotes in a shell.
-    let value = value.parse::<Value>().unwrap_or_else(|_| Value::String(value.into()));
-    let mut change = Table::new();
-    if key == "kind" {
-        change.insert(key.into(), value);
-        schema::check(&change, &origin_of(text))?;
-        if table.get("kind") != change.get("kind") {
-            *table = change;
-        }
-        return Ok(());
-    }
-    let parent = match key.split_once('.') {
-        Some((outer, inner)) => {
-            change.insert(outer.into(), Value::Table(Table::from_iter([(inner.to_owned(), value)])));
-            outer
-        }
-        None => {
-            change.insert(key.into(), value);
-            key
-        }
-    };
-    // Checked by itself first, so that the message names the override and not the file.
-    let mut checked = change.clone();
-    checked.extend(table.get_key_value("kind").map(|(k, v)| (k.clone(), v.clone())));
-    schema::check(&checked, &origin_of(text))?;
-    match (table.get_mut(parent), change.remove(parent)) {
-        (Some(Value::Table(old)), Some(Value::Table(new))) => old.extend(new),
-        (_, Some(new)) => {
-            table.insert(parent.into(), new);
-        }
-        _ => {}
-    }
-    Ok(())
-}
-
-fn origin_of(text: &str) -> String {
-    format!("override {text:?}")
-}
-
-/// The policy of a checked table, completed from the preset of its kind.
-fn resolve(table: Table, origin: &str) -> Result<Policy> {
-    let kind = schema::kind_of(&table, origin)?;
-    let base = PRESETS.iter().find(|(name, _)| *name == kind).map_or("", |(_, text)| text);
-    let mut full = parse(base, kind)?;
-    for (name, value) in table {
-        match (full.get_mut(&name), value) {
-            (Some(Value::Table(old)), Value::Table(new)) => old.extend(new),
-            (_, value) => {
-                full.insert(name, value);
-            }
-        }
-    }
-    schema::check(&full, origin)?;
-    Policy::deserialize(full).map_err(|e| ReplayError::PolicySyntax { origin: origin.into(), detail: e.to_string() })
 }

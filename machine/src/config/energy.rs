@@ -1,0 +1,47 @@
+//! Energy per event and leakage. Component names are those of the report.
+
+use rayreel_settings::Rule::Integer;
+use rayreel_settings::{Picojoules, settings};
+
+use super::rules::{EVENT, LEAKAGE};
+
+settings! {
+    /// Energy per event, pJ, and leakage. Component names are those of the report.
+    #[serde(deny_unknown_fields)]
+    pub struct Energy {
+        box_test_pj: Picojoules = EVENT, "test of one box (two boxes a two-AABB operation)", "pJ";
+        triangle_test_pj: Picojoules = EVENT, "test of one triangle", "pJ";
+        ray_setup_pj: Picojoules = EVENT, "ray setup", "pJ";
+        bypass_pj: Picojoules = EVENT, "an operation that passes a pipeline as a bypass", "pJ";
+        ray_buffer_read_pj: Picojoules = EVENT, "read of a ray's record from a ray buffer", "pJ";
+        ray_buffer_write_pj: Picojoules = EVENT, "write of a ray's record into a ray buffer", "pJ";
+        stack_push_pj: Picojoules = EVENT, "push onto a traversal stack", "pJ";
+        stack_pop_pj: Picojoules = EVENT, "pop from a traversal stack", "pJ";
+        crossbar_pj: Picojoules = EVENT, "transfer of a leaf task or its result through the crossbar", "pJ";
+        trv_l1_read_pj: Picojoules = EVENT, "L1 of a TRV unit: read of a line that hits", "pJ";
+        ist_l1_read_pj: Picojoules = EVENT, "L1 of an IST unit: read of a line that hits", "pJ";
+        srp_l1_read_pj: Picojoules = EVENT, "L1 of the SRP: read of a line that hits", "pJ";
+        l1_miss_pj: Picojoules = EVENT, "any L1: a lookup that misses (tags only)", "pJ";
+        l1_fill_pj: Picojoules = EVENT, "any L1: fill of a line", "pJ";
+        accumulate_pj: Picojoules = EVENT, "a lookup or update of an accumulation row", "pJ";
+        reorder_pj: Picojoules = EVENT, "a state update of a reorder-buffer slot", "pJ";
+        l2_read_pj: Picojoules = EVENT, "L2: read of a line that hits", "pJ";
+        l2_miss_pj: Picojoules = EVENT, "L2: a lookup that misses", "pJ";
+        l2_fill_pj: Picojoules = EVENT, "L2: fill of a line", "pJ";
+        interface_pj_per_byte: Picojoules = EVENT, "direct interface", "pJ per byte";
+        srp_op_pj: Picojoules = EVENT, "SRP operation, operands and configuration included", "pJ";
+        local_read_pj: Picojoules = EVENT, "SRP local memory: 4 bytes read", "pJ";
+        local_write_pj: Picojoules = EVENT, "SRP local memory: 4 bytes written", "pJ";
+        dram_row_pj: Picojoules = EVENT, "DRAM: activate and precharge of a row", "pJ";
+        dram_read_pj: Picojoules = EVENT, "DRAM: read of a burst, IO included", "pJ";
+        dram_write_pj: Picojoules = EVENT, "DRAM: write of a burst, IO included", "pJ";
+        dram_refresh_pj: Picojoules = EVENT, "DRAM: refresh of all banks of a channel", "pJ";
+        dram_phy_pj_per_byte: Picojoules = EVENT, "PHY and controller", "pJ per byte";
+        dram_background_uw: u64 = LEAKAGE, "DRAM background, per channel", "uW";
+        sram_leakage_uw_per_kib: u64 = Integer(0, 1_000_000), "SRAM leakage", "uW per KiB";
+        trv_leakage_uw: u64 = LEAKAGE, "logic leakage of a TRV unit", "uW";
+        ist_leakage_uw: u64 = LEAKAGE, "logic leakage of an IST unit", "uW";
+        srp_leakage_uw: u64 = LEAKAGE, "logic leakage of an SRP", "uW";
+        clock_tree_percent: u64 = Integer(0, 100), "clock tree: share of dynamic on-chip energy, added to each component", "%";
+    }
+}

@@ -1,0 +1,46 @@
+//! The whole GPU: what the cores share and how they are coupled.
+
+use rayreel_settings::Rule::Integer;
+use rayreel_settings::{settings, words};
+
+words! {
+    /// How rays and hits travel between SRP and T&I unit.
+    pub enum Interface {
+        /// A direct on-chip link (Shin 2013).
+        Direct = "direct",
+        /// Through system memory: written by one side, read by the other.
+        Memory = "memory",
+    }
+
+    /// Where the attributes of a tile's samples are kept.
+    pub enum GeometryBuffer {
+        /// In the SRP's local memory (the tile buffer); what does not fit is spilled and charged.
+        OnChip = "on_chip",
+        /// In DRAM.
+        External = "external",
+    }
+
+    /// How primary visibility is found.
+    pub enum PrimaryVisibility {
+        /// By primary rays.
+        Traced = "traced",
+        /// By a rasteriser that writes a G-buffer.
+        Raster = "raster",
+    }
+}
+
+settings! {
+    /// The whole GPU.
+    #[serde(deny_unknown_fields)]
+    pub struct Gpu {
+        cores: u32 = Integer(1, 64), "cores: each an SRP and a T&I unit";
+        tiles_in_flight: u32 = Integer(1, 16), "tiles that a core works on at a time";
+        interface: Interface = Interface::RULE, "way between SRP and T&I unit";
+        interface_bytes_per_cycle: u32 = Integer(1, 1024),
+            "width of the direct interface per direction", "bytes per T&I cycle";
+        ray_message_bytes: u32 = Integer(1, 256), "size of a ray on the interface", "bytes";
+        hit_message_bytes: u32 = Integer(1, 256), "size of a hit on the interface", "bytes";
+        geometry_buffer: GeometryBuffer = GeometryBuffer::RULE, "place of the geometry buffer";
+        primary_visibility: PrimaryVisibility = PrimaryVisibility::RULE, "way to primary visibility";
+    }
+}

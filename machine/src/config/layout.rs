@@ -1,0 +1,23 @@
+//! What lies in memory and how large it is, and the rasteriser.
+
+use rayreel_settings::Rule::Integer;
+use rayreel_settings::settings;
+
+settings! {
+    /// Sizes of what lies in memory.
+    #[derive(Eq)]
+    #[serde(deny_unknown_fields)]
+    pub struct LayoutSizes {
+        node_bytes: u32 = Integer(8, 256), "a node of two children", "bytes";
+        triangle_bytes: u32 = Integer(8, 256), "a triangle", "bytes";
+        pixel_bytes: u32 = Integer(1, 32), "a pixel of the framebuffer", "bytes";
+    }
+
+    /// The rasteriser of a hybrid GPU.
+    #[derive(Eq)]
+    #[serde(deny_unknown_fields)]
+    pub struct Raster {
+        samples_per_cycle: u32 = Integer(1, 64), "what the rasteriser of a core makes", "samples per T&I cycle";
+        gbuffer_bytes: u32 = Integer(1, 256), "a G-buffer sample, written by the rasteriser and read by the SRP", "bytes";
+    }
+}

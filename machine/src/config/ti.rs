@@ -1,0 +1,61 @@
+//! The traversal and intersection unit of a core.
+
+use rayreel_settings::Rule::Integer;
+use rayreel_settings::{settings, words};
+
+use super::cache::L1;
+use super::rules::{CLOCK, DEPTH};
+
+words! {
+    /// How the three kinds of traversal work share hardware.
+    pub enum Pipeline {
+        /// Inner-node, leaf and stack work each have their own pipeline (SA'12 poster).
+        Parallel = "parallel",
+        /// One pipeline: one operation of any of the three a cycle, each passing all stages.
+        Single = "single",
+        /// As `Single`, and triangle tests pass it too (RayCore): there is no separate intersection unit.
+        Unified = "unified",
+    }
+
+    /// What happens to an operation whose data miss the L1.
+    pub enum MissHandling {
+        /// It passes the pipeline as a bypass and tries again.
+        Retry = "retry",
+        /// It is parked in a row of the ray accumulation buffer until the line arrives.
+        Accumulate = "accumulate",
+        /// It stays in its slot of the input buffer; slots issue in the order in which they are ready (Reorder Buffer).
+        Reorder = "reorder",
+    }
+}
+
+settings! {
+    /// The T&I unit.
+    #[serde(deny_unknown_fields)]
+    pub struct Ti {
+        clock_mhz: u32 = CLOCK, "clock of T&I units, their L1s and the L2", "MHz";
+        trv: u32 = Integer(1, 16), "traversal units of a core";
+        ist: u32 = Integer(0, 16), "intersection units of a core";
+        pipeline: Pipeline = Pipeline::RULE, "pipeline arrangement";
+        aabbs_per_cycle: u32 = Integer(1, 2), "boxes tested per cycle: 2 tests a node's children together, 1 takes two passes";
+        ray_fifo_entries: u32 = Integer(1, 1024), "entries of the dispatcher's ray buffer";
+        // Slot masks have 128 bits.
+        rays_per_trv: u32 = Integer(1, 128), "rays that a traversal unit holds";
+        ist_entries: u32 = Integer(1, 128), "entries of the input buffer of an intersection unit", "leaf tasks";
+        miss_handling: MissHandling = MissHandling::RULE, "miss handling of traversal and intersection units";
+        accumulate_rows: u32 = Integer(1, 128),
+            "rows of a ray accumulation buffer: lines waited for at a time (accumulate)";
+        accumulate_rays_per_row: u32 = Integer(1, 128), "rays that a row can hold (accumulate)";
+        setup_cycles: u32 = DEPTH, "ray setup (reciprocal direction)", "cycles";
+        inner_cycles: u32 = DEPTH, "depth of the inner-node pipeline", "cycles";
+        leaf_cycles: u32 = DEPTH, "depth of the leaf pipeline", "cycles";
+        stack_cycles: u32 = DEPTH, "depth of the stack pipeline", "cycles";
+        ist_cycles: u32 = DEPTH, "depth of the triangle pipeline", "cycles";
+        crossbar_cycles: u32 = DEPTH, "crossbar between TRV and IST units, per direction", "cycles";
+        stack_entries: u32 = Integer(0, 64), "entries of the short stack; 0 is a full stack, never restarted";
+        /// Banks by line: with one, a node that straddles two lines takes two cycles.
+        trv_lines_per_cycle: u32 = Integer(1, 4), "neighbouring lines that a traversal unit reads from its L1 in a cycle";
+        ist_lines_per_cycle: u32 = Integer(1, 4), "the same for the triangles of an intersection unit";
+        trv_l1: L1, "L1 of each traversal unit";
+        ist_l1: L1, "L1 of each intersection unit";
+    }
+}
