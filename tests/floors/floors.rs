@@ -13,6 +13,23 @@ pub fn unlisted(modules: &Modules, order: &[&str]) -> Vec<String> {
     missing.chain(listed.difference(&found).map(|name| format!("the order names {name}, which is no module"))).collect()
 }
 
+/// An order that the sources would allow; without the modules of rings, and what uses them, it stays incomplete.
+pub fn possible(modules: &Modules, arrows: &[Arrow]) -> Vec<String> {
+    let tops = &modules[&Segments::new()].children;
+    let uses = |top: &String, other: &String| {
+        let between = |arrow: &&Arrow| arrow.from.first() == Some(top) && arrow.to.first() == Some(other);
+        top != other && arrows.iter().any(|arrow| between(&arrow))
+    };
+    let mut order: Vec<String> = Vec::new();
+    let fits = |order: &[String], top: &&String| {
+        !order.contains(top) && tops.iter().all(|other| order.contains(other) || !uses(top, other))
+    };
+    while let Some(next) = tops.iter().find(|top| fits(&order, top)).cloned() {
+        order.push(next);
+    }
+    order
+}
+
 /// Uses of a later module in an earlier one. The root file stands above all: what it declares itself, no module may use.
 pub fn up(modules: &Modules, arrows: &[Arrow], order: &[&str]) -> Vec<String> {
     let floor = |path: &Segments| match path.first() {

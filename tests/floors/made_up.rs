@@ -69,6 +69,7 @@ fn nothing_is_taken_from_the_front_page() {
 fn an_order_names_the_modules_that_are_there() {
     let files = [FRONT, ("src/low.rs", "pub struct Low;"), ("src/high.rs", "pub struct High;")];
     refused(&["low"], &files, &["module high has no place in the order"]);
+    refused(&["low"], &files, &["an order that the sources allow: [\"high\", \"low\"]"]);
     refused(&["low", "high", "gone"], &files, &["the order names gone, which is no module"]);
 }
 

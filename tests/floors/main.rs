@@ -75,7 +75,10 @@ const ORDERS: [(&str, &[&str]); 10] = [
         "study/src/lib.rs",
         &["error", "schema", "report", "table", "point", "analysis", "compare", "sweep", "cluster", "html"],
     ),
-    ("testkit/src/lib.rs", &["synthetic", "trees", "switches", "rules", "second_read", "reference", "poison"]),
+    (
+        "testkit/src/lib.rs",
+        &["random", "policies", "switches", "trees", "synthetic", "rules", "recorded", "reference", "poison"],
+    ),
     (
         "src/main.rs",
         &[
@@ -98,6 +101,9 @@ fn wrong(front: &str, order: &[&str], read: &dyn Fn(&Path) -> Option<String>) ->
     let modules = modules::modules(Path::new(front), read);
     let arrows = arrows::arrows(&modules);
     let mut found = floors::unlisted(&modules, order);
+    if !found.is_empty() {
+        found.push(format!("an order that the sources allow: {:?}", floors::possible(&modules, &arrows)));
+    }
     found.extend(floors::up(&modules, &arrows, order));
     found.extend(floors::circles(&modules, &arrows));
     found.into_iter().map(|text| format!("{front}: {text}")).collect()

@@ -120,21 +120,28 @@ fn quote(rest: &str) -> usize {
     }
 }
 
-/// The words that are compiled into a program: items under `#[cfg(test)]` are left out.
+/// The words that are compiled into a program: items under `#[cfg(test)]` and `#[cfg(all(test, ..))]` are left out.
 pub fn without_tests(tokens: &[Token]) -> Vec<Token> {
-    const CFG_TEST: [&str; 7] = ["#", "[", "cfg", "(", "test", ")", "]"];
     let mut kept = Vec::new();
     let mut at = 0;
     while at < tokens.len() {
-        let here = &tokens[at..];
-        if here.len() >= 7 && here.iter().zip(CFG_TEST).all(|(token, text)| token.text == text) {
-            at += 7 + item(&here[7..]);
+        if let Some(attribute) = test_attribute(&tokens[at..]) {
+            at += attribute + item(&tokens[at + attribute..]);
         } else {
             kept.push(tokens[at].clone());
             at += 1;
         }
     }
     kept
+}
+
+/// The number of words of the attribute that stands here, if it keeps an item for tests.
+fn test_attribute(tokens: &[Token]) -> Option<usize> {
+    let starts = |texts: &[&str]| tokens.len() > texts.len() && tokens.iter().zip(texts).all(|(a, b)| a.text == *b);
+    if !starts(&["#", "[", "cfg", "(", "test", ")"]) && !starts(&["#", "[", "cfg", "(", "all", "(", "test"]) {
+        return None;
+    }
+    Some(tokens.iter().position(|token| token.text == "]")? + 1)
 }
 
 /// The number of words of an item: to its `;` or `,`, or to the end of its braces.
@@ -168,7 +175,7 @@ fn words_are_found_between_comments_strings_and_lifetimes() {
 
 #[test]
 fn tests_are_left_out() {
-    let source = "use a::b; #[cfg(test)] mod tests { use c::d; } #[cfg(test)] mod more; fn e() {}";
+    let source = "use a::b; #[cfg(test)] mod tests { use c::d; } #[cfg(test)] mod more; #[cfg(all(test, not(x)))] fn f() {} fn e() {}";
     let kept = without_tests(&tokens(source));
     let names: Vec<&str> = kept.iter().filter(|token| token.is_name()).map(|token| token.text.as_str()).collect();
     assert_eq!(names, ["use", "a", "b", "fn", "e"]);
