@@ -7,12 +7,13 @@
 //! cargo bench -p rayreel --bench machine -- FILE.rtrace             a trace; no plain tracing beside it
 //! ```
 //!
-//! All runs use one thread of the thread pool. The replay decodes tiles and checks paths in one thread and simulates
-//! in another, so two figures are given: rays a second of wall clock, and of CPU time of all threads (Linux; whole
-//! hundredths of a second). "a core" is the second one. "plain" is tracing and shading of all samples without
-//! recording, "policy" the replay without a machine. Energy costs nothing while the machine runs: it is made of the
-//! counters afterwards, and that is timed. Speeds are the best of several rounds that take turns, so that ratios hold
-//! on a noisy machine. The ratio of an adaptive policy counts the rays of that policy, which are fewer.
+//! All runs use one thread of the thread pool. The replay decodes tiles and checks paths in one thread and simulates in another.
+//! So two figures are given: rays a second of wall clock, and of CPU time of all threads (Linux; whole hundredths of a second);
+//! "a core" is the second one. "plain" is tracing and shading of all samples without recording. "policy" is the replay without a
+//! machine. Energy is made of the counters after a run, and timed by itself.
+//!
+//! Speeds are the best of several rounds that take turns, so that ratios hold on a noisy machine. An adaptive policy is compared
+//! by the rays that it traces, which are fewer.
 
 use std::path::Path;
 use std::time::Instant;

@@ -63,6 +63,11 @@ impl Graph {
         deps.map(|dep| dep["pkg"].as_str().unwrap().to_string()).collect()
     }
 
+    /// The libraries of this workspace.
+    fn members(&self) -> Vec<String> {
+        self.names.values().filter(|name| name.starts_with("rayreel-")).cloned().collect()
+    }
+
     /// The members of this workspace that a member depends on directly.
     fn siblings(&self, name: &str) -> Vec<String> {
         let names = self.direct(self.node(name)).into_iter().map(|id| self.names[&id].clone());
@@ -82,29 +87,81 @@ impl Graph {
     }
 }
 
+/// Every member and the members that it may depend on. What is not listed here is refused.
+const SIBLINGS: [(&str, &[&str]); 10] = [
+    ("formats", &[]),
+    ("settings", &[]),
+    ("scenes", &[]),
+    ("machine", &["formats", "settings"]),
+    ("replay", &["formats", "machine", "settings"]),
+    ("store", &["formats"]),
+    ("tracer", &["formats", "scenes"]),
+    ("study", &["formats", "machine", "replay", "settings", "store"]),
+    ("paper", &["formats", "machine", "replay", "scenes", "settings", "store", "study", "tracer"]),
+    ("testkit", &["formats", "replay"]),
+];
+
+/// What only tracing needs.
+const TRACING: [&str; 5] = ["rayreel-tracer", "rayreel-scenes", "obvhs", "tobj", "glam"];
+
+/// What is wrong with a member that depends on these others.
+fn refused(member: &str, siblings: &[String]) -> Vec<String> {
+    let row = SIBLINGS.iter().find(|(name, _)| format!("rayreel-{name}") == member);
+    let Some((_, allowed)) = row else { return vec![format!("{member} has no place in the table")] };
+    let known = |sibling: &String| allowed.iter().any(|name| *sibling == format!("rayreel-{name}"));
+    let foreign = siblings.iter().filter(|sibling| !known(sibling));
+    foreign.map(|sibling| format!("{member} depends on {sibling}, not only on {allowed:?}")).collect()
+}
+
 #[test]
 fn siblings_are_those_of_the_design() {
     let graph = Graph::new();
-    let none: [&str; 0] = [];
-    assert_eq!(graph.siblings("rayreel-formats"), none);
-    assert_eq!(graph.siblings("rayreel-scenes"), none);
+    let found: Vec<String> =
+        graph.members().iter().flat_map(|member| refused(member, &graph.siblings(member))).collect();
+    assert!(found.is_empty(), "{}", found.join("\n"));
+    // The walk finds what is there, and the table refuses what is not in it.
     assert_eq!(graph.siblings("rayreel-tracer"), ["rayreel-formats", "rayreel-scenes"]);
-    assert_eq!(graph.siblings("rayreel-replay"), ["rayreel-formats"]);
-    assert_eq!(graph.siblings("rayreel-store"), ["rayreel-formats"]);
+    assert_eq!(refused("rayreel-replay", &["rayreel-formats".into(), "rayreel-tracer".into()]).len(), 1);
+    assert_eq!(refused("rayreel-attic", &[]), ["rayreel-attic has no place in the table"]);
 }
 
 #[test]
 fn a_replay_needs_no_scene() {
     let graph = Graph::new();
-    for member in ["rayreel-replay", "rayreel-formats"] {
-        let closure = graph.closure(member);
-        for name in ["rayreel-tracer", "rayreel-scenes", "obvhs", "tobj", "glam"] {
+    for member in ["formats", "settings", "machine", "replay", "store", "study"] {
+        let closure = graph.closure(&format!("rayreel-{member}"));
+        for name in TRACING {
             assert!(!closure.contains(name), "{member} depends on {name}");
         }
     }
     // The walk finds what is there: the tracer does depend on all of these.
     let tracer = graph.closure("rayreel-tracer");
-    assert!(["rayreel-formats", "rayreel-scenes", "obvhs", "tobj"].iter().all(|name| tracer.contains(*name)));
+    assert!(["rayreel-formats", "rayreel-scenes", "obvhs", "tobj", "glam"].iter().all(|name| tracer.contains(*name)));
+}
+
+/// It holds second implementations and made-up frames.
+#[test]
+fn the_testkit_is_for_tests_only() {
+    let graph = Graph::new();
+    for member in graph.members().into_iter().chain(["rayreel".to_string()]) {
+        assert!(!graph.closure(&member).contains("rayreel-testkit"), "{member} depends on the testkit in a build");
+    }
+    // Tests do depend on it: the graph holds the arrow that is left out of builds.
+    let tested = graph.node("rayreel-replay")["deps"].as_array().unwrap().clone();
+    assert!(tested.iter().any(|dep| dep["name"] == "rayreel_testkit"));
+}
+
+/// A library user gets neither tables nor pages nor a cluster's scripts with the simulator.
+#[test]
+fn the_simulator_brings_no_tables_and_no_pages() {
+    let graph = Graph::new();
+    for member in ["formats", "settings", "machine", "replay"] {
+        let closure = graph.closure(&format!("rayreel-{member}"));
+        for name in ["parquet", "minijinja", "csv", "clap", "indicatif", "serde_json"] {
+            assert!(!closure.contains(name), "{member} depends on {name}");
+        }
+    }
+    assert!(graph.closure("rayreel-study").contains("serde_json"));
 }
 
 /// These features build another tree, and with it other traces.
@@ -118,9 +175,14 @@ fn obvhs_builds_the_same_tree_everywhere() {
     }
 }
 
+/// The level of `unsafe_code` in a manifest; `deny` where it takes the workspace's table.
 fn lint(manifest: &Path) -> Option<String> {
     let table: toml::Table = std::fs::read_to_string(manifest).unwrap().parse().unwrap();
-    Some(table.get("lints")?.get("rust")?.get("unsafe_code")?.as_str()?.to_string())
+    let lints = table.get("lints")?;
+    if lints.get("workspace").and_then(toml::Value::as_bool) == Some(true) {
+        return Some("deny".into());
+    }
+    Some(lints.get("rust")?.get("unsafe_code")?.as_str()?.to_string())
 }
 
 /// URLs are for those who ask for them: they bring as many packages as everything else.
@@ -132,10 +194,21 @@ fn the_network_is_off_by_default() {
     }
 }
 
-/// The crates that read files from anywhere.
+/// The crates that read files from anywhere, and all that stands between them and a result.
 #[test]
 fn readers_of_foreign_files_are_safe_code() {
-    for member in ["formats", "replay", "store"] {
+    for member in ["formats", "settings", "machine", "replay", "store", "study", "testkit"] {
         assert_eq!(lint(&root().join(member).join("Cargo.toml")).as_deref(), Some("forbid"), "{member}");
+    }
+}
+
+/// Elsewhere unsafe code is refused unless a place asks for it with its reason. The root's table is the workspace's.
+#[test]
+fn no_member_leaves_the_safety_lint_out() {
+    let workspace: toml::Table = std::fs::read_to_string(root().join("Cargo.toml")).unwrap().parse().unwrap();
+    assert_eq!(workspace["workspace"]["lints"]["rust"]["unsafe_code"].as_str(), Some("deny"));
+    for member in workspace["workspace"]["members"].as_array().unwrap() {
+        let manifest = root().join(member.as_str().unwrap()).join("Cargo.toml");
+        assert!(lint(&manifest).is_some_and(|level| level != "allow"), "{}", manifest.display());
     }
 }

@@ -6,8 +6,9 @@ use rayreel_replay::image::psnr::SquaredError;
 use rayreel_replay::image::resolve::Resolver;
 use rayreel_replay::policy::{Adaptive, Foveated, Limit, Multirate, NamedPolicy, Policy, Target};
 use rayreel_replay::{FrameReplay, Options, TileSource, replay};
+use rayreel_testkit::Random;
 use rayreel_testkit::reference::{self, Origin};
-use rayreel_testkit::synthetic::{Look, Random, Synthetic};
+use rayreel_testkit::synthetic::{Look, Synthetic};
 use rayreel_testkit::{preset, switches};
 
 /// Synthetic frames whose tiles are flat or noisy by chance, so that blocks go up and down everywhere.
@@ -44,7 +45,7 @@ impl TileSource for Patchwork {
     fn tile(&self, frame: u32, index: u32) -> rayreel_formats::Result<Tile> {
         let mut random = Random(self.seed << 20 ^ u64::from(index) << 8 ^ u64::from(frame));
         random.next();
-        if random.below(2) == 0 { self.flat.tile(frame, index) } else { self.wild.tile(frame, index) }
+        if random.remainder(2) == 0 { self.flat.tile(frame, index) } else { self.wild.tile(frame, index) }
     }
 }
 

@@ -4,12 +4,18 @@ use rayreel_replay::policy::Similarity;
 
 type Rgb = [f32; 3];
 
+/// Where a ray met something.
 #[derive(Clone, Copy, Debug)]
 pub struct Surface {
+    /// Number of the object.
     pub object: u32,
+    /// Two bits a light, as the trace has them.
     pub shadows: u32,
+    /// Of length 1, towards the ray.
     pub normal: [f32; 3],
+    /// In the world.
     pub position: [f32; 3],
+    /// Distance along the ray.
     pub t: f32,
 }
 
@@ -18,11 +24,16 @@ pub struct Surface {
 pub struct Hit {
     /// Its number among the recorded hits of its sample.
     number: usize,
+    /// `None` for a miss.
     pub surface: Option<Surface>,
     local: Rgb,
+    /// With what the hits below add.
     pub colour: Rgb,
+    /// The ray that found it and its shadow rays.
     pub own_rays: u32,
+    /// The same with all rays below.
     pub rays: u32,
+    /// Reflection and refraction: weight and hit.
     pub below: [Option<(Rgb, Box<Hit>)>; 2],
 }
 
@@ -56,8 +67,11 @@ impl Hit {
 
 /// Decides about hits whose samples are `gap` apart.
 pub struct Judge<'a> {
+    /// The rules and their limits.
     pub similarity: &'a Similarity,
+    /// Factor on the colour limit.
     pub relax: f64,
+    /// Distance of the ends, in samples.
     pub gap: usize,
     /// Primary hits may be interpolated above traced ones.
     pub stand_in: bool,
@@ -70,8 +84,8 @@ impl Judge<'_> {
             return false;
         }
         let totals = (a.colour, b.colour);
-        let own = difference(totals, totals);
-        let found = if foreseen < own { foreseen } else { own };
+        let seen = difference(totals, totals);
+        let found = if foreseen < seen { foreseen } else { seen };
         match self.colours(found, (a.rays + b.rays) / 2) {
             Verdict::Fails => false,
             Verdict::Excuses => true,
@@ -153,18 +167,18 @@ impl Judge<'_> {
             })
     }
 
-    /// The sample `own` between two ends, hit by hit; notes which of its hits were traced.
-    pub fn rebuild(&self, (near, far): (&Hit, &Hit), s: f32, own: &Hit, traced: &mut [bool]) -> Hit {
+    /// The sample `recorded` between two ends, hit by hit; notes which of its hits were traced.
+    pub fn rebuild(&self, (near, far): (&Hit, &Hit), s: f32, recorded: &Hit, traced: &mut [bool]) -> Hit {
         let totals = (near.colour, far.colour);
-        let alike = same_branches([near, far, own]) && self.alike(near, far);
+        let alike = same_branches([near, far, recorded]) && self.alike(near, far);
         let bare = difference((near.local, far.local), totals);
         let limit = self.limit((near.own_rays + far.own_rays) / 2);
         if self.stand_in && alike && limit.is_none_or(|limit| bare <= limit) {
-            let below = self.children((near, far), s, own, ([1.0; 3], [1.0; 3]), totals, traced, true);
+            let below = self.children((near, far), s, recorded, ([1.0; 3], [1.0; 3]), totals, traced, true);
             let (surface, local) = (middle(near, far, s), mix(near.local, far.local, s));
-            return Hit::new(own.number, surface, local, near.own_rays, below);
+            return Hit::new(recorded.number, surface, local, near.own_rays, below);
         }
-        self.traced((near, far), s, own, ([1.0; 3], [1.0; 3]), totals, traced)
+        self.traced((near, far), s, recorded, ([1.0; 3], [1.0; 3]), totals, traced)
     }
 
     /// A hit that is traced, with its subtree or with children that are decided one by one.
@@ -172,7 +186,7 @@ impl Judge<'_> {
         &self,
         (near, far): (&Hit, &Hit),
         s: f32,
-        own: &Hit,
+        recorded: &Hit,
         weights: (Rgb, Rgb),
         totals: (Rgb, Rgb),
         traced: &mut [bool],
@@ -181,13 +195,13 @@ impl Judge<'_> {
             (Some(x), Some(y)) => x.object == y.object && self.normals(x, y),
             _ => false,
         };
-        if !(same_branches([near, far, own]) && one(near, own) && one(own, far)) {
-            own.mark(traced);
-            return own.clone();
+        if !(same_branches([near, far, recorded]) && one(near, recorded) && one(recorded, far)) {
+            recorded.mark(traced);
+            return recorded.clone();
         }
-        traced[own.number] = true;
-        let below = self.children((near, far), s, own, weights, totals, traced, false);
-        Hit::new(own.number, own.surface, own.local, own.own_rays, below)
+        traced[recorded.number] = true;
+        let below = self.children((near, far), s, recorded, weights, totals, traced, false);
+        Hit::new(recorded.number, recorded.surface, recorded.local, recorded.own_rays, below)
     }
 
     /// The children of a hit. Their weights are those of the ends' mix, or the traced hit's own.
@@ -196,7 +210,7 @@ impl Judge<'_> {
         &self,
         (near, far): (&Hit, &Hit),
         s: f32,
-        own: &Hit,
+        recorded: &Hit,
         weights: (Rgb, Rgb),
         totals: (Rgb, Rgb),
         traced: &mut [bool],
@@ -204,7 +218,7 @@ impl Judge<'_> {
     ) -> [Option<(Rgb, Box<Hit>)>; 2] {
         [0, 1].map(|i| {
             let ((wa, a), (wb, b)) = (near.below[i].as_ref()?, far.below[i].as_ref()?);
-            let (w, c) = own.below[i].as_ref()?;
+            let (w, c) = recorded.below[i].as_ref()?;
             let reach = (times(weights.0, *wa), times(weights.1, *wb));
             let child = if self.subtrees((a, b), reach, totals) {
                 between(a, b, s)
@@ -254,6 +268,7 @@ fn middle(near: &Hit, far: &Hit, s: f32) -> Option<Surface> {
     Some(Surface { normal, position: mix(a.position, b.position, s), t: a.t + (b.t - a.t) * s, ..*a })
 }
 
+/// The colour `s` of the way from `near` to `far`.
 pub fn mix(near: Rgb, far: Rgb, s: f32) -> Rgb {
     [0, 1, 2].map(|i| near[i] + (far[i] - near[i]) * s)
 }
@@ -262,7 +277,7 @@ fn times(a: Rgb, b: Rgb) -> Rgb {
     [a[0] * b[0], a[1] * b[1], a[2] * b[2]]
 }
 
-/// How much two shares of samples differ as displayed.
+/// Origin much two shares of samples differ as displayed.
 pub fn difference((a, b): (Rgb, Rgb), (ta, tb): (Rgb, Rgb)) -> f64 {
     let root = |v: f32| {
         // Neither a NaN nor anything above 1 is displayed darker than white; nothing is darker than black.

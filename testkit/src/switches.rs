@@ -2,8 +2,8 @@
 
 use rayreel_replay::policy::{Adaptive, Apron, Correct, Limit, Refine};
 
-use crate::adaptive;
-use crate::synthetic::Random;
+use crate::policies::adaptive;
+use crate::random::Random;
 
 /// `count` policies whose switches are drawn by chance; blocks of 2, 3, 4 and 8.
 pub fn draw(count: usize, seed: u64) -> Vec<Adaptive> {
@@ -12,17 +12,17 @@ pub fn draw(count: usize, seed: u64) -> Vec<Adaptive> {
 }
 
 fn one(random: &mut Random) -> Adaptive {
-    let mut flag = |of: u32| random.below(of) == 0;
+    let mut flag = |of: u32| random.remainder(of) == 0;
     let refine = if flag(3) { Refine::Direct } else { Refine::Hierarchical };
     let apron = if flag(2) { Apron::Share } else { Apron::Retrace };
     let (object_id, shadow, predict) = (!flag(4), !flag(3), flag(2));
     let (secondary, deep, stand_in) = (!flag(3), !flag(3), flag(2));
-    let mut pick = |list: &[f64]| match list[random.below(list.len() as u32) as usize] {
+    let mut pick = |list: &[f64]| match list[random.remainder(list.len() as u32) as usize] {
         value if value < 0.0 => Limit::Off,
         value => Limit::At(value),
     };
-    let mut own = adaptive(pick(&[2.0, 3.0, 4.0, 8.0]).value().unwrap() as u32, refine, apron);
-    let tests = &mut own.sampling.similarity;
+    let mut policy = adaptive(pick(&[2.0, 3.0, 4.0, 8.0]).value().unwrap() as u32, refine, apron);
+    let tests = &mut policy.sampling.similarity;
     (tests.object_id, tests.shadow, tests.predict, tests.secondary) = (object_id, shadow, predict, deep);
     tests.normal_deg = pick(&[-1.0, 5.0, 20.0, 20.0]);
     tests.position = pick(&[-1.0, -1.0, -1.0, 0.2]);
@@ -30,8 +30,8 @@ fn one(random: &mut Random) -> Adaptive {
     tests.texture = pick(&[-1.0, -1.0, 0.1]);
     tests.colour = pick(&[-1.0, 0.05, 0.1, 0.3]);
     tests.unlike = pick(&[-1.0, 0.1, 0.8]);
-    (own.sampling.secondary, own.sampling.stand_in) = (secondary, stand_in);
-    own.sampling.correct =
+    (policy.sampling.secondary, policy.sampling.stand_in) = (secondary, stand_in);
+    policy.sampling.correct =
         Correct { passes: pick(&[0.0, 1.0, 8.0]).value().unwrap() as u32, colour: pick(&[-1.0, 0.02, 0.1]) };
-    own
+    policy
 }

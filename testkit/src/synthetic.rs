@@ -8,28 +8,8 @@ use rayreel_formats::scene::{Camera, Light, Meta};
 use rayreel_formats::tile::{Hit, Paths, Radiance, RayClass, RayNode, ShadowState, Shadows, Tile, Tree};
 use rayreel_replay::TileSource;
 
-/// A small generator; tests need no better one.
-#[derive(Clone, Copy)]
-pub struct Random(pub u64);
-
-impl Random {
-    pub fn next(&mut self) -> u32 {
-        // SplitMix64.
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 32) as u32
-    }
-
-    pub fn below(&mut self, n: u32) -> u32 {
-        self.next() % n
-    }
-
-    pub fn unit(&mut self) -> f32 {
-        (self.next() >> 8) as f32 / 16_777_216.0
-    }
-}
+use crate::random::Random;
+use crate::trees;
 
 /// The kind of picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -49,12 +29,16 @@ pub enum Look {
 /// A source of synthetic frames.
 #[derive(Clone, Debug)]
 pub struct Synthetic {
+    /// Size, tiles and frames; made up but for what `new` was told.
     pub meta: Meta,
+    /// What every frame shows.
     pub look: Look,
+    /// Frames of one seed are the same every time.
     pub seed: u64,
 }
 
 impl Synthetic {
+    /// Frames 5 to 7 of `width` by `height` pixels of `samples` by `samples` samples, in tiles of `tile` samples a side.
     pub fn new(look: Look, (width, height): (u32, u32), samples: u32, tile: u32, seed: u64) -> Self {
         let meta = Meta {
             tool: "test".into(),
@@ -121,14 +105,14 @@ fn flat(object: u32) -> Sample {
 }
 
 fn noise(random: &mut Random) -> Sample {
-    let angle = [0.0f32, 0.1, 0.3][random.below(3) as usize];
+    let angle = [0.0f32, 0.1, 0.3][random.remainder(3) as usize];
     Sample {
-        hit: random.below(5) > 0,
-        object: random.below(8) / 6,
+        hit: random.remainder(5) > 0,
+        object: random.remainder(8) / 6,
         normal: vec3(angle, 0.0, 1.0).normalized(),
         t: 1.0 + random.unit(),
-        lit: [0b0101, 0b0101, 0b0101, 0b0010][random.below(4) as usize],
-        children: random.below(4),
+        lit: [0b0101, 0b0101, 0b0101, 0b0010][random.remainder(4) as usize],
+        children: random.remainder(4),
     }
 }
 
@@ -165,7 +149,7 @@ impl TileSource for Synthetic {
                 tile.tree.first.push(tile.tree.nodes.len() as u32);
                 let mut random = Random(self.seed.wrapping_add(77) ^ u64::from(y) << 20 ^ u64::from(x));
                 match self.look {
-                    Look::Trees => super::trees::push(&mut tile, self, (frame, x, y)),
+                    Look::Trees => trees::push(&mut tile, self.seed, self.meta.grid(), (frame, x, y)),
                     _ => push(&mut tile, &self.sample(frame, x, y), &mut random),
                 }
             }
@@ -186,7 +170,7 @@ fn push(tile: &mut Tile, sample: &Sample, random: &mut Random) {
     let class = RayClass::PRIMARY;
     let shadows = Shadows(if sample.hit { sample.lit } else { 0 });
     tile.tree.nodes.push(RayNode { class, hit: sample.hit, reflect, refract, shadows });
-    let triangle = sample.object * 4 + random.below(4);
+    let triangle = sample.object * 4 + random.remainder(4);
     let normal = Oct::encode(sample.normal);
     tile.hits.push(if sample.hit { Hit { triangle, t: sample.t, normal } } else { Hit::MISS });
     let colour = |random: &mut Random| Half3::from_vec3(vec3(random.unit(), random.unit(), random.unit() * 2.0));
@@ -196,13 +180,13 @@ fn push(tile: &mut Tile, sample: &Sample, random: &mut Random) {
     for class in
         [(reflect, class.reflection()), (refract, class.refraction())].into_iter().filter_map(|(on, c)| on.then_some(c))
     {
-        let hit = random.below(2) == 0;
+        let hit = random.remainder(2) == 0;
         let mut shadows = Shadows::default();
         if hit {
-            shadows.set(random.below(2) as usize, ShadowState::Lit);
+            shadows.set(random.remainder(2) as usize, ShadowState::Lit);
         }
         tile.tree.nodes.push(RayNode { class, hit, reflect: false, refract: false, shadows });
-        tile.hits.push(if hit { Hit { triangle: random.below(40), t: 1.0, normal } } else { Hit::MISS });
+        tile.hits.push(if hit { Hit { triangle: random.remainder(40), t: 1.0, normal } } else { Hit::MISS });
         let local = colour(random);
         tile.radiance.push(Radiance { local, ..Radiance::default() });
     }

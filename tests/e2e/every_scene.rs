@@ -74,7 +74,7 @@ fn full_replay_is_the_render_1x1() {
     }
 }
 
-/// Depth and tile are no part of the picture's identity by accident: other depths, and a tile larger than the picture.
+/// The replay is the render at other depths too, and with a tile larger than the picture.
 #[test]
 fn full_replay_is_the_render_at_any_depth() {
     let folder = tempfile::tempdir().unwrap();

@@ -50,24 +50,24 @@ fn fence(folder: &Path, width: f32, spacing: f32) -> String {
 fn wrong(trace: &Trace, policy: &Policy) -> (Vec<bool>, u64) {
     let first = trace.meta().first_frame;
     let frame = replay(trace, policy, [first], Options::default()).unwrap().frames.remove(0);
-    let (own, full) = (encode(&frame.image), encode(frame.reference.as_ref().unwrap()));
+    let (sampled, full) = (encode(&frame.image), encode(frame.reference.as_ref().unwrap()));
     let differ = |(a, b): (&[u8; 3], &[u8; 3])| (0..3).any(|i| a[i].abs_diff(b[i]) > VISIBLE);
-    (own.pixels.iter().zip(&full.pixels).map(differ).collect(), frame.stats.counts.rays_traced.total())
+    (sampled.pixels.iter().zip(&full.pixels).map(differ).collect(), frame.stats.counts.rays_traced.total())
 }
 
 /// What plain `adaptive` with this block does, as its presets have it.
 fn plain(block: u32) -> Adaptive {
     let name = if block == 2 { "adaptive".into() } else { format!("adaptive-{block}") };
     match NamedPolicy::load(&name, &[]).unwrap().policy {
-        Policy::Adaptive(own) => own,
+        Policy::Adaptive(policy) => policy,
         other => panic!("{name} is {other:?}"),
     }
 }
 
-/// Share of the pixels that `own` loses and correction, as `multirate` has it but with `passes`, brings back.
-fn recovered(trace: &Trace, own: &Adaptive, passes: u32) -> f64 {
-    let (lost, few) = wrong(trace, &Policy::Adaptive(own.clone()));
-    let mut corrected = own.clone();
+/// Share of the pixels that `policy` loses and correction, as `multirate` has it but with `passes`, brings back.
+fn recovered(trace: &Trace, policy: &Adaptive, passes: u32) -> f64 {
+    let (lost, few) = wrong(trace, &Policy::Adaptive(policy.clone()));
+    let mut corrected = policy.clone();
     corrected.sampling.correct = preset("multirate", 8).sampling.correct;
     corrected.sampling.correct.passes = passes;
     let (still, more) = wrong(trace, &Policy::Adaptive(corrected));

@@ -33,13 +33,13 @@ fn duckdb_and_polars_read_results() {
     let read: Value = serde_json::from_slice(&output.stdout).unwrap();
     let readers = read.as_object().unwrap();
     assert!(!readers.is_empty());
-    for (reader, own) in readers {
-        assert_eq!(own["rows"].as_u64(), Some(POINTS as u64), "{reader}");
+    for (reader, told) in readers {
+        assert_eq!(told["rows"].as_u64(), Some(POINTS as u64), "{reader}");
         // Whole numbers, numbers, flags, words; an axis that some points lack.
-        assert_eq!(own["types"], serde_json::json!(["integer", "float", "flag", "text", "integer"]), "{reader}");
-        assert_eq!(own["first"]["cycles"], run["cycles"], "{reader}");
-        assert_eq!(own["first"]["time_ms"], run["time_ms"], "{reader}: every bit of it");
-        assert_eq!(own["first"]["identical"], true, "{reader}: full is the reference");
-        assert_eq!((&own["first"]["l1"], &own["first"]["block"]), (&Value::from(4096), &Value::Null), "{reader}");
+        assert_eq!(told["types"], serde_json::json!(["integer", "float", "flag", "text", "integer"]), "{reader}");
+        assert_eq!(told["first"]["cycles"], run["cycles"], "{reader}");
+        assert_eq!(told["first"]["time_ms"], run["time_ms"], "{reader}: every bit of it");
+        assert_eq!(told["first"]["identical"], true, "{reader}: full is the reference");
+        assert_eq!((&told["first"]["l1"], &told["first"]["block"]), (&Value::from(4096), &Value::Null), "{reader}");
     }
 }

@@ -167,9 +167,9 @@ fn overrides_are_the_same_as_a_policy_file() {
     let set = figures("--policy adaptive --set block=4 --set refine=hierarchical");
     assert_eq!((&preset.0, &preset.1, &preset.2), (&set.0, &set.1, &set.2));
     assert_eq!(set.3, "adaptive+block=4+refine=hierarchical");
-    let own = folder.path().join("own.toml");
-    fs::write(&own, "kind = \"adaptive\"\nblock = 4\nrefine = \"hierarchical\"\n").unwrap();
-    let from_file = figures(&format!("--policy {}", own.display()));
+    let file_policy = folder.path().join("own.toml");
+    fs::write(&file_policy, "kind = \"adaptive\"\nblock = 4\nrefine = \"hierarchical\"\n").unwrap();
+    let from_file = figures(&format!("--policy {}", file_policy.display()));
     assert_eq!((&from_file.0, &from_file.1, &from_file.3), (&set.0, &set.1, &json!("own")));
 
     let loose =

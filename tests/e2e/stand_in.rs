@@ -1,5 +1,5 @@
-//! What the recorded child that stands for the child of an interpolated hit does to a picture: here the ray that hardware
-//! would shoot from the interpolated position and normal is really traced, and put in the place of the stand-in.
+//! What stand-ins do to a picture. A stand-in is the recorded child that takes the place of an interpolated hit's child. Here the
+//! ray that hardware would shoot from the interpolated position and normal is really traced, and takes the stand-in's place.
 
 use rayreel_formats::math::Vec3;
 use rayreel_formats::rays::{self, Ray, Surface};
@@ -113,14 +113,14 @@ fn measure(scene: &str, trace: &Trace, block: u32) -> Measured {
         let columns = trace.meta().tile_grid().0;
         let tile = &tiles[(y / trace.meta().tile * columns + x / trace.meta().tile) as usize];
         let sample = ((y - tile.rect.y) * tile.rect.width + x - tile.rect.x) as usize;
-        let own = tile.hits[tile.tree.sample(sample).start];
+        let primary = tile.hits[tile.tree.sample(sample).start];
         let ray = rays::primary(&camera, x, y);
-        let recorded = rays::surface(&ray, own.t, tracer.traversal().corners(own.triangle), own.normal);
+        let recorded = rays::surface(&ray, primary.t, tracer.traversal().corners(primary.triangle), primary.normal);
         // As far as the stand-in's point is off: hardware would take a bound on it.
         let sag = (recorded.point - Vec3::from(hit.surface.unwrap().position)).length();
         let (direction, shot) = interpolated(camera.eye, hit, recorded.front, sag);
-        let ior = trace.bvh().material(own.triangle as usize).ior;
-        let same = trace.object_of(own.triangle) == hit.surface.unwrap().object;
+        let ior = trace.bvh().material(primary.triangle as usize).ior;
+        let same = trace.object_of(primary.triangle) == hit.surface.unwrap().object;
         for (node, weight, colour) in stand_ins(tile, sample, &outcome.traced[*at], hit) {
             let kind = tile.tree.nodes[node].class.kind();
             let (Some(stands), Some(ray)) =
@@ -141,7 +141,7 @@ fn measure(scene: &str, trace: &Trace, block: u32) -> Measured {
         }
     }
     let full: Vec<_> = tiles_colours(&tiles, &outcome);
-    found.psnr = [&outcome.colours, &colours, &control].map(|own| compare(trace, &full, own));
+    found.psnr = [&outcome.colours, &colours, &control].map(|picture| compare(trace, &full, picture));
     found
 }
 

@@ -16,7 +16,7 @@ use rayreel_formats::rays::Ray;
 use rayreel_scenes::Scene;
 use rayreel_tracer::traverse::{TraversalBvh, TraversalScratch};
 use rayreel_tracer::{Built, build};
-use support::{Random, builtin, shared_models};
+use support::{Draws, Random, builtin, shared_models};
 
 /// Rays per scene.
 const RAYS: usize = 100_000;
@@ -85,19 +85,19 @@ fn random_ray(random: &mut Random, built: &Built) -> Ray {
     let Aabb { min, max } = built.bvh.bounds();
     let slack = (max - min) * random.range(0.0, 1.5);
     let origin = random.point(min - slack, max + slack);
-    let corners = built.bvh.corners(random.below(built.bvh.triangles.len()));
-    let side = random.below(3);
-    let target = match random.below(4) {
+    let corners = built.bvh.corners(random.index(built.bvh.triangles.len()));
+    let side = random.index(3);
+    let target = match random.index(4) {
         0 => origin + random.direction(),
         1 => random.point(min, max),
         2 => corners[side],
         _ => (corners[side] + corners[(side + 1) % 3]) * 0.5,
     };
     let (mut origin, mut to) = (origin, target - origin);
-    if random.below(8) == 0 {
+    if random.index(8) == 0 {
         // In the plane of two axes through the target, or along one of them.
         (to.x, origin.x) = (0.0, target.x);
-        if random.below(2) == 0 {
+        if random.index(2) == 0 {
             (to.z, origin.z) = (0.0, target.z);
         }
     }
@@ -152,7 +152,7 @@ fn check(
     // A shadow ray that ends before, at, or behind the closest hit, or somewhere else. Not closer behind it: on a
     // triangle seen nearly edge-on `t` can be so far off that the box, which is exact, starts behind the end of the
     // ray.
-    let scale = [0.5, 1.0, 1.000_1, 2.0][random.below(4)];
+    let scale = [0.5, 1.0, 1.000_1, 2.0][random.index(4)];
     let t_max = want.map_or(random.unit() * 10.0, |(_, t)| t * scale);
     let short = Ray { t_max, ..*ray };
     let want_any = brute.closest(&short, near).is_some();

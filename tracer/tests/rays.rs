@@ -9,7 +9,7 @@ use rayreel_formats::rays::{self, Ray, Surface};
 use rayreel_formats::scene::{Light, Material, Optics};
 use rayreel_scenes::Camera;
 use rayreel_tracer::convert;
-use support::Random;
+use support::{Draws, Random};
 
 const CASES: u64 = 200_000;
 
@@ -21,7 +21,7 @@ fn wide(v: Vec3) -> DVec3 {
 /// shading normals lean away from the face.
 fn meeting(random: &mut Random, bend: f32) -> (Ray, Surface) {
     loop {
-        let scale = [0.01, 1.0, 300.0][random.below(3)];
+        let scale = [0.01, 1.0, 300.0][random.index(3)];
         let one = Vec3::splat(scale);
         let corners = [(); 3].map(|()| random.point(-one, one));
         let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
@@ -189,9 +189,9 @@ fn primary_rays_hit_their_pixels() {
         let target = eye + forward * random.range(0.5, 100.0);
         let vfov_deg = random.range(5.0, 120.0);
         let camera = Camera { eye: glam(eye), target: glam(target), up: glam(up), vfov_deg };
-        let rows = 1 + random.below(2048);
-        let (columns, rows) = (1 + random.below(3 * rows) as u32, rows as u32);
-        let (x, y) = (random.below(columns as usize) as u32, random.below(rows as usize) as u32);
+        let rows = 1 + random.index(2048);
+        let (columns, rows) = (1 + random.index(3 * rows) as u32, rows as u32);
+        let (x, y) = (random.index(columns as usize) as u32, random.index(rows as usize) as u32);
         let ray = rays::primary(&convert::camera(&camera, columns, rows), x, y);
         // The ray's direction in the camera's frame, which looks along -z.
         let back = (wide(eye) - wide(target)).normalize();

@@ -78,14 +78,14 @@ type Tamper = fn(&mut Tile, usize, usize, &mut Random) -> bool;
 const TAMPERS: [(&str, Tamper); 13] = [
     ("a step", |tile, _, node, random| {
         let rays = 1 + tile.tree.nodes[node].shadows.count() as usize;
-        let ray = tile.tree.ray_index()[node] as usize + random.below(rays);
+        let ray = tile.tree.ray_index()[node] as usize + random.index(rays);
         // A copy, because rays may share their steps.
         let copy = tile.paths.ray(ray).to_vec();
-        let at = random.below(copy.len());
+        let at = random.index(copy.len());
         tile.paths.spans[ray].0 = tile.paths.steps.len() as u32;
         tile.paths.steps.extend_from_slice(&copy);
         let step = tile.paths.steps.len() - copy.len() + at;
-        tile.paths.steps[step] = (tile.paths.steps[step] + 1 + random.below(9) as u8) % 10;
+        tile.paths.steps[step] = (tile.paths.steps[step] + 1 + random.index(9) as u8) % 10;
         true
     }),
     ("a step too few", |tile, _, node, _| {
@@ -107,7 +107,7 @@ const TAMPERS: [(&str, Tamper); 13] = [
     }),
     ("a normal", |tile, _, node, random| {
         let normal = &mut tile.hits[node].normal;
-        *(if random.below(2) == 0 { &mut normal.u } else { &mut normal.v }) ^= 1;
+        *(if random.index(2) == 0 { &mut normal.u } else { &mut normal.v }) ^= 1;
         tile.tree.nodes[node].hit
     }),
     ("a shadow state", |tile, _, node, random| {
@@ -115,7 +115,7 @@ const TAMPERS: [(&str, Tamper); 13] = [
         let Some(light) = shadows.cast().next() else { return false };
         let old = shadows.get(light);
         let states = [ShadowState::Lit, ShadowState::Blocked, ShadowState::Tinted];
-        shadows.set(light, states[random.below(3)]);
+        shadows.set(light, states[random.index(3)]);
         shadows.get(light) != old
     }),
     ("a shadow ray that was not recorded", |tile, _, node, _| {
@@ -127,11 +127,11 @@ const TAMPERS: [(&str, Tamper); 13] = [
         true
     }),
     ("a reflection's weight", |tile, _, node, random| {
-        tile.radiance[node].reflect.0[random.below(3)] ^= 1;
+        tile.radiance[node].reflect.0[random.index(3)] ^= 1;
         tile.tree.nodes[node].reflect
     }),
     ("a refraction's weight", |tile, _, node, random| {
-        tile.radiance[node].refract.0[random.below(3)] ^= 1;
+        tile.radiance[node].refract.0[random.index(3)] ^= 1;
         tile.tree.nodes[node].refract
     }),
     ("a hit that is recorded as a miss", |tile, sample, node, _| {
@@ -170,10 +170,10 @@ fn assert_found(recorded: &Recorded, name: &str, tamper: Tamper, times: usize) {
     let honest = tiles(&recorded.trace);
     let (mut random, mut done) = (Random(name.len() as u64), 0);
     for _ in 0..4000 {
-        let at = random.below(honest.len());
-        let sample = random.below(honest[at].tree.samples());
+        let at = random.index(honest.len());
+        let sample = random.index(honest[at].tree.samples());
         let range = honest[at].tree.sample(sample);
-        let node = range.start + random.below(range.len());
+        let node = range.start + random.index(range.len());
         let mut changed = honest.clone();
         if !tamper(&mut changed[at], sample, node, &mut random) {
             continue;

@@ -16,7 +16,7 @@ use rayreel_formats::rays::Ray;
 use rayreel_scenes::{Mesh, Scene};
 use rayreel_tracer::build;
 use rayreel_tracer::traverse::{TraversalBvh, TraversalScratch};
-use support::{Random, builtin};
+use support::{Draws, Random, builtin};
 
 const RAYS: usize = 100_000;
 const ORIGINS: usize = 500;
@@ -60,13 +60,13 @@ fn winding(corners: &[[Vec3; 3]], point: Vec3) -> f64 {
 
 /// In any direction, along an axis, at a point of an edge, and one in eight at a vertex; true for those.
 fn direction(random: &mut Random, corners: &[[Vec3; 3]], origin: Vec3) -> (Vec3, bool) {
-    let triangle = corners[random.below(corners.len())];
-    let side = random.below(3);
+    let triangle = corners[random.index(corners.len())];
+    let side = random.index(3);
     let (a, b) = (triangle[side], triangle[(side + 1) % 3]);
     let axes = [vec3(1.0, 0.0, 0.0), vec3(0.0, -1.0, 0.0), vec3(0.0, 0.0, 1.0), vec3(-0.0, 1.0, -0.0)];
-    let kind = random.below(8);
+    let kind = random.index(8);
     let towards = match kind {
-        0 => axes[random.below(4)],
+        0 => axes[random.index(4)],
         1 => (a - origin).normalized(),
         2 | 3 => ((a + b) * 0.5 - origin).normalized(),
         4 | 5 => (a + (b - a) * random.range(0.01, 0.99) - origin).normalized(),

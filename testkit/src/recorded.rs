@@ -2,11 +2,13 @@
 
 use rayreel_formats::math::Vec3;
 use rayreel_formats::rays;
-use rayreel_formats::tile::{Tile, composite};
+use rayreel_formats::tile::{RayKind, RayNode, Tile, composite};
 use rayreel_replay::TileSource;
 
-use crate::reference::{Rays, rays_of};
 use crate::rules::{Hit, Surface};
+
+/// Number of rays: primary, reflection, refraction, shadow.
+pub type Rays = [u64; 4];
 
 /// All recorded samples of a frame, row by row.
 pub struct Frame {
@@ -65,4 +67,12 @@ fn tree<S: TileSource>(source: &S, tile: &Tile, next: &mut usize, first: usize) 
     let below = [child(node.reflect, radiance.reflect.to_vec3()), child(node.refract, radiance.refract.to_vec3())];
     let own_rays = rays_of(node).iter().sum::<u64>() as u32;
     Hit::new(at - first, surface, radiance.local.to_vec3().to_array(), own_rays, below)
+}
+
+/// The rays of a recorded hit.
+fn rays_of(node: &RayNode) -> Rays {
+    let mut rays = [0; 4];
+    rays[node.class.kind() as usize] += 1;
+    rays[RayKind::Shadow as usize] += node.shadows.cast().count() as u64;
+    rays
 }

@@ -1,0 +1,136 @@
+//! The steps of the adaptive policies over a frame in the making.
+
+use rayreel_replay::policy::{Adaptive, Refine};
+
+use super::area::Area;
+use super::outcome::Origin;
+use crate::recorded::Frame;
+use crate::rules::{Hit, Judge, between, difference, mix};
+
+/// What is known of a sample.
+#[derive(Clone)]
+pub struct Known {
+    pub tree: Hit,
+    pub how: Origin,
+    pub wave: u8,
+}
+
+/// A frame in the making.
+pub struct Maker<'a> {
+    pub policy: &'a Adaptive,
+    pub frame: &'a Frame,
+    pub known: Vec<Option<Known>>,
+    pub traced: Vec<Vec<bool>>,
+    pub stand_ins: Vec<(usize, Hit)>,
+}
+
+impl Maker<'_> {
+    /// Traces a sample whole.
+    pub fn whole(&mut self, at: usize, how: Origin, wave: u8) {
+        self.traced[at].fill(true);
+        self.known[at] = Some(Known { tree: self.frame.recorded[at].clone(), how, wave });
+    }
+
+    pub fn tree(&self, at: usize) -> &Hit {
+        &self.known[at].as_ref().expect("known").tree
+    }
+
+    pub fn judge(&self, area: &Area, gap: usize) -> Judge<'_> {
+        Judge {
+            similarity: &self.policy.sampling.similarity,
+            relax: area.relax,
+            gap,
+            stand_in: self.policy.sampling.stand_in,
+        }
+    }
+
+    /// Decides the inner samples of `line`, whose two ends are known.
+    pub fn fill(&mut self, area: &Area, line: &[usize], wave: u8, foreseen: f64) {
+        let gap = line.len() - 1;
+        if gap < 2 {
+            return;
+        }
+        let (a, b) = (self.tree(line[0]).clone(), self.tree(line[gap]).clone());
+        if self.judge(area, gap).samples(&a, &b, foreseen) {
+            for (i, &at) in line.iter().enumerate().take(gap).skip(1) {
+                let (near, far, s) = nearer(&a, &b, i, gap);
+                let tree = between(near, far, s);
+                self.known[at] = Some(Known { tree, how: Origin::Interpolated, wave });
+            }
+            return;
+        }
+        if self.policy.sampling.refine == Refine::Direct {
+            (1..gap).for_each(|i| self.trace(area, (&a, &b), line, i, wave));
+            return;
+        }
+        let m = gap / 2;
+        self.trace(area, (&a, &b), line, m, wave);
+        let mut foreseen = f64::INFINITY;
+        let middle = self.known[line[m]].as_ref().unwrap();
+        if self.policy.sampling.similarity.predict && middle.how == Origin::Traced {
+            let (near, far, s) = nearer(&a, &b, m, gap);
+            let guess = mix(near.colour, far.colour, s);
+            foreseen = difference((guess, middle.tree.colour), (guess, middle.tree.colour));
+        }
+        self.fill(area, &line[..=m], wave + 1, foreseen);
+        self.fill(area, &line[m..], wave + 1, foreseen);
+    }
+
+    /// Traces sample `i` of `line`, or what of it must be.
+    pub fn trace(&mut self, area: &Area, (a, b): (&Hit, &Hit), line: &[usize], i: usize, wave: u8) {
+        if !self.policy.sampling.secondary {
+            return self.whole(line[i], Origin::Traced, wave);
+        }
+        let (near, far, s) = nearer(a, b, i, line.len() - 1);
+        let judge = self.judge(area, line.len() - 1);
+        let mut traced = vec![false; self.traced[line[i]].len()];
+        let tree = judge.rebuild((near, far), s, &self.frame.recorded[line[i]], &mut traced);
+        let how = match (traced.iter().any(|t| *t), traced.iter().all(|t| *t)) {
+            (false, _) => Origin::Interpolated,
+            (true, true) => Origin::Traced,
+            (true, false) => Origin::Partial,
+        };
+        if !traced[0] && how == Origin::Partial {
+            self.stand_ins.push((line[i], tree.clone()));
+        }
+        self.traced[line[i]] = traced;
+        self.known[line[i]] = Some(Known { tree, how, wave });
+    }
+
+    /// Traces interpolated samples that a traced neighbour in the tile contradicts, pass by pass.
+    pub fn correct(&mut self, area: &Area) {
+        let correct = &self.policy.sampling.correct;
+        let mut news: Vec<(usize, usize)> = area.samples().collect();
+        for pass in 0..correct.passes as u8 {
+            let mut found = Vec::new();
+            for (x, y) in area.samples() {
+                let sample = self.known[y * self.frame.width + x].as_ref().unwrap();
+                if sample.how == Origin::Interpolated && news.iter().any(|&at| self.contradicts(area, (x, y), at)) {
+                    found.push((x, y));
+                }
+            }
+            let wave = 1 + 2 * area.levels(self.policy.sampling.refine) + pass;
+            found.iter().for_each(|&(x, y)| self.whole(y * self.frame.width + x, Origin::Traced, wave));
+            news = found;
+        }
+    }
+
+    pub fn contradicts(&self, area: &Area, (x, y): (usize, usize), (u, v): (usize, usize)) -> bool {
+        if x.abs_diff(u).max(y.abs_diff(v)) != 1 {
+            return false;
+        }
+        let (sample, witness) = (&self.known[y * self.frame.width + x], &self.known[v * self.frame.width + u]);
+        let (sample, witness) = (sample.as_ref().unwrap(), witness.as_ref().unwrap());
+        if witness.how == Origin::Interpolated || self.judge(area, 1).alike(&sample.tree, &witness.tree) {
+            return false;
+        }
+        let colours = (sample.tree.colour, witness.tree.colour);
+        let differ = difference(colours, colours);
+        self.policy.sampling.correct.colour.value().is_none_or(|limit| differ.is_nan() || differ > limit)
+    }
+}
+
+/// The nearer end for step `i` of `gap`, the other, and the other's share.
+fn nearer<'h>(a: &'h Hit, b: &'h Hit, i: usize, gap: usize) -> (&'h Hit, &'h Hit, f32) {
+    if i <= gap - i { (a, b, i as f32 / gap as f32) } else { (b, a, (gap - i) as f32 / gap as f32) }
+}

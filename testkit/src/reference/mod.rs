@@ -1,0 +1,94 @@
+//! A second implementation of the adaptive policies: the whole frame at once, slow and obvious, written from POLICIES.md and
+//! not from the code it checks. It shares the trace format's functions (rays, colours, normals) and nothing else.
+
+mod account;
+mod area;
+mod audit;
+mod maker;
+mod outcome;
+
+use rayreel_replay::TileSource;
+use rayreel_replay::policy::Adaptive;
+
+use crate::recorded::{Frame, read};
+use area::{Area, on};
+use maker::Maker;
+
+pub use crate::recorded::Rays;
+pub use outcome::{Origin, Outcome};
+
+/// Replays one frame with one block for all tiles.
+pub fn replay<S: TileSource>(source: &S, policy: &Adaptive, frame: u32) -> Outcome {
+    let tiles = source.meta().tile_count() as usize;
+    replay_tiles(source, policy, &vec![(policy.block, 1.0); tiles], frame)
+}
+
+/// Replays one frame with a block and a factor on the colour limit for each tile.
+pub fn replay_tiles<S: TileSource>(source: &S, policy: &Adaptive, rates: &[(u32, f64)], frame: u32) -> Outcome {
+    let recorded = read(source, frame, policy.sampling.secondary || policy.sampling.similarity.secondary);
+    let (maker, tiles, before) = decide(source, policy, rates, &recorded);
+    maker.account(&tiles, &before)
+}
+
+/// Replays one frame and audits pixels; what the audits found too: per tile the squared error and the number of values.
+pub fn replay_audited<S: TileSource>(
+    source: &S,
+    policy: &Adaptive,
+    rates: &[(u32, f64)],
+    (frame, every): (u32, u64),
+) -> (Outcome, Vec<(u64, u64)>) {
+    let recorded = read(source, frame, policy.sampling.secondary || policy.sampling.similarity.secondary);
+    let (mut maker, tiles, before) = decide(source, policy, rates, &recorded);
+    let n = source.meta().samples as usize;
+    let found = tiles.iter().map(|area| maker.audit(area, n, u64::from(frame), every)).collect();
+    (maker.account(&tiles, &before), found)
+}
+
+/// All steps; the tiles, and what was traced before correction.
+fn decide<'a, S: TileSource>(
+    source: &S,
+    policy: &'a Adaptive,
+    rates: &[(u32, f64)],
+    recorded: &'a Frame,
+) -> (Maker<'a>, Vec<Area>, Vec<Vec<bool>>) {
+    let meta = source.meta();
+    let (width, height) = (recorded.width, recorded.height);
+    let columns = meta.tile_grid().0;
+    let tiles: Vec<_> = (0..meta.tile_count()).map(|i| Area::new(meta.tile_rect(i), rates[i as usize])).collect();
+    let traced = recorded.rays.iter().map(|hits| vec![false; hits.len()]).collect();
+    let mut maker = Maker { policy, frame: recorded, known: vec![None; width * height], traced, stand_ins: Vec::new() };
+    let last = (width - 1, height - 1);
+    for (i, area) in tiles.iter().enumerate() {
+        let left = if (i as u32).is_multiple_of(columns) { area.n } else { tiles[i - 1].n };
+        for (x, y) in area.samples() {
+            let in_lattice = on(x, area.n, last.0) && on(y, area.n, last.1);
+            if in_lattice || x == area.x0 && on(y, left, last.1) {
+                maker.whole(y * width + x, Origin::R, 0);
+            }
+        }
+    }
+    for area in &tiles {
+        let mut ends: Vec<usize> = (area.x0..area.x1).filter(|&x| on(x, area.n, last.0)).collect();
+        ends.extend((area.x1 < width).then_some(area.x1));
+        for y in (area.y0..area.y1).filter(|&y| on(y, area.n, last.1)) {
+            for pair in ends.windows(2) {
+                let line: Vec<usize> = (pair[0]..=pair[1]).map(|x| y * width + x).collect();
+                maker.fill(area, &line, 1, f64::INFINITY);
+            }
+        }
+    }
+    let after_x: Vec<bool> = maker.known.iter().map(Option::is_some).collect();
+    for area in &tiles {
+        for x in area.x0..area.x1 {
+            let mut ends: Vec<usize> = (area.y0..area.y1).filter(|&y| after_x[y * width + x]).collect();
+            ends.extend((area.y1 < height).then_some(area.y1));
+            for pair in ends.windows(2) {
+                let line: Vec<usize> = (pair[0]..=pair[1]).map(|y| y * width + x).collect();
+                maker.fill(area, &line, 1 + area.levels(policy.sampling.refine), f64::INFINITY);
+            }
+        }
+    }
+    let before = maker.traced.clone();
+    tiles.iter().for_each(|area| maker.correct(area));
+    (maker, tiles, before)
+}

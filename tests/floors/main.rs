@@ -1,0 +1,125 @@
+//! The floors of the house, read from the sources: inside a crate a module uses only what stands below it, and no files use
+//! one another in a ring. `tests/dependency_rule.rs` holds the same between crates. `arrows.rs` says what counts as a use.
+//!
+//! A folder's `mod.rs` is a file like any other: its children may use what it declares as long as it uses nothing of theirs
+//! (it may show them with `pub use`), or it may use the children as long as they use nothing that it declares. Tests are
+//! left out: they may look anywhere.
+
+mod arrows;
+mod floors;
+mod made_up;
+mod modules;
+mod sizes;
+mod tokens;
+
+use std::path::{Path, PathBuf};
+
+/// The modules at the top of each crate, lowest first: a module may use those before it.
+const ORDERS: [(&str, &[&str]); 10] = [
+    (
+        "formats/src/lib.rs",
+        &[
+            "math",
+            "half",
+            "oct",
+            "limits",
+            "scene",
+            "tile",
+            "bvh",
+            "rays",
+            "intersect",
+            "error",
+            "payload",
+            "columns",
+            "container",
+            "trace",
+        ],
+    ),
+    ("settings/src/lib.rs", &["near"]),
+    (
+        "machine/src/lib.rs",
+        &[
+            "error", "counters", "config", "work", "memory", "link", "ti", "srp", "stats", "energy", "system",
+            "probes", "timeline",
+        ],
+    ),
+    ("replay/src/lib.rs", &["error", "source", "image", "policy", "work", "frame", "simulate"]),
+    ("store/src/lib.rs", &["traffic", "cache", "location", "remote"]),
+    (
+        "scenes/src/lib.rs",
+        &[
+            "scene",
+            "warnings",
+            "error",
+            "validate",
+            "texture",
+            "camera",
+            "normals",
+            "defaults",
+            "mesh_join",
+            "hash",
+            "polygon",
+            "obj_text",
+            "mtl_line",
+            "mtl",
+            "obj",
+            "modelling",
+            "builtin",
+            "file_camera",
+            "file",
+            "load",
+        ],
+    ),
+    ("tracer/src/lib.rs", &["convert", "accel", "texture", "traverse", "shade", "trace", "capture", "verify"]),
+    (
+        "study/src/lib.rs",
+        &["error", "schema", "report", "table", "point", "analysis", "compare", "sweep", "cluster", "html"],
+    ),
+    (
+        "testkit/src/lib.rs",
+        &["random", "policies", "switches", "trees", "synthetic", "rules", "recorded", "reference", "poison"],
+    ),
+    (
+        "src/main.rs",
+        &[
+            "exit", "progress", "common", "traces", "capture", "compare", "diff", "digest", "info", "presets", "paper",
+            "render", "repair", "replay", "report", "scenes", "sweep", "verify",
+        ],
+    ),
+];
+
+fn root() -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR"))
+}
+
+fn read(file: &Path) -> Option<String> {
+    std::fs::read_to_string(root().join(file)).ok()
+}
+
+/// Everything that is wrong with the floors of one crate.
+fn wrong(front: &str, order: &[&str], read: &dyn Fn(&Path) -> Option<String>) -> Vec<String> {
+    let modules = modules::modules(Path::new(front), read);
+    let arrows = arrows::arrows(&modules);
+    let mut found = floors::unlisted(&modules, order);
+    if !found.is_empty() {
+        found.push(format!("an order that the sources allow: {:?}", floors::possible(&modules, &arrows)));
+    }
+    found.extend(floors::up(&modules, &arrows, order));
+    found.extend(floors::circles(&modules, &arrows));
+    found.into_iter().map(|text| format!("{front}: {text}")).collect()
+}
+
+#[test]
+fn every_crate_has_an_order() {
+    let listed: Vec<PathBuf> = ORDERS.iter().map(|(front, _)| root().join(front)).collect();
+    for member in sizes::members(&root()) {
+        let front = if member == "." { "src/main.rs".into() } else { format!("{member}/src/lib.rs") };
+        assert!(listed.contains(&root().join(&front)), "{front} is missing in the orders of tests/floors");
+    }
+}
+
+#[test]
+fn modules_use_what_stands_below_them() {
+    let found: Vec<String> = ORDERS.iter().flat_map(|(front, order)| wrong(front, order, &read)).collect();
+    assert!(found.is_empty(), "{}", found.join("\n"));
+}
