@@ -76,8 +76,8 @@ enum Side {
 
 impl Side {
     fn results(&self) -> &Results {
-        let (Self::Table(own) | Self::Run(own)) = self;
-        own
+        let (Self::Table(results) | Self::Run(results)) = self;
+        results
     }
 }
 
@@ -99,13 +99,13 @@ fn cut(mut value: serde_json::Value, top: usize) -> serde_json::Value {
         .as_object()
         .into_iter()
         .flatten()
-        .filter_map(|(name, own)| Some((name.clone(), own.as_array()?.len())))
+        .filter_map(|(name, list)| Some((name.clone(), list.as_array()?.len())))
         .filter(|(name, _)| name != "points")
         .collect();
     let mut counts = serde_json::Map::new();
     for (name, len) in lists {
-        if let Some(own) = value[&name].as_array_mut() {
-            own.truncate(top);
+        if let Some(list) = value[&name].as_array_mut() {
+            list.truncate(top);
         }
         counts.insert(name, len.into());
     }
@@ -114,6 +114,6 @@ fn cut(mut value: serde_json::Value, top: usize) -> serde_json::Value {
 }
 
 fn tolerance(text: &str) -> Result<f64, String> {
-    let number = text.parse().ok().filter(|own: &f64| own.is_finite() && *own >= 0.0);
+    let number = text.parse().ok().filter(|number: &f64| number.is_finite() && *number >= 0.0);
     number.ok_or_else(|| "give a number of 0 or more, such as 0.01 for one percent".into())
 }

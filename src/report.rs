@@ -72,8 +72,8 @@ fn study(args: &Args) -> Result<Exit> {
             "picture_bytes": written.picture_bytes,
         }))?;
     } else {
-        let (all, own) = (megabytes(&written), written.picture_bytes as f64 * 1e-6);
-        print(&format!("{}: {all}, {} pictures of {own:.2} MB\n", file.display(), written.pictures))?;
+        let (all, pictures) = (megabytes(&written), written.picture_bytes as f64 * 1e-6);
+        print(&format!("{}: {all}, {} pictures of {pictures:.2} MB\n", file.display(), written.pictures))?;
     }
     Ok(Exit::Done)
 }

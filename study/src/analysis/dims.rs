@@ -24,7 +24,7 @@ pub struct Dimension {
 /// The dimensions with more than one value, in the order of the columns.
 pub fn dimensions(results: &Results) -> Vec<Dimension> {
     let chosen = |field: &&Field| field.role == Role::Axis || IDENTITY.contains(&field.name.as_str());
-    results.fields.iter().filter(chosen).map(Dimension::new).filter(|own| own.values.len() > 1).collect()
+    results.fields.iter().filter(chosen).map(Dimension::new).filter(|dimension| dimension.values.len() > 1).collect()
 }
 
 impl Dimension {
@@ -52,8 +52,8 @@ impl Dimension {
 /// A value for people: sizes as plans write them.
 pub fn label(field: &Field, row: usize) -> Option<String> {
     match &field.cells {
-        Cells::Int(own) if field.unit == "bytes" => {
-            own[row].map(|i| u64::try_from(i).map_or_else(|_| i.to_string(), |i| Bytes(i).to_string()))
+        Cells::Int(cells) if field.unit == "bytes" => {
+            cells[row].map(|i| u64::try_from(i).map_or_else(|_| i.to_string(), |i| Bytes(i).to_string()))
         }
         cells => cells.text(row),
     }

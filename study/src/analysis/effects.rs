@@ -25,7 +25,7 @@ impl Effect {
         }
         let mean = |(sum, count): &(f64, u32)| (*count > 0).then(|| sum / f64::from(*count));
         let means: Vec<Option<f64>> = sums.iter().map(mean).collect();
-        let (sum, count) = sums.iter().fold((0.0, 0), |all, own| (all.0 + own.0, all.1 + own.1));
+        let (sum, count) = sums.iter().fold((0.0, 0), |all, one| (all.0 + one.0, all.1 + one.1));
         let known = || means.iter().enumerate().filter_map(|(value, mean)| Some((value, (*mean)?)));
         // The first of equal ones, so that the page is the same every time.
         let least = known().min_by(|a, b| a.1.total_cmp(&b.1))?.0;

@@ -72,12 +72,12 @@ pub struct StateChange {
 
 /// Columns of both tables, and the names of those of either alone.
 pub fn columns<'a>(a: &'a Results, b: &'a Results, select: &Select) -> (Vec<(&'a Field, &'a Field)>, [Vec<String>; 2]) {
-    let own = |results: &'a Results| {
+    let selected = |results: &'a Results| {
         let result = |field: &&Field| matches!(field.role, Role::Figure | Role::Counter) && select.takes(&field.name);
         results.fields.iter().filter(result).collect::<Vec<_>>()
     };
     let find = |list: &[&'a Field], name: &str| list.iter().copied().find(|field| field.name == name);
-    let (of_a, of_b) = (own(a), own(b));
+    let (of_a, of_b) = (selected(a), selected(b));
     let both = of_a.iter().filter_map(|field| Some((*field, find(&of_b, &field.name)?))).collect();
     let alone = |list: &[&'a Field], other: &[&'a Field]| {
         list.iter().filter(|field| find(other, &field.name).is_none()).map(|field| field.name.clone()).collect()
@@ -150,7 +150,7 @@ pub fn states(a: &Results, b: &Results, pairs: &Pairs) -> Vec<StateChange> {
         a: error(a, *row_a),
         b: error(b, *row_b),
     };
-    pairs.both.iter().map(state).filter(|own| own.a != own.b).collect()
+    pairs.both.iter().map(state).filter(|change| change.a != change.b).collect()
 }
 
 /// Configuration values that changed: of machine and policy, the traces' fingerprints, the model's version, and the columns by which
@@ -161,16 +161,17 @@ pub fn configuration(tables: [&Results; 2], pairs: &Pairs, options: &Options) ->
         if a == b || !options.select.takes(key) {
             return;
         }
-        let own = changes.entry((order, key.to_owned())).or_insert_with(|| ConfigChange {
+        let change = changes.entry((order, key.to_owned())).or_insert_with(|| ConfigChange {
             key: key.into(),
             changed: 0,
             point: point.into(),
             a,
             b,
         });
-        own.changed += 1;
+        change.changed += 1;
     };
-    let words = names(tables[0], tables[1]).into_iter().filter(|name| options.across.iter().any(|own| own == name));
+    let words =
+        names(tables[0], tables[1]).into_iter().filter(|name| options.across.iter().any(|column| column == name));
     for name in words.chain(["trace_fingerprint", "model_version"]) {
         let fields = tables.map(|table| table.field(name));
         for (a, b, point) in &pairs.both {
@@ -187,12 +188,12 @@ pub fn configuration(tables: [&Results; 2], pairs: &Pairs, options: &Options) ->
             {
                 continue;
             }
-            let own = [configs[0].row(*a), configs[1].row(*b)];
-            let mut keys: Vec<&String> = own.iter().flatten().flat_map(|own| own.keys()).collect();
+            let rows = [configs[0].row(*a), configs[1].row(*b)];
+            let mut keys: Vec<&String> = rows.iter().flatten().flat_map(|config| config.keys()).collect();
             keys.sort_unstable();
             keys.dedup();
             for key in keys {
-                differ(1, key, point, own.map(|own| own.and_then(|own| own.get(key).cloned())));
+                differ(1, key, point, rows.map(|config| config.and_then(|config| config.get(key).cloned())));
             }
         }
     }

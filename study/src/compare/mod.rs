@@ -87,7 +87,7 @@ impl Comparison {
     /// Whether anything did.
     pub fn changed(&self) -> bool {
         let lists = [&self.vanished, &self.appeared, &self.columns_vanished, &self.columns_appeared];
-        lists.iter().any(|own| !own.is_empty())
+        lists.iter().any(|list| !list.is_empty())
             || !(self.states.is_empty() && self.configuration.is_empty() && self.results.is_empty())
     }
 }

@@ -35,17 +35,21 @@ pub fn decode(bytes: &[u8], path: &Path) -> Result<Results> {
     ];
     let (row, columns) = Row::of_json(String::new(), &value);
     for column in columns {
-        let own = &row.figures[&column.name];
-        let cells = match own {
+        let figure = &row.figures[&column.name];
+        let cells = match figure {
             Value::Bool(flag) => Cells::Flag(vec![Some(*flag)]),
-            own if own.is_i64() => Cells::Int(vec![own.as_i64()]),
-            own => Cells::Float(vec![own.as_f64()]),
+            number if number.is_i64() => Cells::Int(vec![number.as_i64()]),
+            number => Cells::Float(vec![number.as_f64()]),
         };
         let role = role_of(&column.name);
         fields.push(field(&column.name, role, &column.unit, &column.description, cells));
     }
-    let machine: BTreeMap<&String, &Value> =
-        value["machine_config"].as_object().into_iter().flatten().map(|(key, own)| (key, &own["value"])).collect();
+    let machine: BTreeMap<&String, &Value> = value["machine_config"]
+        .as_object()
+        .into_iter()
+        .flatten()
+        .map(|(key, sourced)| (key, &sourced["value"]))
+        .collect();
     let machine = if machine.is_empty() { None } else { serde_json::to_string(&machine).ok() };
     let config = |name: &str, text: Option<String>| field(name, Role::Config, "", "", Cells::Text(vec![text]));
     fields.push(config("machine_config", machine));

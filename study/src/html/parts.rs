@@ -61,14 +61,14 @@ impl Column {
 pub fn table(caption: &str, columns: &[Column], rows: &[(String, Vec<String>)]) -> String {
     let class = |column: &Column| if column.number { " class=\"num\"" } else { "" };
     let head = |c: &Column| format!("<th scope=\"col\"{}>{}</th>", class(c), escape(&c.name));
-    let row = |(own, cells): &(String, Vec<String>)| {
+    let row = |(row_class, cells): &(String, Vec<String>)| {
         let cell = |(i, (column, html)): (usize, (&Column, &String))| match i {
             0 => format!("<th scope=\"row\"{}>{html}</th>", class(column)),
             _ => format!("<td{}>{html}</td>", class(column)),
         };
         let cells: String = columns.iter().zip(cells).enumerate().map(cell).collect();
-        let own = if own.is_empty() { String::new() } else { format!(" class=\"{own}\"") };
-        format!("<tr{own}>{cells}</tr>\n")
+        let row_class = if row_class.is_empty() { String::new() } else { format!(" class=\"{row_class}\"") };
+        format!("<tr{row_class}>{cells}</tr>\n")
     };
     let (head, body): (String, String) = (columns.iter().map(head).collect(), rows.iter().map(row).collect());
     format!(

@@ -38,7 +38,7 @@ impl Shell<'_> {
         let data = |(id, value): (&str, &Value)| {
             format!("<script type=\"application/json\" id=\"{id}\">{}</script>\n", script_json(value))
         };
-        let scripts: Vec<String> = self.scripts.iter().map(|own| format!("<script>\n{own}</script>\n")).collect();
+        let scripts: Vec<String> = self.scripts.iter().map(|script| format!("<script>\n{script}</script>\n")).collect();
         format!(
             "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
              <meta http-equiv=\"Content-Security-Policy\" content=\"{POLICY}\">\n\

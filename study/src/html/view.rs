@@ -41,8 +41,8 @@ impl Look {
 impl<'a> View<'a> {
     /// Looks at a study.
     pub fn new(study: &'a Study) -> Self {
-        let own: Vec<&Point> = study.points.iter().filter(|p| p.machine == study.machine).collect();
-        let points = if own.is_empty() { study.points.iter().collect() } else { own };
+        let of_machine: Vec<&Point> = study.points.iter().filter(|p| p.machine == study.machine).collect();
+        let points = if of_machine.is_empty() { study.points.iter().collect() } else { of_machine };
         let mut view = Self { study, points, headline: None };
         view.headline = study.headline_policy.as_deref().or_else(|| view.best());
         view

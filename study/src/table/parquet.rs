@@ -58,20 +58,22 @@ pub fn decode(bytes: Vec<u8>, path: &Path) -> Result<Results> {
     let reader =
         SerializedFileReader::new(bytes::Bytes::from(bytes)).map_err(|e| bad(format!("not a Parquet file: {e}")))?;
     let pairs = reader.metadata().file_metadata().key_value_metadata();
-    let own = pairs.into_iter().flatten().find(|pair| pair.key == KEY).and_then(|pair| pair.value.as_deref());
-    let own = own.ok_or_else(|| bad("not the results of a sweep; `rayreel sweep merge` writes these".into()))?;
-    let own: Metadata = serde_json::from_str(own).map_err(|e| bad(format!("its metadata cannot be read: {e}")))?;
+    let metadata = pairs.into_iter().flatten().find(|pair| pair.key == KEY).and_then(|pair| pair.value.as_deref());
+    let metadata =
+        metadata.ok_or_else(|| bad("not the results of a sweep; `rayreel sweep merge` writes these".into()))?;
+    let metadata: Metadata =
+        serde_json::from_str(metadata).map_err(|e| bad(format!("its metadata cannot be read: {e}")))?;
     let columns = reader.metadata().file_metadata().schema_descr().num_columns();
-    if columns != own.columns.len() {
-        return Err(bad(format!("its metadata describe {} columns of {columns}", own.columns.len())));
+    if columns != metadata.columns.len() {
+        return Err(bad(format!("its metadata describe {} columns of {columns}", metadata.columns.len())));
     }
     let mut fields = Vec::new();
-    for (i, info) in own.columns.into_iter().enumerate() {
+    for (i, info) in metadata.columns.into_iter().enumerate() {
         let cells = read(&reader, i).map_err(|e| bad(format!("column {}: {e}", info.name)))?;
         let ColumnInfo { name, unit, description, role } = info;
         fields.push(Field { name, unit, description, role, cells });
     }
-    Ok(Results { heading: own.heading, fields })
+    Ok(Results { heading: metadata.heading, fields })
 }
 
 fn write(results: &Results) -> Result<Vec<u8>, ParquetError> {
@@ -107,20 +109,20 @@ fn write(results: &Results) -> Result<Vec<u8>, ParquetError> {
         for field in &results.fields {
             let mut column = group.next_column()?.ok_or_else(|| ParquetError::General("a column too many".into()))?;
             match (&field.cells, column.untyped()) {
-                (Cells::Int(own), ColumnWriter::Int64ColumnWriter(to)) => {
-                    let (values, levels) = present(&own[rows.clone()], |v| *v);
+                (Cells::Int(cells), ColumnWriter::Int64ColumnWriter(to)) => {
+                    let (values, levels) = present(&cells[rows.clone()], |v| *v);
                     to.write_batch(&values, Some(&levels), None)?;
                 }
-                (Cells::Float(own), ColumnWriter::DoubleColumnWriter(to)) => {
-                    let (values, levels) = present(&own[rows.clone()], |v| *v);
+                (Cells::Float(cells), ColumnWriter::DoubleColumnWriter(to)) => {
+                    let (values, levels) = present(&cells[rows.clone()], |v| *v);
                     to.write_batch(&values, Some(&levels), None)?;
                 }
-                (Cells::Flag(own), ColumnWriter::BoolColumnWriter(to)) => {
-                    let (values, levels) = present(&own[rows.clone()], |v| *v);
+                (Cells::Flag(cells), ColumnWriter::BoolColumnWriter(to)) => {
+                    let (values, levels) = present(&cells[rows.clone()], |v| *v);
                     to.write_batch(&values, Some(&levels), None)?;
                 }
-                (Cells::Text(own), ColumnWriter::ByteArrayColumnWriter(to)) => {
-                    let (values, levels) = present(&own[rows.clone()], |v| ByteArray::from(v.as_str()));
+                (Cells::Text(cells), ColumnWriter::ByteArrayColumnWriter(to)) => {
+                    let (values, levels) = present(&cells[rows.clone()], |v| ByteArray::from(v.as_str()));
                     to.write_batch(&values, Some(&levels), None)?;
                 }
                 _ => return Err(ParquetError::General(format!("column {} is of another type", field.name))),
@@ -151,21 +153,21 @@ fn read(reader: &SerializedFileReader<bytes::Bytes>, column: usize) -> Result<Ce
         let group = reader.get_row_group(group)?;
         let rows = usize::try_from(group.metadata().num_rows()).unwrap_or(0);
         macro_rules! take {
-            ($from:ident, $own:ident, $value:expr) => {{
+            ($from:ident, $cells:ident, $value:expr) => {{
                 let (mut levels, mut values) = (Vec::new(), Vec::new());
                 $from.read_records(rows, Some(&mut levels), None, &mut values)?;
                 let mut values = values.into_iter();
                 for level in levels {
-                    $own.push(if level == 1 { values.next().map($value) } else { None });
+                    $cells.push(if level == 1 { values.next().map($value) } else { None });
                 }
             }};
         }
         match (group.get_column_reader(column)?, &mut cells) {
-            (ColumnReader::Int64ColumnReader(mut from), Cells::Int(own)) => take!(from, own, |v| v),
-            (ColumnReader::DoubleColumnReader(mut from), Cells::Float(own)) => take!(from, own, |v| v),
-            (ColumnReader::BoolColumnReader(mut from), Cells::Flag(own)) => take!(from, own, |v| v),
-            (ColumnReader::ByteArrayColumnReader(mut from), Cells::Text(own)) => {
-                take!(from, own, |v: ByteArray| String::from_utf8_lossy(v.data()).into_owned());
+            (ColumnReader::Int64ColumnReader(mut from), Cells::Int(cells)) => take!(from, cells, |v| v),
+            (ColumnReader::DoubleColumnReader(mut from), Cells::Float(cells)) => take!(from, cells, |v| v),
+            (ColumnReader::BoolColumnReader(mut from), Cells::Flag(cells)) => take!(from, cells, |v| v),
+            (ColumnReader::ByteArrayColumnReader(mut from), Cells::Text(cells)) => {
+                take!(from, cells, |v: ByteArray| String::from_utf8_lossy(v.data()).into_owned());
             }
             _ => return Err(ParquetError::General("it changes its type".into())),
         }

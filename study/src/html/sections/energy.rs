@@ -51,8 +51,8 @@ fn chart(view: &View<'_>, scene: &str, mode: &str) -> String {
 fn parts(point: &Point) -> Vec<Part> {
     let all = total(point).max(f64::MIN_POSITIVE);
     let mut parts = Vec::new();
-    let mut add = |own: Vec<&Component>, group: &str, class: &str| {
-        for (i, component) in own.iter().enumerate() {
+    let mut add = |components: Vec<&Component>, group: &str, class: &str| {
+        for (i, component) in components.iter().enumerate() {
             parts.push(Part {
                 value: component.mj,
                 class: class.into(),

@@ -48,13 +48,13 @@ fn chart(view: &View<'_>, mode: &str, policy: &str) -> String {
         return String::new();
     }
     let alone = if points.iter().all(|p| p.ti_gain.is_some()) { "T&I units alone" } else { "whole GPU" };
-    let group = |name: &str, own: [Option<f64>; 3], band| {
+    let group = |name: &str, values: [Option<f64>; 3], band| {
         let bar = |((what, class), value): (&(&str, &'static str), Option<f64>)| Bar {
             value,
             class,
             tip: format!("{name}\n{policy}, {alone}\n{what} {}", or_dash(value, factor)),
         };
-        Group { name: name.to_owned(), bars: BARS.iter().zip(own).map(bar).collect(), band }
+        Group { name: name.to_owned(), bars: BARS.iter().zip(values).map(bar).collect(), band }
     };
     let mut groups: Vec<Group> = points
         .iter()

@@ -52,8 +52,8 @@ fn scenes(view: &View<'_>) -> String {
     "<h3>Scenes</h3>\n".to_owned() + &table("Scenes", &columns, &all.iter().map(row).collect::<Vec<_>>())
 }
 
-fn sign(own: u64, paper: u64) -> &'static str {
-    if own > paper { "+" } else { "" }
+fn sign(measured: u64, paper: u64) -> &'static str {
+    if measured > paper { "+" } else { "" }
 }
 
 fn policies(view: &View<'_>) -> String {

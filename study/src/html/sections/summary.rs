@@ -20,8 +20,8 @@ pub fn section(view: &View<'_>) -> Option<Section> {
         tiles.extend(view.paper_policy(mode).and_then(|policy| paper(view, mode, policy)));
     }
     for mode in view.modes() {
-        let own = view.headline.filter(|policy| view.paper_policy(mode) != Some(*policy));
-        tiles.extend(own.and_then(|policy| headline(view, mode, policy)));
+        let policy = view.headline.filter(|policy| view.paper_policy(mode) != Some(*policy));
+        tiles.extend(policy.and_then(|policy| headline(view, mode, policy)));
     }
     tiles.extend(dominance(view));
     tiles.extend(overhead(view));
@@ -104,8 +104,8 @@ fn overhead(view: &View<'_>) -> Option<Tile> {
     for mode in view.modes() {
         let Some(policy) = view.paper_policy(mode) else { continue };
         for point in view.points.iter().filter(|p| p.mode == mode && p.policy == policy && !p.srp.is_empty()) {
-            for (own, name) in shares.iter_mut().zip(kernels) {
-                own.push(point.srp.iter().find(|k| k.kernel == name).map_or(0.0, |k| k.share));
+            for (share, name) in shares.iter_mut().zip(kernels) {
+                share.push(point.srp.iter().find(|k| k.kernel == name).map_or(0.0, |k| k.share));
             }
         }
     }

@@ -43,12 +43,12 @@ fn psnr_table(view: &View<'_>, mode: &str) -> String {
     let stated = &view.study.references.psnr;
     if stated.iter().any(|p| p.mode == mode) {
         let mut cells = vec!["the paper".to_owned()];
-        let own: Vec<Option<f64>> = scenes
+        let values: Vec<Option<f64>> = scenes
             .iter()
             .map(|scene| stated.iter().find(|p| p.mode == mode && p.scene == *scene).map(|p| p.psnr_db))
             .collect();
-        cells.extend(own.iter().map(|v| or_dash(*v, decibels)));
-        let least = own.iter().flatten().copied().fold(f64::INFINITY, f64::min);
+        cells.extend(values.iter().map(|v| or_dash(*v, decibels)));
+        let least = values.iter().flatten().copied().fold(f64::INFINITY, f64::min);
         cells.push(or_dash(least.is_finite().then_some(least), decibels));
         rows.push(("paper-row".into(), cells));
     }

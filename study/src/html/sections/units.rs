@@ -84,8 +84,8 @@ fn parts(unit: &Unit, policy: &str) -> Vec<Part> {
     let mut kernels = 0;
     let part = |share: &StateShare| {
         let (mut class, mut opacity, mut meaning) = ("s8", 1.0, String::new());
-        if let Some((_, own, what)) = STATES.iter().find(|(state, ..)| *state == share.state) {
-            (class, meaning) = (own, format!(": {what}"));
+        if let Some((_, colour, what)) = STATES.iter().find(|(state, ..)| *state == share.state) {
+            (class, meaning) = (colour, format!(": {what}"));
         } else if KERNELS.contains(&share.state.as_str()) {
             // Two shades in turn tell the kernels apart.
             (class, opacity, meaning) = ("s0", if kernels % 2 == 0 { 1.0 } else { 0.72 }, ": works".into());

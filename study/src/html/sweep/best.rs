@@ -39,7 +39,7 @@ fn part(view: &View<'_>, objective: &Field, (name, rows): &(String, Vec<usize>))
     results.extend(view.headlines.iter().copied().filter(|field| field.name != objective.name));
     // The name of the group stands above.
     let dimensions = view.dimensions.iter().enumerate().filter(|(index, _)| Some(*index) != view.each);
-    let dimensions = dimensions.map(|(_, own)| Column::words(&own.name));
+    let dimensions = dimensions.map(|(_, dimension)| Column::words(&dimension.name));
     let columns: Vec<Column> = [Column::number("Point")]
         .into_iter()
         .chain(dimensions)
@@ -47,10 +47,10 @@ fn part(view: &View<'_>, objective: &Field, (name, rows): &(String, Vec<usize>))
         .chain([Column::words("Changes")])
         .collect();
     let row = |row: &usize| {
-        let mut own = vec![escape(&view.number(*row))];
-        own.extend(cells(view, *row, &results));
-        own.push(changes(view, *row));
-        (String::new(), own)
+        let mut line = vec![escape(&view.number(*row))];
+        line.extend(cells(view, *row, &results));
+        line.push(changes(view, *row));
+        (String::new(), line)
     };
     let rows: Vec<_> = best.iter().map(row).collect();
     let word = if goal == Goal::Min { "Least" } else { "Most" };
@@ -65,7 +65,7 @@ fn changes(view: &View<'_>, row: usize) -> String {
     let all: Vec<String> = Half::ALL
         .iter()
         .flat_map(|half| view.changes(row, *half).list)
-        .map(|own| format!("<code>{}={}</code>", escape(&own.key), escape(&own.value)))
+        .map(|change| format!("<code>{}={}</code>", escape(&change.key), escape(&change.value)))
         .collect();
     if all.is_empty() { "as the presets".into() } else { all.join(" ") }
 }
@@ -73,8 +73,8 @@ fn changes(view: &View<'_>, row: usize) -> String {
 /// Every value.
 fn whole(view: &View<'_>, row: usize) -> String {
     let lines = |half: &Half| {
-        let own = view.configs[*half as usize].row(row).into_iter().flatten();
-        own.map(|(key, value)| format!("{key} = {value}\n")).collect::<String>()
+        let config = view.configs[*half as usize].row(row).into_iter().flatten();
+        config.map(|(key, value)| format!("{key} = {value}\n")).collect::<String>()
     };
     let part = |half: &Half| {
         let text = lines(half);

@@ -20,9 +20,9 @@ pub fn section(view: &View<'_>) -> Option<Section> {
         html += &details(&format!("{} columns that vary", rows.len()), &table("Columns that vary", &unit(), &rows));
     }
     let with_value = |field: &&Field| {
-        let mut own = names(field);
-        own.insert(1, escape(&value(field, 0)));
-        (String::new(), own)
+        let mut cells = names(field);
+        cells.insert(1, escape(&value(field, 0)));
+        (String::new(), cells)
     };
     let first = |field: &&&Field| !field.cells.is_empty() && field.cells.text(0).is_some();
     let rows: Vec<_> = same.iter().filter(first).map(with_value).collect();
@@ -37,13 +37,13 @@ pub fn section(view: &View<'_>) -> Option<Section> {
 
 /// Whether all rows hold the same.
 fn constant(field: &Field) -> bool {
-    fn same<T: PartialEq>(own: &[T]) -> bool {
-        own.windows(2).all(|pair| pair[0] == pair[1])
+    fn same<T: PartialEq>(cells: &[T]) -> bool {
+        cells.windows(2).all(|pair| pair[0] == pair[1])
     }
     match &field.cells {
-        Cells::Int(own) => same(own),
-        Cells::Float(own) => same(own),
-        Cells::Flag(own) => same(own),
-        Cells::Text(own) => same(own),
+        Cells::Int(cells) => same(cells),
+        Cells::Float(cells) => same(cells),
+        Cells::Flag(cells) => same(cells),
+        Cells::Text(cells) => same(cells),
     }
 }

@@ -55,14 +55,14 @@ fn axes(view: &View<'_>) -> String {
     }
     let columns =
         [Column::words("Axis"), Column::number("Values"), Column::words("Which"), Column::words("What it is")];
-    let rows = view.dimensions.iter().map(|own| {
-        let (few, more) = own.values.split_at(own.values.len().min(12));
+    let rows = view.dimensions.iter().map(|dimension| {
+        let (few, more) = dimension.values.split_at(dimension.values.len().min(12));
         let more = if more.is_empty() { String::new() } else { format!(" and {} more", more.len()) };
         let cells = vec![
-            escape(&own.name),
-            own.values.len().to_string(),
+            escape(&dimension.name),
+            dimension.values.len().to_string(),
             escape(&(few.join(", ") + &more)),
-            escape(&own.description),
+            escape(&dimension.description),
         ];
         (String::new(), cells)
     });
@@ -89,6 +89,7 @@ fn failures(view: &View<'_>) -> String {
 /// Cells of a point in its group: its dimensions, then some results.
 pub fn cells(view: &View<'_>, row: usize, results: &[&Field]) -> Vec<String> {
     let dimensions = view.dimensions.iter().enumerate().filter(|(index, _)| Some(*index) != view.each);
-    let dimensions = dimensions.map(|(_, own)| or_dash(own.of[row], |value| escape(&own.values[value])));
+    let dimensions =
+        dimensions.map(|(_, dimension)| or_dash(dimension.of[row], |value| escape(&dimension.values[value])));
     dimensions.chain(results.iter().map(|field| escape(&value(field, row)))).collect()
 }

@@ -18,7 +18,7 @@ const VALUES_MAX: usize = 65_536;
 pub struct Axis {
     /// Its name, also that of the results' column.
     pub name: String,
-    /// The keys that it sets; none if its values name their own.
+    /// The keys that it sets; none if each value names its keys.
     pub keys: Vec<String>,
     /// Its values, in order.
     pub values: Vec<AxisValue>,
@@ -70,8 +70,8 @@ impl Axis {
             return Err(text.error(span, format!("axis {name:?} needs one of values, range and log")));
         }
         let values = if let Some(values) = &file.values {
-            let own = values.get_ref().iter().map(|v| listed(&name, &keys, v.get_ref(), &v.span(), text));
-            own.collect::<Result<Vec<_>>>()?
+            let all = values.get_ref().iter().map(|v| listed(&name, &keys, v.get_ref(), &v.span(), text));
+            all.collect::<Result<Vec<_>>>()?
         } else {
             let (range, log) = (file.range.as_ref(), file.log.as_ref());
             let at = range.or(log).map_or_else(|| span.clone(), toml::Spanned::span);
@@ -92,7 +92,7 @@ impl Axis {
             return Err(text.error(span, format!("axis {name:?} has the value {} twice", twice.1.label)));
         }
         let zip = file.zip.as_ref().map(|zip| zip.get_ref().clone());
-        let only = file.only.iter().flat_map(|list| list.get_ref()).map(|own| own.get_ref().clone()).collect();
+        let only = file.only.iter().flat_map(|list| list.get_ref()).map(|name| name.get_ref().clone()).collect();
         Ok(Self { name, keys, values, zip, only })
     }
 }
@@ -136,8 +136,8 @@ fn listed(axis: &str, keys: &[String], value: &Value, span: &Range<usize>, text:
     else {
         return Err(wrong());
     };
-    let set: Option<Vec<String>> = set.iter().map(|own| own.as_str().map(str::to_owned)).collect();
-    let set = set.filter(|set| keys.is_empty() && set.iter().all(|own| own.contains('='))).ok_or_else(wrong)?;
+    let set: Option<Vec<String>> = set.iter().map(|text| text.as_str().map(str::to_owned)).collect();
+    let set = set.filter(|set| keys.is_empty() && set.iter().all(|text| text.contains('='))).ok_or_else(wrong)?;
     Ok(AxisValue { value: Scalar::Word(name.clone()), label: name.clone(), set })
 }
 
@@ -170,8 +170,8 @@ fn steps(axis: &str, span: &Span, log: bool, at: &Range<usize>, text: Text<'_>) 
     let (name, step, other) =
         if log { ("factor", &span.factor, &span.step) } else { ("step", &span.step, &span.factor) };
     if let Some(other) = other {
-        let (own, foreign) = if log { ("log", "step") } else { ("range", "factor") };
-        return Err(text.error(&other.span(), format!("axis {axis:?}: a {own} has {name}, not {foreign}")));
+        let (kind, foreign) = if log { ("log", "step") } else { ("range", "factor") };
+        return Err(text.error(&other.span(), format!("axis {axis:?}: a {kind} has {name}, not {foreign}")));
     }
     let step = step.as_ref().map(|step| step.get_ref().clone());
     let default = Value::Integer(if log { 2 } else { 1 });
@@ -195,17 +195,19 @@ fn steps(axis: &str, span: &Span, log: bool, at: &Range<usize>, text: Text<'_>) 
         );
     }
     let size = from.is_str() || to.is_str();
-    let whole = |own: f64| if size { Value::String(Bytes(own as u64).to_string()) } else { Value::Integer(own as i64) };
+    let whole = |number: f64| {
+        if size { Value::String(Bytes(number as u64).to_string()) } else { Value::Integer(number as i64) }
+    };
     let mut values = Vec::new();
-    let mut own = a;
+    let mut next = a;
     // Whole numbers are exact; of others a sum may miss its end by what rounding loses.
-    while own <= if ia && ib && is { b } else { b + b.abs() * 1e-9 } {
-        values.push(if ia && ib && is { whole(own) } else { Value::Float((own * 1e12).round() / 1e12) });
+    while next <= if ia && ib && is { b } else { b + b.abs() * 1e-9 } {
+        values.push(if ia && ib && is { whole(next) } else { Value::Float((next * 1e12).round() / 1e12) });
         if values.len() > VALUES_MAX {
             let detail = format!("axis {axis:?} would have more than {VALUES_MAX} values; take a larger {name}");
             return Err(text.error(at, detail));
         }
-        own = if log { own * s } else { values.len() as f64 * s + a };
+        next = if log { next * s } else { values.len() as f64 * s + a };
     }
     Ok(values)
 }
@@ -240,9 +242,9 @@ mod tests {
             ["1000", "10000", "100000", "1000000"]
         );
         assert_eq!(labels("key = \"x\"\nlog = { from = \"4KiB\", to = \"16KiB\" }"), ["4KiB", "8KiB", "16KiB"]);
-        let own = axis("key = \"ti.trv_l1.size\"\nvalues = [\"8KiB\"]").unwrap();
-        assert_eq!(own.values[0].value, Scalar::Integer(8192));
-        assert_eq!(own.values[0].set, ["ti.trv_l1.size=8KiB"]);
+        let size = axis("key = \"ti.trv_l1.size\"\nvalues = [\"8KiB\"]").unwrap();
+        assert_eq!(size.values[0].value, Scalar::Integer(8192));
+        assert_eq!(size.values[0].set, ["ti.trv_l1.size=8KiB"]);
     }
 
     #[test]
