@@ -92,7 +92,7 @@ fn flatten(prefix: &str, value: &Value, config: &mut Config) {
     }
 }
 
-/// The configurations of a table: few different ones for many rows.
+/// The configurations of the rows of a table, each different one kept once.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Configs {
     /// The different configurations.

@@ -1,11 +1,12 @@
-//! The dimensions of a sweep: everything by which its points differ that somebody chose, the axes of the plan among it.
+//! The dimensions of a sweep: what somebody chose and what differs between its points, such as the axes of the plan.
 
 use std::collections::BTreeMap;
 
 use crate::table::{Cells, Field, Results, Role};
 use rayreel_machine::config::units::Bytes;
 
-/// Columns that say what a point is, before the axes of the plan. A scene or a picture size follows from the trace.
+/// Columns that say what a point is, beside the axes of the plan. Scene and picture size are not among them: they follow from the
+/// trace.
 pub const IDENTITY: &[&str] = &["trace", "first_frame", "frames", "machine", "policy"];
 
 /// A dimension: its values, and which of them each point has.

@@ -15,7 +15,7 @@ pub struct Effect {
 }
 
 impl Effect {
-    /// The effect over rows that have both; nothing with fewer than two values of the dimension.
+    /// The effect over the rows that have a value of the dimension and a number; none with fewer than two such values.
     pub fn new(dimension: &Dimension, result: &Cells) -> Option<Self> {
         let mut sums = vec![(0.0, 0_u32); dimension.values.len()];
         let rows = dimension.of.iter().enumerate().filter_map(|(row, value)| Some(((*value)?, result.number(row)?)));

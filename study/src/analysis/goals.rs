@@ -33,7 +33,7 @@ pub fn goal(name: &str) -> Goal {
     }
 }
 
-/// The results to show first: those of the list that vary; without any, the first that do.
+/// The results to show first: those of [`HEADLINES`] that vary, or else the first columns of results that do.
 pub fn headlines(results: &Results) -> Vec<&str> {
     let first: Vec<&str> = HEADLINES.iter().copied().filter(|name| varies_within(results, name)).take(SHOWN).collect();
     if !first.is_empty() {
@@ -50,7 +50,8 @@ pub fn varies(cells: &Cells) -> bool {
     numbers.any(|other| Some(other) != first)
 }
 
-/// Whether a result has two different numbers on the same trace: what another trace changes is no merit of a machine or policy.
+/// Whether a result has two different numbers on the same trace: what differs between traces says
+/// nothing of machine or policy.
 pub fn varies_within(results: &Results, name: &str) -> bool {
     let Some(field) = results.field(name) else { return false };
     let trace = |row: usize| results.field("trace").and_then(|field| field.cells.text(row));
@@ -69,8 +70,8 @@ fn first_pairs(whole_gpu: bool) -> [[&'static str; 2]; 4] {
     ]
 }
 
-/// The two results of the first chart: quality against efficiency if pictures differ, else time against energy: of the whole GPU if
-/// the sweep changes it outside the T&I units.
+/// The two results of the first chart. If pictures differ it is quality against efficiency, else time against energy: the energy of
+/// the whole GPU if the sweep changes more than the T&I units.
 pub fn first_pair(results: &Results, whole_gpu: bool) -> Option<[&str; 2]> {
     let pairs = first_pairs(whole_gpu);
     let known = |name: &str| results.field(name).map(|field| field.name.as_str());

@@ -70,7 +70,7 @@ pub struct StateChange {
     pub b: Option<String>,
 }
 
-/// Columns of both tables, and the names of those of either alone.
+/// The columns that both tables have, and the names of those that only one has.
 pub fn columns<'a>(a: &'a Results, b: &'a Results, select: &Select) -> (Vec<(&'a Field, &'a Field)>, [Vec<String>; 2]) {
     let selected = |results: &'a Results| {
         let result = |field: &&Field| matches!(field.role, Role::Figure | Role::Counter) && select.takes(&field.name);

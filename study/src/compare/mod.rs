@@ -4,14 +4,20 @@
 //! the results is the very question.
 
 mod change;
+mod json;
 mod pairs;
 pub mod run;
 mod select;
+mod side;
+mod text;
 
 use serde::Serialize;
 
 pub use change::{Change, ConfigChange, Largest, StateChange};
+pub use json::json;
 pub use select::Select;
+pub use side::Side;
+pub use text::text;
 
 use self::pairs::Pairs;
 use crate::error::Result;

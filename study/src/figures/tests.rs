@@ -5,8 +5,8 @@ use super::*;
 #[test]
 fn every_name_stands_once_and_says_what_it_is() {
     let names: Vec<String> = figures().iter().map(|figure| figure.name.to_owned()).collect();
-    let columns: Vec<String> = columns().iter().map(|column| column.name.clone()).collect();
-    for list in [&names, &columns] {
+    let of_columns: Vec<String> = columns().iter().map(|column| column.name.clone()).collect();
+    for list in [&names, &of_columns] {
         assert_eq!(list.iter().collect::<BTreeSet<_>>().len(), list.len(), "{list:?}");
         assert!(list.iter().all(|name| name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')), "{list:?}");
     }

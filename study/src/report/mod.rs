@@ -8,7 +8,7 @@ mod format;
 mod page;
 pub mod run;
 mod sampling;
-mod table;
+mod text;
 
 use rayreel_formats::scene::Meta;
 use serde::Serialize;
@@ -59,7 +59,7 @@ pub struct Report {
     /// Sums and means over all frames.
     #[serde(flatten)]
     pub sum: SamplingFigures,
-    /// What the machine made of all frames.
+    /// Time, speed and cost of all frames on the machine.
     #[serde(flatten)]
     pub run: RunFigures,
     /// Each frame.
@@ -87,7 +87,7 @@ pub struct FrameReport {
     /// Its figures.
     #[serde(flatten)]
     pub figures: SamplingFigures,
-    /// What the machine made of it.
+    /// Time, speed and cost of it on the machine.
     #[serde(flatten)]
     pub run: RunFigures,
     /// Its tiles, in order; left out if empty.

@@ -8,7 +8,7 @@ impl SamplingFigures {
     /// The figures of some frames, of consecutive numbers where flicker is to count.
     pub(super) fn new(frames: &[FrameStats]) -> Self {
         let counts: Counts = frames.iter().map(|f| f.counts).sum();
-        // Of all frames, or of none.
+        // Quality is known for all frames or for none.
         let qualities: Option<Vec<Quality>> = frames.iter().map(|f| f.quality).collect();
         let qualities = qualities.unwrap_or_default();
         let tiles = || frames.iter().flat_map(|frame| &frame.tiles);
@@ -55,7 +55,7 @@ fn worst_tile(qualities: &[Quality]) -> Option<WorstTile> {
     tiles.reduce(|worst, tile| if tile.error.is_worse_than(worst.error) { tile } else { worst })
 }
 
-/// The mean; nothing of nothing. All frames have the same number of pixels.
+/// The mean; none without values. All frames have the same number of pixels.
 fn mean(values: &[f64]) -> Option<f64> {
     (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
 }

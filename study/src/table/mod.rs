@@ -1,7 +1,6 @@
 //! The results of a sweep as a table: one row a point, typed columns with units.
 
 pub mod csv;
-pub mod load;
 pub mod parquet;
 
 use serde::{Deserialize, Serialize};

@@ -1,6 +1,7 @@
 //! Results as Parquet: one optional column a field, zstd, and under the metadata key `rayreel` a JSON object with the heading and
 //! each column's unit, description and role. The bytes depend on the table alone.
 
+use std::ops::Range;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -77,6 +78,27 @@ pub fn decode(bytes: Vec<u8>, path: &Path) -> Result<Results> {
 }
 
 fn write(results: &Results) -> Result<Vec<u8>, ParquetError> {
+    let properties = WriterProperties::builder()
+        .set_compression(Compression::ZSTD(ZstdLevel::try_new(3)?))
+        .set_created_by("rayreel".into())
+        .set_key_value_metadata(Some(vec![KeyValue::new(KEY.into(), metadata(results)?)]))
+        .build();
+    let mut writer = SerializedFileWriter::new(Vec::new(), schema(results)?, Arc::new(properties))?;
+    for start in (0..results.rows()).step_by(GROUP) {
+        let rows = start..(start + GROUP).min(results.rows());
+        let mut group = writer.next_row_group()?;
+        for field in &results.fields {
+            let mut column = group.next_column()?.ok_or_else(|| ParquetError::General("a column too many".into()))?;
+            write_cells(field, rows.clone(), column.untyped())?;
+            column.close()?;
+        }
+        group.close()?;
+    }
+    writer.into_inner()
+}
+
+/// The columns with their types.
+fn schema(results: &Results) -> Result<Arc<Type>, ParquetError> {
     let column = |field: &Field| {
         let (physical, logical) = match field.cells {
             Cells::Int(_) => (Physical::INT64, None),
@@ -88,7 +110,11 @@ fn write(results: &Results) -> Result<Vec<u8>, ParquetError> {
         column.with_repetition(Repetition::OPTIONAL).with_logical_type(logical).build().map(Arc::new)
     };
     let columns = results.fields.iter().map(column).collect::<Result<Vec<_>, _>>()?;
-    let schema = Arc::new(Type::group_type_builder("sweep").with_fields(columns).build()?);
+    Type::group_type_builder("sweep").with_fields(columns).build().map(Arc::new)
+}
+
+/// The value of the metadata key.
+fn metadata(results: &Results) -> Result<String, ParquetError> {
     let info = |field: &Field| ColumnInfo {
         name: field.name.clone(),
         unit: field.unit.clone(),
@@ -96,42 +122,31 @@ fn write(results: &Results) -> Result<Vec<u8>, ParquetError> {
         role: field.role,
     };
     let metadata = Metadata { heading: results.heading.clone(), columns: results.fields.iter().map(info).collect() };
-    let metadata = serde_json::to_string(&metadata).map_err(|e| ParquetError::General(e.to_string()))?;
-    let properties = WriterProperties::builder()
-        .set_compression(Compression::ZSTD(ZstdLevel::try_new(3)?))
-        .set_created_by("rayreel".into())
-        .set_key_value_metadata(Some(vec![KeyValue::new(KEY.into(), metadata)]))
-        .build();
-    let mut writer = SerializedFileWriter::new(Vec::new(), schema, Arc::new(properties))?;
-    for start in (0..results.rows()).step_by(GROUP) {
-        let rows = start..(start + GROUP).min(results.rows());
-        let mut group = writer.next_row_group()?;
-        for field in &results.fields {
-            let mut column = group.next_column()?.ok_or_else(|| ParquetError::General("a column too many".into()))?;
-            match (&field.cells, column.untyped()) {
-                (Cells::Int(cells), ColumnWriter::Int64ColumnWriter(to)) => {
-                    let (values, levels) = present(&cells[rows.clone()], |v| *v);
-                    to.write_batch(&values, Some(&levels), None)?;
-                }
-                (Cells::Float(cells), ColumnWriter::DoubleColumnWriter(to)) => {
-                    let (values, levels) = present(&cells[rows.clone()], |v| *v);
-                    to.write_batch(&values, Some(&levels), None)?;
-                }
-                (Cells::Flag(cells), ColumnWriter::BoolColumnWriter(to)) => {
-                    let (values, levels) = present(&cells[rows.clone()], |v| *v);
-                    to.write_batch(&values, Some(&levels), None)?;
-                }
-                (Cells::Text(cells), ColumnWriter::ByteArrayColumnWriter(to)) => {
-                    let (values, levels) = present(&cells[rows.clone()], |v| ByteArray::from(v.as_str()));
-                    to.write_batch(&values, Some(&levels), None)?;
-                }
-                _ => return Err(ParquetError::General(format!("column {} is of another type", field.name))),
-            }
-            column.close()?;
+    serde_json::to_string(&metadata).map_err(|e| ParquetError::General(e.to_string()))
+}
+
+/// Writes some rows of a column.
+fn write_cells(field: &Field, rows: Range<usize>, writer: &mut ColumnWriter<'_>) -> Result<(), ParquetError> {
+    match (&field.cells, writer) {
+        (Cells::Int(cells), ColumnWriter::Int64ColumnWriter(to)) => {
+            let (values, levels) = present(&cells[rows], |v| *v);
+            to.write_batch(&values, Some(&levels), None)?;
         }
-        group.close()?;
+        (Cells::Float(cells), ColumnWriter::DoubleColumnWriter(to)) => {
+            let (values, levels) = present(&cells[rows], |v| *v);
+            to.write_batch(&values, Some(&levels), None)?;
+        }
+        (Cells::Flag(cells), ColumnWriter::BoolColumnWriter(to)) => {
+            let (values, levels) = present(&cells[rows], |v| *v);
+            to.write_batch(&values, Some(&levels), None)?;
+        }
+        (Cells::Text(cells), ColumnWriter::ByteArrayColumnWriter(to)) => {
+            let (values, levels) = present(&cells[rows], |v| ByteArray::from(v.as_str()));
+            to.write_batch(&values, Some(&levels), None)?;
+        }
+        _ => return Err(ParquetError::General(format!("column {} is of another type", field.name))),
     }
-    writer.into_inner()
+    Ok(())
 }
 
 /// The values that are there, and for each row whether it has one.

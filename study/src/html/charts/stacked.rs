@@ -1,4 +1,4 @@
-//! Level bars made of parts: energy by component, cycles by state, kernels.
+//! Horizontal bars made of parts: energy by component, cycles by state, kernels.
 
 use crate::html::charts::WIDTH;
 use crate::html::charts::bars::{NAME_MAX, name_width};

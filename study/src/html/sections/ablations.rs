@@ -1,6 +1,6 @@
 //! One choice changed at a time.
 
-use crate::html::parts::{Column, Section, how_to_read, table};
+use crate::html::parts::{Head, Section, how_to_read, table};
 use crate::html::text::{escape, factor, fixed, or_dash, percent, psnr};
 use crate::html::view::View;
 use crate::schema::Ablation;
@@ -30,14 +30,14 @@ pub fn section(view: &View<'_>) -> Option<Section> {
 
 fn group_table(group: &str, all: &[&Ablation]) -> String {
     let columns = [
-        Column::words("Choice"),
-        Column::words("Scene"),
-        Column::words("Policy"),
-        Column::number("Rays of all"),
-        Column::number("Cycles"),
-        Column::number("Power, W"),
-        Column::number("Performance/W"),
-        Column::number("PSNR"),
+        Head::words("Choice"),
+        Head::words("Scene"),
+        Head::words("Policy"),
+        Head::number("Rays of all"),
+        Head::number("Cycles"),
+        Head::number("Power, W"),
+        Head::number("Performance/W"),
+        Head::number("PSNR"),
     ];
     let mut rows = Vec::new();
     for ablation in all {

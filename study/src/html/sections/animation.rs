@@ -1,9 +1,10 @@
 //! The animation, frame by frame.
 
 use crate::html::charts::lines::{Line, Lines};
-use crate::html::parts::{Column, Section, card, grid, how_to_read, table};
+use crate::html::modes::mode_name;
+use crate::html::parts::{Head, Section, card, grid, how_to_read, table};
 use crate::html::text::{escape, fixed, or_dash, percent, psnr};
-use crate::html::view::{View, mode_name};
+use crate::html::view::View;
 use crate::schema::{Track, TrackFrame};
 
 /// What is drawn: title, unit, value of a frame, whether the axis begins at zero.
@@ -75,12 +76,12 @@ fn chart(view: &View<'_>, scene: &str, tracks: &[&Track], (title, unit, value, z
 
 fn totals(scene: &str, tracks: &[&Track]) -> String {
     let columns = [
-        Column::words("Policy"),
-        Column::number("Frames"),
-        Column::number("Rays traced of all"),
-        Column::number("T&I energy, mJ a frame"),
-        Column::number("PSNR"),
-        Column::number("Flicker"),
+        Head::words("Policy"),
+        Head::number("Frames"),
+        Head::number("Rays traced of all"),
+        Head::number("T&I energy, mJ a frame"),
+        Head::number("PSNR"),
+        Head::number("Flicker"),
     ];
     let row = |track: &&Track| {
         let (full, traced) =

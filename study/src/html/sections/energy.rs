@@ -1,9 +1,10 @@
 //! Energy by component.
 
 use crate::html::charts::stacked::{Part, Row, stacked};
-use crate::html::parts::{Column, Section, by_mode, card, details, grid, how_to_read, key, legend, table};
+use crate::html::modes::{by_mode, mode_name};
+use crate::html::parts::{Head, Section, card, details, grid, how_to_read, key, legend, table};
 use crate::html::text::{digits, escape, fixed, or_dash, percent};
-use crate::html::view::{View, mode_name};
+use crate::html::view::View;
 use crate::schema::{Component, Point};
 
 /// Group, name for people, colour class.
@@ -84,8 +85,8 @@ fn numbers(view: &View<'_>, mode: &str) -> String {
             names.push(&component.component);
         }
     }
-    let mut columns = vec![Column::words("Scene"), Column::words("Policy"), Column::number("All")];
-    columns.extend(names.iter().map(|name| Column::number(name)));
+    let mut columns = vec![Head::words("Scene"), Head::words("Policy"), Head::number("All")];
+    columns.extend(names.iter().map(|name| Head::number(name)));
     let row = |point: &Point| {
         let mut cells = vec![escape(&point.scene), escape(&point.policy), fixed(total(point), 3)];
         let of = |name: &&str| point.energy.iter().find(|c| c.component == *name);

@@ -1,9 +1,10 @@
 //! The paper's Figure 7: performance, power and performance per watt of its own policies, T&I units alone.
 
 use crate::html::charts::bars::{Bar, Group, grouped};
-use crate::html::parts::{Column, Section, by_mode, card, details, how_to_read, key, legend, symbol, table};
+use crate::html::modes::{by_mode, mode_name, mode_reference};
+use crate::html::parts::{Head, Section, card, details, how_to_read, key, legend, symbol, table};
 use crate::html::text::{escape, factor, or_dash};
-use crate::html::view::{View, geometric_mean, mode_name, mode_reference};
+use crate::html::view::{View, geometric_mean};
 use crate::schema::{Gain, Point};
 
 /// Name and colour class of the three bars of a scene.
@@ -72,14 +73,14 @@ fn chart(view: &View<'_>, mode: &str, policy: &str) -> String {
 }
 
 fn numbers(view: &View<'_>, mode: &str) -> String {
-    let mut columns = vec![Column::words("Scene"), Column::words("Policy")];
+    let mut columns = vec![Head::words("Scene"), Head::words("Policy")];
     for part in ["T&I", "GPU"] {
-        columns.extend(["performance", "power", "perf/W"].map(|name| Column::number(&format!("{part} {name}"))));
+        columns.extend(["performance", "power", "perf/W"].map(|name| Head::number(&format!("{part} {name}"))));
     }
     if mode == "1x1" {
-        columns.push(Column::number("perf/W over FSAA 2×2"));
+        columns.push(Head::number("perf/W over FSAA 2×2"));
     }
-    columns.push(Column::words("Paper perf/W"));
+    columns.push(Head::words("Paper perf/W"));
     let mut rows = Vec::new();
     for scene in view.scenes(mode) {
         for point in view.of(scene, mode).into_iter().filter(|p| p.kind != "full") {

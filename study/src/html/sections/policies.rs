@@ -2,9 +2,10 @@
 
 use crate::html::charts::bars::{Row, rows};
 use crate::html::charts::scatter::{Dot, frontier, scatter};
-use crate::html::parts::{Column, Section, by_mode, card, details, grid, how_to_read, table};
+use crate::html::modes::{by_mode, mode_name};
+use crate::html::parts::{Head, Section, card, details, grid, how_to_read, table};
 use crate::html::text::{amount, count, decibels, escape, factor, fixed, or_dash, percent, psnr};
-use crate::html::view::{View, gain, geometric_mean, mode_name};
+use crate::html::view::{View, gain, geometric_mean};
 use crate::schema::Point;
 
 /// The section.
@@ -52,7 +53,7 @@ fn tip(point: &Point) -> String {
 
 fn dot(view: &View<'_>, point: &Point) -> Option<Dot> {
     let (full, look) = (point.kind == "full", view.look(&point.policy));
-    // What is compared with itself is the same picture at the same cost.
+    // `full` is compared with itself: the same picture at the same cost.
     let x = if full { None } else { point.quality?.psnr_db };
     let y = gain(point).or(full.then_some(1.0))?;
     Some(Dot { name: point.policy.clone(), x, y, class: look.class(), shape: look.shape, tip: tip(point) })
@@ -131,16 +132,16 @@ fn bars(view: &View<'_>, mode: &str) -> String {
 
 fn numbers(view: &View<'_>, mode: &str) -> String {
     let columns = [
-        Column::words("Scene"),
-        Column::words("Policy"),
-        Column::number("Rays traced"),
-        Column::number("of all"),
-        Column::number("Mean rate"),
-        Column::number("GPU time, ms"),
-        Column::number("GPU power, W"),
-        Column::number("GPU energy, mJ"),
-        Column::number("T&I perf/W, frames/J"),
-        Column::number("PSNR"),
+        Head::words("Scene"),
+        Head::words("Policy"),
+        Head::number("Rays traced"),
+        Head::number("of all"),
+        Head::number("Mean rate"),
+        Head::number("GPU time, ms"),
+        Head::number("GPU power, W"),
+        Head::number("GPU energy, mJ"),
+        Head::number("T&I perf/W, frames/J"),
+        Head::number("PSNR"),
     ];
     let mut rows = Vec::new();
     for scene in view.scenes(mode) {

@@ -1,8 +1,9 @@
 //! What was rendered and how: scenes and policies.
 
-use crate::html::parts::{Column, Section, details, table};
+use crate::html::modes::mode_name;
+use crate::html::parts::{Head, Section, details, table};
 use crate::html::text::{count, escape, fixed, or_dash};
-use crate::html::view::{View, mode_name};
+use crate::html::view::View;
 
 /// The section.
 pub fn section(view: &View<'_>) -> Option<Section> {
@@ -22,13 +23,13 @@ fn scenes(view: &View<'_>) -> String {
         }
     }
     let mut columns = vec![
-        Column::words("Scene"),
-        Column::number("Triangles"),
-        Column::number("The paper's"),
-        Column::number("Lights"),
-        Column::number("Frame"),
+        Head::words("Scene"),
+        Head::number("Triangles"),
+        Head::number("The paper's"),
+        Head::number("Lights"),
+        Head::number("Frame"),
     ];
-    columns.extend(modes.iter().map(|mode| Column::number(&format!("Rays, {}", mode_name(mode).to_lowercase()))));
+    columns.extend(modes.iter().map(|mode| Head::number(&format!("Rays, {}", mode_name(mode).to_lowercase()))));
     let row = |scene: &crate::schema::Scene| {
         let paper = scene.paper_triangles.filter(|n| *n > 0).map(|n| {
             format!(

@@ -1,7 +1,8 @@
 //! Where the SRP's cycles go: what similarity tests and interpolation cost.
 
 use crate::html::charts::stacked::{Part, Row, stacked};
-use crate::html::parts::{Section, by_mode, card, grid, how_to_read, key, legend};
+use crate::html::modes::by_mode;
+use crate::html::parts::{Section, card, grid, how_to_read, key, legend};
 use crate::html::text::{count, percent};
 use crate::html::view::View;
 use crate::schema::{Kernel, Point};

@@ -1,9 +1,10 @@
 //! The headline numbers.
 
 use crate::html::charts::scale::extent;
+use crate::html::modes::{mode_name, mode_reference};
 use crate::html::parts::Section;
 use crate::html::text::{decibels, escape, factor, percent};
-use crate::html::view::{View, gain, geometric_mean, mode_name, mode_reference};
+use crate::html::view::{View, gain, geometric_mean};
 use crate::schema::Point;
 
 /// A number with what it is.
@@ -53,7 +54,7 @@ fn range(points: &[&Point]) -> String {
     [gains, psnr].into_iter().flatten().collect::<Vec<_>>().join("; ")
 }
 
-/// What of the machine a gain is of.
+/// The part of the machine that a gain is about.
 fn part_of(points: &[&Point]) -> &'static str {
     if points.iter().all(|p| p.ti_gain.is_some()) { "T&I units alone" } else { "whole GPU" }
 }

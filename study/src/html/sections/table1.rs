@@ -1,8 +1,9 @@
 //! The paper's Table 1: PSNR, with the other quality figures beside it.
 
-use crate::html::parts::{Column, Section, by_mode, details, how_to_read, table};
+use crate::html::modes::{by_mode, mode_name, mode_reference};
+use crate::html::parts::{Head, Section, details, how_to_read, table};
 use crate::html::text::{decibels, escape, fixed, or_dash, psnr};
-use crate::html::view::{View, mode_name, mode_reference};
+use crate::html::view::View;
 use crate::schema::Point;
 
 /// The section.
@@ -22,9 +23,9 @@ pub fn section(view: &View<'_>) -> Option<Section> {
 
 fn psnr_table(view: &View<'_>, mode: &str) -> String {
     let scenes = view.scenes(mode);
-    let mut columns = vec![Column::words("Policy")];
-    columns.extend(scenes.iter().map(|scene| Column::number(scene)));
-    columns.push(Column::number("Least"));
+    let mut columns = vec![Head::words("Policy")];
+    columns.extend(scenes.iter().map(|scene| Head::number(scene)));
+    columns.push(Head::number("Least"));
     let mut rows = Vec::new();
     for policy in view.policies(Some(mode)) {
         let qualities: Vec<_> =
@@ -57,12 +58,12 @@ fn psnr_table(view: &View<'_>, mode: &str) -> String {
 
 fn others(view: &View<'_>, mode: &str) -> String {
     let columns = [
-        Column::words("Scene"),
-        Column::words("Policy"),
-        Column::number("PSNR"),
-        Column::number("Worst tile"),
-        Column::number("SSIM"),
-        Column::number("FLIP"),
+        Head::words("Scene"),
+        Head::words("Policy"),
+        Head::number("PSNR"),
+        Head::number("Worst tile"),
+        Head::number("SSIM"),
+        Head::number("FLIP"),
     ];
     let mut rows = Vec::new();
     for scene in view.scenes(mode) {

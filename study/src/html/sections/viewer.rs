@@ -5,9 +5,10 @@ use std::collections::BTreeMap;
 use serde_json::{Value, json};
 
 use crate::html::error::ReportError;
+use crate::html::modes::mode_name;
 use crate::html::parts::{Section, how_to_read};
 use crate::html::text::{base64, escape, script_json};
-use crate::html::view::{View, mode_name};
+use crate::html::view::View;
 use crate::schema::{Study, TileFigures, ViewerImages, ViewerSet};
 
 /// The PNG files of a study, each once.

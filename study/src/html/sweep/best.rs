@@ -3,7 +3,7 @@
 use crate::analysis::best::best;
 use crate::analysis::configs::Half;
 use crate::analysis::goals::{Goal, goal};
-use crate::html::parts::{Column, Section, details, table};
+use crate::html::parts::{Head, Section, details, table};
 use crate::html::sweep::summary::cells;
 use crate::html::sweep::view::View;
 use crate::html::text::escape;
@@ -12,7 +12,7 @@ use crate::table::Field;
 /// How many points of a group.
 const BEST: usize = 10;
 
-/// Most groups without a script.
+/// Most groups that the page shows without a script.
 const GROUPS: usize = 6;
 
 /// The section.
@@ -39,12 +39,12 @@ fn part(view: &View<'_>, objective: &Field, (name, rows): &(String, Vec<usize>))
     results.extend(view.headlines.iter().copied().filter(|field| field.name != objective.name));
     // The name of the group stands above.
     let dimensions = view.dimensions.iter().enumerate().filter(|(index, _)| Some(*index) != view.each);
-    let dimensions = dimensions.map(|(_, dimension)| Column::words(&dimension.name));
-    let columns: Vec<Column> = [Column::number("Point")]
+    let dimensions = dimensions.map(|(_, dimension)| Head::words(&dimension.name));
+    let columns: Vec<Head> = [Head::number("Point")]
         .into_iter()
         .chain(dimensions)
-        .chain(results.iter().map(|field| Column::number(&field.name)))
-        .chain([Column::words("Changes")])
+        .chain(results.iter().map(|field| Head::number(&field.name)))
+        .chain([Head::words("Changes")])
         .collect();
     let row = |row: &usize| {
         let mut line = vec![escape(&view.number(*row))];

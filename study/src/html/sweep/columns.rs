@@ -1,6 +1,6 @@
 //! What every column is, and the value of those that are the same for all points.
 
-use crate::html::parts::{Column, Section, details, table};
+use crate::html::parts::{Head, Section, details, table};
 use crate::html::sweep::number::value;
 use crate::html::sweep::view::View;
 use crate::html::text::escape;
@@ -13,7 +13,7 @@ pub fn section(view: &View<'_>) -> Option<Section> {
     let names = |field: &Field| {
         vec![format!("<code>{}</code>", escape(&field.name)), escape(&field.unit), escape(&field.description)]
     };
-    let unit = || [Column::words("Column"), Column::words("Unit"), Column::words("What it is")];
+    let unit = || [Head::words("Column"), Head::words("Unit"), Head::words("What it is")];
     let rows: Vec<_> = vary.iter().map(|field| (String::new(), names(field))).collect();
     let mut html = String::new();
     if !rows.is_empty() {
@@ -28,7 +28,7 @@ pub fn section(view: &View<'_>) -> Option<Section> {
     let rows: Vec<_> = same.iter().filter(first).map(with_value).collect();
     if !rows.is_empty() {
         let [name, unit, what] = unit();
-        let columns = [name, Column::number("Value"), unit, what];
+        let columns = [name, Head::number("Value"), unit, what];
         let summary = format!("{} columns with one value for all points", rows.len());
         html += &details(&summary, &table("Columns with one value", &columns, &rows));
     }

@@ -1,8 +1,8 @@
 //! The table as the page's scripts read it: column by column, each in the form that takes the least room.
 //!
-//! A column that is the same everywhere is one value. One with few different values is a list of them and, a row after the other, the
-//! number of its value in digits of base 64. Other columns are lists; of numbers seven digits are kept, for the page is to be looked
-//! at, and the Parquet file has all.
+//! A column with one value is that value (`all`). A column with few different values is a list of these (`of`) and a text (`at`): for
+//! each row the index of its value, in digits of base 64. All other columns are lists of values (`own`). Numbers are kept to seven
+//! digits: the page is to be looked at, and the Parquet file has all digits.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -90,7 +90,7 @@ fn packed(values: &[Value], sorted: bool, listed: bool) -> Map<String, Value> {
         });
     }
     if sorted {
-        // Nothing comes last.
+        // A missing value comes last.
         let number = |row: usize| match &values[row] {
             Value::Bool(flag) => f64::from(u8::from(*flag)),
             value => value.as_f64().unwrap_or(f64::INFINITY),
@@ -123,13 +123,13 @@ fn config(configs: &Configs, half: Half) -> Vec<Value> {
     configs.keys().into_iter().map(one).collect()
 }
 
-/// What the presets of the results have, where any point of them has another value.
+/// The values of the presets that the results name, of the keys in which any point differs from its preset.
 fn presets(view: &View<'_>) -> Value {
     let mut all = Map::new();
     for half in Half::ALL {
         let (mut presets, mut seen) = (Map::new(), BTreeSet::new());
         let name = |row: usize| view.results.field(half.name()).and_then(|field| field.cells.text(row));
-        // Many points have one machine or one policy.
+        // Many points have the same machine or policy; each is looked at once.
         let mut first = |row: &usize| seen.insert((name(*row), view.configs[half as usize].of[*row]));
         for row in (0..view.results.rows()).filter(&mut first) {
             let changes = view.changes(row, half);

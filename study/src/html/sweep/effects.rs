@@ -2,7 +2,7 @@
 
 use crate::analysis::dims::Dimension;
 use crate::analysis::effects::Effect;
-use crate::html::parts::{Column, Section, how_to_read, table};
+use crate::html::parts::{Head, Section, how_to_read, table};
 use crate::html::sweep::number::{number, signed_percent};
 use crate::html::sweep::view::View;
 use crate::html::text::{escape, or_dash, percent};
@@ -68,13 +68,13 @@ fn unit(field: &Field) -> &str {
     if field.unit == "1" { "" } else { &field.unit }
 }
 
-/// Where the least and the most is.
+/// The values with the least and the most mean.
 fn ends(dimension: &Dimension, effect: &Effect) -> String {
     let value = |end: usize| &dimension.values[effect.ends[end]];
     if effect.share() == 0.0 { "no change".into() } else { format!("{} to {}", value(0), value(1)) }
 }
 
-/// The mean of each value, for asking.
+/// The mean of each value, shown when a bar is pointed at.
 fn tip(field: &Field, dimension: &Dimension, effect: &Effect) -> String {
     let mut text = format!("{} by {}", field.name, dimension.name);
     for (value, mean) in dimension.values.iter().zip(&effect.means).take(24) {
@@ -90,10 +90,8 @@ fn tip(field: &Field, dimension: &Dimension, effect: &Effect) -> String {
 
 /// Every axis against every result.
 fn all(view: &View<'_>) -> String {
-    let columns: Vec<Column> = [Column::words("Axis")]
-        .into_iter()
-        .chain(view.headlines.iter().map(|field| Column::number(&field.name)))
-        .collect();
+    let columns: Vec<Head> =
+        [Head::words("Axis")].into_iter().chain(view.headlines.iter().map(|field| Head::number(&field.name))).collect();
     let row = |dimension: &Dimension| {
         let share = |field: &&Field| or_dash(Effect::new(dimension, &field.cells), |effect| percent(effect.share()));
         let cells = [escape(&dimension.name)].into_iter().chain(view.headlines.iter().map(share)).collect();

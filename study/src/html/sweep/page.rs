@@ -8,7 +8,7 @@ use crate::table::Results;
 
 const STYLE: &str = include_str!("sweep.css");
 
-/// In the order in which they need each other.
+/// The scripts; each uses those before it.
 const SCRIPTS: &[&str] = &[
     include_str!("../script.js"),
     include_str!("js/data.js"),

@@ -2,7 +2,7 @@
 
 use crate::analysis::best::best;
 use crate::analysis::goals::{Goal, goal};
-use crate::html::parts::{Column, Section, how_to_read, table};
+use crate::html::parts::{Head, Section, how_to_read, table};
 use crate::html::sweep::number::value;
 use crate::html::sweep::view::View;
 use crate::html::text::{escape, or_dash};
@@ -19,7 +19,7 @@ pub fn section(view: &View<'_>) -> Option<Section> {
     Section::new("summary", "Summary", if html.is_empty() { "<p>There are no points.</p>\n".into() } else { html })
 }
 
-/// The best value of a result, on each trace: on an easy one it is no merit.
+/// The best value of a result on each trace. Values of different traces are not compared: one scene is easier than another.
 fn tile(view: &View<'_>, field: &Field) -> Option<String> {
     let goal = goal(&field.name);
     let first = |(name, rows): (String, Vec<usize>)| Some((name, *best(&field.cells, &rows, goal, 1).first()?));
@@ -53,8 +53,7 @@ fn axes(view: &View<'_>) -> String {
     if view.dimensions.is_empty() {
         return String::new();
     }
-    let columns =
-        [Column::words("Axis"), Column::number("Values"), Column::words("Which"), Column::words("What it is")];
+    let columns = [Head::words("Axis"), Head::number("Values"), Head::words("Which"), Head::words("What it is")];
     let rows = view.dimensions.iter().map(|dimension| {
         let (few, more) = dimension.values.split_at(dimension.values.len().min(12));
         let more = if more.is_empty() { String::new() } else { format!(" and {} more", more.len()) };
@@ -76,7 +75,7 @@ fn failures(view: &View<'_>) -> String {
     if failed.is_empty() {
         return String::new();
     }
-    let columns = [Column::number("Point"), Column::words("What"), Column::words("Why")];
+    let columns = [Head::number("Point"), Head::words("What"), Head::words("Why")];
     let row = |(row, why): &(usize, String)| {
         (String::new(), vec![escape(&view.number(*row)), escape(&view.describe(*row, None)), escape(why)])
     };

@@ -20,11 +20,11 @@ pub struct View<'a> {
     pub pair: Option<[&'a str; 2]>,
     /// What best points are best in.
     pub objective: Option<&'a Field>,
-    /// The dimension by whose values points are told apart before they are compared: a hard scene is no bad machine.
+    /// The dimension within each value of which points are compared: the trace, because a hard scene is no bad machine.
     pub each: Option<usize>,
     /// Resolved machines and policies.
     pub configs: [Configs; 2],
-    /// For each half what the presets of its names hold; nothing for a name that is no preset.
+    /// For each half the values of the presets that the results name; none for a name that is no preset.
     presets: [BTreeMap<String, Option<Config>>; 2],
 }
 
@@ -126,7 +126,8 @@ impl<'a> View<'a> {
         dimensions.filter_map(|(_, dimension)| value(dimension)).collect::<Vec<_>>().join(", ")
     }
 
-    /// What a point changes of its preset. Of a file nothing is known but what varies in the sweep.
+    /// What a point changes of its preset. Of a file, which the page does not have, it is every value that
+    /// varies in the sweep.
     pub fn changes(&self, row: usize, half: Half) -> Changes {
         let configs = &self.configs[half as usize];
         let Some(config) = configs.row(row) else { return Changes::default() };

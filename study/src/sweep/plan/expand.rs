@@ -17,7 +17,7 @@ use crate::sweep::plan::locate::Text;
 use crate::sweep::plan::sources::{Sources, machines, policies, traces};
 use crate::sweep::plan::{LAYOUT, Plan, PointRef, TraceRef};
 
-/// Most points of a plan: a folder of a million rows is still a folder.
+/// Most points of a plan; more is likelier a slip in a range than a wish.
 const POINTS_MAX: usize = 1_000_000;
 
 impl Plan {
@@ -170,7 +170,7 @@ impl Expander<'_> {
         Ok((0..total).map(combination).collect())
     }
 
-    /// What constraints can name.
+    /// The names that constraints know, with their values at a point.
     fn variables(
         &self,
         trace: &TraceRef,

@@ -41,7 +41,7 @@ fn is_address(location: &str) -> bool {
 pub fn traces(file: &PlanFile, sources: &Sources<'_>) -> Result<Vec<TraceRef>> {
     let text = sources.text;
     let mut all: Vec<TraceRef> = Vec::new();
-    // Whoever has to fetch traces wants to know all that are missing, and not one a try.
+    // All missing traces are reported at once: whoever fetches them needs the whole list.
     let mut missing: Vec<(Range<usize>, String, String)> = Vec::new();
     for entry in filled(&file.traces, "traces", text)? {
         for location in locations(entry, sources)? {

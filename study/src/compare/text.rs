@@ -1,9 +1,9 @@
-//! What changed, for people.
+//! What changed, as a text for people.
 
 use std::fmt::Write as _;
 
-use rayreel_study::compare::{Change, Comparison, ConfigChange, StateChange};
-use rayreel_study::table::Role;
+use crate::compare::{Change, Comparison, ConfigChange, StateChange};
+use crate::table::Role;
 
 /// The whole text; no list is longer than `top`.
 pub fn text(found: &Comparison, tolerance: f64, top: usize) -> String {
