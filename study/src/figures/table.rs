@@ -57,15 +57,14 @@ macro_rules! figures {
         impl $name {
             /// What its figures are, in their order.
             pub fn figures() -> Vec<Figure> {
-                #[allow(unused_mut)]
-                let mut all = vec![
+                let all = vec![
                     $(figures!(@one $field, $unit, $better, $frames, $text $(, of $of_part)? $(, form $form)?)),*
                 ];
                 $(
-                    all.extend($inner_type::figures());
-                    all.extend([
+                    let next = vec![
                         $(figures!(@one $next, $next_unit, $next_better, $next_frames, $next_text $(, form $next_form)?)),*
-                    ]);
+                    ];
+                    let all = [all, $inner_type::figures(), next].concat();
                 )?
                 all
             }

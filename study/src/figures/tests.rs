@@ -21,8 +21,8 @@ fn every_value_is_a_column_and_every_cost_one_of_each_part() {
     for cost in RunCost::figures() {
         assert!(cost.of_part.is_some(), "{} has no text for a part of the machine", cost.name);
         for part in ["ti_with_memory", "gpu"] {
-            let own = column(&format!("{part}_{}", cost.name)).unwrap();
-            assert_eq!((own.unit, own.better), (cost.unit, cost.better));
+            let scoped = column(&format!("{part}_{}", cost.name)).unwrap();
+            assert_eq!((scoped.unit, scoped.better), (cost.unit, cost.better));
         }
     }
     assert_eq!(column("gpu_power_w").unwrap().description, "whole GPU: mean power");
@@ -42,7 +42,7 @@ fn rays_by_kind_have_a_column_for_each_part() {
     let json = serde_json::json!({ "rays_by_kind": counts });
     let leaves: usize =
         json["rays_by_kind"].as_object().unwrap().values().map(|part| part.as_object().unwrap().len()).sum();
-    let own: Vec<&FixedColumn> = columns().iter().filter(|column| !column.is_figure).collect();
-    assert_eq!(own.len(), leaves);
-    own.iter().for_each(|column| assert!(column.value(&json).is_u64(), "{}", column.name));
+    let by_kind: Vec<&FixedColumn> = columns().iter().filter(|column| !column.is_figure).collect();
+    assert_eq!(by_kind.len(), leaves);
+    by_kind.iter().for_each(|column| assert!(column.value(&json).is_u64(), "{}", column.name));
 }

@@ -1,7 +1,7 @@
 //! Modes: what they are called, and the parts of a section that are one each.
 
 use crate::html::text::escape;
-use crate::html::view::View;
+use crate::html::view::StudyView;
 
 /// A mode for people.
 pub fn mode_name(mode: &str) -> String {
@@ -22,7 +22,7 @@ pub fn mode_reference(mode: &str) -> String {
 }
 
 /// What `part` makes of each mode, under the mode's name; the script shows one mode at a time.
-pub fn by_mode(view: &View<'_>, mut part: impl FnMut(&str) -> String) -> String {
+pub fn by_mode(view: &StudyView<'_>, mut part: impl FnMut(&str) -> String) -> String {
     let mut html = String::new();
     for mode in view.modes() {
         let part_html = part(mode);

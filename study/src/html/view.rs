@@ -8,7 +8,7 @@ use crate::schema::{GainBand, Point, Study};
 const COLOURS: usize = 7;
 
 /// A study with what several sections look up in it.
-pub struct View<'a> {
+pub struct StudyView<'a> {
     /// The study.
     pub study: &'a Study,
     /// The points of the study's machine.
@@ -38,7 +38,7 @@ impl Look {
     }
 }
 
-impl<'a> View<'a> {
+impl<'a> StudyView<'a> {
     /// Looks at a study.
     pub fn new(study: &'a Study) -> Self {
         let of_machine: Vec<&Point> = study.points.iter().filter(|p| p.machine == study.machine).collect();

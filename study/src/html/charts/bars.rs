@@ -91,7 +91,7 @@ fn bracket(svg: &mut Svg, x: f64, (least, most): (f64, Option<f64>), y: &Scale) 
 }
 
 /// A horizontal bar.
-pub struct Row {
+pub struct HorizontalBar {
     /// Name at its left.
     pub name: String,
     /// Its length.
@@ -108,7 +108,7 @@ pub struct Row {
 const ROW: f64 = 22.0;
 
 /// Horizontal bars over an axis of factors that reaches `most`; the zone is what the paper states.
-pub fn rows(rows: &[Row], most: f64, zone: Option<(f64, Option<f64>)>, label: &str) -> String {
+pub fn rows(rows: &[HorizontalBar], most: f64, zone: Option<(f64, Option<f64>)>, label: &str) -> String {
     let top = if zone.is_some() { 20.0 } else { 6.0 };
     let (height, left) = (top + ROW * rows.len() as f64 + 22.0, name_width(rows.iter().map(|r| r.name.as_str())));
     let bottom = height - 22.0;

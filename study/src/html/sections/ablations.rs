@@ -2,11 +2,11 @@
 
 use crate::html::parts::{Head, Section, how_to_read, table};
 use crate::html::text::{escape, factor, fixed, or_dash, percent, psnr};
-use crate::html::view::View;
+use crate::html::view::StudyView;
 use crate::schema::Ablation;
 
 /// The section.
-pub fn section(view: &View<'_>) -> Option<Section> {
+pub fn section(view: &StudyView<'_>) -> Option<Section> {
     let all = &view.study.ablations;
     let mut groups: Vec<&str> = Vec::new();
     for ablation in all {

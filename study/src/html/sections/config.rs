@@ -2,11 +2,11 @@
 
 use crate::html::parts::{Head, Section, how_to_read, legend, table};
 use crate::html::text::escape;
-use crate::html::view::View;
+use crate::html::view::StudyView;
 use crate::schema::ConfigValue;
 
 /// The section.
-pub fn section(view: &View<'_>) -> Option<Section> {
+pub fn section(view: &StudyView<'_>) -> Option<Section> {
     let values = &view.study.config;
     if values.is_empty() {
         return None;

@@ -4,7 +4,7 @@ use crate::html::charts::bars::{Bar, Group, grouped};
 use crate::html::modes::{by_mode, mode_name, mode_reference};
 use crate::html::parts::{Head, Section, card, details, how_to_read, key, legend, symbol, table};
 use crate::html::text::{escape, factor, or_dash};
-use crate::html::view::{View, geometric_mean};
+use crate::html::view::{StudyView, geometric_mean};
 use crate::schema::{Gain, Point};
 
 /// Name and colour class of the three bars of a scene.
@@ -15,7 +15,7 @@ fn values(gain: Option<Gain>) -> [Option<f64>; 3] {
 }
 
 /// The section.
-pub fn section(view: &View<'_>) -> Option<Section> {
+pub fn section(view: &StudyView<'_>) -> Option<Section> {
     let mut charts = String::new();
     for mode in view.modes() {
         charts += &view.paper_policy(mode).map(|policy| chart(view, mode, policy)).unwrap_or_default();
@@ -41,7 +41,7 @@ pub fn section(view: &View<'_>) -> Option<Section> {
     Section::new("figure7", "The paper's Figure 7", html)
 }
 
-fn chart(view: &View<'_>, mode: &str, policy: &str) -> String {
+fn chart(view: &StudyView<'_>, mode: &str, policy: &str) -> String {
     let gain = |point: &Point| point.ti_gain.or(point.gpu_gain);
     let points: Vec<&Point> =
         view.scenes(mode).into_iter().filter_map(|scene| view.point(scene, mode, policy)).collect();
@@ -72,7 +72,7 @@ fn chart(view: &View<'_>, mode: &str, policy: &str) -> String {
     card(&name, &grouped(&groups, &label), &format!("{alone}; geometric mean at the right."))
 }
 
-fn numbers(view: &View<'_>, mode: &str) -> String {
+fn numbers(view: &StudyView<'_>, mode: &str) -> String {
     let mut columns = vec![Head::words("Scene"), Head::words("Policy")];
     for part in ["T&I", "GPU"] {
         columns.extend(["performance", "power", "perf/W"].map(|name| Head::number(&format!("{part} {name}"))));

@@ -3,15 +3,15 @@
 use crate::html::modes::mode_name;
 use crate::html::parts::{Head, Section, details, table};
 use crate::html::text::{count, escape, fixed, or_dash};
-use crate::html::view::View;
+use crate::html::view::StudyView;
 
 /// The section.
-pub fn section(view: &View<'_>) -> Option<Section> {
+pub fn section(view: &StudyView<'_>) -> Option<Section> {
     let html = scenes(view) + &policies(view);
     Section::new("setup", "Scenes and policies", html)
 }
 
-fn scenes(view: &View<'_>) -> String {
+fn scenes(view: &StudyView<'_>) -> String {
     let all = &view.study.scenes;
     if all.is_empty() {
         return String::new();
@@ -57,7 +57,7 @@ fn sign(measured: u64, paper: u64) -> &'static str {
     if measured > paper { "+" } else { "" }
 }
 
-fn policies(view: &View<'_>) -> String {
+fn policies(view: &StudyView<'_>) -> String {
     let policy = |p: &crate::schema::Policy| {
         let file = if p.config_toml.is_empty() {
             String::new()

@@ -1,17 +1,17 @@
 //! Where the SRP's cycles go: what similarity tests and interpolation cost.
 
-use crate::html::charts::stacked::{Part, Row, stacked};
+use crate::html::charts::stacked::{Part, StackedRow, stacked};
 use crate::html::modes::by_mode;
 use crate::html::parts::{Section, card, grid, how_to_read, key, legend};
 use crate::html::text::{count, percent};
-use crate::html::view::View;
+use crate::html::view::StudyView;
 use crate::schema::{Kernel, Point};
 
 /// The kernels that sampling adds, with their colour class; the others are grey.
 const COLOURS: [(&str, &str); 2] = [("similarity", "k0"), ("interpolate", "k1")];
 
 /// The section.
-pub fn section(view: &View<'_>) -> Option<Section> {
+pub fn section(view: &StudyView<'_>) -> Option<Section> {
     if view.points.iter().all(|p| p.srp.is_empty()) {
         return None;
     }
@@ -32,17 +32,17 @@ fn added(kernels: &[Kernel]) -> f64 {
     kernels.iter().filter(|k| COLOURS.iter().any(|(name, _)| *name == k.kernel)).map(|k| k.share).sum()
 }
 
-fn chart(view: &View<'_>, scene: &str, mode: &str) -> String {
+fn chart(view: &StudyView<'_>, scene: &str, mode: &str) -> String {
     let points: Vec<&Point> = view.of(scene, mode).into_iter().filter(|p| !p.srp.is_empty()).collect();
     if points.is_empty() {
         return String::new();
     }
-    let row = |point: &&Point| Row::Bar {
+    let row = |point: &&Point| StackedRow::Bar {
         name: point.policy.clone(),
         parts: parts(&point.policy, &point.srp),
         text: percent(added(&point.srp)),
     };
-    let mut rows: Vec<Row> = points.iter().map(row).collect();
+    let mut rows: Vec<StackedRow> = points.iter().map(row).collect();
     let text: Vec<String> = points.iter().map(|p| format!("{} {}", p.policy, percent(added(&p.srp)))).collect();
     let stated = &view.study.references.srp;
     if !stated.is_empty() {
@@ -51,7 +51,11 @@ fn chart(view: &View<'_>, scene: &str, mode: &str) -> String {
         let rest = 1.0 - kernels.iter().map(|k| k.share).sum::<f64>();
         kernels.push(Kernel { kernel: "other kernels".into(), cycles: 0, share: rest });
         let text = percent(added(&kernels));
-        rows.push(Row::Bar { name: "the paper".into(), parts: parts("the paper, mean of its scenes", &kernels), text });
+        rows.push(StackedRow::Bar {
+            name: "the paper".into(),
+            parts: parts("the paper, mean of its scenes", &kernels),
+            text,
+        });
     }
     let label = format!("Stacked bars, {scene}: SRP cycles by kernel. Added by sampling: {}.", text.join("; "));
     card(scene, &stacked(&rows, 1.0, |_, tick| percent(tick).replace(".0", ""), &label), "")

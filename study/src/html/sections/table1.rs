@@ -3,11 +3,11 @@
 use crate::html::modes::{by_mode, mode_name, mode_reference};
 use crate::html::parts::{Head, Section, details, how_to_read, table};
 use crate::html::text::{decibels, escape, fixed, or_dash, psnr};
-use crate::html::view::View;
+use crate::html::view::StudyView;
 use crate::schema::Point;
 
 /// The section.
-pub fn section(view: &View<'_>) -> Option<Section> {
+pub fn section(view: &StudyView<'_>) -> Option<Section> {
     let compared = |p: &&Point| p.quality.is_some() && p.kind != "full";
     if !view.points.iter().any(compared) {
         return None;
@@ -21,7 +21,7 @@ pub fn section(view: &View<'_>) -> Option<Section> {
     Section::new("table1", "Table 1: image quality", html)
 }
 
-fn psnr_table(view: &View<'_>, mode: &str) -> String {
+fn psnr_table(view: &StudyView<'_>, mode: &str) -> String {
     let scenes = view.scenes(mode);
     let mut columns = vec![Head::words("Policy")];
     columns.extend(scenes.iter().map(|scene| Head::number(scene)));
@@ -56,7 +56,7 @@ fn psnr_table(view: &View<'_>, mode: &str) -> String {
     table(&format!("PSNR, {}", mode_name(mode).to_lowercase()), &columns, &rows)
 }
 
-fn others(view: &View<'_>, mode: &str) -> String {
+fn others(view: &StudyView<'_>, mode: &str) -> String {
     let columns = [
         Head::words("Scene"),
         Head::words("Policy"),

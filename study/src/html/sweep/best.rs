@@ -5,7 +5,7 @@ use crate::analysis::configs::Half;
 use crate::analysis::goals::{Goal, goal};
 use crate::html::parts::{Head, Section, details, table};
 use crate::html::sweep::summary::cells;
-use crate::html::sweep::view::View;
+use crate::html::sweep::view::SweepView;
 use crate::html::text::escape;
 use crate::table::Field;
 
@@ -16,7 +16,7 @@ const BEST: usize = 10;
 const GROUPS: usize = 6;
 
 /// The section.
-pub fn section(view: &View<'_>) -> Option<Section> {
+pub fn section(view: &SweepView<'_>) -> Option<Section> {
     let objective = view.objective?;
     let controls = "<div class=\"controls only-js\"><label class=\"wide\">Best in <select id=\"best-result\"></select></label>\
          <label><select id=\"best-goal\" aria-label=\"Direction\"><option value=\"min\">least</option>\
@@ -31,7 +31,7 @@ pub fn section(view: &View<'_>) -> Option<Section> {
     Section::new("best", "Best points", html)
 }
 
-fn part(view: &View<'_>, objective: &Field, (name, rows): &(String, Vec<usize>)) -> String {
+fn part(view: &SweepView<'_>, objective: &Field, (name, rows): &(String, Vec<usize>)) -> String {
     let goal = goal(&objective.name);
     let best = best(&objective.cells, rows, goal, BEST);
     let Some(first) = best.first() else { return String::new() };
@@ -61,7 +61,7 @@ fn part(view: &View<'_>, objective: &Field, (name, rows): &(String, Vec<usize>))
 }
 
 /// What a point changes.
-fn changes(view: &View<'_>, row: usize) -> String {
+fn changes(view: &SweepView<'_>, row: usize) -> String {
     let all: Vec<String> = Half::ALL
         .iter()
         .flat_map(|half| view.changes(row, *half).list)
@@ -71,7 +71,7 @@ fn changes(view: &View<'_>, row: usize) -> String {
 }
 
 /// Every value.
-fn whole(view: &View<'_>, row: usize) -> String {
+fn whole(view: &SweepView<'_>, row: usize) -> String {
     let lines = |half: &Half| {
         let config = view.configs[*half as usize].row(row).into_iter().flatten();
         config.map(|(key, value)| format!("{key} = {value}\n")).collect::<String>()

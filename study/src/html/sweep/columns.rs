@@ -2,12 +2,12 @@
 
 use crate::html::parts::{Head, Section, details, table};
 use crate::html::sweep::number::value;
-use crate::html::sweep::view::View;
+use crate::html::sweep::view::SweepView;
 use crate::html::text::escape;
 use crate::table::{Cells, Field, Role};
 
 /// The section.
-pub fn section(view: &View<'_>) -> Option<Section> {
+pub fn section(view: &SweepView<'_>) -> Option<Section> {
     let shown = |field: &&Field| !(field.role == Role::Config || matches!(field.name.as_str(), "key" | "error"));
     let (same, vary): (Vec<&Field>, Vec<&Field>) = view.results.fields.iter().filter(shown).partition(|f| constant(f));
     let names = |field: &Field| {

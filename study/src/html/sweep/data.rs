@@ -10,14 +10,14 @@ use serde_json::{Map, Value, json};
 
 use crate::analysis::configs::{Configs, Half};
 use crate::analysis::goals::goal;
-use crate::html::sweep::view::View;
+use crate::html::sweep::view::SweepView;
 use crate::table::{Cells, Field, Role};
 
 /// Digits of base 64.
 const DIGITS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
 
 /// Everything that the scripts need.
-pub fn data(view: &View<'_>) -> Value {
+pub fn data(view: &SweepView<'_>) -> Value {
     let shown = |field: &&Field| field.role != Role::Config && !matches!(field.name.as_str(), "key" | "error");
     let columns: Vec<Value> = view.results.fields.iter().filter(shown).map(column).collect();
     let configs: Vec<Value> = Half::ALL.iter().flat_map(|half| config(&view.configs[*half as usize], *half)).collect();
@@ -124,7 +124,7 @@ fn config(configs: &Configs, half: Half) -> Vec<Value> {
 }
 
 /// The values of the presets that the results name, of the keys in which any point differs from its preset.
-fn presets(view: &View<'_>) -> Value {
+fn presets(view: &SweepView<'_>) -> Value {
     let mut all = Map::new();
     for half in Half::ALL {
         let (mut presets, mut seen) = (Map::new(), BTreeSet::new());

@@ -4,12 +4,12 @@ use crate::analysis::dims::Dimension;
 use crate::analysis::effects::Effect;
 use crate::html::parts::{Head, Section, how_to_read, table};
 use crate::html::sweep::number::{number, signed_percent};
-use crate::html::sweep::view::View;
+use crate::html::sweep::view::SweepView;
 use crate::html::text::{escape, or_dash, percent};
 use crate::table::Field;
 
 /// The section.
-pub fn section(view: &View<'_>) -> Option<Section> {
+pub fn section(view: &SweepView<'_>) -> Option<Section> {
     if view.dimensions.is_empty() || view.headlines.is_empty() {
         return None;
     }
@@ -29,7 +29,7 @@ pub fn section(view: &View<'_>) -> Option<Section> {
 }
 
 /// The bars of one result.
-fn card(view: &View<'_>, field: &Field) -> String {
+fn card(view: &SweepView<'_>, field: &Field) -> String {
     let effects = view.effects(field);
     let low = effects.iter().map(|(_, effect)| effect.end(0)).fold(0.0, f64::min);
     let high = effects.iter().map(|(_, effect)| effect.end(1)).fold(0.0, f64::max);
@@ -89,7 +89,7 @@ fn tip(field: &Field, dimension: &Dimension, effect: &Effect) -> String {
 }
 
 /// Every axis against every result.
-fn all(view: &View<'_>) -> String {
+fn all(view: &SweepView<'_>) -> String {
     let columns: Vec<Head> =
         [Head::words("Axis")].into_iter().chain(view.headlines.iter().map(|field| Head::number(&field.name))).collect();
     let row = |dimension: &Dimension| {

@@ -4,7 +4,7 @@ use crate::analysis::best::best;
 use crate::analysis::goals::{Goal, goal};
 use crate::html::parts::{Head, Section, how_to_read, table};
 use crate::html::sweep::number::value;
-use crate::html::sweep::view::View;
+use crate::html::sweep::view::SweepView;
 use crate::html::text::{escape, or_dash};
 use crate::table::Field;
 
@@ -12,7 +12,7 @@ use crate::table::Field;
 const TRACES: usize = 3;
 
 /// The section.
-pub fn section(view: &View<'_>) -> Option<Section> {
+pub fn section(view: &SweepView<'_>) -> Option<Section> {
     let tiles: String = view.headlines.iter().filter_map(|field| tile(view, field)).collect();
     let tiles = if tiles.is_empty() { tiles } else { format!("<dl class=\"numbers\">\n{tiles}</dl>\n") };
     let html = tiles + &axes(view) + &failures(view);
@@ -20,7 +20,7 @@ pub fn section(view: &View<'_>) -> Option<Section> {
 }
 
 /// The best value of a result on each trace. Values of different traces are not compared: one scene is easier than another.
-fn tile(view: &View<'_>, field: &Field) -> Option<String> {
+fn tile(view: &SweepView<'_>, field: &Field) -> Option<String> {
     let goal = goal(&field.name);
     let first = |(name, rows): (String, Vec<usize>)| Some((name, *best(&field.cells, &rows, goal, 1).first()?));
     let found: Vec<(String, usize)> = view.groups().into_iter().filter_map(first).collect();
@@ -49,7 +49,7 @@ fn tile(view: &View<'_>, field: &Field) -> Option<String> {
 }
 
 /// What varies.
-fn axes(view: &View<'_>) -> String {
+fn axes(view: &SweepView<'_>) -> String {
     if view.dimensions.is_empty() {
         return String::new();
     }
@@ -69,7 +69,7 @@ fn axes(view: &View<'_>) -> String {
 }
 
 /// Points without results.
-fn failures(view: &View<'_>) -> String {
+fn failures(view: &SweepView<'_>) -> String {
     let failed: Vec<(usize, String)> =
         (0..view.results.rows()).filter_map(|row| Some((row, view.error(row)?))).collect();
     if failed.is_empty() {
@@ -86,7 +86,7 @@ fn failures(view: &View<'_>) -> String {
 }
 
 /// Cells of a point in its group: its dimensions, then some results.
-pub fn cells(view: &View<'_>, row: usize, results: &[&Field]) -> Vec<String> {
+pub fn cells(view: &SweepView<'_>, row: usize, results: &[&Field]) -> Vec<String> {
     let dimensions = view.dimensions.iter().enumerate().filter(|(index, _)| Some(*index) != view.each);
     let dimensions =
         dimensions.map(|(_, dimension)| or_dash(dimension.of[row], |value| escape(&dimension.values[value])));

@@ -9,7 +9,7 @@ use crate::analysis::goals::{first_pair, headlines, varies_within};
 use crate::table::{Field, Results};
 
 /// Results with what several sections look up in them.
-pub struct View<'a> {
+pub struct SweepView<'a> {
     /// The results.
     pub results: &'a Results,
     /// What varies.
@@ -47,7 +47,7 @@ pub struct Changed {
     pub preset: Option<String>,
 }
 
-impl<'a> View<'a> {
+impl<'a> SweepView<'a> {
     /// Looks at results.
     pub fn new(results: &'a Results) -> Self {
         let configs = Half::ALL.map(|half| Configs::new(results, half));

@@ -9,11 +9,12 @@ use crate::error::{Result, StudyError};
 use crate::point::key::{Key, key};
 use crate::point::version::MODEL_VERSION;
 use crate::sweep::plan::axes::{check_axes, check_only};
-use crate::sweep::plan::axis::{Axis, Scalar};
+use crate::sweep::plan::axis::Axis;
 use crate::sweep::plan::blame::guilty;
 use crate::sweep::plan::file::{At, PlanFile};
 use crate::sweep::plan::filter::{Filters, environment};
 use crate::sweep::plan::locate::Text;
+use crate::sweep::plan::scalar::Scalar;
 use crate::sweep::plan::sources::{Sources, machines, policies, traces};
 use crate::sweep::plan::{LAYOUT, Plan, PointRef, TraceRef};
 

@@ -10,8 +10,8 @@ use minijinja::{Environment, ErrorKind, Expression, UndefinedBehavior};
 use toml::Spanned;
 
 use crate::error::{Result, StudyError};
-use crate::sweep::plan::axis::Scalar;
 use crate::sweep::plan::locate::Text;
+use crate::sweep::plan::scalar::Scalar;
 
 /// The expressions of a plan.
 pub struct Filters<'a> {

@@ -10,6 +10,8 @@ mod expand;
 pub mod file;
 pub mod filter;
 pub mod locate;
+mod range;
+mod scalar;
 mod sources;
 
 use serde::{Deserialize, Serialize};
@@ -21,7 +23,8 @@ use rayreel_machine::config::NamedMachine;
 use rayreel_machine::config::schema::is_machine_override;
 use rayreel_replay::policy::NamedPolicy;
 
-pub use axis::{Axis, AxisValue, Scalar};
+pub use axis::{Axis, AxisValue};
+pub use scalar::Scalar;
 pub use sources::Sources;
 
 /// Version of the layout of `plan.json` and of segments.

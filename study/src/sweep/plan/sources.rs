@@ -38,35 +38,20 @@ fn is_address(location: &str) -> bool {
     location.contains("://")
 }
 
+/// The traces of a plan, each once.
+///
+/// # Errors
+/// One that is not there, incomplete, or called as another.
 pub fn traces(file: &PlanFile, sources: &Sources<'_>) -> Result<Vec<TraceRef>> {
     let text = sources.text;
     let mut all: Vec<TraceRef> = Vec::new();
-    // All missing traces are reported at once: whoever fetches them needs the whole list.
+    // All traces that cannot be opened are reported at once: whoever fetches them needs the whole list.
     let mut missing: Vec<(Range<usize>, String, String)> = Vec::new();
     for entry in filled(&file.traces, "traces", text)? {
         for location in locations(entry, sources)? {
-            let wrong = |detail: String| text.error(&entry.span(), detail);
-            let trace = match (sources.open)(&location) {
-                Ok(trace) => trace,
-                Err(why) => {
-                    missing.push((entry.span(), location, why));
-                    continue;
-                }
-            };
-            if let Some((frame, tile)) = trace.missing_tiles().first() {
-                let detail = format!(
-                    "trace {location} is incomplete: tile {tile} of frame {frame} is missing; capture it again"
-                );
-                return Err(wrong(detail));
-            }
-            let found = reference(&trace, &location).map_err(|e| wrong(format!("trace {location}: {e}")))?;
-            if let Some(other) = all.iter().find(|known| known.name == found.name && known.location != found.location) {
-                let detail =
-                    format!("two traces are called {}: {} and {location}; rename one", found.name, other.location);
-                return Err(wrong(detail));
-            }
-            if !all.iter().any(|known| known.location == found.location) {
-                all.push(found);
+            match (sources.open)(&location) {
+                Ok(trace) => add(&mut all, &trace, &location).map_err(|detail| text.error(&entry.span(), detail))?,
+                Err(why) => missing.push((entry.span(), location, why)),
             }
         }
     }
@@ -75,6 +60,24 @@ pub fn traces(file: &PlanFile, sources: &Sources<'_>) -> Result<Vec<TraceRef>> {
     let others =
         if others.is_empty() { String::new() } else { format!("; nor can these be opened: {}", others.join(", ")) };
     Err(text.error(span, format!("trace {location}: {why}{others}")))
+}
+
+/// Adds a trace, unless it is there already. An error says what is wrong with it.
+fn add(all: &mut Vec<TraceRef>, trace: &Trace, location: &str) -> Result<(), String> {
+    if let Some((frame, tile)) = trace.missing_tiles().first() {
+        return Err(format!(
+            "trace {location} is incomplete: tile {tile} of frame {frame} is missing; capture it again"
+        ));
+    }
+    let found = reference(trace, location).map_err(|e| format!("trace {location}: {e}"))?;
+    if let Some(other) = all.iter().find(|known| known.name == found.name && known.location != found.location) {
+        let (name, other) = (&found.name, &other.location);
+        return Err(format!("two traces are called {name}: {other} and {location}; rename one"));
+    }
+    if !all.iter().any(|known| known.location == found.location) {
+        all.push(found);
+    }
+    Ok(())
 }
 
 /// What a plan says of an open trace.
@@ -127,6 +130,10 @@ fn spec(entry: &str, folder: &Path) -> String {
     entry.to_owned()
 }
 
+/// The machines of a plan; `sgrt-ti2` if it names none.
+///
+/// # Errors
+/// One that does not exist or cannot be read, or is named twice.
 pub fn machines(file: &PlanFile, sources: &Sources<'_>) -> Result<Vec<Base>> {
     let load = |entry: &str, at: &Range<usize>| {
         if entry == "none" {
@@ -141,6 +148,10 @@ pub fn machines(file: &PlanFile, sources: &Sources<'_>) -> Result<Vec<Base>> {
     distinct(all.iter().map(|entry| load(entry.get_ref(), &entry.span())).collect::<Result<_>>()?, all, sources.text)
 }
 
+/// The policies of a plan.
+///
+/// # Errors
+/// One that does not exist or cannot be read, or is named twice.
 pub fn policies(file: &PlanFile, sources: &Sources<'_>) -> Result<Vec<Base>> {
     let load = |entry: &At<String>| {
         let policy = NamedPolicy::load(&spec(entry.get_ref(), sources.folder), &[]);
