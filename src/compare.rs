@@ -1,12 +1,10 @@
 //! `rayreel compare`: what changed from one table of results, or one run, to another.
 
-mod print;
+use std::path::PathBuf;
 
-use std::path::{Path, PathBuf};
-
-use anyhow::{Context, Result, bail};
-use rayreel_study::compare::{Comparison, Options, Select, run as one};
-use rayreel_study::table::{Results, load};
+use anyhow::{Result, bail};
+use rayreel_study::compare::run::ACROSS;
+use rayreel_study::compare::{Comparison, Options, Select, Side, json, text};
 
 use crate::common::{print, print_json};
 use crate::exit::Exit;
@@ -45,75 +43,27 @@ pub struct Args {
 
 pub fn run(args: &Args) -> Result<Exit> {
     let select = Select::new(&args.only, &args.ignore)?;
-    let (a, b) = (side(&args.a)?, side(&args.b)?);
-    let mut options = Options { select, tolerance: args.tolerance, across: args.across.clone() };
-    match (&a, &b) {
-        (Side::Run(_), Side::Run(_)) => options.across = one::ACROSS.iter().map(|name| (*name).to_owned()).collect(),
-        (Side::Table(_), Side::Table(_)) => {}
-        _ => bail!(
+    let (a, b) = (Side::read(&args.a)?, Side::read(&args.b)?);
+    if a.is_run() != b.is_run() {
+        bail!(
             "{} and {}: one is a single run, the other a table; compare like with like",
             args.a.display(),
             args.b.display()
-        ),
+        );
     }
+    let across = if a.is_run() { ACROSS.iter().map(|name| (*name).to_owned()).collect() } else { args.across.clone() };
+    let options = Options { select, tolerance: args.tolerance, across };
     let found = Comparison::new(a.results(), b.results(), &options)?;
     let top = if args.top == 0 { usize::MAX } else { args.top };
     if args.json {
-        let mut value = serde_json::to_value(&found).context("cannot write JSON")?;
-        value["equal"] = (!found.changed()).into();
-        print_json(&cut(value, top))?;
+        print_json(&json(&found, top)?)?;
     } else {
-        print(&print::text(&found, args.tolerance, top))?;
+        print(&text(&found, args.tolerance, top))?;
     }
     Ok(if found.changed() { Exit::No } else { Exit::Done })
 }
 
-/// Something to compare.
-enum Side {
-    Table(Results),
-    Run(Results),
-}
-
-impl Side {
-    fn results(&self) -> &Results {
-        let (Self::Table(own) | Self::Run(own)) = self;
-        own
-    }
-}
-
-/// Reads one of the two: what it is shows in its first byte, whatever it is called.
-fn side(path: &Path) -> Result<Side> {
-    if path.is_dir() {
-        return Ok(Side::Table(load::load(path)?.0));
-    }
-    let bytes = std::fs::read(path).with_context(|| format!("cannot read {}", path.display()))?;
-    if bytes.iter().find(|byte| !byte.is_ascii_whitespace()) == Some(&b'{') {
-        return Ok(Side::Run(one::decode(&bytes, path)?));
-    }
-    Ok(Side::Table(load::load(path)?.0))
-}
-
-/// No list longer than `top`; how long each was stands beside it.
-fn cut(mut value: serde_json::Value, top: usize) -> serde_json::Value {
-    let lists: Vec<(String, usize)> = value
-        .as_object()
-        .into_iter()
-        .flatten()
-        .filter_map(|(name, own)| Some((name.clone(), own.as_array()?.len())))
-        .filter(|(name, _)| name != "points")
-        .collect();
-    let mut counts = serde_json::Map::new();
-    for (name, len) in lists {
-        if let Some(own) = value[&name].as_array_mut() {
-            own.truncate(top);
-        }
-        counts.insert(name, len.into());
-    }
-    value["counts"] = counts.into();
-    value
-}
-
 fn tolerance(text: &str) -> Result<f64, String> {
-    let number = text.parse().ok().filter(|own: &f64| own.is_finite() && *own >= 0.0);
+    let number = text.parse().ok().filter(|number: &f64| number.is_finite() && *number >= 0.0);
     number.ok_or_else(|| "give a number of 0 or more, such as 0.01 for one percent".into())
 }

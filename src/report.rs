@@ -1,11 +1,10 @@
 //! `rayreel report`: a study or the results of a sweep as one page.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use anyhow::Result;
+use rayreel_study::analysis::load;
 use rayreel_study::html::{self, Written};
-use rayreel_study::schema::FILE as STUDY;
-use rayreel_study::table::load::{self, is_sweep};
 use serde_json::json;
 
 use crate::common::{print, print_json};
@@ -32,12 +31,7 @@ pub struct Args {
 }
 
 pub fn run(args: &Args) -> Result<Exit> {
-    if is_of_sweep(&args.input) { sweep(args) } else { study(args) }
-}
-
-/// Whether a path holds results of a sweep: any file does, and a folder that has a plan or a table and no study.
-fn is_of_sweep(path: &Path) -> bool {
-    path.is_file() || (!path.join(STUDY).exists() && (is_sweep(path) || path.join(load::RESULTS).is_file()))
+    if html::is_of_sweep(&args.input) { sweep(args) } else { study(args) }
 }
 
 fn sweep(args: &Args) -> Result<Exit> {
@@ -72,8 +66,8 @@ fn study(args: &Args) -> Result<Exit> {
             "picture_bytes": written.picture_bytes,
         }))?;
     } else {
-        let (all, own) = (megabytes(&written), written.picture_bytes as f64 * 1e-6);
-        print(&format!("{}: {all}, {} pictures of {own:.2} MB\n", file.display(), written.pictures))?;
+        let (all, pictures) = (megabytes(&written), written.picture_bytes as f64 * 1e-6);
+        print(&format!("{}: {all}, {} pictures of {pictures:.2} MB\n", file.display(), written.pictures))?;
     }
     Ok(Exit::Done)
 }

@@ -6,7 +6,7 @@ use rayreel_machine::srp::KernelId;
 use rayreel_replay::NamedPolicy;
 use rayreel_replay::counts::FrameStats;
 use rayreel_replay::simulate::MachineRun;
-use rayreel_study::report::run::{Cost as RunCost, RunFigures};
+use rayreel_study::figures::{RunCost, RunFigures};
 use rayreel_study::report::{Origin, Report, TileReport};
 use rayreel_study::schema::{Component, Cost, Kernel, Quality, StateShare, TileFigures, Unit};
 use serde::{Deserialize, Serialize};

@@ -4,6 +4,7 @@ pub mod analysis;
 pub mod cluster;
 pub mod compare;
 pub mod error;
+pub mod figures;
 pub mod html;
 pub mod point;
 pub mod report;

@@ -10,7 +10,10 @@ use rayreel_machine::system::NoProbe;
 use rayreel_machine::timeline::Timeline;
 use rayreel_replay::simulate::{MachineRun, simulate_each};
 use rayreel_replay::{NamedPolicy, Options, Replayer};
-use rayreel_study::report::{Origin, Report, keys};
+use rayreel_study::figures::{COMPONENT_PARTS, Form, OverFrames, column, columns, figures};
+use rayreel_study::point::row::{Row, role_of};
+use rayreel_study::report::{Origin, Report};
+use rayreel_study::table::Role;
 use serde_json::Value;
 
 fn trace() -> Trace {
@@ -64,8 +67,8 @@ fn figures_follow_from_the_counters() {
     near(number(&json["mrays_per_s"]), rays as f64 / seconds / 1e6);
     let components = json["energy"].as_array().unwrap();
     let sum = |group: &str| {
-        let own = components.iter().filter(|c| group == "all" || c["group"] == group);
-        own.map(|c| number(&c["dynamic_mj"]) + number(&c["leakage_mj"])).sum::<f64>()
+        let chosen = components.iter().filter(|c| group == "all" || c["group"] == group);
+        chosen.map(|c| number(&c["dynamic_mj"]) + number(&c["leakage_mj"])).sum::<f64>()
     };
     for (cost, group) in [(&json, "ti"), (&json["gpu"], "all")] {
         near(number(&cost["energy_mj"]), sum(group));
@@ -115,8 +118,8 @@ fn every_cycle_of_every_unit_is_in_a_class() {
 fn everything_is_described() {
     let (json, ..) = run("no-direct-interface", &["ti.trv_l1.size=32KiB"], 1);
     assert_eq!(json["machine"], "no-direct-interface+ti.trv_l1.size=32KiB");
-    for (key, ..) in keys::FIGURES {
-        assert!(json.get(*key).is_some(), "{key}");
+    for key in figures().iter().map(|figure| figure.name) {
+        assert!(json.get(key).is_some(), "{key}");
         for part in ["unit", "description"] {
             assert!(!json["descriptions"][key][part].as_str().unwrap().is_empty(), "{key}");
         }
@@ -143,6 +146,58 @@ fn everything_is_described() {
     let value = &json["machine_config"]["ti.trv_l1.size"];
     assert_eq!((&value["value"], &value["class"]), (&32768.into(), &"override".into()));
     assert!(json["machine_config"]["ti.clock_mhz"]["source"].is_string());
+}
+
+/// A row has the columns of the table of figures, then those of the energy's components, then those of the counters.
+#[test]
+fn every_column_of_a_row_is_declared() {
+    let (json, ..) = run("sgrt-ti2", &[], 1);
+    let (row, columns_of_row) = Row::of_json("key".into(), &json);
+    let fixed = columns();
+    for (column, declared) in columns_of_row.iter().zip(fixed) {
+        let declared = (declared.name.as_str(), declared.unit, declared.description.as_str());
+        assert_eq!((column.name.as_str(), column.unit.as_str(), column.description.as_str()), declared);
+        let by_kind = column.description.contains(" rays of rays_");
+        assert_eq!(role_of(&column.name), if by_kind { Role::Counter } else { Role::Figure }, "{}", column.name);
+    }
+    let costs = ["power_w", "energy_mj", "energy_per_ray_nj", "perf_per_watt"];
+    for (part, cost) in ["ti_with_memory", "gpu"].into_iter().flat_map(|part| costs.map(|cost| (part, cost))) {
+        let value = &row.figures[&format!("{part}_{cost}")];
+        assert!(value.is_number() && *value == json[part][cost], "{part} {cost}");
+    }
+    let components = json["energy"].as_array().unwrap();
+    let counters = json["counters"].as_object().unwrap();
+    assert_eq!(columns_of_row.len(), fixed.len() + components.len() * COMPONENT_PARTS.len() + counters.len());
+    assert!(columns_of_row[fixed.len()..].iter().all(|column| column_is_counted(&column.name)));
+    for (component, part) in
+        components.iter().flat_map(|component| COMPONENT_PARTS.iter().map(move |part| (component, part)))
+    {
+        assert!(component[part.key].is_number(), "{component}");
+    }
+}
+
+fn column_is_counted(name: &str) -> bool {
+    column(name).is_none() && role_of(name) == Role::Counter
+}
+
+/// Figures of several frames are the sums and means that the table says.
+#[test]
+fn frames_add_up_as_declared() {
+    let (json, ..) = run("sgrt-ti2", &[], 3);
+    let frames = json["frames"].as_array().unwrap();
+    let mut checked = [0, 0];
+    for figure in figures().iter().filter(|figure| figure.form == Form::Value) {
+        let values: Vec<f64> = frames.iter().filter_map(|frame| frame[figure.name].as_f64()).collect();
+        let sum: f64 = values.iter().sum();
+        match figure.frames {
+            OverFrames::Sum => near(number(&json[figure.name]), sum),
+            OverFrames::Mean => near(number(&json[figure.name]), sum / 3.0),
+            OverFrames::Whole => continue,
+        }
+        assert_eq!(values.len(), 3, "{}", figure.name);
+        checked[usize::from(figure.frames == OverFrames::Mean)] += 1;
+    }
+    assert!(checked[0] > 10 && checked[1] == 3, "{checked:?}");
 }
 
 #[test]
@@ -202,17 +257,20 @@ fn the_timeline_loses_no_busy_cycle() {
         let length = number(&json["time_ms"]) * 1e3;
         // A unit's busy time in microseconds of 100 %; each step is rounded to a hundredth of a percent.
         let check = |core: usize, name: &str, percent_microseconds: f64| {
-            let own = found[&(core as u64, name.to_owned())];
-            assert!((own - percent_microseconds).abs() < 0.011 * length, "{name}: {own} {percent_microseconds}");
-            assert!(own > 0.0, "{name} is never busy");
+            let measured = found[&(core as u64, name.to_owned())];
+            assert!(
+                (measured - percent_microseconds).abs() < 0.011 * length,
+                "{name}: {measured} {percent_microseconds}"
+            );
+            assert!(measured > 0.0, "{name} is never busy");
         };
         for unit in json["units"].as_array().unwrap() {
             let (core, index) = (unit["core"].as_u64().unwrap() as usize, &unit["index"]);
             let busy = unit["classes"]["busy"].as_f64();
             match (unit["unit"].as_str().unwrap(), unit["stage"].as_str().unwrap()) {
                 ("srp", _) => {
-                    let own = runs.iter().map(|run| run.stats.cores[core].srp.activity.busy_cycles()).sum::<u64>();
-                    check(core, "SRP", own as f64 / 10.0);
+                    let cycles = runs.iter().map(|run| run.stats.cores[core].srp.activity.busy_cycles()).sum::<u64>();
+                    check(core, "SRP", cycles as f64 / 10.0);
                 }
                 ("ist", _) => check(core, &format!("IST {index}"), busy.unwrap() / 5.0),
                 (_, stage) => check(core, &format!("TRV {index} {stage}"), busy.unwrap() / 5.0),

@@ -34,9 +34,9 @@ fn well_formed(text: &str) -> usize {
         rest = &rest[start + 1..];
         // Attribute values are quoted and never hold `>`: escaping writes `&gt;`.
         let end = rest.find('>').expect("a tag is not closed");
-        let (tag, own) = (&rest[..end], rest[..end].trim_end_matches('/'));
+        let (tag, inner) = (&rest[..end], rest[..end].trim_end_matches('/'));
         rest = &rest[end + 1..];
-        let name = own.trim_start_matches('/').split_whitespace().next().unwrap_or_default().to_string();
+        let name = inner.trim_start_matches('/').split_whitespace().next().unwrap_or_default().to_string();
         assert_eq!(tag.matches('"').count() % 2, 0, "quotes of <{tag}>");
         if tag.starts_with('/') {
             assert_eq!(open.pop().as_ref(), Some(&name), "</{name}> closes something else");

@@ -19,10 +19,10 @@ fn sweeps_are_compared() {
     assert_eq!((json["counts"]["vanished"].as_u64(), json["counts"]["appeared"].as_u64()), (Some(8), Some(8)));
     let json = rayreel!["compare", "--json", &a, &b, "--across", "machine"].expect(1).json();
     assert_eq!((json["matched"].as_u64(), json["counts"]["vanished"].as_u64()), (Some(8), Some(0)));
-    let changed = |name: &str| json["results"].as_array().unwrap().iter().any(|own| own["name"] == name);
+    let changed = |name: &str| json["results"].as_array().unwrap().iter().any(|change| change["name"] == name);
     assert!(json["equal"] == false && json["results"].as_array().unwrap().len() == 20, "no more than --top");
     let json = rayreel!["compare", "--json", "--top", "0", &a, &b, "--across", "machine"].expect(1).json();
-    let change = json["results"].as_array().unwrap().iter().find(|own| own["name"] == "cycles").unwrap();
+    let change = json["results"].as_array().unwrap().iter().find(|change| change["name"] == "cycles").unwrap();
     assert_eq!((change["changed"].as_u64(), change["unit"].as_str()), (Some(8), Some("cycles")));
     assert!(!changed("psnr_db"), "a machine changes no picture");
     assert_eq!(json["configuration"][0]["key"], "machine");

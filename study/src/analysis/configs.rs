@@ -46,10 +46,10 @@ impl Half {
             return None;
         }
         match self {
-            Self::Machine => NamedMachine::load(name, &[]).ok().map(|own| machine(&machine_json(&own))),
+            Self::Machine => NamedMachine::load(name, &[]).ok().map(|found| machine(&machine_json(&found))),
             Self::Policy => {
-                let own = NamedPolicy::load(name, &[]).ok()?;
-                serde_json::to_string(&own.policy).ok().map(|text| policy(&text))
+                let found = NamedPolicy::load(name, &[]).ok()?;
+                serde_json::to_string(&found.policy).ok().map(|text| policy(&text))
             }
         }
     }
@@ -73,31 +73,31 @@ pub fn machine(text: &str) -> Config {
 
 /// Reads the JSON of a policy: tables become keys with dots.
 pub fn policy(text: &str) -> Config {
-    let mut own = Config::new();
-    flatten("", &serde_json::from_str(text).unwrap_or_default(), &mut own);
-    own
+    let mut config = Config::new();
+    flatten("", &serde_json::from_str(text).unwrap_or_default(), &mut config);
+    config
 }
 
-fn flatten(prefix: &str, value: &Value, own: &mut Config) {
+fn flatten(prefix: &str, value: &Value, config: &mut Config) {
     match value {
         Value::Object(table) => {
             for (key, value) in table {
                 let name = if prefix.is_empty() { key.clone() } else { format!("{prefix}.{key}") };
-                flatten(&name, value, own);
+                flatten(&name, value, config);
             }
         }
         Value::Null => {}
-        Value::String(word) => drop(own.insert(prefix.into(), word.clone())),
-        other => drop(own.insert(prefix.into(), other.to_string())),
+        Value::String(word) => drop(config.insert(prefix.into(), word.clone())),
+        other => drop(config.insert(prefix.into(), other.to_string())),
     }
 }
 
-/// The configurations of a table: few different ones for many rows.
+/// The configurations of the rows of a table, each different one kept once.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Configs {
-    /// The different ones.
-    pub own: Vec<Config>,
-    /// For each row the index of its own; none where the table has none.
+    /// The different configurations.
+    pub distinct: Vec<Config>,
+    /// For each row the index of its configuration; none where the table has none.
     pub of: Vec<Option<usize>>,
 }
 
@@ -106,27 +106,27 @@ impl Configs {
     pub fn new(results: &Results, half: Half) -> Self {
         let read = if half == Half::Machine { machine } else { policy };
         let Some(Cells::Text(texts)) = results.field(half.column()).map(|field| &field.cells) else {
-            return Self { own: Vec::new(), of: vec![None; results.rows()] };
+            return Self { distinct: Vec::new(), of: vec![None; results.rows()] };
         };
-        let (mut own, mut known) = (Vec::new(), BTreeMap::new());
+        let (mut distinct, mut known) = (Vec::new(), BTreeMap::new());
         let mut index = |text: &String| {
             *known.entry(text.clone()).or_insert_with(|| {
-                own.push(read(text));
-                own.len() - 1
+                distinct.push(read(text));
+                distinct.len() - 1
             })
         };
         let of = texts.iter().map(|text| text.as_ref().filter(|text| !text.is_empty()).map(&mut index)).collect();
-        Self { own, of }
+        Self { distinct, of }
     }
 
     /// The configuration of a row.
     pub fn row(&self, row: usize) -> Option<&Config> {
-        self.of[row].map(|index| &self.own[index])
+        self.of[row].map(|index| &self.distinct[index])
     }
 
     /// All keys, in order.
     pub fn keys(&self) -> Vec<&str> {
-        let mut keys: Vec<&str> = self.own.iter().flat_map(|own| own.keys().map(String::as_str)).collect();
+        let mut keys: Vec<&str> = self.distinct.iter().flat_map(|config| config.keys().map(String::as_str)).collect();
         keys.sort_unstable();
         keys.dedup();
         keys
@@ -134,7 +134,7 @@ impl Configs {
 
     /// The keys that are not the same everywhere.
     pub fn varying(&self) -> Vec<&str> {
-        let differs = |key: &&str| self.own.iter().any(|own| own.get(*key) != self.own[0].get(*key));
+        let differs = |key: &&str| self.distinct.iter().any(|config| config.get(*key) != self.distinct[0].get(*key));
         self.keys().into_iter().filter(differs).collect()
     }
 }
@@ -147,9 +147,9 @@ mod tests {
 
     #[test]
     fn machines_and_policies_are_read_back_as_overrides_write_them() {
-        let own = NamedMachine::load("sgrt-ti2", &["ti.trv_l1.size=32KiB".into(), "srp.ideal=true".into()]).unwrap();
-        let (own, preset) = (machine(&machine_json(&own)), Half::Machine.preset("sgrt-ti2").unwrap());
-        let changed: Vec<_> = own.iter().filter(|(key, value)| preset.get(*key) != Some(value)).collect();
+        let found = NamedMachine::load("sgrt-ti2", &["ti.trv_l1.size=32KiB".into(), "srp.ideal=true".into()]).unwrap();
+        let (config, preset) = (machine(&machine_json(&found)), Half::Machine.preset("sgrt-ti2").unwrap());
+        let changed: Vec<_> = config.iter().filter(|(key, value)| preset.get(*key) != Some(value)).collect();
         assert_eq!(
             changed.iter().map(|(k, v)| format!("{k}={v}")).collect::<Vec<_>>(),
             ["srp.ideal=true", "ti.trv_l1.size=32KiB"]
@@ -165,10 +165,10 @@ mod tests {
     #[test]
     fn equal_ones_are_kept_once() {
         let texts = [r#"{"b":1,"a":2}"#, r#"{"a":3,"b":1}"#, r#"{"b":1,"a":2}"#, ""];
-        let own = Configs::new(&table(vec![words("machine_config", Role::Config, &texts)]), Half::Machine);
-        assert_eq!((own.of.as_slice(), own.own.len()), (&[Some(0), Some(1), Some(0), None][..], 2));
-        assert_eq!((own.keys(), own.varying()), (vec!["a", "b"], vec!["a"]));
-        assert_eq!(own.row(1).unwrap()["a"], "3");
+        let configs = Configs::new(&table(vec![words("machine_config", Role::Config, &texts)]), Half::Machine);
+        assert_eq!((configs.of.as_slice(), configs.distinct.len()), (&[Some(0), Some(1), Some(0), None][..], 2));
+        assert_eq!((configs.keys(), configs.varying()), (vec!["a", "b"], vec!["a"]));
+        assert_eq!(configs.row(1).unwrap()["a"], "3");
         let none = Configs::new(&table(vec![words("x", Role::Config, &["", ""])]), Half::Policy);
         assert!(none.varying().is_empty() && none.row(0).is_none());
     }

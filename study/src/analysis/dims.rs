@@ -1,11 +1,12 @@
-//! The dimensions of a sweep: everything by which its points differ that somebody chose, the axes of the plan among it.
+//! The dimensions of a sweep: what somebody chose and what differs between its points, such as the axes of the plan.
 
 use std::collections::BTreeMap;
 
 use crate::table::{Cells, Field, Results, Role};
 use rayreel_machine::config::units::Bytes;
 
-/// Columns that say what a point is, before the axes of the plan. A scene or a picture size follows from the trace.
+/// Columns that say what a point is, beside the axes of the plan. Scene and picture size are not among them: they follow from the
+/// trace.
 pub const IDENTITY: &[&str] = &["trace", "first_frame", "frames", "machine", "policy"];
 
 /// A dimension: its values, and which of them each point has.
@@ -24,7 +25,7 @@ pub struct Dimension {
 /// The dimensions with more than one value, in the order of the columns.
 pub fn dimensions(results: &Results) -> Vec<Dimension> {
     let chosen = |field: &&Field| field.role == Role::Axis || IDENTITY.contains(&field.name.as_str());
-    results.fields.iter().filter(chosen).map(Dimension::new).filter(|own| own.values.len() > 1).collect()
+    results.fields.iter().filter(chosen).map(Dimension::new).filter(|dimension| dimension.values.len() > 1).collect()
 }
 
 impl Dimension {
@@ -52,8 +53,8 @@ impl Dimension {
 /// A value for people: sizes as plans write them.
 pub fn label(field: &Field, row: usize) -> Option<String> {
     match &field.cells {
-        Cells::Int(own) if field.unit == "bytes" => {
-            own[row].map(|i| u64::try_from(i).map_or_else(|_| i.to_string(), |i| Bytes(i).to_string()))
+        Cells::Int(cells) if field.unit == "bytes" => {
+            cells[row].map(|i| u64::try_from(i).map_or_else(|_| i.to_string(), |i| Bytes(i).to_string()))
         }
         cells => cells.text(row),
     }

@@ -15,7 +15,7 @@ pub struct Effect {
 }
 
 impl Effect {
-    /// The effect over rows that have both; nothing with fewer than two values of the dimension.
+    /// The effect over the rows that have a value of the dimension and a number; none with fewer than two such values.
     pub fn new(dimension: &Dimension, result: &Cells) -> Option<Self> {
         let mut sums = vec![(0.0, 0_u32); dimension.values.len()];
         let rows = dimension.of.iter().enumerate().filter_map(|(row, value)| Some(((*value)?, result.number(row)?)));
@@ -25,7 +25,7 @@ impl Effect {
         }
         let mean = |(sum, count): &(f64, u32)| (*count > 0).then(|| sum / f64::from(*count));
         let means: Vec<Option<f64>> = sums.iter().map(mean).collect();
-        let (sum, count) = sums.iter().fold((0.0, 0), |all, own| (all.0 + own.0, all.1 + own.1));
+        let (sum, count) = sums.iter().fold((0.0, 0), |all, one| (all.0 + one.0, all.1 + one.1));
         let known = || means.iter().enumerate().filter_map(|(value, mean)| Some((value, (*mean)?)));
         // The first of equal ones, so that the page is the same every time.
         let least = known().min_by(|a, b| a.1.total_cmp(&b.1))?.0;

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
+use crate::figures::{Better, column};
 use crate::table::{Cells, Results, Role};
 
 /// Which way a result is better.
@@ -16,20 +17,6 @@ pub enum Goal {
     Max,
 }
 
-/// Ends of the names of results of which more is better; of all others less is.
-const MORE: &[&str] = &[
-    "psnr_db",
-    "flicker_db",
-    "ssim",
-    "identical",
-    "rays_saved",
-    "samples_interpolated",
-    "similarity_ratio",
-    "fps",
-    "rays_per_s",
-    "perf_per_watt",
-];
-
 /// Results that a reader asks for first, in this order.
 const HEADLINES: &[&str] =
     &["time_ms", "energy_mj", "gpu_energy_mj", "perf_per_watt", "gpu_perf_per_watt", "psnr_db", "flip", "rays_traced"];
@@ -37,21 +24,23 @@ const HEADLINES: &[&str] =
 /// How many of them a page shows without being asked.
 const SHOWN: usize = 6;
 
-/// Which way the result of this name is better.
+/// Which way the result of this name is better. A chart needs a direction: what is neither better nor worse, and what the machine
+/// counts, counts as work, of which less is better.
 pub fn goal(name: &str) -> Goal {
-    if MORE.iter().any(|end| name.ends_with(end)) { Goal::Max } else { Goal::Min }
+    match column(name).map(|column| column.better) {
+        Some(Better::More) => Goal::Max,
+        Some(Better::Less | Better::Neither) | None => Goal::Min,
+    }
 }
 
-/// The results to show first: those of the list that vary; without any, the first that do.
+/// The results to show first: those of [`HEADLINES`] that vary, or else the first columns of results that do.
 pub fn headlines(results: &Results) -> Vec<&str> {
-    let mut own: Vec<&str> =
-        HEADLINES.iter().copied().filter(|name| varies_within(results, name)).take(SHOWN).collect();
-    if own.is_empty() {
-        let other =
-            results.fields.iter().filter(|f| matches!(f.role, Role::Figure | Role::Counter) && varies(&f.cells));
-        own = other.map(|field| field.name.as_str()).take(SHOWN).collect();
+    let first: Vec<&str> = HEADLINES.iter().copied().filter(|name| varies_within(results, name)).take(SHOWN).collect();
+    if !first.is_empty() {
+        return first;
     }
-    own
+    let other = results.fields.iter().filter(|f| matches!(f.role, Role::Figure | Role::Counter) && varies(&f.cells));
+    other.map(|field| field.name.as_str()).take(SHOWN).collect()
 }
 
 /// Whether a column holds two different numbers.
@@ -61,7 +50,8 @@ pub fn varies(cells: &Cells) -> bool {
     numbers.any(|other| Some(other) != first)
 }
 
-/// Whether a result has two different numbers on the same trace: what another trace changes is no merit of a machine or policy.
+/// Whether a result has two different numbers on the same trace: what differs between traces says
+/// nothing of machine or policy.
 pub fn varies_within(results: &Results, name: &str) -> bool {
     let Some(field) = results.field(name) else { return false };
     let trace = |row: usize| results.field("trace").and_then(|field| field.cells.text(row));
@@ -70,15 +60,20 @@ pub fn varies_within(results: &Results, name: &str) -> bool {
     numbers.into_iter().any(|(row, number)| *known.entry(trace(row)).or_insert(number) != number)
 }
 
-/// The two results of the first chart: quality against efficiency if pictures differ, else time against energy: of the whole GPU if
-/// the sweep changes it outside the T&I units.
-pub fn first_pair(results: &Results, whole_gpu: bool) -> Option<[&str; 2]> {
-    let pairs: &[[&str; 2]] = &[
+/// What the first chart may show; the first pair that varies.
+fn first_pairs(whole_gpu: bool) -> [[&'static str; 2]; 4] {
+    [
         ["psnr_db", "perf_per_watt"],
         ["time_ms", if whole_gpu { "gpu_energy_mj" } else { "energy_mj" }],
         ["cycles", "energy_mj"],
         ["psnr_db", "rays_traced"],
-    ];
+    ]
+}
+
+/// The two results of the first chart. If pictures differ it is quality against efficiency, else time against energy: the energy of
+/// the whole GPU if the sweep changes more than the T&I units.
+pub fn first_pair(results: &Results, whole_gpu: bool) -> Option<[&str; 2]> {
+    let pairs = first_pairs(whole_gpu);
     let known = |name: &str| results.field(name).map(|field| field.name.as_str());
     let pair = pairs.iter().find(|pair| pair.iter().all(|name| varies_within(results, name)));
     if let Some([x, y]) = pair {
@@ -92,6 +87,41 @@ pub fn first_pair(results: &Results, whole_gpu: bool) -> Option<[&str; 2]> {
 mod tests {
     use super::super::tables::{figure, table, words};
     use super::*;
+    use crate::figures::columns;
+
+    #[test]
+    fn every_goal_is_that_of_the_table_of_figures() {
+        let more: Vec<&str> =
+            columns().iter().map(|c| c.name.as_str()).filter(|name| goal(name) == Goal::Max).collect();
+        assert_eq!(
+            more,
+            [
+                "rays_saved",
+                "samples_interpolated",
+                "similarity_ratio",
+                "audited_psnr_db",
+                "psnr_db",
+                "ssim",
+                "worst_tile_psnr_db",
+                "flicker_db",
+                "identical",
+                "fps",
+                "mrays_per_s",
+                "perf_per_watt",
+                "ti_with_memory_perf_per_watt",
+                "gpu_perf_per_watt",
+            ]
+        );
+        assert_eq!(goal("ti_trv_l1_hits"), Goal::Min, "a counter");
+    }
+
+    #[test]
+    fn what_is_shown_first_is_a_figure_that_is_better_or_worse() {
+        let pairs = [first_pairs(false), first_pairs(true)].concat().concat();
+        for name in HEADLINES.iter().chain(&pairs) {
+            assert!(column(name).is_some_and(|c| c.is_figure && c.better != Better::Neither), "{name}");
+        }
+    }
 
     #[test]
     fn the_first_chart_depends_on_what_varies() {

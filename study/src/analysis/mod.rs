@@ -6,6 +6,7 @@ pub mod configs;
 pub mod dims;
 pub mod effects;
 pub mod goals;
+pub mod load;
 pub mod pareto;
 
 #[cfg(test)]

@@ -7,8 +7,8 @@ use crate::analysis::goals::Goal;
 pub fn front(points: &[Option<[f64; 2]>], goals: [Goal; 2]) -> Vec<bool> {
     // From here on, less is better.
     let sign = goals.map(|goal| if goal == Goal::Max { -1.0 } else { 1.0 });
-    let own = |row: usize| points[row].map(|[x, y]| [sign[0] * x, sign[1] * y]);
-    let mut order: Vec<(usize, [f64; 2])> = (0..points.len()).filter_map(|row| Some((row, own(row)?))).collect();
+    let signed = |row: usize| points[row].map(|[x, y]| [sign[0] * x, sign[1] * y]);
+    let mut order: Vec<(usize, [f64; 2])> = (0..points.len()).filter_map(|row| Some((row, signed(row)?))).collect();
     order.sort_by(|(_, a), (_, b)| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
     let mut on = vec![false; points.len()];
     let mut last: Option<[f64; 2]> = None;
@@ -56,10 +56,13 @@ mod tests {
         };
         for _ in 0..200 {
             let points: Vec<Option<[f64; 2]>> = (0..20).map(|_| Some([next(), next()])).collect();
-            let beaten = |own: [f64; 2]| {
-                points.iter().flatten().any(|[x, y]| *x <= own[0] && *y >= own[1] && (*x < own[0] || *y > own[1]))
+            let beaten = |point: [f64; 2]| {
+                points
+                    .iter()
+                    .flatten()
+                    .any(|[x, y]| *x <= point[0] && *y >= point[1] && (*x < point[0] || *y > point[1]))
             };
-            let wanted: Vec<bool> = points.iter().flatten().map(|own| !beaten(*own)).collect();
+            let wanted: Vec<bool> = points.iter().flatten().map(|point| !beaten(*point)).collect();
             assert_eq!(front(&points, [Goal::Min, Goal::Max]), wanted, "{points:?}");
         }
     }

@@ -1,6 +1,6 @@
 //! The changes of matched points, column by column.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use serde::Serialize;
 
@@ -70,14 +70,14 @@ pub struct StateChange {
     pub b: Option<String>,
 }
 
-/// Columns of both tables, and the names of those of either alone.
+/// The columns that both tables have, and the names of those that only one has.
 pub fn columns<'a>(a: &'a Results, b: &'a Results, select: &Select) -> (Vec<(&'a Field, &'a Field)>, [Vec<String>; 2]) {
-    let own = |results: &'a Results| {
+    let selected = |results: &'a Results| {
         let result = |field: &&Field| matches!(field.role, Role::Figure | Role::Counter) && select.takes(&field.name);
         results.fields.iter().filter(result).collect::<Vec<_>>()
     };
     let find = |list: &[&'a Field], name: &str| list.iter().copied().find(|field| field.name == name);
-    let (of_a, of_b) = (own(a), own(b));
+    let (of_a, of_b) = (selected(a), selected(b));
     let both = of_a.iter().filter_map(|field| Some((*field, find(&of_b, &field.name)?))).collect();
     let alone = |list: &[&'a Field], other: &[&'a Field]| {
         list.iter().filter(|field| find(other, &field.name).is_none()).map(|field| field.name.clone()).collect()
@@ -150,35 +150,42 @@ pub fn states(a: &Results, b: &Results, pairs: &Pairs) -> Vec<StateChange> {
         a: error(a, *row_a),
         b: error(b, *row_b),
     };
-    pairs.both.iter().map(state).filter(|own| own.a != own.b).collect()
+    pairs.both.iter().map(state).filter(|change| change.a != change.b).collect()
 }
 
-/// Configuration values that changed: of machine and policy, the traces' fingerprints, the model's version, and the columns by which
-/// points were not matched.
+/// Configuration values that changed: the columns by which points were not matched, the traces' fingerprints and the model's version
+/// first, then the values of machine and policy by key.
 pub fn configuration(tables: [&Results; 2], pairs: &Pairs, options: &Options) -> Vec<ConfigChange> {
-    let mut changes: BTreeMap<(usize, String), ConfigChange> = BTreeMap::new();
-    let mut differ = |order: usize, key: &str, point: &str, [a, b]: [Option<String>; 2]| {
-        if a == b || !options.select.takes(key) {
-            return;
-        }
-        let own = changes.entry((order, key.to_owned())).or_insert_with(|| ConfigChange {
-            key: key.into(),
-            changed: 0,
-            point: point.into(),
-            a,
-            b,
-        });
-        own.changed += 1;
-    };
-    let words = names(tables[0], tables[1]).into_iter().filter(|name| options.across.iter().any(|own| own == name));
-    for name in words.chain(["trace_fingerprint", "model_version"]) {
-        let fields = tables.map(|table| table.field(name));
-        for (a, b, point) in &pairs.both {
-            let of = |field: Option<&Field>, row: usize| field.and_then(|field| label(field, row));
-            differ(0, name, point, [of(fields[0], *a), of(fields[1], *b)]);
-        }
+    let mut changes = ConfigChanges { select: &options.select, columns: BTreeMap::new(), keys: BTreeMap::new() };
+    let unmatched =
+        names(tables[0], tables[1]).into_iter().filter(|name| options.across.iter().any(|column| column == name));
+    for name in unmatched.chain(["trace_fingerprint", "model_version"]) {
+        changes.compare_column(name, tables, pairs);
     }
     for half in Half::ALL {
+        changes.compare_half(half, tables, pairs);
+    }
+    changes.columns.into_values().chain(changes.keys.into_values()).collect()
+}
+
+/// Changes of the configuration by name of the column, and by key of machine or policy.
+struct ConfigChanges<'a> {
+    select: &'a Select,
+    columns: BTreeMap<String, ConfigChange>,
+    keys: BTreeMap<String, ConfigChange>,
+}
+
+impl ConfigChanges<'_> {
+    fn compare_column(&mut self, name: &str, tables: [&Results; 2], pairs: &Pairs) {
+        let fields = tables.map(|table| table.field(name));
+        let value = |field: Option<&Field>, row: usize| field.and_then(|field| label(field, row));
+        for (a, b, point) in &pairs.both {
+            let values = [value(fields[0], *a), value(fields[1], *b)];
+            differ(&mut self.columns, self.select, name, point, values);
+        }
+    }
+
+    fn compare_half(&mut self, half: Half, tables: [&Results; 2], pairs: &Pairs) {
         let texts = tables.map(|table| table.field(half.column()).map(|field| &field.cells));
         let configs = tables.map(|table| Configs::new(table, half));
         for (a, b, point) in &pairs.both {
@@ -187,14 +194,27 @@ pub fn configuration(tables: [&Results; 2], pairs: &Pairs, options: &Options) ->
             {
                 continue;
             }
-            let own = [configs[0].row(*a), configs[1].row(*b)];
-            let mut keys: Vec<&String> = own.iter().flatten().flat_map(|own| own.keys()).collect();
-            keys.sort_unstable();
-            keys.dedup();
+            let rows = [configs[0].row(*a), configs[1].row(*b)];
+            let keys: BTreeSet<&String> = rows.iter().flatten().flat_map(|config| config.keys()).collect();
             for key in keys {
-                differ(1, key, point, own.map(|own| own.and_then(|own| own.get(key).cloned())));
+                let values = rows.map(|config| config.and_then(|config| config.get(key).cloned()));
+                differ(&mut self.keys, self.select, key, point, values);
             }
         }
     }
-    changes.into_values().collect()
+}
+
+/// Counts a change of a point, if it is one; the first is kept with its values.
+fn differ(
+    changes: &mut BTreeMap<String, ConfigChange>,
+    select: &Select,
+    key: &str,
+    point: &str,
+    [a, b]: [Option<String>; 2],
+) {
+    if a == b || !select.takes(key) {
+        return;
+    }
+    let first = || ConfigChange { key: key.into(), changed: 0, point: point.into(), a, b };
+    changes.entry(key.to_owned()).or_insert_with(first).changed += 1;
 }

@@ -4,14 +4,20 @@
 //! the results is the very question.
 
 mod change;
+mod json;
 mod pairs;
 pub mod run;
 mod select;
+mod side;
+mod text;
 
 use serde::Serialize;
 
 pub use change::{Change, ConfigChange, Largest, StateChange};
+pub use json::json;
 pub use select::Select;
+pub use side::Side;
+pub use text::text;
 
 use self::pairs::Pairs;
 use crate::error::Result;
@@ -87,7 +93,7 @@ impl Comparison {
     /// Whether anything did.
     pub fn changed(&self) -> bool {
         let lists = [&self.vanished, &self.appeared, &self.columns_vanished, &self.columns_appeared];
-        lists.iter().any(|own| !own.is_empty())
+        lists.iter().any(|list| !list.is_empty())
             || !(self.states.is_empty() && self.configuration.is_empty() && self.results.is_empty())
     }
 }

@@ -25,11 +25,11 @@ impl Pairs {
     /// A column of `across` that is none of these.
     pub fn new(a: &Results, b: &Results, across: &[String]) -> Result<Self> {
         let names = names(a, b);
-        if let Some(unknown) = across.iter().find(|own| !names.contains(&own.as_str())) {
+        if let Some(unknown) = across.iter().find(|column| !names.contains(&column.as_str())) {
             let detail = format!("no point has a column {unknown:?}; points are known by {}", names.join(", "));
             return Err(StudyError::Usage { detail });
         }
-        let names: Vec<&str> = names.into_iter().filter(|name| !across.iter().any(|own| own == name)).collect();
+        let names: Vec<&str> = names.into_iter().filter(|name| !across.iter().any(|column| column == name)).collect();
         let mut known: BTreeMap<Vec<Option<String>>, VecDeque<usize>> = BTreeMap::new();
         for row in 0..a.rows() {
             known.entry(identity(a, &names, row)).or_default().push_back(row);
@@ -37,13 +37,13 @@ impl Pairs {
         let (mut both, mut appeared) = (Vec::new(), Vec::new());
         let mut taken = vec![false; a.rows()];
         for row in 0..b.rows() {
-            let own = identity(b, &names, row);
-            match known.get_mut(&own).and_then(VecDeque::pop_front) {
+            let values = identity(b, &names, row);
+            match known.get_mut(&values).and_then(VecDeque::pop_front) {
                 Some(other) => {
                     taken[other] = true;
-                    both.push((other, row, describe(&names, &own)));
+                    both.push((other, row, describe(&names, &values)));
                 }
-                None => appeared.push(describe(&names, &own)),
+                None => appeared.push(describe(&names, &values)),
             }
         }
         let gone = (0..a.rows()).filter(|row| !taken[*row]);
@@ -70,7 +70,7 @@ fn identity(results: &Results, names: &[&str], row: usize) -> Vec<Option<String>
 
 /// A point in words, as messages of a sweep have it.
 fn describe(names: &[&str], values: &[Option<String>]) -> String {
-    let value = |name: &str| names.iter().position(|own| *own == name).and_then(|at| values[at].as_deref());
+    let value = |name: &str| names.iter().position(|known| *known == name).and_then(|at| values[at].as_deref());
     let mut parts: Vec<String> = value("trace").map(str::to_owned).into_iter().collect();
     if let (Some(first), Some(count)) = (value("first_frame"), value("frames")) {
         let end = first.parse::<u64>().unwrap_or(0).saturating_add(count.parse().unwrap_or(0));

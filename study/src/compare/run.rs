@@ -6,7 +6,7 @@ use std::path::Path;
 use serde_json::Value;
 
 use crate::error::{Result, StudyError};
-use crate::point::row::{Row, role_of};
+use crate::point::row::{Column, Row, role_of};
 use crate::table::{Cells, Field, Heading, Results, Role};
 
 /// Columns by which two runs are not matched: whoever names two files means these two.
@@ -24,35 +24,51 @@ pub fn decode(bytes: &[u8], path: &Path) -> Result<Results> {
     else {
         return Err(bad("not what `rayreel replay --json` or `--out` writes".into()));
     };
-    let word = |key: &str| Cells::Text(vec![value[key].as_str().map(str::to_owned)]);
-    let point = |name: &str, cells| field(name, Role::Point, "", "", cells);
-    let mut fields = vec![
-        point("trace", word("trace")),
-        point("first_frame", Cells::Int(vec![frames.first().and_then(|frame| frame["frame"].as_i64())])),
-        point("frames", Cells::Int(vec![i64::try_from(frames.len()).ok()])),
-        point("machine", Cells::Text(vec![Some(value["machine"].as_str().unwrap_or("none").to_owned())])),
-        point("policy", Cells::Text(vec![Some(policy.to_owned())])),
-    ];
-    let (row, columns) = Row::of_json(String::new(), &value);
-    for column in columns {
-        let own = &row.figures[&column.name];
-        let cells = match own {
-            Value::Bool(flag) => Cells::Flag(vec![Some(*flag)]),
-            own if own.is_i64() => Cells::Int(vec![own.as_i64()]),
-            own => Cells::Float(vec![own.as_f64()]),
-        };
-        let role = role_of(&column.name);
-        fields.push(field(&column.name, role, &column.unit, &column.description, cells));
-    }
-    let machine: BTreeMap<&String, &Value> =
-        value["machine_config"].as_object().into_iter().flatten().map(|(key, own)| (key, &own["value"])).collect();
-    let machine = if machine.is_empty() { None } else { serde_json::to_string(&machine).ok() };
-    let config = |name: &str, text: Option<String>| field(name, Role::Config, "", "", Cells::Text(vec![text]));
-    fields.push(config("machine_config", machine));
-    fields.push(config("policy_config", Some(value["policy_config"].to_string())));
-    fields.push(config("trace_fingerprint", value["trace_digest"].as_str().map(str::to_owned)));
+    let mut fields = identity(&value, policy, frames);
+    fields.extend(results(&value));
+    fields.extend(configuration(&value));
     let heading = Heading { name: "replay".into(), plan: String::new(), model_version: 0, points: 1 };
     Ok(Results { heading, fields })
+}
+
+/// What the run is.
+fn identity(report: &Value, policy: &str, frames: &[Value]) -> Vec<Field> {
+    let word = |text: Option<&str>| Cells::Text(vec![text.map(str::to_owned)]);
+    let point = |name: &str, cells| field(name, Role::Point, "", "", cells);
+    vec![
+        point("trace", word(report["trace"].as_str())),
+        point("first_frame", Cells::Int(vec![frames.first().and_then(|frame| frame["frame"].as_i64())])),
+        point("frames", Cells::Int(vec![i64::try_from(frames.len()).ok()])),
+        point("machine", word(Some(report["machine"].as_str().unwrap_or("none")))),
+        point("policy", word(Some(policy))),
+    ]
+}
+
+/// Its figures and counters, as a row of results has them.
+fn results(report: &Value) -> Vec<Field> {
+    let (row, columns) = Row::of_json(String::new(), report);
+    let result = |column: Column| {
+        let cells = match &row.figures[&column.name] {
+            Value::Bool(flag) => Cells::Flag(vec![Some(*flag)]),
+            number if number.is_i64() => Cells::Int(vec![number.as_i64()]),
+            number => Cells::Float(vec![number.as_f64()]),
+        };
+        field(&column.name, role_of(&column.name), &column.unit, &column.description, cells)
+    };
+    columns.into_iter().map(result).collect()
+}
+
+/// Every value of machine and policy, and which trace it was.
+fn configuration(report: &Value) -> Vec<Field> {
+    let machine = report["machine_config"].as_object().into_iter().flatten();
+    let machine: BTreeMap<&String, &Value> = machine.map(|(key, sourced)| (key, &sourced["value"])).collect();
+    let machine = if machine.is_empty() { None } else { serde_json::to_string(&machine).ok() };
+    let config = |name: &str, text: Option<String>| field(name, Role::Config, "", "", Cells::Text(vec![text]));
+    vec![
+        config("machine_config", machine),
+        config("policy_config", Some(report["policy_config"].to_string())),
+        config("trace_fingerprint", report["trace_digest"].as_str().map(str::to_owned)),
+    ]
 }
 
 fn field(name: &str, role: Role, unit: &str, description: &str, cells: Cells) -> Field {

@@ -24,22 +24,22 @@ fn equal_tables_are_equal_whatever_their_keys_and_order() {
     let a = sweep(&[1, 2], &[10.0, 20.0]);
     let mut b = sweep(&[2, 1], &[20.0, 10.0]);
     b.fields[0] = words("key", Role::Point, &["other", "keys"]);
-    let own = compare(&a, &b);
-    assert!(!own.changed(), "{own:?}");
-    assert_eq!((own.matched, own.figures), (2, 1));
+    let found = compare(&a, &b);
+    assert!(!found.changed(), "{found:?}");
+    assert_eq!((found.matched, found.figures), (2, 1));
 }
 
 #[test]
 fn changes_have_their_size_and_their_point() {
     // +10 %, -20 %, 0: the largest is -20 %, the mean -10/3 %.
-    let own = compare(&sweep(&[1, 2, 3], &[10.0, 20.0, 5.0]), &sweep(&[1, 2, 3], &[11.0, 16.0, 5.0]));
-    let change = &own.results[0];
+    let found = compare(&sweep(&[1, 2, 3], &[10.0, 20.0, 5.0]), &sweep(&[1, 2, 3], &[11.0, 16.0, 5.0]));
+    let change = &found.results[0];
     assert_eq!((change.changed, change.compared, change.largest.point.as_str()), (2, 3, "on m l1=2"));
     assert_eq!((change.largest.a, change.largest.b, change.largest.relative), (Some(20.0), Some(16.0), Some(-0.2)));
     assert!((change.mean_relative.unwrap() + 0.1 / 3.0).abs() < 1e-12);
     let within = Options { tolerance: 0.15, ..Options::default() };
-    let own = Comparison::new(&sweep(&[1, 2], &[10.0, 20.0]), &sweep(&[1, 2], &[11.0, 16.0]), &within).unwrap();
-    assert_eq!((own.results[0].changed, own.changed()), (1, true));
+    let found = Comparison::new(&sweep(&[1, 2], &[10.0, 20.0]), &sweep(&[1, 2], &[11.0, 16.0]), &within).unwrap();
+    assert_eq!((found.results[0].changed, found.changed()), (1, true));
     let within = Options { tolerance: 0.2, ..Options::default() };
     assert!(
         !Comparison::new(&sweep(&[1, 2], &[10.0, 20.0]), &sweep(&[1, 2], &[11.0, 16.0]), &within).unwrap().changed()
@@ -49,26 +49,26 @@ fn changes_have_their_size_and_their_point() {
 #[test]
 fn from_zero_and_from_nothing_no_tolerance_helps() {
     let wide = Options { tolerance: 1e9, ..Options::default() };
-    let own = Comparison::new(&sweep(&[1, 2], &[0.0, 7.0]), &sweep(&[1, 2], &[1e-9, f64::NAN]), &wide).unwrap();
+    let found = Comparison::new(&sweep(&[1, 2], &[0.0, 7.0]), &sweep(&[1, 2], &[1e-9, f64::NAN]), &wide).unwrap();
     assert_eq!(
-        (own.results[0].changed, own.results[0].largest.relative, own.results[0].mean_relative),
+        (found.results[0].changed, found.results[0].largest.relative, found.results[0].mean_relative),
         (2, None, None)
     );
-    assert_eq!(own.results[0].largest.point, "on m l1=1", "the first of equal ones");
+    assert_eq!(found.results[0].largest.point, "on m l1=1", "the first of equal ones");
 }
 
 #[test]
 fn points_appear_and_vanish() {
-    let own = compare(&sweep(&[1, 2], &[1.0, 2.0]), &sweep(&[2, 3], &[2.0, 3.0]));
+    let found = compare(&sweep(&[1, 2], &[1.0, 2.0]), &sweep(&[2, 3], &[2.0, 3.0]));
     assert_eq!(
-        (own.vanished.as_slice(), own.appeared.as_slice(), own.matched),
+        (found.vanished.as_slice(), found.appeared.as_slice(), found.matched),
         (&["on m l1=1".to_owned()][..], &["on m l1=3".to_owned()][..], 1)
     );
-    assert!(own.results.is_empty() && own.changed());
+    assert!(found.results.is_empty() && found.changed());
     // Without the axis they match in order.
     let across = Options { across: vec!["l1".into()], ..Options::default() };
-    let own = Comparison::new(&sweep(&[1, 2], &[1.0, 2.0]), &sweep(&[2, 3], &[2.0, 3.0]), &across).unwrap();
-    assert_eq!((own.matched, own.results[0].changed, own.configuration[0].key.as_str()), (2, 2, "l1"));
+    let found = Comparison::new(&sweep(&[1, 2], &[1.0, 2.0]), &sweep(&[2, 3], &[2.0, 3.0]), &across).unwrap();
+    assert_eq!((found.matched, found.results[0].changed, found.configuration[0].key.as_str()), (2, 2, "l1"));
     let wrong = Options { across: vec!["nonsense".into()], ..Options::default() };
     let error = Comparison::new(&sweep(&[1], &[1.0]), &sweep(&[1], &[1.0]), &wrong).unwrap_err().to_string();
     assert!(error.contains("nonsense") && error.contains("machine, l1"), "{error}");
@@ -81,15 +81,15 @@ fn configuration_states_and_columns_are_compared_too() {
     b.fields[5] = words("machine_config", Role::Config, &[r#"{"ti.trv":4}"#, r#"{"l2.ways":8,"ti.trv":2}"#]);
     b.fields[3] = words("error", Role::Status, &["", "too small"]);
     b.fields.push(figure("fps", &[1.0, 1.0]));
-    let own = compare(&a, &b);
+    let found = compare(&a, &b);
     let keys: Vec<_> =
-        own.configuration.iter().map(|c| (c.key.as_str(), c.changed, c.a.as_deref(), c.b.as_deref())).collect();
+        found.configuration.iter().map(|c| (c.key.as_str(), c.changed, c.a.as_deref(), c.b.as_deref())).collect();
     assert_eq!(keys, [("l2.ways", 1, None, Some("8")), ("ti.trv", 1, Some("4"), Some("2"))]);
-    assert_eq!((own.states[0].a.as_deref(), own.states[0].b.as_deref()), (None, Some("too small")));
-    assert_eq!(own.columns_appeared, ["fps"]);
+    assert_eq!((found.states[0].a.as_deref(), found.states[0].b.as_deref()), (None, Some("too small")));
+    assert_eq!(found.columns_appeared, ["fps"]);
     let select = Select::new(&["time*".into(), "ti.*".into()], &["*.trv".into()]).unwrap();
-    let own = Comparison::new(&a, &b, &Options { select, ..Options::default() }).unwrap();
-    assert!(own.configuration.is_empty() && own.columns_appeared.is_empty() && own.figures == 1, "{own:?}");
+    let found = Comparison::new(&a, &b, &Options { select, ..Options::default() }).unwrap();
+    assert!(found.configuration.is_empty() && found.columns_appeared.is_empty() && found.figures == 1, "{found:?}");
     assert!(Select::new(&["***".into()], &[]).unwrap_err().to_string().contains("***"));
 }
 
@@ -98,6 +98,6 @@ fn what_changed_most_comes_first() {
     let with = |x: f64, y: f64, z: f64| {
         table(vec![words("machine", Role::Point, &["m"]), figure("x", &[x]), figure("y", &[y]), figure("z", &[z])])
     };
-    let own = compare(&with(100.0, 1.0, 0.0), &with(101.0, 0.5, 1.0));
-    assert_eq!(own.results.iter().map(|c| c.name.as_str()).collect::<Vec<_>>(), ["z", "y", "x"]);
+    let found = compare(&with(100.0, 1.0, 0.0), &with(101.0, 0.5, 1.0));
+    assert_eq!(found.results.iter().map(|c| c.name.as_str()).collect::<Vec<_>>(), ["z", "y", "x"]);
 }

@@ -6,6 +6,7 @@
 mod charts;
 mod error;
 mod load;
+mod modes;
 mod page;
 mod parts;
 mod sections;
@@ -19,7 +20,8 @@ use std::path::Path;
 pub use error::ReportError;
 pub use load::load;
 
-use crate::schema::Study;
+use crate::analysis::load as results;
+use crate::schema::{FILE, Study};
 use rayreel_replay::image::files::write_atomically;
 
 /// A page that was written.
@@ -31,6 +33,12 @@ pub struct Written {
     pub picture_bytes: usize,
     /// How many they are.
     pub pictures: usize,
+}
+
+/// Whether a path holds results of a sweep: any file does, and a folder that has a plan or a table and no study.
+pub fn is_of_sweep(path: &Path) -> bool {
+    let has_table = || results::is_sweep(path) || path.join(results::RESULTS).is_file();
+    path.is_file() || (!path.join(FILE).exists() && has_table())
 }
 
 /// Makes the page of the study in `folder` and writes it to `file`.

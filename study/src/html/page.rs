@@ -3,7 +3,7 @@
 use crate::html::sections::{self, viewer::Pictures};
 use crate::html::shell::Shell;
 use crate::html::text::{bytes, escape};
-use crate::html::view::View;
+use crate::html::view::StudyView;
 use crate::schema::Study;
 
 const SCRIPT: &str = include_str!("script.js");
@@ -11,7 +11,7 @@ const VIEWER: &str = include_str!("viewer.js");
 
 /// The whole page.
 pub fn page(study: &Study, pictures: &Pictures) -> String {
-    let view = View::new(study);
+    let view = StudyView::new(study);
     let sections = sections::all(&view, pictures);
     let title = if study.title.is_empty() { "Rayreel report" } else { &study.title };
     Shell {

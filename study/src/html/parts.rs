@@ -1,7 +1,6 @@
 //! Pieces of HTML that sections share. Arguments called `html` are HTML already; all others are escaped here.
 
 use crate::html::text::escape;
-use crate::html::view::{View, mode_name, mode_reference};
 
 /// A section of the page.
 pub struct Section {
@@ -37,15 +36,15 @@ pub fn grid(html: &str) -> String {
     format!("<div class=\"grid\">\n{html}</div>\n")
 }
 
-/// A column of a table.
-pub struct Column {
-    /// Head.
+/// The head of a column.
+pub struct Head {
+    /// Its text.
     pub name: String,
-    /// Whether it holds numbers, which stand right.
+    /// Whether the column holds numbers, which stand right.
     pub number: bool,
 }
 
-impl Column {
+impl Head {
     /// A column of words.
     pub fn words(name: &str) -> Self {
         Self { name: name.into(), number: false }
@@ -58,17 +57,17 @@ impl Column {
 }
 
 /// A table; the first cell of a row heads it. `rows` hold a class and cells, which are HTML.
-pub fn table(caption: &str, columns: &[Column], rows: &[(String, Vec<String>)]) -> String {
-    let class = |column: &Column| if column.number { " class=\"num\"" } else { "" };
-    let head = |c: &Column| format!("<th scope=\"col\"{}>{}</th>", class(c), escape(&c.name));
-    let row = |(own, cells): &(String, Vec<String>)| {
-        let cell = |(i, (column, html)): (usize, (&Column, &String))| match i {
+pub fn table(caption: &str, columns: &[Head], rows: &[(String, Vec<String>)]) -> String {
+    let class = |column: &Head| if column.number { " class=\"num\"" } else { "" };
+    let head = |c: &Head| format!("<th scope=\"col\"{}>{}</th>", class(c), escape(&c.name));
+    let row = |(row_class, cells): &(String, Vec<String>)| {
+        let cell = |(i, (column, html)): (usize, (&Head, &String))| match i {
             0 => format!("<th scope=\"row\"{}>{html}</th>", class(column)),
             _ => format!("<td{}>{html}</td>", class(column)),
         };
         let cells: String = columns.iter().zip(cells).enumerate().map(cell).collect();
-        let own = if own.is_empty() { String::new() } else { format!(" class=\"{own}\"") };
-        format!("<tr{own}>{cells}</tr>\n")
+        let row_class = if row_class.is_empty() { String::new() } else { format!(" class=\"{row_class}\"") };
+        format!("<tr{row_class}>{cells}</tr>\n")
     };
     let (head, body): (String, String) = (columns.iter().map(head).collect(), rows.iter().map(row).collect());
     format!(
@@ -99,22 +98,4 @@ pub fn legend(html: &str) -> String {
 /// Something to unfold.
 pub fn details(summary: &str, html: &str) -> String {
     format!("<details><summary>{}</summary>\n{html}</details>\n", escape(summary))
-}
-
-/// What `part` makes of each mode, under the mode's name; the script shows one mode at a time.
-pub fn by_mode(view: &View<'_>, mut part: impl FnMut(&str) -> String) -> String {
-    let mut html = String::new();
-    for mode in view.modes() {
-        let own = part(mode);
-        if own.is_empty() {
-            continue;
-        }
-        let name = escape(&mode_name(mode));
-        let against = escape(&format!("against {}", mode_reference(mode)));
-        html += &format!(
-            "<div class=\"mode\" data-mode=\"{}\" data-name=\"{name}\"><h3>{name} <small>{against}</small></h3>\n{own}</div>\n",
-            escape(mode)
-        );
-    }
-    html
 }

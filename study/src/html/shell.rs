@@ -1,4 +1,4 @@
-//! What every page of ours is: one file with its style and scripts, head, contents, sections, foot.
+//! The frame of every page: one file with its style and scripts, head, contents, sections, foot.
 
 use serde_json::Value;
 
@@ -11,7 +11,7 @@ const STYLE: &str = include_str!("style.css");
 const POLICY: &str = "default-src 'none'; img-src data:; style-src 'unsafe-inline'; script-src 'unsafe-inline'; \
                       base-uri 'none'; form-action 'none'";
 
-/// A page. What is HTML already is said so.
+/// A page. Fields described as HTML are written as they are; all other text is escaped.
 pub struct Shell<'a> {
     /// Title.
     pub title: &'a str,
@@ -38,7 +38,7 @@ impl Shell<'_> {
         let data = |(id, value): (&str, &Value)| {
             format!("<script type=\"application/json\" id=\"{id}\">{}</script>\n", script_json(value))
         };
-        let scripts: Vec<String> = self.scripts.iter().map(|own| format!("<script>\n{own}</script>\n")).collect();
+        let scripts: Vec<String> = self.scripts.iter().map(|script| format!("<script>\n{script}</script>\n")).collect();
         format!(
             "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
              <meta http-equiv=\"Content-Security-Policy\" content=\"{POLICY}\">\n\

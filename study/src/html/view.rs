@@ -1,14 +1,14 @@
-//! The study as the sections see it: found by scene, mode and policy, and each policy with one look on the whole page.
+//! The study as the sections see it: looked up by scene, mode and policy. A policy looks the same on the whole page.
 
 use crate::html::charts::svg::marker;
 use crate::html::parts::{legend, symbol};
 use crate::schema::{GainBand, Point, Study};
 
-/// Colours that policies take in turn; with the shapes (another number of them) 42 policies look different.
+/// Number of colours that policies take in turn. Shapes are 6, so 42 policies look different.
 const COLOURS: usize = 7;
 
 /// A study with what several sections look up in it.
-pub struct View<'a> {
+pub struct StudyView<'a> {
     /// The study.
     pub study: &'a Study,
     /// The points of the study's machine.
@@ -38,11 +38,11 @@ impl Look {
     }
 }
 
-impl<'a> View<'a> {
+impl<'a> StudyView<'a> {
     /// Looks at a study.
     pub fn new(study: &'a Study) -> Self {
-        let own: Vec<&Point> = study.points.iter().filter(|p| p.machine == study.machine).collect();
-        let points = if own.is_empty() { study.points.iter().collect() } else { own };
+        let of_machine: Vec<&Point> = study.points.iter().filter(|p| p.machine == study.machine).collect();
+        let points = if of_machine.is_empty() { study.points.iter().collect() } else { of_machine };
         let mut view = Self { study, points, headline: None };
         view.headline = study.headline_policy.as_deref().or_else(|| view.best());
         view
@@ -61,7 +61,7 @@ impl<'a> View<'a> {
         points
     }
 
-    /// The scenes that have a point in a mode; also those that the study forgot to list.
+    /// The scenes that have a point in a mode; also those that the list of the study lacks.
     pub fn scenes(&self, mode: &str) -> Vec<&'a str> {
         let mut names: Vec<&str> = self.study.scenes.iter().map(|s| s.name.as_str()).collect();
         for point in &self.points {
@@ -85,7 +85,7 @@ impl<'a> View<'a> {
         modes
     }
 
-    /// Place of a policy in the study; behind all if it is not listed.
+    /// Position of a policy in the study; behind all if it is not listed.
     fn order(&self, policy: &str) -> usize {
         self.study.policies.iter().position(|p| p.name == policy).unwrap_or(self.study.policies.len())
     }
@@ -187,22 +187,4 @@ pub fn geometric_mean(values: impl Iterator<Item = Option<f64>>) -> Option<f64> 
     let logs: Option<Vec<f64>> = values.map(|v| v.filter(|v| *v > 0.0).map(libm::log)).collect();
     let logs = logs.filter(|logs| !logs.is_empty())?;
     Some(libm::exp(logs.iter().sum::<f64>() / logs.len() as f64))
-}
-
-/// A mode for people.
-pub fn mode_name(mode: &str) -> String {
-    match mode {
-        "2x2" => "Supersampling".into(),
-        "1x1" => "Undersampling".into(),
-        other => other.into(),
-    }
-}
-
-/// What a mode is compared with.
-pub fn mode_reference(mode: &str) -> String {
-    match mode {
-        "2x2" => "FSAA 2×2".into(),
-        "1x1" => "standard 1×1".into(),
-        other => format!("full {other}"),
-    }
 }

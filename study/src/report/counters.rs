@@ -127,12 +127,12 @@ pub(super) fn srp_l1(stats: &Stats) -> CacheCounters {
 /// All SRPs.
 pub(super) fn srp_sum(stats: &Stats) -> SrpStats {
     let mut total = SrpStats::default();
-    for own in stats.cores.iter().map(|core| &core.srp) {
-        total.kernels.iter_mut().zip(&own.kernels).for_each(|(sum, more)| *sum += *more);
-        total.activity += own.activity;
-        total.interface += own.interface;
-        total.dma += own.dma;
-        total.local += own.local;
+    for srp in stats.cores.iter().map(|core| &core.srp) {
+        total.kernels.iter_mut().zip(&srp.kernels).for_each(|(sum, more)| *sum += *more);
+        total.activity += srp.activity;
+        total.interface += srp.interface;
+        total.dma += srp.dma;
+        total.local += srp.local;
     }
     total
 }
@@ -148,7 +148,7 @@ pub(super) fn units(stats: &Stats) -> Value {
     };
     for (i, core) in stats.cores.iter().enumerate() {
         for (j, unit) in core.ti.trv.iter().enumerate() {
-            unit.stages.iter().for_each(|(name, own)| row(i, "trv", j, name, stats.cycles, own.list()));
+            unit.stages.iter().for_each(|(name, activity)| row(i, "trv", j, name, stats.cycles, activity.list()));
         }
         for (j, unit) in core.ti.ist.iter().enumerate() {
             row(i, "ist", j, "test", stats.cycles, unit.activity.list());

@@ -2,10 +2,10 @@
 
 use std::fmt::{self, Formatter};
 
+use crate::figures::RunCost;
 use crate::report::Report;
 use crate::report::counters::{ist_activity, ist_l1, srp_l1, srp_sum, stages, trv_l1};
 use crate::report::format::{amount, digits, grouped, percent};
-use crate::report::run::Cost;
 use rayreel_machine::config::{Dram, MachineConfig};
 use rayreel_machine::counters::Activity;
 use rayreel_machine::energy::{Component, watts};
@@ -39,7 +39,7 @@ fn speed(f: &mut Formatter<'_>, report: &Report, config: &MachineConfig) -> fmt:
     row("rays", grouped(run.rays_machine.unwrap_or_default()), run.mrays_per_s, "Mrays/s")?;
     writeln!(f, "\n  {:<18} {:>16} {:>20} {:>16}", "", "T&I units", "and their memory", "whole GPU")?;
     let costs = [run.ti, run.ti_with_memory.unwrap_or_default(), run.gpu.unwrap_or_default()];
-    let mut row = |name: &str, shown: fn(&Cost) -> String| {
+    let mut row = |name: &str, shown: fn(&RunCost) -> String| {
         let [ti, memory, gpu] = costs.each_ref().map(|cost| shown(cost).trim_end().to_owned());
         writeln!(f, "  {name:<18} {ti:>16} {memory:>20} {gpu:>16}")
     };
@@ -93,8 +93,8 @@ fn shader(f: &mut Formatter<'_>, stats: &Stats) -> fmt::Result {
         writeln!(f, "  {name:<32} {items:>12} {:>15} {busy:>8} {:>7}", grouped(cycles), percent(cycles, all))
     };
     for kernel in KernelId::ALL {
-        let own = srp.kernels[kernel as usize];
-        line(f, kernel.name(), grouped(own.items), own.cycles, true)?;
+        let counts = srp.kernels[kernel as usize];
+        line(f, kernel.name(), grouped(counts.items), counts.cycles, true)?;
     }
     line(f, "inspector", String::new(), activity.inspector, true)?;
     line(f, "busy", String::new(), busy, true)?;

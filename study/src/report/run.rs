@@ -2,44 +2,10 @@
 
 use serde::Serialize;
 
+use crate::figures::{RunCost, RunFigures};
 use rayreel_machine::config::MachineConfig;
 use rayreel_machine::energy::EnergyReport;
 use rayreel_replay::simulate::MachineRun;
-
-/// Time, speed and power of one frame or of all; everything is null without a machine.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub struct RunFigures {
-    /// Cycles of the T&I clock.
-    pub cycles: Option<u64>,
-    /// Simulated time, ms.
-    pub time_ms: Option<f64>,
-    /// Frames a second.
-    pub fps: Option<f64>,
-    /// Rays that the T&I units took.
-    pub rays_machine: Option<u64>,
-    /// The same a second, millions.
-    pub mrays_per_s: Option<f64>,
-    /// Cost of the T&I units alone.
-    #[serde(flatten)]
-    pub ti: Cost,
-    /// Cost of the T&I units and of what their nodes and triangles cause at L2 and DRAM.
-    pub ti_with_memory: Option<Cost>,
-    /// Cost of the whole GPU with its memory.
-    pub gpu: Option<Cost>,
-}
-
-/// What something costs; null where nothing was done in no time.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct Cost {
-    /// Mean power, W.
-    pub power_w: Option<f64>,
-    /// Energy, mJ.
-    pub energy_mj: Option<f64>,
-    /// Energy a ray, nJ.
-    pub energy_per_ray_nj: Option<f64>,
-    /// Frames a second and watt.
-    pub perf_per_watt: Option<f64>,
-}
 
 impl RunFigures {
     /// Figures of a run of so many frames.
@@ -47,7 +13,7 @@ impl RunFigures {
         let cycles = run.stats.cycles;
         let seconds = cycles as f64 / (f64::from(config.ti.clock_mhz) * 1e6);
         let rays = run.stats.rays();
-        let cost = |fj: u128| Cost::new(fj, seconds, rays, frames);
+        let cost = |fj: u128| RunCost::new(fj, seconds, rays, frames);
         Self {
             cycles: Some(cycles),
             time_ms: Some(seconds * 1e3),
@@ -61,7 +27,7 @@ impl RunFigures {
     }
 }
 
-impl Cost {
+impl RunCost {
     fn new(fj: u128, seconds: f64, rays: u64, frames: usize) -> Self {
         let joules = fj as f64 * 1e-15;
         Self {

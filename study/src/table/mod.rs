@@ -1,7 +1,6 @@
 //! The results of a sweep as a table: one row a point, typed columns with units.
 
 pub mod csv;
-pub mod load;
 pub mod parquet;
 
 use serde::{Deserialize, Serialize};
@@ -78,10 +77,10 @@ impl Cells {
     /// How many rows.
     pub fn len(&self) -> usize {
         match self {
-            Self::Int(own) => own.len(),
-            Self::Float(own) => own.len(),
-            Self::Flag(own) => own.len(),
-            Self::Text(own) => own.len(),
+            Self::Int(cells) => cells.len(),
+            Self::Float(cells) => cells.len(),
+            Self::Flag(cells) => cells.len(),
+            Self::Text(cells) => cells.len(),
         }
     }
 
@@ -93,9 +92,9 @@ impl Cells {
     /// The number in a row, if there is one: flags are 0 and 1.
     pub fn number(&self, row: usize) -> Option<f64> {
         match self {
-            Self::Int(own) => own[row].map(|i| i as f64),
-            Self::Float(own) => own[row],
-            Self::Flag(own) => own[row].map(f64::from),
+            Self::Int(cells) => cells[row].map(|i| i as f64),
+            Self::Float(cells) => cells[row],
+            Self::Flag(cells) => cells[row].map(f64::from),
             Self::Text(_) => None,
         }
     }
@@ -103,12 +102,12 @@ impl Cells {
     /// The value in a row as text; nothing where there is none. Floats are written so that they read back the same.
     pub fn text(&self, row: usize) -> Option<String> {
         match self {
-            Self::Int(own) => own[row].map(|i| i.to_string()),
-            Self::Float(own) => {
-                own[row].map(|f| serde_json::Number::from_f64(f).map_or_else(|| f.to_string(), |n| n.to_string()))
+            Self::Int(cells) => cells[row].map(|i| i.to_string()),
+            Self::Float(cells) => {
+                cells[row].map(|f| serde_json::Number::from_f64(f).map_or_else(|| f.to_string(), |n| n.to_string()))
             }
-            Self::Flag(own) => own[row].map(|flag| flag.to_string()),
-            Self::Text(own) => own[row].clone(),
+            Self::Flag(cells) => cells[row].map(|flag| flag.to_string()),
+            Self::Text(cells) => cells[row].clone(),
         }
     }
 }

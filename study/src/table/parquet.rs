@@ -1,6 +1,7 @@
 //! Results as Parquet: one optional column a field, zstd, and under the metadata key `rayreel` a JSON object with the heading and
 //! each column's unit, description and role. The bytes depend on the table alone.
 
+use std::ops::Range;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -58,23 +59,46 @@ pub fn decode(bytes: Vec<u8>, path: &Path) -> Result<Results> {
     let reader =
         SerializedFileReader::new(bytes::Bytes::from(bytes)).map_err(|e| bad(format!("not a Parquet file: {e}")))?;
     let pairs = reader.metadata().file_metadata().key_value_metadata();
-    let own = pairs.into_iter().flatten().find(|pair| pair.key == KEY).and_then(|pair| pair.value.as_deref());
-    let own = own.ok_or_else(|| bad("not the results of a sweep; `rayreel sweep merge` writes these".into()))?;
-    let own: Metadata = serde_json::from_str(own).map_err(|e| bad(format!("its metadata cannot be read: {e}")))?;
+    let metadata = pairs.into_iter().flatten().find(|pair| pair.key == KEY).and_then(|pair| pair.value.as_deref());
+    let metadata =
+        metadata.ok_or_else(|| bad("not the results of a sweep; `rayreel sweep merge` writes these".into()))?;
+    let metadata: Metadata =
+        serde_json::from_str(metadata).map_err(|e| bad(format!("its metadata cannot be read: {e}")))?;
     let columns = reader.metadata().file_metadata().schema_descr().num_columns();
-    if columns != own.columns.len() {
-        return Err(bad(format!("its metadata describe {} columns of {columns}", own.columns.len())));
+    if columns != metadata.columns.len() {
+        return Err(bad(format!("its metadata describe {} columns of {columns}", metadata.columns.len())));
     }
     let mut fields = Vec::new();
-    for (i, info) in own.columns.into_iter().enumerate() {
+    for (i, info) in metadata.columns.into_iter().enumerate() {
         let cells = read(&reader, i).map_err(|e| bad(format!("column {}: {e}", info.name)))?;
         let ColumnInfo { name, unit, description, role } = info;
         fields.push(Field { name, unit, description, role, cells });
     }
-    Ok(Results { heading: own.heading, fields })
+    Ok(Results { heading: metadata.heading, fields })
 }
 
 fn write(results: &Results) -> Result<Vec<u8>, ParquetError> {
+    let properties = WriterProperties::builder()
+        .set_compression(Compression::ZSTD(ZstdLevel::try_new(3)?))
+        .set_created_by("rayreel".into())
+        .set_key_value_metadata(Some(vec![KeyValue::new(KEY.into(), metadata(results)?)]))
+        .build();
+    let mut writer = SerializedFileWriter::new(Vec::new(), schema(results)?, Arc::new(properties))?;
+    for start in (0..results.rows()).step_by(GROUP) {
+        let rows = start..(start + GROUP).min(results.rows());
+        let mut group = writer.next_row_group()?;
+        for field in &results.fields {
+            let mut column = group.next_column()?.ok_or_else(|| ParquetError::General("a column too many".into()))?;
+            write_cells(field, rows.clone(), column.untyped())?;
+            column.close()?;
+        }
+        group.close()?;
+    }
+    writer.into_inner()
+}
+
+/// The columns with their types.
+fn schema(results: &Results) -> Result<Arc<Type>, ParquetError> {
     let column = |field: &Field| {
         let (physical, logical) = match field.cells {
             Cells::Int(_) => (Physical::INT64, None),
@@ -86,7 +110,11 @@ fn write(results: &Results) -> Result<Vec<u8>, ParquetError> {
         column.with_repetition(Repetition::OPTIONAL).with_logical_type(logical).build().map(Arc::new)
     };
     let columns = results.fields.iter().map(column).collect::<Result<Vec<_>, _>>()?;
-    let schema = Arc::new(Type::group_type_builder("sweep").with_fields(columns).build()?);
+    Type::group_type_builder("sweep").with_fields(columns).build().map(Arc::new)
+}
+
+/// The value of the metadata key.
+fn metadata(results: &Results) -> Result<String, ParquetError> {
     let info = |field: &Field| ColumnInfo {
         name: field.name.clone(),
         unit: field.unit.clone(),
@@ -94,42 +122,31 @@ fn write(results: &Results) -> Result<Vec<u8>, ParquetError> {
         role: field.role,
     };
     let metadata = Metadata { heading: results.heading.clone(), columns: results.fields.iter().map(info).collect() };
-    let metadata = serde_json::to_string(&metadata).map_err(|e| ParquetError::General(e.to_string()))?;
-    let properties = WriterProperties::builder()
-        .set_compression(Compression::ZSTD(ZstdLevel::try_new(3)?))
-        .set_created_by("rayreel".into())
-        .set_key_value_metadata(Some(vec![KeyValue::new(KEY.into(), metadata)]))
-        .build();
-    let mut writer = SerializedFileWriter::new(Vec::new(), schema, Arc::new(properties))?;
-    for start in (0..results.rows()).step_by(GROUP) {
-        let rows = start..(start + GROUP).min(results.rows());
-        let mut group = writer.next_row_group()?;
-        for field in &results.fields {
-            let mut column = group.next_column()?.ok_or_else(|| ParquetError::General("a column too many".into()))?;
-            match (&field.cells, column.untyped()) {
-                (Cells::Int(own), ColumnWriter::Int64ColumnWriter(to)) => {
-                    let (values, levels) = present(&own[rows.clone()], |v| *v);
-                    to.write_batch(&values, Some(&levels), None)?;
-                }
-                (Cells::Float(own), ColumnWriter::DoubleColumnWriter(to)) => {
-                    let (values, levels) = present(&own[rows.clone()], |v| *v);
-                    to.write_batch(&values, Some(&levels), None)?;
-                }
-                (Cells::Flag(own), ColumnWriter::BoolColumnWriter(to)) => {
-                    let (values, levels) = present(&own[rows.clone()], |v| *v);
-                    to.write_batch(&values, Some(&levels), None)?;
-                }
-                (Cells::Text(own), ColumnWriter::ByteArrayColumnWriter(to)) => {
-                    let (values, levels) = present(&own[rows.clone()], |v| ByteArray::from(v.as_str()));
-                    to.write_batch(&values, Some(&levels), None)?;
-                }
-                _ => return Err(ParquetError::General(format!("column {} is of another type", field.name))),
-            }
-            column.close()?;
+    serde_json::to_string(&metadata).map_err(|e| ParquetError::General(e.to_string()))
+}
+
+/// Writes some rows of a column.
+fn write_cells(field: &Field, rows: Range<usize>, writer: &mut ColumnWriter<'_>) -> Result<(), ParquetError> {
+    match (&field.cells, writer) {
+        (Cells::Int(cells), ColumnWriter::Int64ColumnWriter(to)) => {
+            let (values, levels) = present(&cells[rows], |v| *v);
+            to.write_batch(&values, Some(&levels), None)?;
         }
-        group.close()?;
+        (Cells::Float(cells), ColumnWriter::DoubleColumnWriter(to)) => {
+            let (values, levels) = present(&cells[rows], |v| *v);
+            to.write_batch(&values, Some(&levels), None)?;
+        }
+        (Cells::Flag(cells), ColumnWriter::BoolColumnWriter(to)) => {
+            let (values, levels) = present(&cells[rows], |v| *v);
+            to.write_batch(&values, Some(&levels), None)?;
+        }
+        (Cells::Text(cells), ColumnWriter::ByteArrayColumnWriter(to)) => {
+            let (values, levels) = present(&cells[rows], |v| ByteArray::from(v.as_str()));
+            to.write_batch(&values, Some(&levels), None)?;
+        }
+        _ => return Err(ParquetError::General(format!("column {} is of another type", field.name))),
     }
-    writer.into_inner()
+    Ok(())
 }
 
 /// The values that are there, and for each row whether it has one.
@@ -151,21 +168,21 @@ fn read(reader: &SerializedFileReader<bytes::Bytes>, column: usize) -> Result<Ce
         let group = reader.get_row_group(group)?;
         let rows = usize::try_from(group.metadata().num_rows()).unwrap_or(0);
         macro_rules! take {
-            ($from:ident, $own:ident, $value:expr) => {{
+            ($from:ident, $cells:ident, $value:expr) => {{
                 let (mut levels, mut values) = (Vec::new(), Vec::new());
                 $from.read_records(rows, Some(&mut levels), None, &mut values)?;
                 let mut values = values.into_iter();
                 for level in levels {
-                    $own.push(if level == 1 { values.next().map($value) } else { None });
+                    $cells.push(if level == 1 { values.next().map($value) } else { None });
                 }
             }};
         }
         match (group.get_column_reader(column)?, &mut cells) {
-            (ColumnReader::Int64ColumnReader(mut from), Cells::Int(own)) => take!(from, own, |v| v),
-            (ColumnReader::DoubleColumnReader(mut from), Cells::Float(own)) => take!(from, own, |v| v),
-            (ColumnReader::BoolColumnReader(mut from), Cells::Flag(own)) => take!(from, own, |v| v),
-            (ColumnReader::ByteArrayColumnReader(mut from), Cells::Text(own)) => {
-                take!(from, own, |v: ByteArray| String::from_utf8_lossy(v.data()).into_owned());
+            (ColumnReader::Int64ColumnReader(mut from), Cells::Int(cells)) => take!(from, cells, |v| v),
+            (ColumnReader::DoubleColumnReader(mut from), Cells::Float(cells)) => take!(from, cells, |v| v),
+            (ColumnReader::BoolColumnReader(mut from), Cells::Flag(cells)) => take!(from, cells, |v| v),
+            (ColumnReader::ByteArrayColumnReader(mut from), Cells::Text(cells)) => {
+                take!(from, cells, |v: ByteArray| String::from_utf8_lossy(v.data()).into_owned());
             }
             _ => return Err(ParquetError::General("it changes its type".into())),
         }

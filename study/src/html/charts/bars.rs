@@ -1,11 +1,11 @@
-//! Bars: groups of upright ones (the paper's Figure 7), and rows of level ones (a value for each policy).
+//! Bars: groups of vertical ones (the paper's Figure 7), and rows of horizontal ones (a value for each policy).
 
 use crate::html::charts::WIDTH;
 use crate::html::charts::scale::{Scale, extent};
 use crate::html::charts::svg::{Svg, n, shortened, text_width};
 use crate::html::text::factor;
 
-/// An upright bar of a group.
+/// An vertical bar of a group.
 pub struct Bar {
     /// Its height; nothing leaves a gap.
     pub value: Option<f64>,
@@ -25,10 +25,10 @@ pub struct Group {
     pub band: Option<(f64, Option<f64>)>,
 }
 
-/// Height of the upright chart.
+/// Height of the vertical chart.
 const HEIGHT: f64 = 250.0;
 
-/// Groups of upright bars over a common axis of factors. A line marks 1, the reference.
+/// Groups of vertical bars over a common axis of factors. A line marks 1, the reference.
 pub fn grouped(groups: &[Group], label: &str) -> String {
     let [left, right, top, bottom] = [34.0, WIDTH - 4.0, 14.0, HEIGHT - 26.0];
     let values = groups.iter().flat_map(|g| {
@@ -58,7 +58,7 @@ fn factor_tick(scale: &Scale, tick: f64) -> String {
 
 /// One group in its slot: left end and width.
 fn upright(svg: &mut Svg, group: &Group, [start, slot]: [f64; 2], y: &Scale, bottom: f64) {
-    // The last place is the paper's bracket.
+    // The last slot is for the paper's bracket.
     let places = group.bars.len() as f64 + 0.8;
     let (pad, middle) = (slot * 0.08, start + slot / 2.0);
     let width = ((slot - 2.0 * pad) / places).min(24.0);
@@ -69,7 +69,7 @@ fn upright(svg: &mut Svg, group: &Group, [start, slot]: [f64; 2], y: &Scale, bot
         svg.mark([x + 0.75, y.at(value), width - 1.5, bottom - y.at(value)], bar.class, 1.0, &bar.tip);
         if i + 1 == group.bars.len() {
             let text = factor(value).trim_end_matches('×').to_owned();
-            // Over the gap that the low bar of power leaves, and clear of the bracket at the right.
+            // There is room above the low bar of power, and the bracket stands at the right.
             svg.text(x + width + 1.0, y.at(value) - 4.0, "value e", &text);
         }
     }
@@ -90,8 +90,8 @@ fn bracket(svg: &mut Svg, x: f64, (least, most): (f64, Option<f64>), y: &Scale) 
     svg.path(&format!("{}M{x} {}V{}{top}", cap(low), n(low), n(high), x = n(x)), "paper", "");
 }
 
-/// A level bar.
-pub struct Row {
+/// A horizontal bar.
+pub struct HorizontalBar {
     /// Name at its left.
     pub name: String,
     /// Its length.
@@ -107,8 +107,8 @@ pub struct Row {
 /// Height of a row.
 const ROW: f64 = 22.0;
 
-/// Level bars over an axis of factors that reaches `most`; the zone is what the paper states.
-pub fn rows(rows: &[Row], most: f64, zone: Option<(f64, Option<f64>)>, label: &str) -> String {
+/// Horizontal bars over an axis of factors that reaches `most`; the zone is what the paper states.
+pub fn rows(rows: &[HorizontalBar], most: f64, zone: Option<(f64, Option<f64>)>, label: &str) -> String {
     let top = if zone.is_some() { 20.0 } else { 6.0 };
     let (height, left) = (top + ROW * rows.len() as f64 + 22.0, name_width(rows.iter().map(|r| r.name.as_str())));
     let bottom = height - 22.0;

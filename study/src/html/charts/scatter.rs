@@ -9,9 +9,9 @@ use crate::html::text::escape;
 pub struct Dot {
     /// Its name.
     pub name: String,
-    /// The level value; nothing is more than any number (an identical picture).
+    /// The horizontal value; none is infinite: the PSNR of an identical picture.
     pub x: Option<f64>,
-    /// The upright value.
+    /// The vertical value.
     pub y: f64,
     /// Colour class.
     pub class: String,
@@ -41,7 +41,7 @@ pub fn frontier(dots: &[Dot]) -> Vec<bool> {
 /// Height of the chart.
 const HEIGHT: f64 = 270.0;
 
-/// Draws the points; `names` say what the axes show, `tick` how an upright value is written.
+/// Draws the points; `names` say what the axes show, `label` describes the chart.
 pub fn scatter(dots: &[Dot], names: [&str; 2], label: &str) -> String {
     let best = frontier(dots);
     let identical = dots.iter().any(|d| d.x.is_none());

@@ -1,4 +1,4 @@
-//! Level bars made of parts: energy by component, cycles by state, kernels.
+//! Horizontal bars made of parts: energy by component, cycles by state, kernels.
 
 use crate::html::charts::WIDTH;
 use crate::html::charts::bars::{NAME_MAX, name_width};
@@ -18,7 +18,7 @@ pub struct Part {
 }
 
 /// A bar, or a heading between bars.
-pub enum Row {
+pub enum StackedRow {
     /// A heading.
     Head(String),
     /// A bar.
@@ -36,9 +36,10 @@ pub enum Row {
 const ROW: f64 = 21.0;
 
 /// Draws the bars. The axis reaches `most`; `tick` writes a value along it.
-pub fn stacked(rows: &[Row], most: f64, tick: impl Fn(&Scale, f64) -> String, label: &str) -> String {
-    let names = rows.iter().filter_map(|row| if let Row::Bar { name, .. } = row { Some(name.as_str()) } else { None });
-    let texts = rows.iter().map(|row| if let Row::Bar { text, .. } = row { text_width(text) } else { 0.0 });
+pub fn stacked(rows: &[StackedRow], most: f64, tick: impl Fn(&Scale, f64) -> String, label: &str) -> String {
+    let names =
+        rows.iter().filter_map(|row| if let StackedRow::Bar { name, .. } = row { Some(name.as_str()) } else { None });
+    let texts = rows.iter().map(|row| if let StackedRow::Bar { text, .. } = row { text_width(text) } else { 0.0 });
     let (left, behind) = (name_width(names), texts.fold(0.0, f64::max) + 10.0);
     let bottom = 4.0 + ROW * rows.len() as f64;
     let x = Scale::exact([0.0, if most > 0.0 { most } else { 1.0 }], 5, [left, WIDTH - behind]);
@@ -50,8 +51,8 @@ pub fn stacked(rows: &[Row], most: f64, tick: impl Fn(&Scale, f64) -> String, la
     for (i, row) in rows.iter().enumerate() {
         let y = 4.0 + ROW * i as f64;
         match row {
-            Row::Head(text) => svg.text(0.0, y + 14.0, "head s", text),
-            Row::Bar { name, parts, text } => {
+            StackedRow::Head(text) => svg.text(0.0, y + 14.0, "head s", text),
+            StackedRow::Bar { name, parts, text } => {
                 svg.text(left - 6.0, y + 13.0, "label e", &shortened(name, NAME_MAX));
                 let mut start = 0.0;
                 for part in parts.iter().filter(|part| part.value > 0.0) {

@@ -1,17 +1,17 @@
 //! One choice changed at a time.
 
-use crate::html::parts::{Column, Section, how_to_read, table};
+use crate::html::parts::{Head, Section, how_to_read, table};
 use crate::html::text::{escape, factor, fixed, or_dash, percent, psnr};
-use crate::html::view::View;
+use crate::html::view::StudyView;
 use crate::schema::Ablation;
 
 /// The section.
-pub fn section(view: &View<'_>) -> Option<Section> {
+pub fn section(view: &StudyView<'_>) -> Option<Section> {
     let all = &view.study.ablations;
     let mut groups: Vec<&str> = Vec::new();
-    for own in all {
-        if !groups.contains(&own.group.as_str()) {
-            groups.push(&own.group);
+    for ablation in all {
+        if !groups.contains(&ablation.group.as_str()) {
+            groups.push(&ablation.group);
         }
     }
     let mut html = String::new();
@@ -30,33 +30,36 @@ pub fn section(view: &View<'_>) -> Option<Section> {
 
 fn group_table(group: &str, all: &[&Ablation]) -> String {
     let columns = [
-        Column::words("Choice"),
-        Column::words("Scene"),
-        Column::words("Policy"),
-        Column::number("Rays of all"),
-        Column::number("Cycles"),
-        Column::number("Power, W"),
-        Column::number("Performance/W"),
-        Column::number("PSNR"),
+        Head::words("Choice"),
+        Head::words("Scene"),
+        Head::words("Policy"),
+        Head::number("Rays of all"),
+        Head::number("Cycles"),
+        Head::number("Power, W"),
+        Head::number("Performance/W"),
+        Head::number("PSNR"),
     ];
     let mut rows = Vec::new();
-    for own in all {
-        let base = all.iter().find(|b| b.base && b.scene == own.scene && b.mode == own.mode && b.policy == own.policy);
-        let base = base.filter(|_| !own.base);
-        let note = if own.note.is_empty() { String::new() } else { format!("<small>{}</small>", escape(&own.note)) };
+    for ablation in all {
+        let base = all
+            .iter()
+            .find(|b| b.base && b.scene == ablation.scene && b.mode == ablation.mode && b.policy == ablation.policy);
+        let base = base.filter(|_| !ablation.base);
+        let note =
+            if ablation.note.is_empty() { String::new() } else { format!("<small>{}</small>", escape(&ablation.note)) };
         let cells = vec![
-            format!("{}{note}", escape(&own.name)),
-            format!("{} <small>{}</small>", escape(&own.scene), escape(&own.mode.replace('x', "×"))),
-            escape(&own.policy),
-            percent(own.rays_traced as f64 / own.rays_full.max(1) as f64),
-            or_dash(own.cycles, |v| {
+            format!("{}{note}", escape(&ablation.name)),
+            format!("{} <small>{}</small>", escape(&ablation.scene), escape(&ablation.mode.replace('x', "×"))),
+            escape(&ablation.policy),
+            percent(ablation.rays_traced as f64 / ablation.rays_full.max(1) as f64),
+            or_dash(ablation.cycles, |v| {
                 super::super::text::count(v) + &times(v as f64, base.and_then(|b| b.cycles).map(|v| v as f64))
             }),
-            or_dash(own.power_w, |v| fixed(v, 3) + &times(v, base.and_then(|b| b.power_w))),
-            or_dash(own.perf_per_watt, |v| fixed(v, 1) + &times(v, base.and_then(|b| b.perf_per_watt))),
-            psnr(own.psnr_db) + &difference(own.psnr_db, base.and_then(|b| b.psnr_db)),
+            or_dash(ablation.power_w, |v| fixed(v, 3) + &times(v, base.and_then(|b| b.power_w))),
+            or_dash(ablation.perf_per_watt, |v| fixed(v, 1) + &times(v, base.and_then(|b| b.perf_per_watt))),
+            psnr(ablation.psnr_db) + &difference(ablation.psnr_db, base.and_then(|b| b.psnr_db)),
         ];
-        rows.push((if own.base { "strong".into() } else { String::new() }, cells));
+        rows.push((if ablation.base { "strong".into() } else { String::new() }, cells));
     }
     table(&capitalised(group), &columns, &rows)
 }

@@ -1,15 +1,16 @@
 //! The animation, frame by frame.
 
 use crate::html::charts::lines::{Line, Lines};
-use crate::html::parts::{Column, Section, card, grid, how_to_read, table};
+use crate::html::modes::mode_name;
+use crate::html::parts::{Head, Section, card, grid, how_to_read, table};
 use crate::html::text::{escape, fixed, or_dash, percent, psnr};
-use crate::html::view::{View, mode_name};
+use crate::html::view::StudyView;
 use crate::schema::{Track, TrackFrame};
 
 /// What is drawn: title, unit, value of a frame, whether the axis begins at zero.
-type Figure = (&'static str, &'static str, fn(&TrackFrame) -> Option<f64>, bool);
+type Plot = (&'static str, &'static str, fn(&TrackFrame) -> Option<f64>, bool);
 
-const FIGURES: [Figure; 6] = [
+const PLOTS: [Plot; 6] = [
     ("Rays traced", "rays", |f| Some(f.rays_traced as f64), true),
     ("Mean rate: traced samples per sample", "", |f| Some(f.mean_rate), true),
     ("PSNR, dB", "dB", |f| f.psnr_db, false),
@@ -19,7 +20,7 @@ const FIGURES: [Figure; 6] = [
 ];
 
 /// The section.
-pub fn section(view: &View<'_>) -> Option<Section> {
+pub fn section(view: &StudyView<'_>) -> Option<Section> {
     let mut groups: Vec<(&str, &str)> = Vec::new();
     for track in &view.study.tracks {
         if !groups.contains(&(&track.scene, &track.mode)) {
@@ -32,7 +33,7 @@ pub fn section(view: &View<'_>) -> Option<Section> {
         let policies: Vec<&str> = tracks.iter().map(|t| t.policy.as_str()).collect();
         html += &format!("<h3>{} <small>{}</small></h3>\n", escape(scene), escape(&mode_name(mode).to_lowercase()));
         html += &view.legend(&policies);
-        html += &grid(&FIGURES.iter().map(|figure| chart(view, scene, &tracks, figure)).collect::<String>());
+        html += &grid(&PLOTS.iter().map(|plot| chart(view, scene, &tracks, plot)).collect::<String>());
         html += &totals(scene, &tracks);
     }
     if !html.is_empty() {
@@ -45,7 +46,7 @@ pub fn section(view: &View<'_>) -> Option<Section> {
     Section::new("animation", "The animation, frame by frame", html)
 }
 
-fn chart(view: &View<'_>, scene: &str, tracks: &[&Track], (title, unit, value, zero): &Figure) -> String {
+fn chart(view: &StudyView<'_>, scene: &str, tracks: &[&Track], (title, unit, value, zero): &Plot) -> String {
     // Frames without any value are left out: where only some are simulated, the line goes from one to the next.
     let known = tracks.iter().flat_map(|t| t.frames.iter().filter(|f| value(f).is_some()).map(|f| f.frame));
     let mut frames: Vec<u32> = known.collect();
@@ -75,12 +76,12 @@ fn chart(view: &View<'_>, scene: &str, tracks: &[&Track], (title, unit, value, z
 
 fn totals(scene: &str, tracks: &[&Track]) -> String {
     let columns = [
-        Column::words("Policy"),
-        Column::number("Frames"),
-        Column::number("Rays traced of all"),
-        Column::number("T&I energy, mJ a frame"),
-        Column::number("PSNR"),
-        Column::number("Flicker"),
+        Head::words("Policy"),
+        Head::number("Frames"),
+        Head::number("Rays traced of all"),
+        Head::number("T&I energy, mJ a frame"),
+        Head::number("PSNR"),
+        Head::number("Flicker"),
     ];
     let row = |track: &&Track| {
         let (full, traced) =

@@ -1,17 +1,17 @@
 //! Every value of the machine, with how well it is known and where it is from.
 
-use crate::html::parts::{Column, Section, how_to_read, legend, table};
+use crate::html::parts::{Head, Section, how_to_read, legend, table};
 use crate::html::text::escape;
-use crate::html::view::View;
+use crate::html::view::StudyView;
 use crate::schema::ConfigValue;
 
 /// The section.
-pub fn section(view: &View<'_>) -> Option<Section> {
+pub fn section(view: &StudyView<'_>) -> Option<Section> {
     let values = &view.study.config;
     if values.is_empty() {
         return None;
     }
-    let columns = [Column::words("Key"), Column::number("Value"), Column::words("Class"), Column::words("Source")];
+    let columns = [Head::words("Key"), Head::number("Value"), Head::words("Class"), Head::words("Source")];
     let row = |v: &ConfigValue| {
         let unit = if v.unit.is_empty() { String::new() } else { format!(" <small>{}</small>", escape(&v.unit)) };
         let class = format!("<span class=\"badge\">{}</span>", escape(&v.class));

@@ -1,9 +1,10 @@
 //! Energy by component.
 
-use crate::html::charts::stacked::{Part, Row, stacked};
-use crate::html::parts::{Column, Section, by_mode, card, details, grid, how_to_read, key, legend, table};
+use crate::html::charts::stacked::{Part, StackedRow, stacked};
+use crate::html::modes::{by_mode, mode_name};
+use crate::html::parts::{Head, Section, card, details, grid, how_to_read, key, legend, table};
 use crate::html::text::{digits, escape, fixed, or_dash, percent};
-use crate::html::view::{View, mode_name};
+use crate::html::view::StudyView;
 use crate::schema::{Component, Point};
 
 /// Group, name for people, colour class.
@@ -11,7 +12,7 @@ const GROUPS: [(&str, &str, &str); 3] =
     [("ti", "T&I units", "e0"), ("srp", "SRPs", "e1"), ("memory", "L2 and DRAM", "e2")];
 
 /// The section.
-pub fn section(view: &View<'_>) -> Option<Section> {
+pub fn section(view: &StudyView<'_>) -> Option<Section> {
     if view.points.iter().all(|p| p.energy.is_empty()) {
         return None;
     }
@@ -31,28 +32,28 @@ fn total(point: &Point) -> f64 {
     point.energy.iter().map(|c| c.mj).sum()
 }
 
-fn chart(view: &View<'_>, scene: &str, mode: &str) -> String {
+fn chart(view: &StudyView<'_>, scene: &str, mode: &str) -> String {
     let points: Vec<&Point> = view.of(scene, mode).into_iter().filter(|p| !p.energy.is_empty()).collect();
     let most = points.iter().map(|p| total(p)).fold(0.0, f64::max);
     if points.is_empty() {
         return String::new();
     }
-    let row = |point: &&Point| Row::Bar {
+    let row = |point: &&Point| StackedRow::Bar {
         name: point.policy.clone(),
         parts: parts(point),
         text: format!("{} mJ", digits(total(point))),
     };
     let text: Vec<String> = points.iter().map(|p| format!("{} {} mJ", p.policy, digits(total(p)))).collect();
     let label = format!("Stacked bars, {scene}: energy by component. {}.", text.join("; "));
-    let rows: Vec<Row> = points.iter().map(row).collect();
+    let rows: Vec<StackedRow> = points.iter().map(row).collect();
     card(scene, &stacked(&rows, most, |scale, tick| scale.label(tick), &label), "")
 }
 
 fn parts(point: &Point) -> Vec<Part> {
     let all = total(point).max(f64::MIN_POSITIVE);
     let mut parts = Vec::new();
-    let mut add = |own: Vec<&Component>, group: &str, class: &str| {
-        for (i, component) in own.iter().enumerate() {
+    let mut add = |components: Vec<&Component>, group: &str, class: &str| {
+        for (i, component) in components.iter().enumerate() {
             parts.push(Part {
                 value: component.mj,
                 class: class.into(),
@@ -75,7 +76,7 @@ fn parts(point: &Point) -> Vec<Part> {
     parts
 }
 
-fn numbers(view: &View<'_>, mode: &str) -> String {
+fn numbers(view: &StudyView<'_>, mode: &str) -> String {
     let points =
         || view.scenes(mode).into_iter().flat_map(|scene| view.of(scene, mode)).filter(|p| !p.energy.is_empty());
     let mut names: Vec<&str> = Vec::new();
@@ -84,8 +85,8 @@ fn numbers(view: &View<'_>, mode: &str) -> String {
             names.push(&component.component);
         }
     }
-    let mut columns = vec![Column::words("Scene"), Column::words("Policy"), Column::number("All")];
-    columns.extend(names.iter().map(|name| Column::number(name)));
+    let mut columns = vec![Head::words("Scene"), Head::words("Policy"), Head::number("All")];
+    columns.extend(names.iter().map(|name| Head::number(name)));
     let row = |point: &Point| {
         let mut cells = vec![escape(&point.scene), escape(&point.policy), fixed(total(point), 3)];
         let of = |name: &&str| point.energy.iter().find(|c| c.component == *name);

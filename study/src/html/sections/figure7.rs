@@ -1,9 +1,10 @@
 //! The paper's Figure 7: performance, power and performance per watt of its own policies, T&I units alone.
 
 use crate::html::charts::bars::{Bar, Group, grouped};
-use crate::html::parts::{Column, Section, by_mode, card, details, how_to_read, key, legend, symbol, table};
+use crate::html::modes::{by_mode, mode_name, mode_reference};
+use crate::html::parts::{Head, Section, card, details, how_to_read, key, legend, symbol, table};
 use crate::html::text::{escape, factor, or_dash};
-use crate::html::view::{View, geometric_mean, mode_name, mode_reference};
+use crate::html::view::{StudyView, geometric_mean};
 use crate::schema::{Gain, Point};
 
 /// Name and colour class of the three bars of a scene.
@@ -14,7 +15,7 @@ fn values(gain: Option<Gain>) -> [Option<f64>; 3] {
 }
 
 /// The section.
-pub fn section(view: &View<'_>) -> Option<Section> {
+pub fn section(view: &StudyView<'_>) -> Option<Section> {
     let mut charts = String::new();
     for mode in view.modes() {
         charts += &view.paper_policy(mode).map(|policy| chart(view, mode, policy)).unwrap_or_default();
@@ -40,7 +41,7 @@ pub fn section(view: &View<'_>) -> Option<Section> {
     Section::new("figure7", "The paper's Figure 7", html)
 }
 
-fn chart(view: &View<'_>, mode: &str, policy: &str) -> String {
+fn chart(view: &StudyView<'_>, mode: &str, policy: &str) -> String {
     let gain = |point: &Point| point.ti_gain.or(point.gpu_gain);
     let points: Vec<&Point> =
         view.scenes(mode).into_iter().filter_map(|scene| view.point(scene, mode, policy)).collect();
@@ -48,13 +49,13 @@ fn chart(view: &View<'_>, mode: &str, policy: &str) -> String {
         return String::new();
     }
     let alone = if points.iter().all(|p| p.ti_gain.is_some()) { "T&I units alone" } else { "whole GPU" };
-    let group = |name: &str, own: [Option<f64>; 3], band| {
+    let group = |name: &str, values: [Option<f64>; 3], band| {
         let bar = |((what, class), value): (&(&str, &'static str), Option<f64>)| Bar {
             value,
             class,
             tip: format!("{name}\n{policy}, {alone}\n{what} {}", or_dash(value, factor)),
         };
-        Group { name: name.to_owned(), bars: BARS.iter().zip(own).map(bar).collect(), band }
+        Group { name: name.to_owned(), bars: BARS.iter().zip(values).map(bar).collect(), band }
     };
     let mut groups: Vec<Group> = points
         .iter()
@@ -71,15 +72,15 @@ fn chart(view: &View<'_>, mode: &str, policy: &str) -> String {
     card(&name, &grouped(&groups, &label), &format!("{alone}; geometric mean at the right."))
 }
 
-fn numbers(view: &View<'_>, mode: &str) -> String {
-    let mut columns = vec![Column::words("Scene"), Column::words("Policy")];
+fn numbers(view: &StudyView<'_>, mode: &str) -> String {
+    let mut columns = vec![Head::words("Scene"), Head::words("Policy")];
     for part in ["T&I", "GPU"] {
-        columns.extend(["performance", "power", "perf/W"].map(|name| Column::number(&format!("{part} {name}"))));
+        columns.extend(["performance", "power", "perf/W"].map(|name| Head::number(&format!("{part} {name}"))));
     }
     if mode == "1x1" {
-        columns.push(Column::number("perf/W over FSAA 2×2"));
+        columns.push(Head::number("perf/W over FSAA 2×2"));
     }
-    columns.push(Column::words("Paper perf/W"));
+    columns.push(Head::words("Paper perf/W"));
     let mut rows = Vec::new();
     for scene in view.scenes(mode) {
         for point in view.of(scene, mode).into_iter().filter(|p| p.kind != "full") {

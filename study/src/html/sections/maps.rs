@@ -3,11 +3,11 @@
 use crate::html::parts::{Section, how_to_read};
 use crate::html::sections::viewer::Pictures;
 use crate::html::text::{escape, fixed, percent};
-use crate::html::view::View;
+use crate::html::view::StudyView;
 use crate::schema::Map;
 
 /// The section.
-pub fn section(view: &View<'_>, pictures: &Pictures) -> Option<Section> {
+pub fn section(view: &StudyView<'_>, pictures: &Pictures) -> Option<Section> {
     let maps = &view.study.maps;
     let mut groups: Vec<(&str, &str)> = Vec::new();
     for map in maps {

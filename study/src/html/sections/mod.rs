@@ -15,11 +15,11 @@ mod units;
 pub mod viewer;
 
 use crate::html::parts::Section;
-use crate::html::view::View;
+use crate::html::view::StudyView;
 use viewer::Pictures;
 
 /// All sections that have data, in order.
-pub fn all(view: &View<'_>, pictures: &Pictures) -> Vec<Section> {
+pub fn all(view: &StudyView<'_>, pictures: &Pictures) -> Vec<Section> {
     let sections = [
         summary::section(view),
         viewer::section(view, pictures),

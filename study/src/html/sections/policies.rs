@@ -1,14 +1,15 @@
 //! Every policy: Pareto charts of performance per watt and PSNR, bars beside the paper's bands, and the numbers.
 
-use crate::html::charts::bars::{Row, rows};
+use crate::html::charts::bars::{HorizontalBar, rows};
 use crate::html::charts::scatter::{Dot, frontier, scatter};
-use crate::html::parts::{Column, Section, by_mode, card, details, grid, how_to_read, table};
+use crate::html::modes::{by_mode, mode_name};
+use crate::html::parts::{Head, Section, card, details, grid, how_to_read, table};
 use crate::html::text::{amount, count, decibels, escape, factor, fixed, or_dash, percent, psnr};
-use crate::html::view::{View, gain, geometric_mean, mode_name};
+use crate::html::view::{StudyView, gain, geometric_mean};
 use crate::schema::Point;
 
 /// The section.
-pub fn section(view: &View<'_>) -> Option<Section> {
+pub fn section(view: &StudyView<'_>) -> Option<Section> {
     if view.points.iter().all(|p| gain(p).is_none()) {
         let numbers = by_mode(view, |mode| numbers(view, mode));
         return Section::new("policies", "All policies", numbers);
@@ -50,15 +51,15 @@ fn tip(point: &Point) -> String {
     text + &format!("\n{} of {} rays traced", amount(point.rays_traced as f64, ""), amount(point.rays_full as f64, ""))
 }
 
-fn dot(view: &View<'_>, point: &Point) -> Option<Dot> {
+fn dot(view: &StudyView<'_>, point: &Point) -> Option<Dot> {
     let (full, look) = (point.kind == "full", view.look(&point.policy));
-    // What is compared with itself is the same picture at the same cost.
+    // `full` is compared with itself: the same picture at the same cost.
     let x = if full { None } else { point.quality?.psnr_db };
     let y = gain(point).or(full.then_some(1.0))?;
     Some(Dot { name: point.policy.clone(), x, y, class: look.class(), shape: look.shape, tip: tip(point) })
 }
 
-fn pareto(view: &View<'_>, mode: &str) -> String {
+fn pareto(view: &StudyView<'_>, mode: &str) -> String {
     let mut html = overall(view, mode);
     for scene in view.scenes(mode) {
         let dots: Vec<Dot> = view.of(scene, mode).into_iter().filter_map(|point| dot(view, point)).collect();
@@ -83,7 +84,7 @@ fn chart(title: &str, dots: &[Dot], y_name: &str) -> String {
 }
 
 /// All scenes in one chart: the mean gain and the worst picture.
-fn overall(view: &View<'_>, mode: &str) -> String {
+fn overall(view: &StudyView<'_>, mode: &str) -> String {
     let scenes = view.scenes(mode).len();
     if scenes < 2 {
         return String::new();
@@ -102,7 +103,7 @@ fn overall(view: &View<'_>, mode: &str) -> String {
     chart(&title, &dots, "performance per watt, mean")
 }
 
-fn bars(view: &View<'_>, mode: &str) -> String {
+fn bars(view: &StudyView<'_>, mode: &str) -> String {
     let most = view.points.iter().filter(|p| p.mode == mode).filter_map(|p| gain(p)).fold(1.0, f64::max);
     let mut html = String::new();
     for scene in view.scenes(mode) {
@@ -110,7 +111,7 @@ fn bars(view: &View<'_>, mode: &str) -> String {
         let row = |point: &Point| {
             let value = gain(point)?;
             let psnr_text = point.quality.map(|q| format!(" · {}", psnr(q.psnr_db))).unwrap_or_default();
-            Some(Row {
+            Some(HorizontalBar {
                 name: point.policy.clone(),
                 value,
                 text: factor(value) + &psnr_text,
@@ -118,7 +119,7 @@ fn bars(view: &View<'_>, mode: &str) -> String {
                 tip: tip(point),
             })
         };
-        let all: Vec<Row> = points.filter_map(row).collect();
+        let all: Vec<HorizontalBar> = points.filter_map(row).collect();
         if all.is_empty() {
             continue;
         }
@@ -129,18 +130,18 @@ fn bars(view: &View<'_>, mode: &str) -> String {
     html
 }
 
-fn numbers(view: &View<'_>, mode: &str) -> String {
+fn numbers(view: &StudyView<'_>, mode: &str) -> String {
     let columns = [
-        Column::words("Scene"),
-        Column::words("Policy"),
-        Column::number("Rays traced"),
-        Column::number("of all"),
-        Column::number("Mean rate"),
-        Column::number("GPU time, ms"),
-        Column::number("GPU power, W"),
-        Column::number("GPU energy, mJ"),
-        Column::number("T&I perf/W, frames/J"),
-        Column::number("PSNR"),
+        Head::words("Scene"),
+        Head::words("Policy"),
+        Head::number("Rays traced"),
+        Head::number("of all"),
+        Head::number("Mean rate"),
+        Head::number("GPU time, ms"),
+        Head::number("GPU power, W"),
+        Head::number("GPU energy, mJ"),
+        Head::number("T&I perf/W, frames/J"),
+        Head::number("PSNR"),
     ];
     let mut rows = Vec::new();
     for scene in view.scenes(mode) {

@@ -1,16 +1,17 @@
 //! What was rendered and how: scenes and policies.
 
-use crate::html::parts::{Column, Section, details, table};
+use crate::html::modes::mode_name;
+use crate::html::parts::{Head, Section, details, table};
 use crate::html::text::{count, escape, fixed, or_dash};
-use crate::html::view::{View, mode_name};
+use crate::html::view::StudyView;
 
 /// The section.
-pub fn section(view: &View<'_>) -> Option<Section> {
+pub fn section(view: &StudyView<'_>) -> Option<Section> {
     let html = scenes(view) + &policies(view);
     Section::new("setup", "Scenes and policies", html)
 }
 
-fn scenes(view: &View<'_>) -> String {
+fn scenes(view: &StudyView<'_>) -> String {
     let all = &view.study.scenes;
     if all.is_empty() {
         return String::new();
@@ -22,13 +23,13 @@ fn scenes(view: &View<'_>) -> String {
         }
     }
     let mut columns = vec![
-        Column::words("Scene"),
-        Column::number("Triangles"),
-        Column::number("The paper's"),
-        Column::number("Lights"),
-        Column::number("Frame"),
+        Head::words("Scene"),
+        Head::number("Triangles"),
+        Head::number("The paper's"),
+        Head::number("Lights"),
+        Head::number("Frame"),
     ];
-    columns.extend(modes.iter().map(|mode| Column::number(&format!("Rays, {}", mode_name(mode).to_lowercase()))));
+    columns.extend(modes.iter().map(|mode| Head::number(&format!("Rays, {}", mode_name(mode).to_lowercase()))));
     let row = |scene: &crate::schema::Scene| {
         let paper = scene.paper_triangles.filter(|n| *n > 0).map(|n| {
             format!(
@@ -52,11 +53,11 @@ fn scenes(view: &View<'_>) -> String {
     "<h3>Scenes</h3>\n".to_owned() + &table("Scenes", &columns, &all.iter().map(row).collect::<Vec<_>>())
 }
 
-fn sign(own: u64, paper: u64) -> &'static str {
-    if own > paper { "+" } else { "" }
+fn sign(measured: u64, paper: u64) -> &'static str {
+    if measured > paper { "+" } else { "" }
 }
 
-fn policies(view: &View<'_>) -> String {
+fn policies(view: &StudyView<'_>) -> String {
     let policy = |p: &crate::schema::Policy| {
         let file = if p.config_toml.is_empty() {
             String::new()

@@ -1,20 +1,21 @@
 //! Where the SRP's cycles go: what similarity tests and interpolation cost.
 
-use crate::html::charts::stacked::{Part, Row, stacked};
-use crate::html::parts::{Section, by_mode, card, grid, how_to_read, key, legend};
+use crate::html::charts::stacked::{Part, StackedRow, stacked};
+use crate::html::modes::by_mode;
+use crate::html::parts::{Section, card, grid, how_to_read, key, legend};
 use crate::html::text::{count, percent};
-use crate::html::view::View;
+use crate::html::view::StudyView;
 use crate::schema::{Kernel, Point};
 
 /// The kernels that sampling adds, with their colour class; the others are grey.
-const OWN: [(&str, &str); 2] = [("similarity", "k0"), ("interpolate", "k1")];
+const COLOURS: [(&str, &str); 2] = [("similarity", "k0"), ("interpolate", "k1")];
 
 /// The section.
-pub fn section(view: &View<'_>) -> Option<Section> {
+pub fn section(view: &StudyView<'_>) -> Option<Section> {
     if view.points.iter().all(|p| p.srp.is_empty()) {
         return None;
     }
-    let keys = OWN.into_iter().chain([("other kernels", "k2")]).map(|(name, class)| key(class, name));
+    let keys = COLOURS.into_iter().chain([("other kernels", "k2")]).map(|(name, class)| key(class, name));
     let mut html = legend(&keys.collect::<String>());
     html += &by_mode(view, |mode| {
         grid(&view.scenes(mode).iter().map(|scene| chart(view, scene, mode)).collect::<String>())
@@ -28,48 +29,52 @@ pub fn section(view: &View<'_>) -> Option<Section> {
 
 /// Cycles of the kernels that sampling adds, as a share.
 fn added(kernels: &[Kernel]) -> f64 {
-    kernels.iter().filter(|k| OWN.iter().any(|(name, _)| *name == k.kernel)).map(|k| k.share).sum()
+    kernels.iter().filter(|k| COLOURS.iter().any(|(name, _)| *name == k.kernel)).map(|k| k.share).sum()
 }
 
-fn chart(view: &View<'_>, scene: &str, mode: &str) -> String {
+fn chart(view: &StudyView<'_>, scene: &str, mode: &str) -> String {
     let points: Vec<&Point> = view.of(scene, mode).into_iter().filter(|p| !p.srp.is_empty()).collect();
     if points.is_empty() {
         return String::new();
     }
-    let row = |point: &&Point| Row::Bar {
+    let row = |point: &&Point| StackedRow::Bar {
         name: point.policy.clone(),
         parts: parts(&point.policy, &point.srp),
         text: percent(added(&point.srp)),
     };
-    let mut rows: Vec<Row> = points.iter().map(row).collect();
+    let mut rows: Vec<StackedRow> = points.iter().map(row).collect();
     let text: Vec<String> = points.iter().map(|p| format!("{} {}", p.policy, percent(added(&p.srp)))).collect();
     let stated = &view.study.references.srp;
     if !stated.is_empty() {
-        let own = stated.iter().map(|k| Kernel { kernel: k.kernel.clone(), cycles: 0, share: k.share });
-        let mut kernels: Vec<Kernel> = own.collect();
+        let kernels = stated.iter().map(|k| Kernel { kernel: k.kernel.clone(), cycles: 0, share: k.share });
+        let mut kernels: Vec<Kernel> = kernels.collect();
         let rest = 1.0 - kernels.iter().map(|k| k.share).sum::<f64>();
         kernels.push(Kernel { kernel: "other kernels".into(), cycles: 0, share: rest });
         let text = percent(added(&kernels));
-        rows.push(Row::Bar { name: "the paper".into(), parts: parts("the paper, mean of its scenes", &kernels), text });
+        rows.push(StackedRow::Bar {
+            name: "the paper".into(),
+            parts: parts("the paper, mean of its scenes", &kernels),
+            text,
+        });
     }
     let label = format!("Stacked bars, {scene}: SRP cycles by kernel. Added by sampling: {}.", text.join("; "));
     card(scene, &stacked(&rows, 1.0, |_, tick| percent(tick).replace(".0", ""), &label), "")
 }
 
 fn parts(name: &str, kernels: &[Kernel]) -> Vec<Part> {
-    let class = |kernel: &Kernel| OWN.iter().find(|(own, _)| *own == kernel.kernel).map(|(_, class)| *class);
+    let class = |kernel: &Kernel| COLOURS.iter().find(|(name, _)| *name == kernel.kernel).map(|(_, class)| *class);
     let mut sorted: Vec<&Kernel> = kernels.iter().collect();
     // What sampling adds first, so that it begins at zero in every bar.
-    sorted.sort_by_key(|k| OWN.iter().position(|(own, _)| *own == k.kernel).unwrap_or(OWN.len()));
+    sorted.sort_by_key(|k| COLOURS.iter().position(|(name, _)| *name == k.kernel).unwrap_or(COLOURS.len()));
     let mut greys = 0;
     let mut part = |kernel: &&Kernel| {
-        let own = class(kernel);
-        greys += usize::from(own.is_none());
+        let colour = class(kernel);
+        greys += usize::from(colour.is_none());
         let cycles = if kernel.cycles > 0 { format!(", {} cycles", count(kernel.cycles)) } else { String::new() };
         Part {
             value: kernel.share,
-            class: own.unwrap_or("k2").into(),
-            opacity: if own.is_some() { 1.0 } else { (1.0 - 0.18 * greys.saturating_sub(1) as f64).max(0.25) },
+            class: colour.unwrap_or("k2").into(),
+            opacity: if colour.is_some() { 1.0 } else { (1.0 - 0.18 * greys.saturating_sub(1) as f64).max(0.25) },
             tip: format!("{name}\n{} {}{cycles}", kernel.kernel, percent(kernel.share)),
         }
     };

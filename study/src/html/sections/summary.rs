@@ -1,9 +1,10 @@
 //! The headline numbers.
 
 use crate::html::charts::scale::extent;
+use crate::html::modes::{mode_name, mode_reference};
 use crate::html::parts::Section;
 use crate::html::text::{decibels, escape, factor, percent};
-use crate::html::view::{View, gain, geometric_mean, mode_name, mode_reference};
+use crate::html::view::{StudyView, gain, geometric_mean};
 use crate::schema::Point;
 
 /// A number with what it is.
@@ -14,14 +15,14 @@ struct Tile {
 }
 
 /// The section.
-pub fn section(view: &View<'_>) -> Option<Section> {
+pub fn section(view: &StudyView<'_>) -> Option<Section> {
     let mut tiles = Vec::new();
     for mode in view.modes() {
         tiles.extend(view.paper_policy(mode).and_then(|policy| paper(view, mode, policy)));
     }
     for mode in view.modes() {
-        let own = view.headline.filter(|policy| view.paper_policy(mode) != Some(*policy));
-        tiles.extend(own.and_then(|policy| headline(view, mode, policy)));
+        let policy = view.headline.filter(|policy| view.paper_policy(mode) != Some(*policy));
+        tiles.extend(policy.and_then(|policy| headline(view, mode, policy)));
     }
     tiles.extend(dominance(view));
     tiles.extend(overhead(view));
@@ -53,12 +54,12 @@ fn range(points: &[&Point]) -> String {
     [gains, psnr].into_iter().flatten().collect::<Vec<_>>().join("; ")
 }
 
-/// What of the machine a gain is of.
+/// The part of the machine that a gain is about.
 fn part_of(points: &[&Point]) -> &'static str {
     if points.iter().all(|p| p.ti_gain.is_some()) { "T&I units alone" } else { "whole GPU" }
 }
 
-fn mean_tile(view: &View<'_>, mode: &str, policy: &str) -> Option<(Tile, usize)> {
+fn mean_tile(view: &StudyView<'_>, mode: &str, policy: &str) -> Option<(Tile, usize)> {
     let points = view.everywhere(mode, policy)?;
     let mean = geometric_mean(points.iter().map(|p| gain(p)))?;
     let label = format!("{policy}: performance per watt over {}", mode_reference(mode));
@@ -67,7 +68,7 @@ fn mean_tile(view: &View<'_>, mode: &str, policy: &str) -> Option<(Tile, usize)>
     Some((Tile { label, value: factor(mean), detail }, points.len()))
 }
 
-fn paper(view: &View<'_>, mode: &str, policy: &str) -> Option<Tile> {
+fn paper(view: &StudyView<'_>, mode: &str, policy: &str) -> Option<Tile> {
     let (mut tile, _) = mean_tile(view, mode, policy)?;
     let bands = &view.study.references.gains;
     if let Some([low, high]) = extent(bands.iter().flat_map(|b| [b.least, b.most.unwrap_or(b.least)])) {
@@ -76,12 +77,12 @@ fn paper(view: &View<'_>, mode: &str, policy: &str) -> Option<Tile> {
     Some(tile)
 }
 
-fn headline(view: &View<'_>, mode: &str, policy: &str) -> Option<Tile> {
+fn headline(view: &StudyView<'_>, mode: &str, policy: &str) -> Option<Tile> {
     mean_tile(view, mode, policy).map(|(tile, _)| tile)
 }
 
 /// In how many scenes the headline policy beats the paper's in both respects.
-fn dominance(view: &View<'_>) -> Option<Tile> {
+fn dominance(view: &StudyView<'_>) -> Option<Tile> {
     let policy = view.headline?;
     let mut counts = Vec::new();
     for mode in view.modes() {
@@ -98,14 +99,14 @@ fn dominance(view: &View<'_>) -> Option<Tile> {
 }
 
 /// Share of the SRP's cycles that sampling itself takes.
-fn overhead(view: &View<'_>) -> Option<Tile> {
+fn overhead(view: &StudyView<'_>) -> Option<Tile> {
     let kernels = ["similarity", "interpolate"];
     let mut shares = [Vec::new(), Vec::new()];
     for mode in view.modes() {
         let Some(policy) = view.paper_policy(mode) else { continue };
         for point in view.points.iter().filter(|p| p.mode == mode && p.policy == policy && !p.srp.is_empty()) {
-            for (own, name) in shares.iter_mut().zip(kernels) {
-                own.push(point.srp.iter().find(|k| k.kernel == name).map_or(0.0, |k| k.share));
+            for (share, name) in shares.iter_mut().zip(kernels) {
+                share.push(point.srp.iter().find(|k| k.kernel == name).map_or(0.0, |k| k.share));
             }
         }
     }

@@ -1,12 +1,13 @@
 //! The paper's Table 1: PSNR, with the other quality figures beside it.
 
-use crate::html::parts::{Column, Section, by_mode, details, how_to_read, table};
+use crate::html::modes::{by_mode, mode_name, mode_reference};
+use crate::html::parts::{Head, Section, details, how_to_read, table};
 use crate::html::text::{decibels, escape, fixed, or_dash, psnr};
-use crate::html::view::{View, mode_name, mode_reference};
+use crate::html::view::StudyView;
 use crate::schema::Point;
 
 /// The section.
-pub fn section(view: &View<'_>) -> Option<Section> {
+pub fn section(view: &StudyView<'_>) -> Option<Section> {
     let compared = |p: &&Point| p.quality.is_some() && p.kind != "full";
     if !view.points.iter().any(compared) {
         return None;
@@ -20,11 +21,11 @@ pub fn section(view: &View<'_>) -> Option<Section> {
     Section::new("table1", "Table 1: image quality", html)
 }
 
-fn psnr_table(view: &View<'_>, mode: &str) -> String {
+fn psnr_table(view: &StudyView<'_>, mode: &str) -> String {
     let scenes = view.scenes(mode);
-    let mut columns = vec![Column::words("Policy")];
-    columns.extend(scenes.iter().map(|scene| Column::number(scene)));
-    columns.push(Column::number("Least"));
+    let mut columns = vec![Head::words("Policy")];
+    columns.extend(scenes.iter().map(|scene| Head::number(scene)));
+    columns.push(Head::number("Least"));
     let mut rows = Vec::new();
     for policy in view.policies(Some(mode)) {
         let qualities: Vec<_> =
@@ -43,26 +44,26 @@ fn psnr_table(view: &View<'_>, mode: &str) -> String {
     let stated = &view.study.references.psnr;
     if stated.iter().any(|p| p.mode == mode) {
         let mut cells = vec!["the paper".to_owned()];
-        let own: Vec<Option<f64>> = scenes
+        let values: Vec<Option<f64>> = scenes
             .iter()
             .map(|scene| stated.iter().find(|p| p.mode == mode && p.scene == *scene).map(|p| p.psnr_db))
             .collect();
-        cells.extend(own.iter().map(|v| or_dash(*v, decibels)));
-        let least = own.iter().flatten().copied().fold(f64::INFINITY, f64::min);
+        cells.extend(values.iter().map(|v| or_dash(*v, decibels)));
+        let least = values.iter().flatten().copied().fold(f64::INFINITY, f64::min);
         cells.push(or_dash(least.is_finite().then_some(least), decibels));
         rows.push(("paper-row".into(), cells));
     }
     table(&format!("PSNR, {}", mode_name(mode).to_lowercase()), &columns, &rows)
 }
 
-fn others(view: &View<'_>, mode: &str) -> String {
+fn others(view: &StudyView<'_>, mode: &str) -> String {
     let columns = [
-        Column::words("Scene"),
-        Column::words("Policy"),
-        Column::number("PSNR"),
-        Column::number("Worst tile"),
-        Column::number("SSIM"),
-        Column::number("FLIP"),
+        Head::words("Scene"),
+        Head::words("Policy"),
+        Head::number("PSNR"),
+        Head::number("Worst tile"),
+        Head::number("SSIM"),
+        Head::number("FLIP"),
     ];
     let mut rows = Vec::new();
     for scene in view.scenes(mode) {

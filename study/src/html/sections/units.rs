@@ -1,9 +1,10 @@
 //! What the units did with their cycles.
 
-use crate::html::charts::stacked::{Part, Row, stacked};
-use crate::html::parts::{Section, by_mode, card, grid, how_to_read, key, legend};
+use crate::html::charts::stacked::{Part, StackedRow, stacked};
+use crate::html::modes::by_mode;
+use crate::html::parts::{Section, card, grid, how_to_read, key, legend};
 use crate::html::text::percent;
-use crate::html::view::View;
+use crate::html::view::StudyView;
 use crate::schema::{Point, StateShare, Unit};
 
 /// States that are known, with their colour class and what they mean; any other is grey.
@@ -30,7 +31,7 @@ fn busy(unit: &Unit) -> f64 {
 }
 
 /// The section.
-pub fn section(view: &View<'_>) -> Option<Section> {
+pub fn section(view: &StudyView<'_>) -> Option<Section> {
     if view.points.iter().all(|p| p.units.is_empty()) {
         return None;
     }
@@ -50,12 +51,12 @@ pub fn section(view: &View<'_>) -> Option<Section> {
 }
 
 /// The points worth comparing: full, the paper's policy, the summary's.
-pub fn compared<'a>(view: &View<'a>, scene: &str, mode: &str) -> Vec<&'a Point> {
+pub fn compared<'a>(view: &StudyView<'a>, scene: &str, mode: &str) -> Vec<&'a Point> {
     let wanted = [view.paper_policy(mode), view.headline];
     view.of(scene, mode).into_iter().filter(|p| p.kind == "full" || wanted.contains(&Some(p.policy.as_str()))).collect()
 }
 
-fn chart(view: &View<'_>, scene: &str, mode: &str) -> String {
+fn chart(view: &StudyView<'_>, scene: &str, mode: &str) -> String {
     let points: Vec<&Point> = compared(view, scene, mode).into_iter().filter(|p| !p.units.is_empty()).collect();
     let mut names: Vec<&str> = Vec::new();
     for unit in points.iter().flat_map(|p| &p.units) {
@@ -65,12 +66,16 @@ fn chart(view: &View<'_>, scene: &str, mode: &str) -> String {
     }
     let (mut rows, mut text) = (Vec::new(), Vec::new());
     for name in names {
-        rows.push(Row::Head(name.to_owned()));
+        rows.push(StackedRow::Head(name.to_owned()));
         for point in &points {
             let Some(unit) = point.units.iter().find(|u| u.unit == name) else { continue };
             let busy = busy(unit);
             text.push(format!("{name} under {} {}", point.policy, percent(busy)));
-            rows.push(Row::Bar { name: point.policy.clone(), parts: parts(unit, &point.policy), text: percent(busy) });
+            rows.push(StackedRow::Bar {
+                name: point.policy.clone(),
+                parts: parts(unit, &point.policy),
+                text: percent(busy),
+            });
         }
     }
     if rows.is_empty() {
@@ -84,8 +89,8 @@ fn parts(unit: &Unit, policy: &str) -> Vec<Part> {
     let mut kernels = 0;
     let part = |share: &StateShare| {
         let (mut class, mut opacity, mut meaning) = ("s8", 1.0, String::new());
-        if let Some((_, own, what)) = STATES.iter().find(|(state, ..)| *state == share.state) {
-            (class, meaning) = (own, format!(": {what}"));
+        if let Some((_, colour, what)) = STATES.iter().find(|(state, ..)| *state == share.state) {
+            (class, meaning) = (colour, format!(": {what}"));
         } else if KERNELS.contains(&share.state.as_str()) {
             // Two shades in turn tell the kernels apart.
             (class, opacity, meaning) = ("s0", if kernels % 2 == 0 { 1.0 } else { 0.72 }, ": works".into());

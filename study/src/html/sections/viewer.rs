@@ -5,9 +5,10 @@ use std::collections::BTreeMap;
 use serde_json::{Value, json};
 
 use crate::html::error::ReportError;
+use crate::html::modes::mode_name;
 use crate::html::parts::{Section, how_to_read};
 use crate::html::text::{base64, escape, script_json};
-use crate::html::view::{View, mode_name};
+use crate::html::view::StudyView;
 use crate::schema::{Study, TileFigures, ViewerImages, ViewerSet};
 
 /// The PNG files of a study, each once.
@@ -73,7 +74,7 @@ fn name(set: &ViewerSet) -> String {
 }
 
 /// The section.
-pub fn section(view: &View<'_>, pictures: &Pictures) -> Option<Section> {
+pub fn section(view: &StudyView<'_>, pictures: &Pictures) -> Option<Section> {
     let shown = |set: &&ViewerSet| files(&set.images).iter().any(|(_, file)| file.is_some());
     let sets: Vec<&ViewerSet> = view.study.viewer.iter().filter(shown).collect();
     if sets.is_empty() {

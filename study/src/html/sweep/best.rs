@@ -3,20 +3,20 @@
 use crate::analysis::best::best;
 use crate::analysis::configs::Half;
 use crate::analysis::goals::{Goal, goal};
-use crate::html::parts::{Column, Section, details, table};
+use crate::html::parts::{Head, Section, details, table};
 use crate::html::sweep::summary::cells;
-use crate::html::sweep::view::View;
+use crate::html::sweep::view::SweepView;
 use crate::html::text::escape;
 use crate::table::Field;
 
 /// How many points of a group.
 const BEST: usize = 10;
 
-/// Most groups without a script.
+/// Most groups that the page shows without a script.
 const GROUPS: usize = 6;
 
 /// The section.
-pub fn section(view: &View<'_>) -> Option<Section> {
+pub fn section(view: &SweepView<'_>) -> Option<Section> {
     let objective = view.objective?;
     let controls = "<div class=\"controls only-js\"><label class=\"wide\">Best in <select id=\"best-result\"></select></label>\
          <label><select id=\"best-goal\" aria-label=\"Direction\"><option value=\"min\">least</option>\
@@ -31,7 +31,7 @@ pub fn section(view: &View<'_>) -> Option<Section> {
     Section::new("best", "Best points", html)
 }
 
-fn part(view: &View<'_>, objective: &Field, (name, rows): &(String, Vec<usize>)) -> String {
+fn part(view: &SweepView<'_>, objective: &Field, (name, rows): &(String, Vec<usize>)) -> String {
     let goal = goal(&objective.name);
     let best = best(&objective.cells, rows, goal, BEST);
     let Some(first) = best.first() else { return String::new() };
@@ -39,18 +39,18 @@ fn part(view: &View<'_>, objective: &Field, (name, rows): &(String, Vec<usize>))
     results.extend(view.headlines.iter().copied().filter(|field| field.name != objective.name));
     // The name of the group stands above.
     let dimensions = view.dimensions.iter().enumerate().filter(|(index, _)| Some(*index) != view.each);
-    let dimensions = dimensions.map(|(_, own)| Column::words(&own.name));
-    let columns: Vec<Column> = [Column::number("Point")]
+    let dimensions = dimensions.map(|(_, dimension)| Head::words(&dimension.name));
+    let columns: Vec<Head> = [Head::number("Point")]
         .into_iter()
         .chain(dimensions)
-        .chain(results.iter().map(|field| Column::number(&field.name)))
-        .chain([Column::words("Changes")])
+        .chain(results.iter().map(|field| Head::number(&field.name)))
+        .chain([Head::words("Changes")])
         .collect();
     let row = |row: &usize| {
-        let mut own = vec![escape(&view.number(*row))];
-        own.extend(cells(view, *row, &results));
-        own.push(changes(view, *row));
-        (String::new(), own)
+        let mut line = vec![escape(&view.number(*row))];
+        line.extend(cells(view, *row, &results));
+        line.push(changes(view, *row));
+        (String::new(), line)
     };
     let rows: Vec<_> = best.iter().map(row).collect();
     let word = if goal == Goal::Min { "Least" } else { "Most" };
@@ -61,20 +61,20 @@ fn part(view: &View<'_>, objective: &Field, (name, rows): &(String, Vec<usize>))
 }
 
 /// What a point changes.
-fn changes(view: &View<'_>, row: usize) -> String {
+fn changes(view: &SweepView<'_>, row: usize) -> String {
     let all: Vec<String> = Half::ALL
         .iter()
         .flat_map(|half| view.changes(row, *half).list)
-        .map(|own| format!("<code>{}={}</code>", escape(&own.key), escape(&own.value)))
+        .map(|change| format!("<code>{}={}</code>", escape(&change.key), escape(&change.value)))
         .collect();
     if all.is_empty() { "as the presets".into() } else { all.join(" ") }
 }
 
 /// Every value.
-fn whole(view: &View<'_>, row: usize) -> String {
+fn whole(view: &SweepView<'_>, row: usize) -> String {
     let lines = |half: &Half| {
-        let own = view.configs[*half as usize].row(row).into_iter().flatten();
-        own.map(|(key, value)| format!("{key} = {value}\n")).collect::<String>()
+        let config = view.configs[*half as usize].row(row).into_iter().flatten();
+        config.map(|(key, value)| format!("{key} = {value}\n")).collect::<String>()
     };
     let part = |half: &Half| {
         let text = lines(half);

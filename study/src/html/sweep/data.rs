@@ -1,8 +1,8 @@
 //! The table as the page's scripts read it: column by column, each in the form that takes the least room.
 //!
-//! A column that is the same everywhere is one value. One with few different values is a list of them and, a row after the other, the
-//! number of its value in digits of base 64. Other columns are lists; of numbers seven digits are kept, for the page is to be looked
-//! at, and the Parquet file has all.
+//! A column with one value is that value (`all`). A column with few different values is a list of these (`of`) and a text (`at`): for
+//! each row the index of its value, in digits of base 64. All other columns are lists of values (`own`). Numbers are kept to seven
+//! digits: the page is to be looked at, and the Parquet file has all digits.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -10,24 +10,24 @@ use serde_json::{Map, Value, json};
 
 use crate::analysis::configs::{Configs, Half};
 use crate::analysis::goals::goal;
-use crate::html::sweep::view::View;
+use crate::html::sweep::view::SweepView;
 use crate::table::{Cells, Field, Role};
 
 /// Digits of base 64.
 const DIGITS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
 
 /// Everything that the scripts need.
-pub fn data(view: &View<'_>) -> Value {
+pub fn data(view: &SweepView<'_>) -> Value {
     let shown = |field: &&Field| field.role != Role::Config && !matches!(field.name.as_str(), "key" | "error");
     let columns: Vec<Value> = view.results.fields.iter().filter(shown).map(column).collect();
     let configs: Vec<Value> = Half::ALL.iter().flat_map(|half| config(&view.configs[*half as usize], *half)).collect();
     json!({
         "rows": view.results.rows(),
         "columns": columns,
-        "dimensions": view.dimensions.iter().map(|own| own.name.as_str()).collect::<Vec<_>>(),
-        "headlines": view.headlines.iter().map(|own| own.name.as_str()).collect::<Vec<_>>(),
+        "dimensions": view.dimensions.iter().map(|dimension| dimension.name.as_str()).collect::<Vec<_>>(),
+        "headlines": view.headlines.iter().map(|field| field.name.as_str()).collect::<Vec<_>>(),
         "pair": view.pair,
-        "objective": view.objective.map(|own| own.name.as_str()),
+        "objective": view.objective.map(|field| field.name.as_str()),
         "each": view.each.map(|index| view.dimensions[index].name.as_str()),
         "colour": view.colour(),
         "strongest": view.strongest(),
@@ -43,29 +43,29 @@ fn column(field: &Field) -> Value {
         Cells::Flag(_) => "flag",
         Cells::Text(_) => "text",
     };
-    let mut own = Map::new();
-    own.insert("name".into(), json!(field.name));
-    own.insert("unit".into(), json!(if field.unit == "1" { "" } else { &field.unit }));
-    own.insert("text".into(), json!(field.description));
-    own.insert("role".into(), json!(field.role));
-    own.insert("kind".into(), json!(kind));
+    let mut column = Map::new();
+    column.insert("name".into(), json!(field.name));
+    column.insert("unit".into(), json!(if field.unit == "1" { "" } else { &field.unit }));
+    column.insert("text".into(), json!(field.description));
+    column.insert("role".into(), json!(field.role));
+    column.insert("kind".into(), json!(kind));
     if result {
-        own.insert("goal".into(), json!(goal(&field.name)));
+        column.insert("goal".into(), json!(goal(&field.name)));
     }
     let values: Vec<Value> = (0..field.cells.len()).map(|row| cell(&field.cells, row)).collect();
     // Numbers of a dictionary ascend, so that scripts need not sort them.
     let sorted = !matches!(field.cells, Cells::Text(_));
     let listed = matches!(field.role, Role::Axis | Role::Point) && field.name != "point";
-    own.extend(packed(&values, sorted, listed));
-    Value::Object(own)
+    column.extend(packed(&values, sorted, listed));
+    Value::Object(column)
 }
 
 fn cell(cells: &Cells, row: usize) -> Value {
     match cells {
-        Cells::Int(own) => own[row].into(),
-        Cells::Float(own) => own[row].map(short).into(),
-        Cells::Flag(own) => own[row].into(),
-        Cells::Text(own) => own[row].clone().into(),
+        Cells::Int(cells) => cells[row].into(),
+        Cells::Float(cells) => cells[row].map(short).into(),
+        Cells::Flag(cells) => cells[row].into(),
+        Cells::Text(cells) => cells[row].clone().into(),
     }
 }
 
@@ -77,7 +77,7 @@ fn short(value: f64) -> f64 {
 /// Values in the shortest form; as a dictionary in any case if `listed`.
 fn packed(values: &[Value], sorted: bool, listed: bool) -> Map<String, Value> {
     let one = |key: &str, value: Value| Map::from_iter([(key.to_owned(), value)]);
-    if let Some(first) = values.first().filter(|first| values.iter().all(|own| own == *first)) {
+    if let Some(first) = values.first().filter(|first| values.iter().all(|value| value == *first)) {
         return one("all", first.clone());
     }
     let texts: Vec<String> = values.iter().map(Value::to_string).collect();
@@ -90,10 +90,10 @@ fn packed(values: &[Value], sorted: bool, listed: bool) -> Map<String, Value> {
         });
     }
     if sorted {
-        // Nothing comes last.
+        // A missing value comes last.
         let number = |row: usize| match &values[row] {
             Value::Bool(flag) => f64::from(u8::from(*flag)),
-            own => own.as_f64().unwrap_or(f64::INFINITY),
+            value => value.as_f64().unwrap_or(f64::INFINITY),
         };
         order.sort_by(|a, b| number(*a).total_cmp(&number(*b)));
         known = order.iter().enumerate().map(|(index, row)| (texts[*row].as_str(), index)).collect();
@@ -105,41 +105,41 @@ fn packed(values: &[Value], sorted: bool, listed: bool) -> Map<String, Value> {
         return one("own", Value::Array(values.to_vec()));
     }
     let digits = |index: usize| (0..width).rev().map(move |place| DIGITS[(index >> (6 * place)) & 63] as char);
-    let mut own = one("of", order.iter().map(|row| values[*row].clone()).collect());
-    own.insert("at".into(), texts.iter().flat_map(|text| digits(known[text.as_str()])).collect::<String>().into());
-    own
+    let mut packed = one("of", order.iter().map(|row| values[*row].clone()).collect());
+    packed.insert("at".into(), texts.iter().flat_map(|text| digits(known[text.as_str()])).collect::<String>().into());
+    packed
 }
 
 /// The configuration, a column for each key.
 fn config(configs: &Configs, half: Half) -> Vec<Value> {
     let one = |key: &str| {
-        let value = |index: &Option<usize>| index.and_then(|index| configs.own[index].get(key).cloned()).into();
-        let mut own = Map::new();
-        own.insert("key".into(), json!(key));
-        own.insert("half".into(), json!(half.name()));
-        own.extend(packed(&configs.of.iter().map(value).collect::<Vec<Value>>(), false, false));
-        Value::Object(own)
+        let value = |index: &Option<usize>| index.and_then(|index| configs.distinct[index].get(key).cloned()).into();
+        let mut column = Map::new();
+        column.insert("key".into(), json!(key));
+        column.insert("half".into(), json!(half.name()));
+        column.extend(packed(&configs.of.iter().map(value).collect::<Vec<Value>>(), false, false));
+        Value::Object(column)
     };
     configs.keys().into_iter().map(one).collect()
 }
 
-/// What the presets of the results have, where any point of them has another value.
-fn presets(view: &View<'_>) -> Value {
+/// The values of the presets that the results name, of the keys in which any point differs from its preset.
+fn presets(view: &SweepView<'_>) -> Value {
     let mut all = Map::new();
     for half in Half::ALL {
-        let (mut own, mut seen) = (Map::new(), BTreeSet::new());
+        let (mut presets, mut seen) = (Map::new(), BTreeSet::new());
         let name = |row: usize| view.results.field(half.name()).and_then(|field| field.cells.text(row));
-        // Many points have one machine or one policy.
+        // Many points have the same machine or policy; each is looked at once.
         let mut first = |row: &usize| seen.insert((name(*row), view.configs[half as usize].of[*row]));
         for row in (0..view.results.rows()).filter(&mut first) {
             let changes = view.changes(row, half);
             let Some(name) = changes.preset else { continue };
-            let known = own.entry(name).or_insert_with(|| json!({}));
-            for own in changes.list {
-                known[own.key] = own.preset.into();
+            let known = presets.entry(name).or_insert_with(|| json!({}));
+            for change in changes.list {
+                known[change.key] = change.preset.into();
             }
         }
-        all.insert(half.name().into(), Value::Object(own));
+        all.insert(half.name().into(), Value::Object(presets));
     }
     Value::Object(all)
 }
@@ -150,7 +150,7 @@ mod tests {
 
     #[test]
     fn each_column_takes_the_form_that_is_short() {
-        let list = |own: &[f64]| own.iter().map(|v| json!(v)).collect::<Vec<_>>();
+        let list = |numbers: &[f64]| numbers.iter().map(|v| json!(v)).collect::<Vec<_>>();
         assert_eq!(Value::Object(packed(&list(&[2.0, 2.0]), true, false)), json!({ "all": 2.0 }));
         assert_eq!(
             Value::Object(packed(&list(&[3.5, 1.5, 3.5, 1.5, 3.5, 1.5]), true, false)),
@@ -159,9 +159,9 @@ mod tests {
         assert_eq!(Value::Object(packed(&list(&[1.25, 2.25]), true, false)), json!({ "own": [1.25, 2.25] }));
         assert_eq!(Value::Object(packed(&list(&[2.25, 1.25]), true, true)), json!({ "of": [1.25, 2.25], "at": "BA" }));
         let many: Vec<Value> = (0..400).map(|i| json!(i % 100)).collect();
-        let own = packed(&many, true, true);
+        let column = packed(&many, true, true);
         assert_eq!(
-            (own["at"].as_str().map(str::len), own["at"].as_str().map(|at| &at[198..202])),
+            (column["at"].as_str().map(str::len), column["at"].as_str().map(|at| &at[198..202])),
             (Some(800), Some("BjAA"))
         );
         assert_eq!(packed(&[json!(null), json!(1.5)], true, true)["of"], json!([1.5, null]), "nothing comes last");

@@ -2,14 +2,14 @@
 
 use crate::analysis::dims::Dimension;
 use crate::analysis::effects::Effect;
-use crate::html::parts::{Column, Section, how_to_read, table};
+use crate::html::parts::{Head, Section, how_to_read, table};
 use crate::html::sweep::number::{number, signed_percent};
-use crate::html::sweep::view::View;
+use crate::html::sweep::view::SweepView;
 use crate::html::text::{escape, or_dash, percent};
 use crate::table::Field;
 
 /// The section.
-pub fn section(view: &View<'_>) -> Option<Section> {
+pub fn section(view: &SweepView<'_>) -> Option<Section> {
     if view.dimensions.is_empty() || view.headlines.is_empty() {
         return None;
     }
@@ -29,30 +29,32 @@ pub fn section(view: &View<'_>) -> Option<Section> {
 }
 
 /// The bars of one result.
-fn card(view: &View<'_>, field: &Field) -> String {
+fn card(view: &SweepView<'_>, field: &Field) -> String {
     let effects = view.effects(field);
-    let low = effects.iter().map(|(_, own)| own.end(0)).fold(0.0, f64::min);
-    let high = effects.iter().map(|(_, own)| own.end(1)).fold(0.0, f64::max);
+    let low = effects.iter().map(|(_, effect)| effect.end(0)).fold(0.0, f64::min);
+    let high = effects.iter().map(|(_, effect)| effect.end(1)).fold(0.0, f64::max);
     let width = if high > low { high - low } else { 1.0 };
     let at = |end: f64| (end - low) / width * 100.0;
-    let bar = |(dimension, own): &(&Dimension, Effect)| {
-        let (from, to) = (at(own.end(0)), at(own.end(1)));
+    let bar = |(dimension, effect): &(&Dimension, Effect)| {
+        let (from, to) = (at(effect.end(0)), at(effect.end(1)));
         format!(
             "<li data-axis=\"{name}\" data-share=\"{share:.6}\"><span class=\"bar-name\">{name}<small>{ends}</small></span>\
              <span class=\"bar-track\" data-mark=\"\" data-tip=\"{tip}\"><span class=\"bar-fill\" style=\"left:{from:.2}%;width:{:.2}%\">\
              </span><span class=\"bar-mid\" style=\"left:{:.2}%\"></span></span><span class=\"bar-value\">{}</span></li>\n",
             to - from,
             at(0.0),
-            percent(own.share()),
+            percent(effect.share()),
             name = escape(&dimension.name),
-            share = own.share(),
-            ends = escape(&ends(dimension, own)),
-            tip = escape(&tip(field, dimension, own)),
+            share = effect.share(),
+            ends = escape(&ends(dimension, effect)),
+            tip = escape(&tip(field, dimension, effect)),
         )
     };
     let bars: String = effects.iter().map(bar).collect();
-    let mean =
-        effects.first().map(|(_, own)| format!("mean {} {}", number(own.overall), unit(field))).unwrap_or_default();
+    let mean = effects
+        .first()
+        .map(|(_, effect)| format!("mean {} {}", number(effect.overall), unit(field)))
+        .unwrap_or_default();
     format!(
         "<figure class=\"card\" data-result=\"{name}\"><figcaption><strong>{name}</strong> <small>{}</small><p>{}</p></figcaption>\
          <ul class=\"bars\">\n{bars}</ul></figure>\n",
@@ -66,13 +68,13 @@ fn unit(field: &Field) -> &str {
     if field.unit == "1" { "" } else { &field.unit }
 }
 
-/// Where the least and the most is.
+/// The values with the least and the most mean.
 fn ends(dimension: &Dimension, effect: &Effect) -> String {
     let value = |end: usize| &dimension.values[effect.ends[end]];
     if effect.share() == 0.0 { "no change".into() } else { format!("{} to {}", value(0), value(1)) }
 }
 
-/// The mean of each value, for asking.
+/// The mean of each value, shown when a bar is pointed at.
 fn tip(field: &Field, dimension: &Dimension, effect: &Effect) -> String {
     let mut text = format!("{} by {}", field.name, dimension.name);
     for (value, mean) in dimension.values.iter().zip(&effect.means).take(24) {
@@ -87,13 +89,11 @@ fn tip(field: &Field, dimension: &Dimension, effect: &Effect) -> String {
 }
 
 /// Every axis against every result.
-fn all(view: &View<'_>) -> String {
-    let columns: Vec<Column> = [Column::words("Axis")]
-        .into_iter()
-        .chain(view.headlines.iter().map(|field| Column::number(&field.name)))
-        .collect();
+fn all(view: &SweepView<'_>) -> String {
+    let columns: Vec<Head> =
+        [Head::words("Axis")].into_iter().chain(view.headlines.iter().map(|field| Head::number(&field.name))).collect();
     let row = |dimension: &Dimension| {
-        let share = |field: &&Field| or_dash(Effect::new(dimension, &field.cells), |own| percent(own.share()));
+        let share = |field: &&Field| or_dash(Effect::new(dimension, &field.cells), |effect| percent(effect.share()));
         let cells = [escape(&dimension.name)].into_iter().chain(view.headlines.iter().map(share)).collect();
         (String::new(), cells)
     };

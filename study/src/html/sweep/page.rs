@@ -1,14 +1,14 @@
 //! The page of a sweep: its head and foot around its sections.
 
 use crate::html::shell::Shell;
-use crate::html::sweep::view::View;
+use crate::html::sweep::view::SweepView;
 use crate::html::sweep::{best, columns, data, effects, explore, summary};
 use crate::html::text::{count, escape};
 use crate::table::Results;
 
 const STYLE: &str = include_str!("sweep.css");
 
-/// In the order in which they need each other.
+/// The scripts; each uses those before it.
 const SCRIPTS: &[&str] = &[
     include_str!("../script.js"),
     include_str!("js/data.js"),
@@ -26,7 +26,7 @@ const SCRIPTS: &[&str] = &[
 
 /// The whole page.
 pub fn page(results: &Results) -> String {
-    let view = View::new(results);
+    let view = SweepView::new(results);
     let sections = [
         summary::section(&view),
         explore::pareto(),
@@ -49,7 +49,7 @@ pub fn page(results: &Results) -> String {
     .html()
 }
 
-fn head(view: &View<'_>) -> String {
+fn head(view: &SweepView<'_>) -> String {
     let heading = &view.results.heading;
     let (rows, failed) = (view.results.rows(), view.failed());
     let mut facts = vec![format!("plan {}", heading.plan)];

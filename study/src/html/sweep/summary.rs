@@ -2,9 +2,9 @@
 
 use crate::analysis::best::best;
 use crate::analysis::goals::{Goal, goal};
-use crate::html::parts::{Column, Section, how_to_read, table};
+use crate::html::parts::{Head, Section, how_to_read, table};
 use crate::html::sweep::number::value;
-use crate::html::sweep::view::View;
+use crate::html::sweep::view::SweepView;
 use crate::html::text::{escape, or_dash};
 use crate::table::Field;
 
@@ -12,15 +12,15 @@ use crate::table::Field;
 const TRACES: usize = 3;
 
 /// The section.
-pub fn section(view: &View<'_>) -> Option<Section> {
+pub fn section(view: &SweepView<'_>) -> Option<Section> {
     let tiles: String = view.headlines.iter().filter_map(|field| tile(view, field)).collect();
     let tiles = if tiles.is_empty() { tiles } else { format!("<dl class=\"numbers\">\n{tiles}</dl>\n") };
     let html = tiles + &axes(view) + &failures(view);
     Section::new("summary", "Summary", if html.is_empty() { "<p>There are no points.</p>\n".into() } else { html })
 }
 
-/// The best value of a result, on each trace: on an easy one it is no merit.
-fn tile(view: &View<'_>, field: &Field) -> Option<String> {
+/// The best value of a result on each trace. Values of different traces are not compared: one scene is easier than another.
+fn tile(view: &SweepView<'_>, field: &Field) -> Option<String> {
     let goal = goal(&field.name);
     let first = |(name, rows): (String, Vec<usize>)| Some((name, *best(&field.cells, &rows, goal, 1).first()?));
     let found: Vec<(String, usize)> = view.groups().into_iter().filter_map(first).collect();
@@ -49,20 +49,19 @@ fn tile(view: &View<'_>, field: &Field) -> Option<String> {
 }
 
 /// What varies.
-fn axes(view: &View<'_>) -> String {
+fn axes(view: &SweepView<'_>) -> String {
     if view.dimensions.is_empty() {
         return String::new();
     }
-    let columns =
-        [Column::words("Axis"), Column::number("Values"), Column::words("Which"), Column::words("What it is")];
-    let rows = view.dimensions.iter().map(|own| {
-        let (few, more) = own.values.split_at(own.values.len().min(12));
+    let columns = [Head::words("Axis"), Head::number("Values"), Head::words("Which"), Head::words("What it is")];
+    let rows = view.dimensions.iter().map(|dimension| {
+        let (few, more) = dimension.values.split_at(dimension.values.len().min(12));
         let more = if more.is_empty() { String::new() } else { format!(" and {} more", more.len()) };
         let cells = vec![
-            escape(&own.name),
-            own.values.len().to_string(),
+            escape(&dimension.name),
+            dimension.values.len().to_string(),
             escape(&(few.join(", ") + &more)),
-            escape(&own.description),
+            escape(&dimension.description),
         ];
         (String::new(), cells)
     });
@@ -70,13 +69,13 @@ fn axes(view: &View<'_>) -> String {
 }
 
 /// Points without results.
-fn failures(view: &View<'_>) -> String {
+fn failures(view: &SweepView<'_>) -> String {
     let failed: Vec<(usize, String)> =
         (0..view.results.rows()).filter_map(|row| Some((row, view.error(row)?))).collect();
     if failed.is_empty() {
         return String::new();
     }
-    let columns = [Column::number("Point"), Column::words("What"), Column::words("Why")];
+    let columns = [Head::number("Point"), Head::words("What"), Head::words("Why")];
     let row = |(row, why): &(usize, String)| {
         (String::new(), vec![escape(&view.number(*row)), escape(&view.describe(*row, None)), escape(why)])
     };
@@ -87,8 +86,9 @@ fn failures(view: &View<'_>) -> String {
 }
 
 /// Cells of a point in its group: its dimensions, then some results.
-pub fn cells(view: &View<'_>, row: usize, results: &[&Field]) -> Vec<String> {
+pub fn cells(view: &SweepView<'_>, row: usize, results: &[&Field]) -> Vec<String> {
     let dimensions = view.dimensions.iter().enumerate().filter(|(index, _)| Some(*index) != view.each);
-    let dimensions = dimensions.map(|(_, own)| or_dash(own.of[row], |value| escape(&own.values[value])));
+    let dimensions =
+        dimensions.map(|(_, dimension)| or_dash(dimension.of[row], |value| escape(&dimension.values[value])));
     dimensions.chain(results.iter().map(|field| escape(&value(field, row)))).collect()
 }

@@ -9,7 +9,7 @@ use crate::analysis::goals::{first_pair, headlines, varies_within};
 use crate::table::{Field, Results};
 
 /// Results with what several sections look up in them.
-pub struct View<'a> {
+pub struct SweepView<'a> {
     /// The results.
     pub results: &'a Results,
     /// What varies.
@@ -20,11 +20,11 @@ pub struct View<'a> {
     pub pair: Option<[&'a str; 2]>,
     /// What best points are best in.
     pub objective: Option<&'a Field>,
-    /// The dimension by whose values points are told apart before they are compared: a hard scene is no bad machine.
+    /// The dimension within each value of which points are compared: the trace, because a hard scene is no bad machine.
     pub each: Option<usize>,
     /// Resolved machines and policies.
     pub configs: [Configs; 2],
-    /// For each half what the presets of its names hold; nothing for a name that is no preset.
+    /// For each half the values of the presets that the results name; none for a name that is no preset.
     presets: [BTreeMap<String, Option<Config>>; 2],
 }
 
@@ -47,7 +47,7 @@ pub struct Changed {
     pub preset: Option<String>,
 }
 
-impl<'a> View<'a> {
+impl<'a> SweepView<'a> {
     /// Looks at results.
     pub fn new(results: &'a Results) -> Self {
         let configs = Half::ALL.map(|half| Configs::new(results, half));
@@ -57,7 +57,7 @@ impl<'a> View<'a> {
         let efficiency = results.field("perf_per_watt").filter(|field| varies_within(results, &field.name));
         let whole = results.field("gpu_perf_per_watt").filter(|field| whole_gpu && varies_within(results, &field.name));
         let objective = whole.or(efficiency).or_else(|| results.field(pair?[1]));
-        let each = dimensions.iter().position(|own| own.name == "trace");
+        let each = dimensions.iter().position(|dimension| dimension.name == "trace");
         let headlines = headlines(results).into_iter().filter_map(|name| results.field(name)).collect();
         let presets = Half::ALL.map(|half| presets(results, half));
         Self { results, dimensions, headlines, pair, objective, each, configs, presets }
@@ -78,22 +78,24 @@ impl<'a> View<'a> {
 
     /// The dimensions by their influence on a result, the strongest first.
     pub fn effects(&self, result: &Field) -> Vec<(&Dimension, Effect)> {
-        let own = self.dimensions.iter().filter_map(|own| Some((own, Effect::new(own, &result.cells)?)));
-        let mut own: Vec<_> = own.collect();
-        own.sort_by(|a, b| b.1.share().total_cmp(&a.1.share()));
-        own
+        let effects =
+            self.dimensions.iter().filter_map(|dimension| Some((dimension, Effect::new(dimension, &result.cells)?)));
+        let mut effects: Vec<_> = effects.collect();
+        effects.sort_by(|a, b| b.1.share().total_cmp(&a.1.share()));
+        effects
     }
 
     /// The dimensions but for the traces, those first that move the second result of the first chart most.
     pub fn strongest(&self) -> Vec<&str> {
         let result = self.pair.and_then(|[_, y]| self.results.field(y));
         let ordered = result.map(|result| self.effects(result)).unwrap_or_default();
-        ordered.into_iter().map(|(own, _)| own.name.as_str()).filter(|name| *name != "trace").collect()
+        ordered.into_iter().map(|(dimension, _)| dimension.name.as_str()).filter(|name| *name != "trace").collect()
     }
 
     /// The dimension that tells points of the first chart apart best: policy, machine, or the axis with the most influence.
     pub fn colour(&self) -> Option<&str> {
-        let known = |name: &str| self.dimensions.iter().map(|own| own.name.as_str()).find(|own| *own == name);
+        let known =
+            |name: &str| self.dimensions.iter().map(|dimension| dimension.name.as_str()).find(|known| *known == name);
         known("policy")
             .or_else(|| known("machine"))
             .or_else(|| self.strongest().first().copied())
@@ -117,26 +119,27 @@ impl<'a> View<'a> {
 
     /// What a point is: its values of the dimensions but for the one of `except`.
     pub fn describe(&self, row: usize, except: Option<usize>) -> String {
-        let own = |dimension: &Dimension| {
+        let value = |dimension: &Dimension| {
             dimension.of[row].map(|value| format!("{} {}", dimension.name, dimension.values[value]))
         };
         let dimensions = self.dimensions.iter().enumerate().filter(|(index, _)| Some(*index) != except);
-        dimensions.filter_map(|(_, dimension)| own(dimension)).collect::<Vec<_>>().join(", ")
+        dimensions.filter_map(|(_, dimension)| value(dimension)).collect::<Vec<_>>().join(", ")
     }
 
-    /// What a point changes of its preset. Of a file nothing is known but what varies in the sweep.
+    /// What a point changes of its preset. Of a file, which the page does not have, it is every value that
+    /// varies in the sweep.
     pub fn changes(&self, row: usize, half: Half) -> Changes {
         let configs = &self.configs[half as usize];
-        let Some(own) = configs.row(row) else { return Changes::default() };
+        let Some(config) = configs.row(row) else { return Changes::default() };
         let name = self.results.field(half.name()).and_then(|field| label(field, row)).unwrap_or_default();
         let changed = |key: &str, preset: Option<&Config>| {
             let preset = preset.and_then(|preset| preset.get(key).cloned());
-            Some(Changed { key: key.into(), value: own.get(key)?.clone(), preset })
+            Some(Changed { key: key.into(), value: config.get(key)?.clone(), preset })
         };
         match self.presets[half as usize].get(&name).and_then(Option::as_ref) {
             Some(preset) => {
-                let differs = |key: &&String| preset.get(*key) != own.get(*key);
-                let list = own.keys().filter(differs).filter_map(|key| changed(key, Some(preset))).collect();
+                let differs = |key: &&String| preset.get(*key) != config.get(*key);
+                let list = config.keys().filter(differs).filter_map(|key| changed(key, Some(preset))).collect();
                 Changes { preset: Some(name), list }
             }
             None => Changes {
@@ -150,9 +153,9 @@ impl<'a> View<'a> {
 /// What the presets of a column of names hold.
 fn presets(results: &Results, half: Half) -> BTreeMap<String, Option<Config>> {
     let Some(field) = results.field(half.name()) else { return BTreeMap::new() };
-    let mut own = BTreeMap::new();
+    let mut known = BTreeMap::new();
     for name in (0..results.rows()).filter_map(|row| label(field, row)) {
-        own.entry(name).or_insert_with_key(|name| half.preset(name));
+        known.entry(name).or_insert_with_key(|name| half.preset(name));
     }
-    own
+    known
 }

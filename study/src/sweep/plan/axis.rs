@@ -6,19 +6,17 @@ use serde::{Deserialize, Serialize};
 use toml::Value;
 
 use crate::error::Result;
-use crate::sweep::plan::file::{AxisFile, Span};
+use crate::sweep::plan::file::AxisFile;
 use crate::sweep::plan::locate::Text;
-use rayreel_machine::config::units::Bytes;
-
-/// Most values of one axis.
-const VALUES_MAX: usize = 65_536;
+use crate::sweep::plan::range::{Kind, numbers};
+use crate::sweep::plan::scalar::Scalar;
 
 /// What varies.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Axis {
     /// Its name, also that of the results' column.
     pub name: String,
-    /// The keys that it sets; none if its values name their own.
+    /// The keys that it sets; none if each value names its keys.
     pub keys: Vec<String>,
     /// Its values, in order.
     pub values: Vec<AxisValue>,
@@ -39,20 +37,6 @@ pub struct AxisValue {
     pub set: Vec<String>,
 }
 
-/// A number, a word or a flag.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(untagged)]
-pub enum Scalar {
-    /// True or false.
-    Flag(bool),
-    /// A whole number; a size in bytes.
-    Integer(i64),
-    /// Any other number.
-    Float(f64),
-    /// A word.
-    Word(String),
-}
-
 impl Axis {
     /// The axis as the file at `span` describes it.
     ///
@@ -70,14 +54,14 @@ impl Axis {
             return Err(text.error(span, format!("axis {name:?} needs one of values, range and log")));
         }
         let values = if let Some(values) = &file.values {
-            let own = values.get_ref().iter().map(|v| listed(&name, &keys, v.get_ref(), &v.span(), text));
-            own.collect::<Result<Vec<_>>>()?
+            let all = values.get_ref().iter().map(|v| listed(&name, &keys, v.get_ref(), &v.span(), text));
+            all.collect::<Result<Vec<_>>>()?
         } else {
             let (range, log) = (file.range.as_ref(), file.log.as_ref());
             let at = range.or(log).map_or_else(|| span.clone(), toml::Spanned::span);
             let numbers = match (range, log) {
-                (Some(range), _) => steps(&name, range.get_ref(), false, &at, text)?,
-                (_, Some(log)) => steps(&name, log.get_ref(), true, &at, text)?,
+                (Some(range), _) => numbers(&name, range.get_ref(), Kind::Range, &at, text)?,
+                (_, Some(log)) => numbers(&name, log.get_ref(), Kind::Log, &at, text)?,
                 _ => Vec::new(),
             };
             numbers.iter().map(|value| plain(&keys, value)).collect::<Option<Vec<_>>>().unwrap_or_default()
@@ -92,7 +76,7 @@ impl Axis {
             return Err(text.error(span, format!("axis {name:?} has the value {} twice", twice.1.label)));
         }
         let zip = file.zip.as_ref().map(|zip| zip.get_ref().clone());
-        let only = file.only.iter().flat_map(|list| list.get_ref()).map(|own| own.get_ref().clone()).collect();
+        let only = file.only.iter().flat_map(|list| list.get_ref()).map(|name| name.get_ref().clone()).collect();
         Ok(Self { name, keys, values, zip, only })
     }
 }
@@ -136,8 +120,8 @@ fn listed(axis: &str, keys: &[String], value: &Value, span: &Range<usize>, text:
     else {
         return Err(wrong());
     };
-    let set: Option<Vec<String>> = set.iter().map(|own| own.as_str().map(str::to_owned)).collect();
-    let set = set.filter(|set| keys.is_empty() && set.iter().all(|own| own.contains('='))).ok_or_else(wrong)?;
+    let set: Option<Vec<String>> = set.iter().map(|text| text.as_str().map(str::to_owned)).collect();
+    let set = set.filter(|set| keys.is_empty() && set.iter().all(|text| text.contains('='))).ok_or_else(wrong)?;
     Ok(AxisValue { value: Scalar::Word(name.clone()), label: name.clone(), set })
 }
 
@@ -148,66 +132,7 @@ fn plain(keys: &[String], value: &Value) -> Option<AxisValue> {
         other => other.to_string(),
     };
     let set = keys.iter().map(|key| format!("{key}={label}")).collect();
-    Some(AxisValue { value: scalar(value)?, label, set })
-}
-
-/// As constraints see it: a size is its bytes.
-fn scalar(value: &Value) -> Option<Scalar> {
-    Some(match value {
-        Value::Boolean(flag) => Scalar::Flag(*flag),
-        Value::Integer(i) => Scalar::Integer(*i),
-        Value::Float(f) if f.is_finite() => Scalar::Float(*f),
-        Value::String(word) => match Bytes::parse(word).and_then(|b| i64::try_from(b.0).ok()) {
-            Some(bytes) => Scalar::Integer(bytes),
-            None => Scalar::Word(word.clone()),
-        },
-        _ => return None,
-    })
-}
-
-/// The numbers of a range: added to (`from`, `from + step`, ...) or multiplied.
-fn steps(axis: &str, span: &Span, log: bool, at: &Range<usize>, text: Text<'_>) -> Result<Vec<Value>> {
-    let (name, step, other) =
-        if log { ("factor", &span.factor, &span.step) } else { ("step", &span.step, &span.factor) };
-    if let Some(other) = other {
-        let (own, foreign) = if log { ("log", "step") } else { ("range", "factor") };
-        return Err(text.error(&other.span(), format!("axis {axis:?}: a {own} has {name}, not {foreign}")));
-    }
-    let step = step.as_ref().map(|step| step.get_ref().clone());
-    let default = Value::Integer(if log { 2 } else { 1 });
-    let (from, to, step) = (span.from.get_ref(), span.to.get_ref(), step.unwrap_or(default));
-    let number = |value: &Value| match scalar(value) {
-        Some(Scalar::Integer(i)) => Some((i as f64, true)),
-        Some(Scalar::Float(f)) => Some((f, false)),
-        _ => None,
-    };
-    let parts = (number(from), number(to), number(&step));
-    let (Some((a, ia)), Some((b, ib)), Some((s, is))) = parts else {
-        return Err(
-            text.error(at, format!("axis {axis:?}: from, to and {name} are numbers, or sizes such as \"4KiB\""))
-        );
-    };
-    let ends = if log { s > 1.0 && a > 0.0 } else { s > 0.0 };
-    if !ends || a > b {
-        let need = if log { "from above 0, a factor above 1 and from <= to" } else { "a step above 0 and from <= to" };
-        return Err(
-            text.error(at, format!("axis {axis:?} from {from} to {to} by {step} never ends there; it needs {need}"))
-        );
-    }
-    let size = from.is_str() || to.is_str();
-    let whole = |own: f64| if size { Value::String(Bytes(own as u64).to_string()) } else { Value::Integer(own as i64) };
-    let mut values = Vec::new();
-    let mut own = a;
-    // Whole numbers are exact; of others a sum may miss its end by what rounding loses.
-    while own <= if ia && ib && is { b } else { b + b.abs() * 1e-9 } {
-        values.push(if ia && ib && is { whole(own) } else { Value::Float((own * 1e12).round() / 1e12) });
-        if values.len() > VALUES_MAX {
-            let detail = format!("axis {axis:?} would have more than {VALUES_MAX} values; take a larger {name}");
-            return Err(text.error(at, detail));
-        }
-        own = if log { own * s } else { values.len() as f64 * s + a };
-    }
-    Ok(values)
+    Some(AxisValue { value: Scalar::of(value)?, label, set })
 }
 
 #[cfg(test)]
@@ -240,9 +165,9 @@ mod tests {
             ["1000", "10000", "100000", "1000000"]
         );
         assert_eq!(labels("key = \"x\"\nlog = { from = \"4KiB\", to = \"16KiB\" }"), ["4KiB", "8KiB", "16KiB"]);
-        let own = axis("key = \"ti.trv_l1.size\"\nvalues = [\"8KiB\"]").unwrap();
-        assert_eq!(own.values[0].value, Scalar::Integer(8192));
-        assert_eq!(own.values[0].set, ["ti.trv_l1.size=8KiB"]);
+        let size = axis("key = \"ti.trv_l1.size\"\nvalues = [\"8KiB\"]").unwrap();
+        assert_eq!(size.values[0].value, Scalar::Integer(8192));
+        assert_eq!(size.values[0].set, ["ti.trv_l1.size=8KiB"]);
     }
 
     #[test]

@@ -10,8 +10,8 @@ use minijinja::{Environment, ErrorKind, Expression, UndefinedBehavior};
 use toml::Spanned;
 
 use crate::error::{Result, StudyError};
-use crate::sweep::plan::axis::Scalar;
 use crate::sweep::plan::locate::Text;
+use crate::sweep::plan::scalar::Scalar;
 
 /// The expressions of a plan.
 pub struct Filters<'a> {
@@ -21,9 +21,9 @@ pub struct Filters<'a> {
 
 /// Compiles expressions for [`Filters::new`].
 pub fn environment() -> Environment<'static> {
-    let mut own = Environment::new();
-    own.set_undefined_behavior(UndefinedBehavior::Strict);
-    own
+    let mut environment = Environment::new();
+    environment.set_undefined_behavior(UndefinedBehavior::Strict);
+    environment
 }
 
 impl<'a> Filters<'a> {
@@ -32,9 +32,9 @@ impl<'a> Filters<'a> {
     /// # Errors
     /// One that is none.
     pub fn new(environment: &'a Environment<'a>, all: &'a [Spanned<String>], text: Text<'a>) -> Result<Self> {
-        let compile = |own: &'a Spanned<String>| {
-            let compiled = environment.compile_expression(own.get_ref().as_str());
-            compiled.map(|compiled| (own, compiled)).map_err(|e| wrong(own, text, &e, &[]))
+        let compile = |source: &'a Spanned<String>| {
+            let compiled = environment.compile_expression(source.get_ref().as_str());
+            compiled.map(|compiled| (source, compiled)).map_err(|e| wrong(source, text, &e, &[]))
         };
         Ok(Self { all: all.iter().map(compile).collect::<Result<_>>()?, text })
     }
@@ -50,9 +50,9 @@ impl<'a> Filters<'a> {
         let context: BTreeMap<&str, Value> =
             variables.iter().map(|(name, value)| (name.as_str(), plain(value.as_ref()))).collect();
         let context = Value::from(context);
-        for (own, expression) in &self.all {
+        for (source, expression) in &self.all {
             let names: Vec<&str> = variables.iter().map(|(name, _)| name.as_str()).collect();
-            let value = expression.eval(&context).map_err(|e| wrong(own, self.text, &e, &names))?;
+            let value = expression.eval(&context).map_err(|e| wrong(source, self.text, &e, &names))?;
             if value.is_true() {
                 return Ok(true);
             }
@@ -72,11 +72,11 @@ fn plain(value: Option<&Scalar>) -> Value {
     }
 }
 
-fn wrong(own: &Spanned<String>, text: Text<'_>, error: &minijinja::Error, names: &[&str]) -> StudyError {
+fn wrong(source: &Spanned<String>, text: Text<'_>, error: &minijinja::Error, names: &[&str]) -> StudyError {
     let why = match (error.kind(), error.detail()) {
         (ErrorKind::UndefinedError, _) => format!("a name in it is none of {}", names.join(", ")),
         (_, Some(detail)) => detail.to_owned(),
         (kind, None) => kind.to_string(),
     };
-    text.error(&own.span(), format!("exclude {:?}: {why}", own.get_ref()))
+    text.error(&source.span(), format!("exclude {:?}: {why}", source.get_ref()))
 }

@@ -3,11 +3,16 @@
 //! Presets and files are taken in when the plan is made, so that a worker of another day, or with another folder, computes the
 //! same points. [`mod@file`] is the plan as people write it, [`expand`](self::Plan::new) makes the points of it.
 
+mod axes;
 pub mod axis;
+mod blame;
 mod expand;
 pub mod file;
 pub mod filter;
 pub mod locate;
+mod range;
+mod scalar;
+mod sources;
 
 use serde::{Deserialize, Serialize};
 
@@ -18,8 +23,9 @@ use rayreel_machine::config::NamedMachine;
 use rayreel_machine::config::schema::is_machine_override;
 use rayreel_replay::policy::NamedPolicy;
 
-pub use axis::{Axis, AxisValue, Scalar};
-pub use expand::Sources;
+pub use axis::{Axis, AxisValue};
+pub use scalar::Scalar;
+pub use sources::Sources;
 
 /// Version of the layout of `plan.json` and of segments.
 pub const LAYOUT: u32 = 1;
@@ -169,11 +175,10 @@ impl Plan {
         hasher.finalize().to_hex()[..16].to_owned()
     }
 
-    /// The overrides of a point: those of machines, those of policies.
-    fn overrides(&self, values: &[Option<usize>]) -> (Vec<String>, Vec<String>) {
-        let axes = self.axes.iter().zip(values).filter_map(|(axis, value)| Some(&axis.values[(*value)?].set));
-        let all = self.set.iter().chain(axes.flatten()).cloned();
-        all.partition(|text| is_machine_override(text))
+    /// The overrides of a point, in the order in which they apply.
+    fn overrides(&self, values: &[Option<usize>]) -> Vec<String> {
+        let chosen = self.axes.iter().zip(values).filter_map(|(axis, value)| Some(&axis.values[(*value)?].set));
+        self.set.iter().chain(chosen.flatten()).cloned().collect()
     }
 
     /// A point with its machine and policy.
@@ -181,11 +186,19 @@ impl Plan {
     /// # Errors
     /// Values that cannot stand together.
     pub fn resolve(&self, point: &PointRef) -> Result<Point> {
-        let (own, rest) = self.overrides(&point.values);
+        self.resolve_with(point, self.overrides(&point.values))
+    }
+
+    /// The same with these overrides instead of its own.
+    fn resolve_with(&self, point: &PointRef, overrides: Vec<String>) -> Result<Point> {
+        let (of_machine, of_policy): (Vec<_>, Vec<_>) =
+            overrides.into_iter().partition(|text| is_machine_override(text));
         let (machine, policy) = (&self.machines[point.machine], &self.policies[point.policy]);
-        let machine =
-            if machine.toml.is_empty() { None } else { Some(NamedMachine::parse(&machine.name, &machine.toml, &own)?) };
-        let policy = NamedPolicy::parse(&policy.name, &policy.toml, &rest)?;
+        let machine = match machine.toml.as_str() {
+            "" => None,
+            toml => Some(NamedMachine::parse(&machine.name, toml, &of_machine)?),
+        };
+        let policy = NamedPolicy::parse(&policy.name, &policy.toml, &of_policy)?;
         Ok(Point { trace: point.trace, machine, policy, frames: point.frames })
     }
 

@@ -1,9 +1,9 @@
-//! What changed, for people.
+//! What changed, as a text for people.
 
 use std::fmt::Write as _;
 
-use rayreel_study::compare::{Change, Comparison, ConfigChange, StateChange};
-use rayreel_study::table::Role;
+use crate::compare::{Change, Comparison, ConfigChange, StateChange};
+use crate::table::Role;
 
 /// The whole text; no list is longer than `top`.
 pub fn text(found: &Comparison, tolerance: f64, top: usize) -> String {
@@ -18,7 +18,7 @@ pub fn text(found: &Comparison, tolerance: f64, top: usize) -> String {
     }
     let (matched, [a, b]) = (many(found.matched, "point"), found.points);
     let mut out = format!("matched: {matched}, of {a} in A and {b} in B\n");
-    let names = |list: &[String]| list.iter().map(|own| vec![own.clone()]).collect::<Vec<_>>();
+    let names = |list: &[String]| list.iter().map(|name| vec![name.clone()]).collect::<Vec<_>>();
     section(&mut out, "vanished: points of A alone", names(&found.vanished), top);
     section(&mut out, "appeared: points of B alone", names(&found.appeared), top);
     section(&mut out, "vanished: columns of A alone", names(&found.columns_vanished), top);
@@ -27,7 +27,8 @@ pub fn text(found: &Comparison, tolerance: f64, top: usize) -> String {
     section(&mut out, "configuration", found.configuration.iter().map(config).collect(), top);
     let heads = ["", "points", "largest", "mean", "A -> B where the change is largest", ""];
     for (role, what) in [(Role::Figure, "figures"), (Role::Counter, "counters")] {
-        let mut rows: Vec<Vec<String>> = found.results.iter().filter(|own| own.role == role).map(change).collect();
+        let mut rows: Vec<Vec<String>> =
+            found.results.iter().filter(|change| change.role == role).map(change).collect();
         if rows.is_empty() {
             continue;
         }
@@ -62,33 +63,33 @@ fn section(out: &mut String, title: &str, rows: Vec<Vec<String>>, top: usize) {
     }
 }
 
-fn state(own: &StateChange) -> Vec<String> {
+fn state(change: &StateChange) -> Vec<String> {
     let state =
         |error: &Option<String>| error.as_ref().map_or_else(|| "done".to_owned(), |why| format!("failed ({why})"));
-    vec![own.point.clone(), format!("{} -> {}", state(&own.a), state(&own.b))]
+    vec![change.point.clone(), format!("{} -> {}", state(&change.a), state(&change.b))]
 }
 
-fn config(own: &ConfigChange) -> Vec<String> {
-    let value = |own: &Option<String>| own.clone().unwrap_or_else(|| "none".into());
+fn config(change: &ConfigChange) -> Vec<String> {
+    let value = |value: &Option<String>| value.clone().unwrap_or_else(|| "none".into());
     vec![
-        own.key.clone(),
-        many(own.changed, "point"),
-        format!("{} -> {}", value(&own.a), value(&own.b)),
-        own.point.clone(),
+        change.key.clone(),
+        many(change.changed, "point"),
+        format!("{} -> {}", value(&change.a), value(&change.b)),
+        change.point.clone(),
     ]
 }
 
-fn change(own: &Change) -> Vec<String> {
-    let value = |own: Option<f64>| own.map_or_else(|| "none".to_owned(), |v| v.to_string());
-    let size = |own: Option<f64>, other: &str| own.map_or_else(|| other.to_owned(), percent);
-    let unit = if own.unit == "1" { "" } else { &own.unit };
+fn change(change: &Change) -> Vec<String> {
+    let value = |value: Option<f64>| value.map_or_else(|| "none".to_owned(), |v| v.to_string());
+    let size = |value: Option<f64>, other: &str| value.map_or_else(|| other.to_owned(), percent);
+    let unit = if change.unit == "1" { "" } else { &change.unit };
     vec![
-        own.name.clone(),
-        format!("{}/{}", own.changed, own.compared),
-        size(own.largest.relative, "new"),
-        size(own.mean_relative, "-"),
-        format!("{} -> {} {unit}", value(own.largest.a), value(own.largest.b)).trim_end().to_owned(),
-        own.largest.point.clone(),
+        change.name.clone(),
+        format!("{}/{}", change.changed, change.compared),
+        size(change.largest.relative, "new"),
+        size(change.mean_relative, "-"),
+        format!("{} -> {} {unit}", value(change.largest.a), value(change.largest.b)).trim_end().to_owned(),
+        change.largest.point.clone(),
     ]
 }
 

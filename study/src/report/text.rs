@@ -2,8 +2,9 @@
 
 use std::fmt::{self, Display};
 
+use crate::figures::SamplingFigures;
 use crate::report::format::{amount, grouped, ratio, share};
-use crate::report::{Figures, FrameReport, Report, page};
+use crate::report::{FrameReport, Report, page};
 use rayreel_replay::counts::RayCounts;
 
 impl Display for Report {
@@ -26,12 +27,12 @@ fn frames(f: &mut fmt::Formatter<'_>, frames: &[FrameReport], machine: bool) -> 
     write!(f, "{:>7} {:>13} {:>8} {:>8} {:>9}", "frame", "rays", "of full", "similar", "PSNR")?;
     write!(f, " {:>7} {:>7} {:>7}", "SSIM", "FLIP", "flicker")?;
     writeln!(f, "{}", if machine { format!(" {:>10} {:>11}", "time", "GPU energy") } else { String::new() })?;
-    for FrameReport { frame, figures: own, run, .. } in frames {
-        let cost = own.rays_traced + own.rays_apron;
-        write!(f, "{frame:>7} {:>13} {:>8}", grouped(cost), share(cost, own.rays_full))?;
-        write!(f, " {:>8} {:>9}", ratio(own.similarity_ratio), psnr(own))?;
-        let flicker = own.flicker.map_or_else(|| "-".into(), |levels| format!("{levels:.2}"));
-        write!(f, " {:>7} {:>7} {flicker:>7}", ratio4(own.ssim), ratio4(own.flip))?;
+    for FrameReport { frame, figures, run, .. } in frames {
+        let cost = figures.rays_traced + figures.rays_apron;
+        write!(f, "{frame:>7} {:>13} {:>8}", grouped(cost), share(cost, figures.rays_full))?;
+        write!(f, " {:>8} {:>9}", ratio(figures.similarity_ratio), psnr(figures))?;
+        let flicker = figures.flicker.map_or_else(|| "-".into(), |levels| format!("{levels:.2}"));
+        write!(f, " {:>7} {:>7} {flicker:>7}", ratio4(figures.ssim), ratio4(figures.flip))?;
         if let (true, Some(gpu)) = (machine, run.gpu) {
             write!(f, " {:>10} {:>11}", amount(run.time_ms, "ms"), amount(gpu.energy_mj, "mJ"))?;
         }
@@ -40,7 +41,7 @@ fn frames(f: &mut fmt::Formatter<'_>, frames: &[FrameReport], machine: bool) -> 
     Ok(())
 }
 
-fn samples(f: &mut fmt::Formatter<'_>, figures: &Figures) -> fmt::Result {
+fn samples(f: &mut fmt::Formatter<'_>, figures: &SamplingFigures) -> fmt::Result {
     let all = figures.samples_full;
     writeln!(f, "{:<22} {:>14}", "samples", grouped(all))?;
     for (name, count) in [
@@ -53,7 +54,7 @@ fn samples(f: &mut fmt::Formatter<'_>, figures: &Figures) -> fmt::Result {
     writeln!(f, "{:<22} {:>14} of the I-samples", "  similar", ratio(figures.similarity_ratio))
 }
 
-fn rays(f: &mut fmt::Formatter<'_>, figures: &Figures) -> fmt::Result {
+fn rays(f: &mut fmt::Formatter<'_>, figures: &SamplingFigures) -> fmt::Result {
     writeln!(f, "{:<22} {:>14} {:>14} {:>8} {:>14}", "rays", "full", "traced", "of full", "apron")?;
     let kinds = &figures.rays_by_kind;
     let kind = |get: fn(&RayCounts) -> u64| (get(&kinds.full), get(&kinds.traced), get(&kinds.apron));
@@ -72,7 +73,7 @@ fn rays(f: &mut fmt::Formatter<'_>, figures: &Figures) -> fmt::Result {
 }
 
 /// The picture against that of full; nothing more than a dash without a comparison.
-fn quality(f: &mut fmt::Formatter<'_>, figures: &Figures, several: bool) -> fmt::Result {
+fn quality(f: &mut fmt::Formatter<'_>, figures: &SamplingFigures, several: bool) -> fmt::Result {
     write!(f, "PSNR {}   SSIM {}   FLIP {}", psnr(figures), ratio4(figures.ssim), ratio4(figures.flip))?;
     if let (Some(db), Some(tile)) = (figures.worst_tile_psnr_db, figures.worst_tile) {
         write!(f, "   worst tile {db:.2} dB (tile {tile}")?;
@@ -92,7 +93,7 @@ fn quality(f: &mut fmt::Formatter<'_>, figures: &Figures, several: bool) -> fmt:
     writeln!(f, "flicker {levels:.2} 8-bit levels{db}")
 }
 
-fn psnr(figures: &Figures) -> String {
+fn psnr(figures: &SamplingFigures) -> String {
     match (figures.psnr_db, figures.identical) {
         (Some(db), _) => format!("{db:.2} dB"),
         (None, Some(_)) => "identical".into(),

@@ -1,4 +1,4 @@
-//! Reading results from where a person says that they are.
+//! Reading results from the folder of a sweep or from a Parquet file.
 
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -1,0 +1,44 @@
+//! One of the two things to compare, as a person names it.
+
+use std::path::Path;
+
+use crate::analysis::load;
+use crate::compare::run;
+use crate::error::{Result, StudyError};
+use crate::table::Results;
+
+/// Something to compare.
+pub enum Side {
+    /// The results of a sweep.
+    Table(Results),
+    /// One run, as a table of one row.
+    Run(Results),
+}
+
+impl Side {
+    /// Reads the folder of a sweep, a Parquet file, or a run as JSON. What a file is shows in its first byte, whatever it is called.
+    ///
+    /// # Errors
+    /// A file that is not there, or is none of these.
+    pub fn read(path: &Path) -> Result<Self> {
+        if path.is_dir() {
+            return Ok(Self::Table(load::load(path)?.0));
+        }
+        let bytes = std::fs::read(path).map_err(|source| StudyError::output(path, "read", source))?;
+        if bytes.iter().find(|byte| !byte.is_ascii_whitespace()) == Some(&b'{') {
+            return Ok(Self::Run(run::decode(&bytes, path)?));
+        }
+        Ok(Self::Table(load::load(path)?.0))
+    }
+
+    /// Its table.
+    pub fn results(&self) -> &Results {
+        let (Self::Table(results) | Self::Run(results)) = self;
+        results
+    }
+
+    /// Whether it is a single run.
+    pub fn is_run(&self) -> bool {
+        matches!(self, Self::Run(_))
+    }
+}

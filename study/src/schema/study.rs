@@ -1,0 +1,58 @@
+//! The whole of a study.
+
+use serde::{Deserialize, Serialize};
+
+use crate::schema::ablations::Ablation;
+use crate::schema::animation::{Map, Track};
+use crate::schema::points::Point;
+use crate::schema::references::References;
+use crate::schema::setup::{ConfigValue, Policy, Scene};
+use crate::schema::viewer::ViewerSet;
+
+/// Version of the structs below; a reader refuses any other.
+pub const SCHEMA: u32 = 1;
+
+/// Name of the file in the study's folder.
+pub const FILE: &str = "study.json";
+
+/// All results of one experiment.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Study {
+    /// [`SCHEMA`].
+    pub schema: u32,
+    /// The program that wrote it, with its version.
+    pub tool: String,
+    /// What it is called.
+    pub title: String,
+    /// The command line that repeats it.
+    pub command: String,
+    /// The machine; null without one.
+    pub machine: Option<String>,
+    /// Picture width, pixels.
+    pub width: u32,
+    /// Picture height, pixels.
+    pub height: u32,
+    /// Sentences that a reader needs: what was sub-sampled, what differs from the paper and why.
+    pub notes: Vec<String>,
+    /// The preset that the summary speaks of; null lets the report choose.
+    pub headline_policy: Option<String>,
+    /// The scenes, in the order in which they are shown.
+    pub scenes: Vec<Scene>,
+    /// The policies, in the order in which they are shown; `full` first.
+    pub policies: Vec<Policy>,
+    /// One scene under one policy each.
+    pub points: Vec<Point>,
+    /// What the paper states.
+    pub references: References,
+    /// Similarity and rate over the frames of a path.
+    pub maps: Vec<Map>,
+    /// Figures over the frames of a path.
+    pub tracks: Vec<Track>,
+    /// One choice changed at a time.
+    pub ablations: Vec<Ablation>,
+    /// Pictures to look at closely.
+    pub viewer: Vec<ViewerSet>,
+    /// Every value of the machine.
+    pub config: Vec<ConfigValue>,
+}
