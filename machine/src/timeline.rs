@@ -21,7 +21,7 @@ const LOOKS_MAX: usize = 2048;
 /// First distance of looks, cycles.
 const DISTANCE_CYCLES: u64 = 128;
 
-/// What a value is.
+/// How a value changes, and so how it is shown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Kind {
     /// It grows by at most `.0 / .1` a T&I cycle: shown in percent of that.

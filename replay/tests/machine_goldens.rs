@@ -90,13 +90,20 @@ impl Page {
             page.add(format!("fj.{}.dynamic", component.name), component.dynamic_fj);
             page.add(format!("fj.{}.leakage", component.name), component.leakage_fj);
         }
-        page.add("digest".into(), digest(&format!("{:?} {:?}", frame.stats, frame.energy)).into());
+        page.add("digest".into(), digest(&old_names(&format!("{:?} {:?}", frame.stats, frame.energy))).into());
         let mut text = String::new();
         for (name, value) in page.lines.iter().filter(|line| line.1 > 0) {
             writeln!(text, "{name} {value}").unwrap();
         }
         text
     }
+}
+
+/// The digests were taken of statistics that call some things differently. Values, order and all other names are digested as
+/// they are.
+fn old_names(statistics: &str) -> String {
+    let names = [("InputBufferCounters", "FrontCounters"), ("buffer: ", "front: "), ("shadow_result: ", "update: ")];
+    names.iter().fold(statistics.to_owned(), |text, (new, old)| text.replace(new, old))
 }
 
 /// FNV-1a.

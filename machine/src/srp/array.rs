@@ -17,7 +17,7 @@ use crate::memory::Port;
 use crate::time::{ClockCycle, SrpCycle, TiCycle, When};
 use crate::work::layout::Layout;
 
-/// What the array does while it runs no batch.
+/// What the array waits for while it runs no batch: for a tile, for rays that are out, or for a tile's transfers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Gap {
     Idle,

@@ -142,7 +142,7 @@ impl Srp {
     pub fn describe(&self) -> String {
         let (tiles, rays, queued) = (self.tiles.taken(), self.tiles.rays_out(), self.array.output.len());
         let batch = if self.array.is_running() { "a batch" } else { "no batch" };
-        let (reads, next) = (self.array.gather.describe(), self.next);
+        let (reads, next) = (self.array.gather.describe(), self.next.cycle().map(|at| at.0));
         format!("tiles {tiles}, rays out {rays}, output queue {queued}, {batch}, {reads}, next event {next:?}")
     }
 

@@ -239,6 +239,7 @@ impl Trv {
         self.issue_next(slot, context);
     }
 
+    /// An operation left the leaf pipeline: its task goes to the entry that was reserved in unit `ist`.
     pub(super) fn leaf_done<T: Tiles, M: Memory>(&mut self, slot: u8, ist: u8, context: &mut EventContext<'_, T, M>) {
         let ray = &mut self.rays[slot as usize];
         let (tests, triangle) = (std::mem::take(&mut ray.tests), ray.triangle);
@@ -270,6 +271,7 @@ impl Trv {
         }
     }
 
+    /// The ray comes to a leaf.
     fn enter_leaf<T: Tiles, M: Memory>(
         &mut self,
         slot: u8,
@@ -291,6 +293,7 @@ impl Trv {
         }
     }
 
+    /// The ray comes to an inner node.
     #[inline]
     fn visit<T: Tiles, M: Memory>(&mut self, slot: u8, node: u32, context: &mut EventContext<'_, T, M>) {
         self.rays[slot as usize].passes = self.passes;

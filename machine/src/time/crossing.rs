@@ -5,7 +5,8 @@
 
 use std::marker::PhantomData;
 
-use super::{ClockCycle, When};
+use super::cycle::ClockCycle;
+use super::when::When;
 
 /// The way from clock domain `A` into clock domain `B`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -86,7 +87,7 @@ fn gcd(a: u32, b: u32) -> u32 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{DramCycle, SrpCycle, TiCycle};
+    use super::super::cycle::{DramCycle, SrpCycle, TiCycle};
     use super::*;
 
     #[test]

@@ -344,5 +344,4 @@ fn nearest(value: u128, by: u128) -> u128 {
 }
 
 #[cfg(test)]
-#[path = "energy_tests.rs"]
 mod tests;

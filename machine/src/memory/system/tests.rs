@@ -1,7 +1,7 @@
-use super::super::dram::tests::{Dice, lpddr4};
-use super::super::tags::Tags;
 use super::*;
 use crate::config::{Bytes, Replacement};
+use crate::memory::dram::tests::{Dice, lpddr4};
+use crate::memory::tags::Tags;
 use crate::work::layout::Region;
 
 fn l2() -> config::L2 {

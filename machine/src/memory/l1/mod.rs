@@ -1,11 +1,11 @@
 //! A first-level cache: tags and miss status registers (MSHRs). It only reads, and it never blocks: a miss waits in its MSHR while
 //! other accesses go on.
 
-use super::interface::Memory;
-use super::request::{Port, Request, Route};
-use super::tags::Tags;
 use crate::config;
 use crate::counters::counters;
+use crate::memory::interface::Memory;
+use crate::memory::request::{Port, Request, Route};
+use crate::memory::tags::Tags;
 use crate::time::TiCycle;
 use crate::work::layout::Region;
 
@@ -167,5 +167,4 @@ impl L1Cache {
 }
 
 #[cfg(test)]
-#[path = "l1_tests.rs"]
 mod tests;

@@ -113,5 +113,4 @@ impl Tags {
 }
 
 #[cfg(test)]
-#[path = "tags_tests.rs"]
 mod tests;

@@ -1,5 +1,5 @@
-use super::super::dram::tests::Dice;
 use super::*;
+use crate::memory::dram::tests::Dice;
 
 /// The plainest cache there is: a list of lines a set, newest first.
 struct Plain {

@@ -4,14 +4,14 @@
 //! are accepted. They neither look at the L2 nor change it: rays, samples and pixels never share lines with cached regions.
 //! A read does not look into the write queue either.
 
-use super::dram::{ChannelCounters, Dram, LineRead};
-use super::interface::Memory;
-use super::l2::{L2Cache, L2Context, L2Counters};
-use super::request::{Port, Request, Response, Route};
-use super::stats::MemoryStats;
-use super::traffic::Traffic;
 use crate::component::{Component, Tick};
 use crate::config::{self, MachineConfig};
+use crate::memory::dram::{ChannelCounters, Dram, LineRead};
+use crate::memory::interface::Memory;
+use crate::memory::l2::{L2Cache, L2Context, L2Counters};
+use crate::memory::request::{Port, Request, Response, Route};
+use crate::memory::stats::MemoryStats;
+use crate::memory::traffic::Traffic;
 use crate::time::{ClockCycle, TiCycle, When};
 
 /// Marks the token of a read past the L2; the rest is its port.
@@ -152,5 +152,4 @@ impl Tick<&mut Vec<Response>> for MemorySystem {
 }
 
 #[cfg(test)]
-#[path = "system_tests.rs"]
 mod tests;
