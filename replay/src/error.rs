@@ -169,6 +169,9 @@ pub enum ReplayError {
         /// What the decoder says.
         detail: String,
     },
+    /// A [`crate::Stop`] was requested. Nothing is wrong: the same call again does the work.
+    #[error("interrupted")]
+    Interrupted,
     /// The calling code broke a rule of the interface.
     #[error("wrong use: {detail}")]
     Usage {

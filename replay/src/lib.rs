@@ -15,9 +15,11 @@ pub mod image;
 pub mod policy;
 pub mod simulate;
 pub mod source;
+pub mod stop;
 pub mod work;
 
 pub use error::{ReplayError, Result};
 pub use frame::{FrameReplay, Options, Replay, Replayer, replay, replay_each};
 pub use policy::{NamedPolicy, Policy};
 pub use source::{PathSource, TileSource};
+pub use stop::Stop;

@@ -16,6 +16,7 @@ use crate::policy::rate::Rates;
 use crate::policy::tree::Forest;
 use crate::policy::view::{SampleState, TileView};
 use crate::source::{PathSource, TileSource};
+use crate::stop::Stop;
 use crate::work::build::{Builder, Built, Part};
 
 /// The tiles of one row, left to right.
@@ -48,6 +49,8 @@ pub(super) struct Reader<'a, S: ?Sized, R> {
     pub read: R,
     /// The tiles are kept for a machine.
     pub keep: bool,
+    /// Looked at before each tile.
+    pub stop: &'a Stop,
 }
 
 /// The other bands that a band needs to become work.
@@ -64,9 +67,10 @@ impl Band {
         S: TileSource + ?Sized,
         R: Fn(u32) -> rayreel_formats::Result<Tile> + Sync,
     {
-        let &Reader { source, camera, frame, keep, .. } = reader;
+        let &Reader { source, camera, frame, keep, stop, .. } = reader;
         let columns = source.meta().tile_grid().0;
         let read = |index| -> Result<(TileView, Forest, Option<Tile>)> {
+            stop.check()?;
             let tile = (reader.read)(index).map_err(|e| ReplayError::Trace {
                 what: format!("tile {index}"),
                 frame,

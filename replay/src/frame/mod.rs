@@ -19,6 +19,7 @@ use crate::policy::Policy;
 use crate::policy::adaptive::Rules;
 use crate::policy::rate::{Pacer, Rates};
 use crate::source::{PathSource, TileSource};
+use crate::stop::Stop;
 use crate::work::build::{Builder, Built};
 use crate::work::stream::{Output, ahead};
 use band::{Band, How, Nearby, Reader};
@@ -87,6 +88,7 @@ pub struct Replayer<'a, S: ?Sized> {
     pacer: Pacer,
     options: Options,
     comparer: Comparer,
+    stop: Stop,
 }
 
 impl<'a, S: TileSource + ?Sized> Replayer<'a, S> {
@@ -103,7 +105,22 @@ impl<'a, S: TileSource + ?Sized> Replayer<'a, S> {
         let rules = Rules::new(policy, meta)?;
         check_tile(meta.tile, &Pacer::blocks(policy))?;
         let pacer = Pacer::new(policy, meta);
-        Ok(Self { source, rules, pacer, options, comparer: Comparer::new(meta, options.perception) })
+        Ok(Self {
+            source,
+            rules,
+            pacer,
+            options,
+            comparer: Comparer::new(meta, options.perception),
+            stop: Stop::never(),
+        })
+    }
+
+    /// Looks at `stop` before each tile that it reads or hands to a machine, and ends the frame with
+    /// [`ReplayError::Interrupted`] once that is requested.
+    #[must_use]
+    pub fn with_stop(mut self, stop: Stop) -> Self {
+        self.stop = stop;
+        self
     }
 
     /// What is replayed.
@@ -114,13 +131,13 @@ impl<'a, S: TileSource + ?Sized> Replayer<'a, S> {
     /// Replays frame `frame`.
     ///
     /// # Errors
-    /// A frame that the trace does not hold, or that cannot be read.
+    /// A frame that the trace does not hold, or that cannot be read; [`ReplayError::Interrupted`].
     pub fn frame(&mut self, frame: u32) -> Result<FrameReplay> {
         let (source, rules, camera) = (self.source, &self.rules, self.camera(frame)?);
         let mut canvas = Canvas::new(source, self.options);
         let read = |index| source.tile(frame, index);
         let mut rates = self.pacer.rates(frame, &camera);
-        let reader = Reader { source, camera: &camera, frame, read, keep: false };
+        let reader = Reader { source, camera: &camera, frame, read, keep: false, stop: &self.stop };
         bands(&reader, rules, &mut rates, |closed| {
             canvas.add(&closed.band, closed.stats);
             Ok(())
@@ -130,6 +147,7 @@ impl<'a, S: TileSource + ?Sized> Replayer<'a, S> {
     }
 
     fn camera(&self, frame: u32) -> Result<Camera> {
+        self.stop.check()?;
         let meta = self.source.meta();
         if !meta.frame_numbers().contains(&frame) {
             let (first, last) = (meta.first_frame, meta.first_frame + meta.frames.saturating_sub(1));
@@ -161,7 +179,7 @@ impl<S: PathSource + ?Sized> Replayer<'_, S> {
         let mut canvas = Canvas::new(source, self.options);
         let read = |index| source.tile_with_paths(frame, index);
         let mut rates = self.pacer.rates(frame, &camera);
-        let reader = Reader { source, camera: &camera, frame, read, keep: true };
+        let reader = Reader { source, camera: &camera, frame, read, keep: true, stop: &self.stop };
         let builder = Builder { source, tree };
         let produce = |output: &Output<'_, Built>| {
             let mut above = false;
@@ -172,8 +190,9 @@ impl<S: PathSource + ?Sized> Replayer<'_, S> {
                 Ok(())
             })
         };
-        let mut paths = PathCounts::default();
+        let (stop, mut paths) = (&self.stop, PathCounts::default());
         ahead(BYTES_AHEAD, produce, |tile| {
+            stop.check()?;
             paths += tile.paths;
             consume(tile.work)
         })?;
