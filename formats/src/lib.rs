@@ -5,6 +5,7 @@
 pub mod bvh;
 pub mod columns;
 pub mod container;
+pub mod durable;
 pub mod error;
 pub mod half;
 pub mod intersect;

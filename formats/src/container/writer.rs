@@ -14,6 +14,7 @@ use super::id::ChunkId;
 use super::index::Index;
 use super::tile::TileDirectory;
 use super::trailer::Trailer;
+use crate::durable::{PARTIAL, sync_folder_of};
 use crate::error::{Error, Result};
 
 /// Level of the index's zstd frame. Fixed, so that the bytes of a file depend on its chunks alone.
@@ -178,16 +179,9 @@ impl Writer {
         self.flush()?;
         self.out.get_ref().sync_all().map_err(|error| Error::io(&self.partial, "write", error))?;
         fs::rename(&self.partial, &self.path).map_err(|error| Error::io(&self.path, "rename to", error))?;
-        sync_folder(&self.path);
+        // The file is complete either way.
+        sync_folder_of(&self.path).ok();
         Ok(Finished { path: self.path, len: self.offset, chunks })
-    }
-}
-
-/// Forces the new name to the disk. Best effort: not every system can, and the file is complete either way.
-fn sync_folder(path: &Path) {
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    if let Ok(folder) = File::open(folder) {
-        folder.sync_all().ok();
     }
 }
 
@@ -196,7 +190,7 @@ fn sync_folder(path: &Path) {
 /// # Errors
 /// [`Error::Usage`] if `path` does not end in a file name.
 pub fn partial_path(path: &Path) -> Result<PathBuf> {
-    with_suffix(path, ".partial")
+    with_suffix(path, PARTIAL)
 }
 
 /// The same path with something after its file name.

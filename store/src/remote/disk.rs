@@ -13,9 +13,10 @@ use std::fs::{self, File};
 use std::io;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant, SystemTime};
+
+use rayreel_formats::durable::write_whole;
 
 use super::memory::contains;
 use crate::CacheFolder;
@@ -40,8 +41,6 @@ pub(super) struct Disk {
     known: Mutex<Known>,
     /// Bytes that may still be added; none once nothing else can be dropped.
     room: Mutex<Option<u64>>,
-    /// Makes names of unfinished files differ between threads.
-    counter: AtomicU64,
 }
 
 /// Blocks that are there, as far as is known: their ends by their starts. None lies within another.
@@ -59,11 +58,7 @@ impl Disk {
         let folder = cache.path.join(&key.to_hex().as_str()[..KEY_LEN]);
         let make = || -> io::Result<()> {
             fs::create_dir_all(&folder)?;
-            write_whole(
-                &folder.join(format!(".{LABEL}-{}", std::process::id())),
-                &folder.join(LABEL),
-                &[label.as_bytes()],
-            )
+            write_whole(&folder.join(LABEL), &[label.as_bytes()])
         };
         make().map_err(|error| {
             let hint = "name another folder with --trace-cache or RAYREEL_TRACE_CACHE, or give none to go without";
@@ -75,7 +70,7 @@ impl Disk {
         let used = trim(cache, &folder, cache.max_bytes);
         let known = Known { blocks: list(&folder), listed: Instant::now() };
         let room = Mutex::new(Some(cache.max_bytes.saturating_sub(used)));
-        Ok(Self { cache: cache.clone(), folder, key, known: Mutex::new(known), room, counter: AtomicU64::new(0) })
+        Ok(Self { cache: cache.clone(), folder, key, known: Mutex::new(known), room })
     }
 
     fn lock(&self) -> MutexGuard<'_, Known> {
@@ -137,10 +132,8 @@ impl Disk {
         if !self.take_room(bytes.len() as u64) {
             return;
         }
-        let number = self.counter.fetch_add(1, Ordering::Relaxed);
-        let unfinished = self.folder.join(format!(".{}-{number}", std::process::id()));
         let hash = self.hash(range, bytes);
-        if write_whole(&unfinished, &self.folder.join(name(range)), &[bytes, hash.as_bytes()]).is_ok() {
+        if write_whole(&self.folder.join(name(range)), &[bytes, hash.as_bytes()]).is_ok() {
             let needless = add(&mut self.lock().blocks, range);
             needless.iter().for_each(|old| _ = fs::remove_file(self.folder.join(name(old))));
         }
@@ -150,15 +143,6 @@ impl Disk {
         let mut hasher = blake3::Hasher::new_keyed(self.key.as_bytes());
         hasher.update(&range.start.to_le_bytes()).update(bytes).finalize()
     }
-}
-
-/// Writes a file under another name first. If that fails, nothing is left behind.
-fn write_whole(unfinished: &Path, path: &Path, parts: &[&[u8]]) -> io::Result<()> {
-    let written = fs::write(unfinished, parts.concat()).and_then(|()| fs::rename(unfinished, path));
-    if written.is_err() {
-        fs::remove_file(unfinished).ok();
-    }
-    written
 }
 
 fn name(range: &Range<u64>) -> String {
@@ -258,7 +242,10 @@ mod tests {
     #[test]
     fn names_are_read_back() {
         assert_eq!(range_of(&name(&(255..1000))), Some(255..1000));
-        assert_eq!(["object", ".12-3", "5-0", "ffffffffffffffff-1", "x-1", ""].map(range_of), [const { None }; 6]);
+        assert_eq!(
+            ["object", ".12-3", ".64-4.77-1.partial", "5-0", "ffffffffffffffff-1", "x-1", ""].map(range_of),
+            [const { None }; 7]
+        );
     }
 
     /// What a killed process leaves is never taken for a block, and goes when it is old.
@@ -268,15 +255,17 @@ mod tests {
         let cache = CacheFolder { path: folder.path().to_path_buf(), max_bytes: 1000 };
         let disk = Disk::open(&cache, "s3://a/b", "one 5000").unwrap();
         disk.store(&(100..104), b"abcd");
-        fs::write(disk.folder.join(".77-1"), b"ab").unwrap();
+        // What a writer of this very block left.
+        const LEFT: &str = ".64-4.77-1.partial";
+        fs::write(disk.folder.join(LEFT), b"ab").unwrap();
         let again = Disk::open(&cache, "s3://a/b", "one 5000").unwrap();
         assert_eq!(again.find(&(101..103)), Some(100..104));
         assert_eq!(again.load(&(100..104)), Some(b"abcd".to_vec()));
-        assert!(again.folder.join(".77-1").exists(), "its process may live");
-        let file = File::options().write(true).open(again.folder.join(".77-1")).unwrap();
+        assert!(again.folder.join(LEFT).exists(), "its process may live");
+        let file = File::options().write(true).open(again.folder.join(LEFT)).unwrap();
         file.set_modified(SystemTime::now() - 2 * ABANDONED).unwrap();
         Disk::open(&cache, "s3://a/b", "one 5000").unwrap();
-        assert!(!again.folder.join(".77-1").exists());
+        assert!(!again.folder.join(LEFT).exists());
         for damaged in [&b"abcd"[..], b"", b"abcdefghijklmnopqrstuvwxyzabcdefghij"] {
             disk.store(&(100..104), b"abcd");
             fs::write(disk.folder.join("64-4"), damaged).unwrap();

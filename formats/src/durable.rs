@@ -1,0 +1,171 @@
+//! The one way in which a file is written whole.
+//!
+//! A reader finds the old file or the new one, never a part, whatever happens when: the bytes go to a temporary file in the
+//! same folder, are forced to the disk, and only then get the file's name.
+//!
+//! The temporary file of `NAME` is `.NAME.PID-NUMBER.partial`. Readers of a folder can leave out what starts with a dot or
+//! ends in [`PARTIAL`]. Such a file is left behind only by a process that was killed.
+
+use std::ffi::OsString;
+use std::fs::{self, File};
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// How the names of unfinished files end.
+pub const PARTIAL: &str = ".partial";
+
+/// Writes `parts`, one after the other, as the whole content of `path`, and replaces what was there. File and name are on the
+/// disk when this returns. Any number of threads and processes may write the same file at once: the last one wins.
+///
+/// The folder must exist.
+///
+/// # Errors
+/// Those of the system. If the new file did not get its name, the old one is as it was and no temporary file is left.
+pub fn write_whole(path: &Path, parts: &[&[u8]]) -> io::Result<()> {
+    replace(path, |file| parts.iter().try_for_each(|part| file.write_all(part)))
+}
+
+/// Gives `path` what `fill` writes, or leaves it alone.
+fn replace(path: &Path, fill: impl FnOnce(&mut File) -> io::Result<()>) -> io::Result<()> {
+    let (mut file, temporary) = create_temporary(path)?;
+    let written = fill(&mut file).and_then(|()| file.sync_all());
+    drop(file);
+    written.and_then(|()| fs::rename(&temporary, path)).inspect_err(|_| {
+        // If this fails too, nothing more can be done; the first error is the one to report.
+        fs::remove_file(&temporary).ok();
+    })?;
+    sync_folder_of(path)
+}
+
+/// A new file beside `path`, under a name that nobody else has: the system refuses a second file of one name, also to other
+/// machines that share the folder.
+fn create_temporary(path: &Path) -> io::Result<(File, PathBuf)> {
+    static NUMBER: AtomicU64 = AtomicU64::new(0);
+    let Some(name) = path.file_name() else {
+        return Err(io::Error::new(io::ErrorKind::InvalidInput, "the path does not name a file"));
+    };
+    loop {
+        let mut temporary = OsString::from(".");
+        temporary.push(name);
+        temporary.push(format!(".{}-{}{PARTIAL}", std::process::id(), NUMBER.fetch_add(1, Ordering::Relaxed)));
+        let temporary = path.with_file_name(temporary);
+        match File::create_new(&temporary) {
+            // A killed process of the same number, or one on another machine.
+            Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
+            created => return created.map(|file| (file, temporary)),
+        }
+    }
+}
+
+/// Forces the names in the folder of `path` to the disk. Does nothing where a folder cannot be opened or forced.
+///
+/// # Errors
+/// Those of the disk.
+pub(crate) fn sync_folder_of(path: &Path) -> io::Result<()> {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    match File::open(folder).and_then(|folder| folder.sync_all()) {
+        Err(error) if !cfg!(unix) || is_no_support(&error) => Ok(()),
+        synced => synced,
+    }
+}
+
+/// Some file systems refuse to sync a folder, and a folder that may be written to need not be readable.
+fn is_no_support(error: &io::Error) -> bool {
+    matches!(error.kind(), io::ErrorKind::InvalidInput | io::ErrorKind::Unsupported | io::ErrorKind::PermissionDenied)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn names(folder: &Path) -> Vec<String> {
+        let entries = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap());
+        let mut names: Vec<String> = entries.collect();
+        names.sort();
+        names
+    }
+
+    #[test]
+    fn a_file_is_replaced_as_a_whole() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.bin");
+        write_whole(&path, &[b"a long first content"]).unwrap();
+        write_whole(&path, &[b"sec", b"", b"ond"]).unwrap();
+        assert_eq!(fs::read(&path).unwrap(), b"second");
+        write_whole(&path, &[]).unwrap();
+        assert_eq!(fs::read(&path).unwrap(), b"");
+        assert_eq!(names(folder.path()), ["a.bin"]);
+    }
+
+    #[test]
+    fn a_failure_leaves_the_old_file_and_nothing_else() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.bin");
+        write_whole(&path, &[b"old"]).unwrap();
+        let full = |file: &mut File| {
+            file.write_all(b"half of the ne")?;
+            let unfinished = names(folder.path()).remove(0);
+            assert!(unfinished.starts_with(".a.bin.") && unfinished.ends_with(PARTIAL), "{unfinished}");
+            Err(io::ErrorKind::StorageFull.into())
+        };
+        assert_eq!(replace(&path, full).unwrap_err().kind(), io::ErrorKind::StorageFull);
+        assert_eq!(fs::read(&path).unwrap(), b"old");
+        assert_eq!(names(folder.path()), ["a.bin"]);
+    }
+
+    #[test]
+    fn what_cannot_be_replaced_stays() {
+        let folder = tempfile::tempdir().unwrap();
+        let taken = folder.path().join("taken");
+        fs::create_dir(&taken).unwrap();
+        fs::write(taken.join("x"), "x").unwrap();
+        assert!(write_whole(&taken, &[b"new"]).is_err());
+        assert_eq!(names(folder.path()), ["taken"]);
+        assert_eq!(fs::read(taken.join("x")).unwrap(), b"x");
+    }
+
+    #[test]
+    fn a_folder_must_exist_and_a_file_have_a_name() {
+        let folder = tempfile::tempdir().unwrap();
+        let error = write_whole(&folder.path().join("no/a.bin"), &[b"x"]).unwrap_err();
+        assert_eq!(error.kind(), io::ErrorKind::NotFound);
+        assert!(names(folder.path()).is_empty());
+        let error = write_whole(&folder.path().join(".."), &[b"x"]).unwrap_err();
+        assert_eq!(error.kind(), io::ErrorKind::InvalidInput);
+    }
+
+    /// What a killed process left under the very name is neither used nor touched.
+    #[test]
+    fn a_leftover_is_not_shared() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.bin");
+        let (_, temporary) = create_temporary(&path).unwrap();
+        let name = temporary.file_name().unwrap().to_str().unwrap();
+        let number: u64 = name.rsplit_once('-').unwrap().1.trim_end_matches(PARTIAL).parse().unwrap();
+        let next =
+            |add: u64| temporary.with_file_name(name.replace(&format!("-{number}."), &format!("-{}.", number + add)));
+        (1..200).for_each(|add| fs::write(next(add), "left").unwrap());
+        write_whole(&path, &[b"new"]).unwrap();
+        assert_eq!(fs::read(&path).unwrap(), b"new");
+        assert!((1..200).all(|add| fs::read(next(add)).unwrap() == b"left"));
+    }
+
+    #[test]
+    fn writers_of_one_file_do_not_meet() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.bin");
+        std::thread::scope(|scope| {
+            for writer in 0..4u8 {
+                let path = &path;
+                scope.spawn(move || {
+                    let half = vec![writer; 5000];
+                    (0..20).for_each(|_| write_whole(path, &[&half, &half]).unwrap());
+                });
+            }
+        });
+        let bytes = fs::read(&path).unwrap();
+        assert!(bytes.len() == 10_000 && bytes.iter().all(|byte| *byte == bytes[0]), "of one writer alone");
+        assert_eq!(names(folder.path()), ["a.bin"]);
+    }
+}
