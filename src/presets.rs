@@ -7,6 +7,7 @@ use rayreel_machine::config::schema::KEYS;
 use rayreel_machine::config::{self, NamedMachine, Sourced};
 use rayreel_replay::policy::{self, Policy, schema};
 use rayreel_replay::{NamedPolicy, ReplayError};
+use rayreel_study::policy_text::{comment, first_sentence, value_of};
 use serde_json::{Map, Value, json};
 
 use crate::common::{print, print_json};
@@ -82,36 +83,6 @@ fn list(as_json: bool) -> Result<()> {
     print(&text)
 }
 
-/// What a policy preset does, in one sentence.
-pub fn policy_summary(preset: &str) -> String {
-    let text = policy::PRESETS.iter().find(|(name, _)| *name == preset).map_or("", |(_, text)| text);
-    first_sentence(&comment(text)).to_owned()
-}
-
-/// Every value of a policy, as a policy file.
-pub fn policy_values(policy: &Policy) -> Result<String> {
-    let own = serde_json::to_value(policy)?;
-    Ok(keys(policy).iter().map(|key| format!("{} = {}\n", key.name, value_of(&own, key))).collect())
-}
-
-/// The value of a key.
-fn value_of<'a>(own: &'a Value, key: &schema::Key) -> &'a Value {
-    key.name.split('.').try_fold(own, |value, part| value.get(part)).unwrap_or(&Value::Null)
-}
-
-/// The comment at the head of a policy preset.
-fn comment(text: &str) -> String {
-    let lines = text.lines().map_while(|line| line.strip_prefix('#'));
-    lines.map(str::trim).collect::<Vec<_>>().join(" ")
-}
-
-fn first_sentence(text: &str) -> &str {
-    // "et al. 2016" and "2.0:" are no ends: a sentence ends where a capital letter follows.
-    let ends = text.match_indices(". ").map(|(i, _)| i);
-    let mut ends = ends.filter(|i| text[i + 2..].starts_with(|c: char| c.is_ascii_uppercase()));
-    ends.next().map_or(text, |end| &text[..=end])
-}
-
 fn machine_json(machine: &NamedMachine) -> Value {
     let value = |v: &Sourced| json!({"value": v.value, "class": v.class.name(), "source": v.source, "from": v.from});
     json!({
@@ -157,7 +128,7 @@ fn show_policy(policy: &NamedPolicy, as_json: bool) -> Result<()> {
     }
     let mut text = format!("# {}\n", policy.name);
     for key in &keys(&policy.policy) {
-        text += &format!("{:<40}  # {}\n", format!("{} = {}", key.name, value_of(&own, key)), key.doc);
+        text += &format!("{:<40}  # {}\n", format!("{} = {}", key.name, value_of(&own, key.name)), key.doc);
     }
     print(&text)
 }

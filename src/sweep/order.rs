@@ -11,7 +11,8 @@ use rayreel_study::cluster::slurm::queue::Task;
 use rayreel_study::cluster::slurm::sbatch::{self, Common, Options, parts};
 use rayreel_study::cluster::slurm::script::{self, Job};
 use rayreel_study::cluster::submission::{self, Jobs, SLURM, Submission};
-use rayreel_study::sweep::folder::{Folder, write_whole};
+use rayreel_study::files::write_whole;
+use rayreel_study::sweep::folder::Folder;
 use rayreel_study::sweep::plan::LAYOUT;
 use rayreel_study::sweep::status::status;
 
@@ -145,7 +146,7 @@ impl<'a> Batch<'a> {
     /// Submits all of it; the merge waits for these arrays too.
     fn submit(&self, mut after: Vec<String>) -> Result<Submission> {
         for (path, script) in self.files() {
-            write_whole(&path, script.as_bytes(), "submission")?;
+            write_whole(&path, script.as_bytes())?;
         }
         let logs = self.logs();
         std::fs::create_dir_all(&logs).with_context(|| format!("cannot create {}", logs.display()))?;

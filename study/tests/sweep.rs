@@ -1,21 +1,21 @@
 //! Sweeps on the golden trace: plans, keys, segments, runs and merges, through the crate's own functions.
 
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use rayreel_formats::Limits;
 use rayreel_formats::trace::Trace;
+use rayreel_replay::Stop;
 use rayreel_study::StudyError;
+use rayreel_study::point::segment::Writer;
 use rayreel_study::point::version::MODEL_VERSION;
 use rayreel_study::sweep::folder::Folder;
-use rayreel_study::sweep::known::Known;
 use rayreel_study::sweep::merge::merge;
 use rayreel_study::sweep::plan::locate::Text;
 use rayreel_study::sweep::plan::{Plan, Sources};
+use rayreel_study::sweep::reused::ReusedRows;
 use rayreel_study::sweep::run::{Outcome, Settings, run};
-use rayreel_study::sweep::segment::{self, Writer};
+use rayreel_study::sweep::segment;
 use rayreel_study::sweep::shard::Shard;
 use rayreel_study::sweep::status::status;
 use rayreel_study::table::{Cells, csv, parquet};
@@ -66,11 +66,11 @@ impl Sweep {
     }
 
     fn run(&self, shard: Shard, attempt: &str) -> Outcome {
-        self.run_with(shard, attempt, &Known::default())
+        self.run_with(shard, attempt, &ReusedRows::default())
     }
 
-    fn run_with(&self, shard: Shard, attempt: &str, known: &Known) -> Outcome {
-        run(&self.folder, &settings(shard, attempt, known, Arc::default()), |_| {}).unwrap()
+    fn run_with(&self, shard: Shard, attempt: &str, reused: &ReusedRows) -> Outcome {
+        run(&self.folder, &settings(shard, attempt, reused, Stop::default()), |_| {}).unwrap()
     }
 
     fn bytes(&self) -> (Vec<u8>, Vec<u8>) {
@@ -86,7 +86,7 @@ impl Sweep {
     }
 }
 
-fn settings<'a>(shard: Shard, attempt: &str, known: &'a Known, stop: Arc<AtomicBool>) -> Settings<'a> {
+fn settings<'a>(shard: Shard, attempt: &str, reused: &'a ReusedRows, stop: Stop) -> Settings<'a> {
     Settings {
         shard,
         threads: 2,
@@ -95,7 +95,7 @@ fn settings<'a>(shard: Shard, attempt: &str, known: &'a Known, stop: Arc<AtomicB
         writer: Writer { attempt: attempt.into(), host: "here".into() },
         stop,
         open: &open,
-        known,
+        reused,
     }
 }
 
@@ -307,7 +307,8 @@ fn second_attempts_do_no_harm_and_differences_are_told() {
     let merged = merge(&sweep.folder).unwrap();
     assert!(merged.missing.is_empty());
     // And one that is wrong.
-    let mut row = Known::load([&sweep.folder]).unwrap().rows.into_values().find(|row| row.error.is_none()).unwrap();
+    let mut row =
+        ReusedRows::load([sweep.folder.path()]).unwrap().rows.into_values().find(|row| row.error.is_none()).unwrap();
     let key = row.key.clone();
     row.figures.insert("rays_traced".into(), json!(7));
     let writer = Writer { attempt: "evil".into(), host: "h".into() };
@@ -370,10 +371,15 @@ fn an_interrupted_run_keeps_what_is_finished() {
         other.run(Shard::WHOLE, "a");
         other.bytes()
     };
-    let (known, stop) = (Known::default(), Arc::new(AtomicBool::new(false)));
-    let own = settings(Shard::WHOLE, "a", &known, Arc::clone(&stop));
+    let (reused, stop) = (ReusedRows::default(), Stop::default());
+    let own = settings(Shard::WHOLE, "a", &reused, stop.clone());
     let own = Settings { threads: 1, ..own };
-    let first = run(&sweep.folder, &own, |told| stop.store(told.saved >= 2, Ordering::Relaxed)).unwrap();
+    let first = run(&sweep.folder, &own, |now| {
+        if now.saved >= 2 {
+            stop.request();
+        }
+    })
+    .unwrap();
     assert!(first.interrupted && first.computed >= 2 && first.computed < 8, "{first:?}");
     assert!(first.troubles.is_empty(), "{first:?}");
     let second = sweep.run(Shard::WHOLE, "b");
@@ -388,7 +394,7 @@ fn rows_of_another_sweep_are_taken() {
     first.run(Shard::WHOLE, "a");
     let wider = SMALL.replace("values = [2, 4]", "values = [8, 4, 2]");
     let second = Sweep::new(plan(&wider).unwrap());
-    let outcome = second.run_with(Shard::WHOLE, "b", &Known::load([&first.folder]).unwrap());
+    let outcome = second.run_with(Shard::WHOLE, "b", &ReusedRows::load([first.folder.path()]).unwrap());
     assert_eq!((outcome.reused, outcome.computed, outcome.points), (8, 3, 11));
     let alone = Sweep::new(plan(&wider).unwrap());
     alone.run(Shard::WHOLE, "a");

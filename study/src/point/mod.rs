@@ -1,7 +1,27 @@
-//! Points: what is replayed under what, the key of the result, and the result.
+//! Points: what is replayed under what, the keys of its results, the one loop that computes them, and where they are kept.
+//!
+//! ```text
+//! Point --key--> Store: is it there?  --no--> PointTask (FrameLoop over its frames) --> Row, Details --> Store
+//! ```
 
+pub mod columns;
 pub mod compute;
-pub mod decoded;
+pub mod details;
+pub mod figures;
+pub mod frames;
 pub mod key;
+pub mod pictures;
 pub mod row;
+pub mod segment;
+pub mod store;
+pub mod task;
+pub mod tile_cache;
 pub mod version;
+pub mod wanted;
+
+use crate::report::Origin;
+
+/// Results say nowhere what a trace was called: it is in no key.
+fn no_origin() -> Origin {
+    Origin { trace: String::new(), trace_digest: None }
+}

@@ -5,6 +5,7 @@
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
+use crate::point::figures::column;
 use crate::point::key::Key;
 use crate::report::Report;
 use crate::report::keys::FIGURES;
@@ -115,20 +116,15 @@ impl Row {
             let name = component["name"].as_str().unwrap_or_default();
             for part in ["dynamic_mj", "leakage_mj"] {
                 let text = format!("energy of {name}, {}", if part == "dynamic_mj" { "dynamic" } else { "leakage" });
-                own.add(&format!("energy_{}_{part}", plain(name)), "mJ", &text, component[part].clone());
+                own.add(&format!("energy_{}_{part}", column(name)), "mJ", &text, component[part].clone());
             }
         }
         for (name, counter) in value["counters"].as_object().into_iter().flatten() {
             let word = |key: &str| counter[key].as_str().unwrap_or_default().to_owned();
-            own.add(&plain(name), &word("unit"), &word("description"), counter["value"].clone());
+            own.add(&column(name), &word("unit"), &word("description"), counter["value"].clone());
         }
         (Self { key, error: None, figures: own.values }, own.columns)
     }
-}
-
-/// A name that needs no quotes in SQL.
-fn plain(name: &str) -> String {
-    name.chars().map(|c| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { '_' }).collect()
 }
 
 #[derive(Default)]

@@ -10,6 +10,7 @@ use std::path::PathBuf;
 use serde_json::Value;
 
 use crate::error::{Result, StudyError};
+use crate::point::columns::read_columns;
 use crate::point::row::{Column, Row, role_of};
 use crate::point::version::MODEL_VERSION;
 use crate::sweep::folder::Folder;
@@ -42,7 +43,7 @@ pub fn merge(folder: &Folder) -> Result<Merged> {
     let plan = folder.plan();
     let (there, missing): (Vec<usize>, Vec<usize>) =
         (0..plan.points.len()).partition(|point| rows.contains_key(&plan.points[*point].key));
-    let table = Table { plan, rows: &rows, there: &there, columns: segment::read_columns(folder)? };
+    let table = Table { plan, rows: &rows, there: &there, columns: read_columns(&folder.columns())? };
     let fields = table.fields()?;
     let failed = there.iter().filter(|point| rows[&plan.points[**point].key].error.is_some()).count();
     let heading = Heading {

@@ -1,7 +1,9 @@
 //! The results of a sweep as a table: one row a point, typed columns with units.
 
 pub mod csv;
+#[cfg(feature = "parquet")]
 pub mod load;
+#[cfg(feature = "parquet")]
 pub mod parquet;
 
 use serde::{Deserialize, Serialize};

@@ -27,17 +27,17 @@ pub struct Options {
 }
 
 impl Options {
-    /// These, and for what they do not say, those.
-    pub fn or(self, those: &Self) -> Self {
-        let of = |own: Option<String>, other: &Option<String>| own.or_else(|| other.clone());
+    /// These options; each that is not given here is taken from `defaults`.
+    pub fn or(self, defaults: &Self) -> Self {
+        let of = |given: Option<String>, default: &Option<String>| given.or_else(|| default.clone());
         Self {
-            partition: of(self.partition, &those.partition),
-            account: of(self.account, &those.account),
-            time: of(self.time, &those.time),
-            mem: of(self.mem, &those.mem),
-            max_running: self.max_running.or(those.max_running),
-            setup: of(self.setup, &those.setup),
-            others: if self.others.is_empty() { those.others.clone() } else { self.others },
+            partition: of(self.partition, &defaults.partition),
+            account: of(self.account, &defaults.account),
+            time: of(self.time, &defaults.time),
+            mem: of(self.mem, &defaults.mem),
+            max_running: self.max_running.or(defaults.max_running),
+            setup: of(self.setup, &defaults.setup),
+            others: if self.others.is_empty() { defaults.others.clone() } else { self.others },
         }
     }
 }
@@ -132,8 +132,8 @@ pub fn parts(job: &str) -> (&str, Option<&str>) {
 /// The path has one, or a line break.
 pub fn check(path: &Path) -> Result<()> {
     if path.to_string_lossy().contains(['\\', '\n', '\r']) {
-        let detail = "has a backslash or a line break in its path, which sbatch cannot take; rename or move it".into();
-        return Err(StudyError::Sweep { path: path.into(), detail });
+        let detail = "has a backslash or a line break in its path, which sbatch cannot take; rename or move it";
+        return Err(StudyError::input(path, detail));
     }
     Ok(())
 }

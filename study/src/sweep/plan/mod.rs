@@ -186,7 +186,7 @@ impl Plan {
         let machine =
             if machine.toml.is_empty() { None } else { Some(NamedMachine::parse(&machine.name, &machine.toml, &own)?) };
         let policy = NamedPolicy::parse(&policy.name, &policy.toml, &rest)?;
-        Ok(Point { trace: point.trace, machine, policy, frames: point.frames })
+        Ok(Point::plain(&self.traces[point.trace].fingerprint, point.frames, machine, policy))
     }
 
     /// What point `index` is, in words: for messages and progress.

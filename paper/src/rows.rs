@@ -3,7 +3,7 @@
 use rayreel_study::schema::{Cost, Point, Study};
 use serde_json::{Value, json};
 
-use super::reference;
+use crate::reference;
 
 /// One row a point, without those of `full`, with which the others are compared.
 pub fn rows(study: &Study) -> Value {

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use rayreel_study::schema::{Ablation, Gain, Point, Study, Track};
 
-use super::policies::MODES;
+use crate::policies::MODES;
 
 /// Everything that is printed.
 pub fn table(study: &Study) -> String {
@@ -285,7 +285,7 @@ fn ablations(all: &[Ablation]) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::geometric_mean;
+    use crate::geometric_mean;
 
     #[test]
     fn the_geometric_mean() {
