@@ -49,8 +49,8 @@ values = [2, 4, 8]
 /// CPU time of all threads of this process so far, seconds. Linux counts in hundredths.
 fn cpu_seconds() -> f64 {
     let stat = std::fs::read_to_string("/proc/self/stat").unwrap_or_default();
-    let fields: Vec<_> = stat.rsplit_once(')').map_or("", |own| own.1).split_whitespace().collect();
-    let ticks = |at: usize| fields.get(at).and_then(|own| own.parse::<f64>().ok()).unwrap_or(0.0);
+    let fields: Vec<_> = stat.rsplit_once(')').map_or("", |rest| rest.1).split_whitespace().collect();
+    let ticks = |at: usize| fields.get(at).and_then(|field| field.parse::<f64>().ok()).unwrap_or(0.0);
     (ticks(11) + ticks(12)) / 100.0
 }
 
@@ -77,9 +77,9 @@ fn capture_chess(file: &Path) {
     let scene = rayreel_scenes::load("chess").unwrap();
     let built = build(&scene).unwrap();
     let grid = Grid { width: 128, height: 64, samples: 2, tile: 32, first_frame: 0, frames: 1 };
-    let own = meta(&scene, grid, TraceSettings::default(), "bench");
+    let meta_of_trace = meta(&scene, grid, TraceSettings::default(), "bench");
     let output = Output { path: file.to_path_buf(), codec: Codec::Context, level: 3, resume: false };
-    capture(&scene, &built, &own, &output, |_| true).unwrap();
+    capture(&scene, &built, &meta_of_trace, &output, |_| true).unwrap();
 }
 
 /// Each point by itself.

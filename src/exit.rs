@@ -50,7 +50,7 @@ pub fn of(error: &anyhow::Error) -> Exit {
     if error.chain().any(bad_data) { Exit::BadData } else { Exit::Usage }
 }
 
-/// The trace's error in a cause, however it is wrapped. One that shows another's words in place of its own is no cause of its own.
+/// The trace's error in a cause. An error that is transparent stands in the chain in place of the one it holds.
 fn trace_error<'a>(cause: &'a (dyn std::error::Error + 'static)) -> Option<&'a TraceError> {
     let boxed = || cause.downcast_ref::<Box<TraceError>>().map(|error| &**error);
     let of_paper = || match cause.downcast_ref() {

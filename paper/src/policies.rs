@@ -104,7 +104,7 @@ pub const POLICIES: &[Contender] = &[
 pub const PAPER: [&str; 2] = ["paper-ss", "paper-us"];
 
 impl Contender {
-    /// Whether the animation is replayed under it in mode `mode`: of the paper's two policies each has its own.
+    /// Whether the animation is replayed under it in mode `mode`: the paper evaluated one policy in each.
     pub fn is_animated(&self, mode: usize, full: bool) -> bool {
         self.animated.now(full) && (self.name == PAPER[mode] || !PAPER.contains(&self.name))
     }

@@ -12,7 +12,7 @@ use rayreel_study::sweep::run::{self as shard_run, Outcome, RunProgress, Setting
 use rayreel_study::sweep::shard::Shard;
 use serde_json::json;
 
-use super::folder::{Place, find, opener};
+use super::folder::{FolderArgs, find, opener};
 use super::plan::duration;
 use crate::exit::Exit;
 use crate::progress::{self, Progress};
@@ -27,7 +27,7 @@ pub struct Args {
     /// Folder of a sweep, or a plan file.
     sweep: PathBuf,
     #[command(flatten)]
-    place: Place,
+    place: FolderArgs,
     /// Only part i of n, from 0: a pure function of the plan. auto/n takes i from the environment of an array job.
     #[arg(long, value_name = "i/n")]
     shard: Option<String>,
@@ -202,8 +202,8 @@ fn telemetry(
 /// The name of this machine.
 fn host() -> String {
     let named = ["SLURMD_NODENAME", "HOSTNAME"].iter().find_map(|name| std::env::var(name).ok());
-    let own = || std::fs::read_to_string("/proc/sys/kernel/hostname").ok().map(|name| name.trim().to_owned());
-    named.or_else(own).filter(|name| !name.is_empty()).unwrap_or_else(|| "unknown".into())
+    let kernel = || std::fs::read_to_string("/proc/sys/kernel/hostname").ok().map(|name| name.trim().to_owned());
+    named.or_else(kernel).filter(|name| !name.is_empty()).unwrap_or_else(|| "unknown".into())
 }
 
 /// A name that no other attempt has.

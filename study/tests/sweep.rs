@@ -81,7 +81,7 @@ impl Sweep {
 
     fn segments(&self) -> Vec<PathBuf> {
         let folder = self.folder.segments(0);
-        let all = std::fs::read_dir(folder).map(|all| all.map(|own| own.unwrap().path()).collect());
+        let all = std::fs::read_dir(folder).map(|all| all.map(|entry| entry.unwrap().path()).collect());
         all.unwrap_or_default()
     }
 }
@@ -101,8 +101,8 @@ fn settings<'a>(shard: Shard, attempt: &str, reused: &'a ReusedRows, stop: Stop)
 
 #[test]
 fn a_plan_has_every_combination_once_in_its_order() {
-    let own = plan(SMALL).unwrap();
-    let all: Vec<String> = (0..own.points.len()).map(|i| own.describe(i)).collect();
+    let plan = plan(SMALL).unwrap();
+    let all: Vec<String> = (0..plan.points.len()).map(|i| plan.describe(i)).collect();
     let want = [
         "sgrt-ti2 under full",
         "sgrt-ti2 under adaptive block=2",
@@ -113,13 +113,13 @@ fn a_plan_has_every_combination_once_in_its_order() {
         "none under full",
         "none under adaptive block=2",
     ];
-    let want = want.map(|own| format!("v1_0_cornell.rtrace frames 0..1 on {own}"));
+    let want = want.map(|point| format!("v1_0_cornell.rtrace frames 0..1 on {point}"));
     assert_eq!(all, want);
 }
 
 #[test]
 fn axes_go_forward_together_when_zipped() {
-    let own = plan(
+    let zipped = plan(
         r#"policies = ["full"]
         machines = ["sgrt-ti2"]
         [[axis]]
@@ -138,8 +138,8 @@ fn axes_go_forward_together_when_zipped() {
         zip = "caches""#,
     )
     .unwrap();
-    let labels = |i: usize| own.describe(i).split(" under full ").nth(1).unwrap().to_owned();
-    let all: Vec<String> = (0..own.points.len()).map(labels).collect();
+    let labels = |i: usize| zipped.describe(i).split(" under full ").nth(1).unwrap().to_owned();
+    let all: Vec<String> = (0..zipped.points.len()).map(labels).collect();
     assert_eq!(
         all,
         [
@@ -151,7 +151,7 @@ fn axes_go_forward_together_when_zipped() {
             "l1=16KiB trv=4 l2=128KiB",
         ]
     );
-    let machine = own.resolve(&own.points[5]).unwrap().machine.unwrap();
+    let machine = zipped.resolve(&zipped.points[5]).unwrap().machine.unwrap();
     assert_eq!(machine.config.ti.trv, 4);
     assert_eq!(
         (machine.config.ti.trv_l1.size.0, machine.config.ti.ist_l1.size.0, machine.config.l2.size.0),
@@ -212,7 +212,7 @@ fn bad_plans_are_one_error_with_its_place() {
         ),
     ];
     for (body, want) in cases {
-        let got = plan(&body).map(|own| own.points.len());
+        let got = plan(&body).map(|plan| plan.points.len());
         assert!(got.as_ref().is_err_and(|e| e.contains(want)), "{body}\n  gave {got:?}\n  want {want}");
     }
     let missing = plan_of("traces = [\"a\",\n \"/nowhere/b.rtrace\"]\npolicies = [\"full\"]").unwrap_err();
@@ -236,15 +236,15 @@ fn ranges_that_explode_are_refused_before_they_do() {
 fn keys_change_with_what_matters_and_with_nothing_else() {
     let base = "policies = [\"adaptive\"]\n[[axis]]\nname = \"l1\"\nkey = \"ti.trv_l1.size\"\nvalues = [\"8KiB\", \"16KiB\"]\n";
     let keys = |text: &str| -> Vec<String> { plan(text).unwrap().points.iter().map(|p| p.key.clone()).collect() };
-    let own = keys(base);
-    assert_ne!(own[0], own[1], "another value");
-    assert!(own.iter().all(|key| key.len() == 32));
+    let base_keys = keys(base);
+    assert_ne!(base_keys[0], base_keys[1], "another value");
+    assert!(base_keys.iter().all(|key| key.len() == 32));
     // The order, comments and names are nothing.
     let turned =
         format!("# a comment\nname = \"other\"\n{}", base.replace("[\"8KiB\", \"16KiB\"]", "[16384, 8192] # bytes"));
-    assert_eq!(keys(&turned), [own[1].clone(), own[0].clone()]);
+    assert_eq!(keys(&turned), [base_keys[1].clone(), base_keys[0].clone()]);
     // The default of a machine written out is the default.
-    assert_eq!(keys(&format!("set = [\"ti.trv=4\"]\n{base}")), own);
+    assert_eq!(keys(&format!("set = [\"ti.trv=4\"]\n{base}")), base_keys);
     // Constants, policies and frames are not.
     for other in [
         "set = [\"energy.trv_l1_read_pj=5.8\"]",
@@ -252,7 +252,7 @@ fn keys_change_with_what_matters_and_with_nothing_else() {
         "machines = [\"sgrt-ti2-rob\"]",
     ] {
         let other = keys(&format!("{other}\n{base}"));
-        assert!(other.iter().all(|key| !own.contains(key)), "{other:?}");
+        assert!(other.iter().all(|key| !base_keys.contains(key)), "{other:?}");
     }
 }
 
@@ -277,7 +277,7 @@ fn however_it_is_split_the_result_is_the_same() {
     let results = merged.results;
     assert_eq!(parquet::decode(parquet::encode(&results).unwrap(), Path::new("r")).unwrap(), results);
     let texts = |name: &str| match &results.field(name).unwrap().cells {
-        Cells::Text(own) => own.clone(),
+        Cells::Text(cells) => cells.clone(),
         other => panic!("{name}: {other:?}"),
     };
     assert_eq!(texts("status").iter().flatten().filter(|s| *s == "failed").count(), 2);
@@ -335,17 +335,17 @@ fn torn_empty_and_foreign_segments_are_computed_again() {
         ("empty", |_| Vec::new()),
         ("torn body", |bytes| bytes[..bytes.len() - 5].to_vec()),
         ("a flipped bit", |bytes| {
-            let mut own = bytes.to_vec();
-            let at = own.len() - 40;
-            own[at] ^= 1;
-            own
+            let mut changed = bytes.to_vec();
+            let at = changed.len() - 40;
+            changed[at] ^= 1;
+            changed
         }),
         ("of another plan", |bytes| {
             let text = String::from_utf8(bytes.to_vec()).unwrap();
             let at = text.find("\"plan\":\"").unwrap() + 8;
-            let mut own = text.into_bytes();
-            own[at] = if own[at] == b'0' { b'1' } else { b'0' };
-            own
+            let mut changed = text.into_bytes();
+            changed[at] = if changed[at] == b'0' { b'1' } else { b'0' };
+            changed
         }),
     ];
     for (what, damage) in damage {
@@ -372,9 +372,9 @@ fn an_interrupted_run_keeps_what_is_finished() {
         other.bytes()
     };
     let (reused, stop) = (ReusedRows::default(), Stop::default());
-    let own = settings(Shard::WHOLE, "a", &reused, stop.clone());
-    let own = Settings { threads: 1, ..own };
-    let first = run(&sweep.folder, &own, |now| {
+    let settings = settings(Shard::WHOLE, "a", &reused, stop.clone());
+    let settings = Settings { threads: 1, ..settings };
+    let first = run(&sweep.folder, &settings, |now| {
         if now.saved >= 2 {
             stop.request();
         }
@@ -425,9 +425,9 @@ fn points_of_one_key_are_computed_once() {
 
 #[test]
 fn another_trace_in_its_place_is_noticed() {
-    let mut own = plan(SMALL).unwrap();
-    own.traces[0].location = own.traces[0].location.replace("cornell", "teapot");
-    let sweep = Sweep::new(own);
+    let mut moved = plan(SMALL).unwrap();
+    moved.traces[0].location = moved.traces[0].location.replace("cornell", "teapot");
+    let sweep = Sweep::new(moved);
     let outcome = sweep.run(Shard::WHOLE, "a");
     assert_eq!((outcome.computed, outcome.troubles.len()), (0, 8));
     assert!(outcome.troubles[0].1.contains("is not the trace that the plan was made for"), "{:?}", outcome.troubles[0]);

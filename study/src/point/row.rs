@@ -88,10 +88,10 @@ impl Row {
 
     /// The row of a report as `rayreel replay --json` prints it.
     pub fn of_json(key: Key, value: &Value) -> (Self, Vec<Column>) {
-        let mut own = Figures::default();
+        let mut made = Figures::default();
         for (name, unit, text) in FIGURES {
             if !LEFT_OUT.contains(name) && !GROUPS.contains(name) {
-                own.add(name, unit, text, value[*name].clone());
+                made.add(name, unit, text, value[*name].clone());
             }
         }
         for group in GROUPS {
@@ -102,28 +102,28 @@ impl Row {
                     "{what}: {}",
                     of.1.replace(", the group ti of energy", "").replace(" of the T&I units alone", "")
                 );
-                own.add(&format!("{group}_{name}"), of.0, &text, value[*group][name].clone());
+                made.add(&format!("{group}_{name}"), of.0, &text, value[*group][name].clone());
             }
         }
         for kind in KINDS {
             for which in ["full", "traced", "apron"] {
                 let name = format!("rays_{kind}_{which}");
                 let text = format!("{kind} rays of rays_{which}");
-                own.add(&name, "rays", &text, value["rays_by_kind"][which][*kind].clone());
+                made.add(&name, "rays", &text, value["rays_by_kind"][which][*kind].clone());
             }
         }
         for component in value["energy"].as_array().into_iter().flatten() {
             let name = component["name"].as_str().unwrap_or_default();
             for part in ["dynamic_mj", "leakage_mj"] {
                 let text = format!("energy of {name}, {}", if part == "dynamic_mj" { "dynamic" } else { "leakage" });
-                own.add(&format!("energy_{}_{part}", column(name)), "mJ", &text, component[part].clone());
+                made.add(&format!("energy_{}_{part}", column(name)), "mJ", &text, component[part].clone());
             }
         }
         for (name, counter) in value["counters"].as_object().into_iter().flatten() {
             let word = |key: &str| counter[key].as_str().unwrap_or_default().to_owned();
-            own.add(&column(name), &word("unit"), &word("description"), counter["value"].clone());
+            made.add(&column(name), &word("unit"), &word("description"), counter["value"].clone());
         }
-        (Self { key, error: None, figures: own.values }, own.columns)
+        (Self { key, error: None, figures: made.values }, made.columns)
     }
 }
 

@@ -181,9 +181,9 @@ mod tests {
         let options = options();
         let common =
             Common { name: "rayreel-8c62bfbd", options: &options, logs: Path::new("/data/50% off/s.sweep/logs") };
-        let own = Array { offset: 1001, tasks: vec![0, 1, 2, 7] };
+        let shards = Array { offset: 1001, tasks: vec![0, 1, 2, 7] };
         assert_eq!(
-            array(common, &own, Some(200), Path::new("/data/shard.sh")).join(" "),
+            array(common, &shards, Some(200), Path::new("/data/shard.sh")).join(" "),
             "sbatch --parsable --job-name=rayreel-8c62bfbd --ntasks=1 --cpus-per-task=1 --requeue --open-mode=append \
              --array=0-2,7%200 --signal=B:USR1@60 --output=/data/50%% off/s.sweep/logs/shard-from-1001-%a.log --partition=cpu \
              --account=proj1 --time=60 --mem=4G --qos=long /data/shard.sh 1001"
