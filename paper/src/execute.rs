@@ -103,7 +103,12 @@ impl Execution<'_> {
         pool.run(&jobs, work, |event| {
             let Event::Done { index, result } = event else { return Ok(()) };
             let job = &jobs[index];
-            ledger.keep(job.index, result?)?;
+            let computed = match result {
+                // What others have finished is still to be kept.
+                Err(error) if error.is_interruption() => return Ok(()),
+                result => result?,
+            };
+            ledger.keep(job.index, computed)?;
             meter.close(Item::Point(job.index), job.weight);
             Ok::<_, PaperError>(())
         })?;

@@ -4,13 +4,17 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
 use crate::point::key::Point;
-use crate::point::no_origin;
 use crate::point::row::Row;
-use crate::report::{Report, TileReport};
+use crate::report::{Origin, Report, TileReport};
 use rayreel_formats::scene::Meta;
 use rayreel_replay::frame::counts::FrameStats;
 use rayreel_replay::image::psnr::SquaredError;
 use rayreel_replay::simulate::MachineRun;
+
+/// Results say nowhere what a trace was called: it is in no key.
+pub(crate) fn no_origin() -> Origin {
+    Origin { trace: String::new(), trace_digest: None }
+}
 
 /// The second kind of result of a point: a pure function of its key, as a row is.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -2,6 +2,8 @@
 
 use serde_json::{Map, Value};
 
+use crate::point::row::plain as column;
+
 /// The figures of a row, or of one frame.
 #[derive(Clone, Copy, Debug)]
 pub struct RowFigures<'a>(pub &'a Map<String, Value>);
@@ -38,11 +40,6 @@ impl<'a> RowFigures<'a> {
         let (before, after) = (column(before), column(after));
         self.0.keys().filter_map(move |name| name.strip_prefix(&before)?.strip_suffix(&after))
     }
-}
-
-/// The column of a counter or component: a name that needs no quotes in SQL.
-pub fn column(name: &str) -> String {
-    name.chars().map(|c| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { '_' }).collect()
 }
 
 #[cfg(test)]

@@ -18,10 +18,3 @@ pub mod task;
 pub mod tile_cache;
 pub mod version;
 pub mod wanted;
-
-use crate::report::Origin;
-
-/// Results say nowhere what a trace was called: it is in no key.
-fn no_origin() -> Origin {
-    Origin { trace: String::new(), trace_digest: None }
-}

@@ -5,7 +5,6 @@
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
-use crate::point::figures::column;
 use crate::point::key::Key;
 use crate::report::Report;
 use crate::report::keys::FIGURES;
@@ -88,10 +87,10 @@ impl Row {
 
     /// The row of a report as `rayreel replay --json` prints it.
     pub fn of_json(key: Key, value: &Value) -> (Self, Vec<Column>) {
-        let mut made = Figures::default();
+        let mut own = Figures::default();
         for (name, unit, text) in FIGURES {
             if !LEFT_OUT.contains(name) && !GROUPS.contains(name) {
-                made.add(name, unit, text, value[*name].clone());
+                own.add(name, unit, text, value[*name].clone());
             }
         }
         for group in GROUPS {
@@ -102,29 +101,34 @@ impl Row {
                     "{what}: {}",
                     of.1.replace(", the group ti of energy", "").replace(" of the T&I units alone", "")
                 );
-                made.add(&format!("{group}_{name}"), of.0, &text, value[*group][name].clone());
+                own.add(&format!("{group}_{name}"), of.0, &text, value[*group][name].clone());
             }
         }
         for kind in KINDS {
             for which in ["full", "traced", "apron"] {
                 let name = format!("rays_{kind}_{which}");
                 let text = format!("{kind} rays of rays_{which}");
-                made.add(&name, "rays", &text, value["rays_by_kind"][which][*kind].clone());
+                own.add(&name, "rays", &text, value["rays_by_kind"][which][*kind].clone());
             }
         }
         for component in value["energy"].as_array().into_iter().flatten() {
             let name = component["name"].as_str().unwrap_or_default();
             for part in ["dynamic_mj", "leakage_mj"] {
                 let text = format!("energy of {name}, {}", if part == "dynamic_mj" { "dynamic" } else { "leakage" });
-                made.add(&format!("energy_{}_{part}", column(name)), "mJ", &text, component[part].clone());
+                own.add(&format!("energy_{}_{part}", plain(name)), "mJ", &text, component[part].clone());
             }
         }
         for (name, counter) in value["counters"].as_object().into_iter().flatten() {
             let word = |key: &str| counter[key].as_str().unwrap_or_default().to_owned();
-            made.add(&column(name), &word("unit"), &word("description"), counter["value"].clone());
+            own.add(&plain(name), &word("unit"), &word("description"), counter["value"].clone());
         }
-        (Self { key, error: None, figures: made.values }, made.columns)
+        (Self { key, error: None, figures: own.values }, own.columns)
     }
+}
+
+/// A name that needs no quotes in SQL.
+pub(crate) fn plain(name: &str) -> String {
+    name.chars().map(|c| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { '_' }).collect()
 }
 
 #[derive(Default)]

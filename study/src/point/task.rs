@@ -1,10 +1,9 @@
 //! A point under way: its frames go in, its results come out.
 
 use crate::error::Result;
-use crate::point::details::{Details, FrameDetails, FrameFigures, TileFigures};
+use crate::point::details::{Details, FrameDetails, FrameFigures, TileFigures, no_origin};
 use crate::point::frames::{FrameLoop, FrameResult, Simulator};
 use crate::point::key::Point;
-use crate::point::no_origin;
 use crate::point::pictures::FramePictures;
 use crate::point::row::{Column, Row};
 use crate::point::wanted::{Compared, Figures};
