@@ -145,15 +145,6 @@ fn compared(point: &Point, missing: Missing) -> Compared {
     match &wanted.figures {
         Figures::Row if missing.row => Compared::Seen,
         Figures::Row => wanted.views.needs(),
-        // What a picture needs enters the figures too: both are in one key.
-        Figures::Frames { compared, .. } => stronger(*compared, wanted.views.needs()),
-    }
-}
-
-fn stronger(a: Compared, b: Compared) -> Compared {
-    match (a, b) {
-        (Compared::Seen, _) | (_, Compared::Seen) => Compared::Seen,
-        (Compared::Valued, _) | (_, Compared::Valued) => Compared::Valued,
-        _ => Compared::Not,
+        Figures::Frames { compared, .. } => *compared,
     }
 }

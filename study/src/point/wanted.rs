@@ -19,7 +19,7 @@ pub enum Figures {
     Row,
     /// Those of each frame by itself.
     Frames {
-        /// How frames are compared with those of `full`.
+        /// How frames are compared with those of `full`. Pictures and tiles have what that gives, and no more.
         compared: Compared,
         /// The frames that the machine simulates.
         simulated: Vec<u32>,
