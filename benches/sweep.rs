@@ -11,22 +11,21 @@
 //! best of each is taken, so that ratios hold on a noisy machine.
 
 use std::path::Path;
-use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use rayreel_formats::Limits;
 use rayreel_formats::trace::{Codec, Trace};
 use rayreel_machine::system::NoProbe;
-use rayreel_replay::simulate::simulate_each;
-use rayreel_replay::{Options, Replayer};
+use rayreel_replay::{Options, PathSource, Stop};
+use rayreel_study::point::frames::{FrameLoop, FrameResult, Simulator};
+use rayreel_study::point::segment::Writer;
 use rayreel_study::report::{Origin, Report};
 use rayreel_study::sweep::folder::Folder;
-use rayreel_study::sweep::known::Known;
 use rayreel_study::sweep::merge::merge;
 use rayreel_study::sweep::plan::locate::Text;
 use rayreel_study::sweep::plan::{Plan, Sources};
+use rayreel_study::sweep::reused::ReusedRows;
 use rayreel_study::sweep::run::{Settings, run};
-use rayreel_study::sweep::segment::Writer;
 use rayreel_study::sweep::shard::Shard;
 use rayreel_study::table::{csv, parquet};
 use rayreel_tracer::capture::capture;
@@ -88,13 +87,19 @@ fn bare(plan: &Plan) {
     for point in &plan.points {
         let resolved = plan.resolve(point).unwrap();
         let trace = open(&plan.traces[point.trace].location).unwrap();
-        let machine = resolved.machine.unwrap();
-        let mut replayer = Replayer::new(&trace, &resolved.policy.policy, Options::default()).unwrap();
-        let named = (machine.name.as_str(), &machine.config);
-        let frames = point.frames.0..point.frames.0 + point.frames.1;
-        let (stats, runs) = simulate_each(&mut replayer, frames, named, &mut NoProbe, |_| Ok(())).unwrap();
+        let machine = resolved.machine.clone().unwrap();
+        let tree = trace.topology();
+        let simulator = Some(Simulator { machine: &machine, tree: &tree });
+        let (mut counted, mut runs) = (Vec::new(), Vec::new());
+        let mut frames = FrameLoop::new(&trace, &resolved.policy.policy, Options::default(), &Stop::never()).unwrap();
+        let sink = |frame: FrameResult| {
+            counted.push(frame.replay.stats);
+            runs.extend(frame.run);
+            Ok(())
+        };
+        frames.run(resolved.frame_numbers(), simulator, &mut NoProbe, sink).unwrap();
         let origin = Origin { trace: String::new(), trace_digest: None };
-        let report = Report::new(&origin, &resolved.policy, trace.meta(), &stats).with_machine(&machine, &runs);
+        let report = Report::new(&origin, &resolved.policy, trace.meta(), &counted).with_machine(&machine, &runs);
         assert!(report.run.cycles > Some(0));
     }
 }
@@ -103,16 +108,16 @@ fn bare(plan: &Plan) {
 fn swept(plan: &Plan, threads: usize) -> usize {
     let place = tempfile::tempdir().unwrap();
     let (folder, _) = Folder::create(&place.path().join("sweep"), plan.clone()).unwrap();
-    let known = Known::default();
+    let reused = ReusedRows::default();
     let settings = Settings {
         shard: Shard::WHOLE,
         threads,
         memory: 1 << 30,
         flush: Duration::ZERO,
         writer: Writer { attempt: "bench".into(), host: "here".into() },
-        stop: Arc::default(),
+        stop: Stop::default(),
         open: &open,
-        known: &known,
+        reused: &reused,
     };
     let outcome = run(&folder, &settings, |_| {}).unwrap();
     assert_eq!(outcome.computed, plan.points.len());

@@ -76,7 +76,7 @@ pub fn run(args: &Args, quiet: bool) -> Result<Exit> {
     let (first, count) = args.frames;
     let meta = meta(&scene, &args.grid, args.tile, first, count);
     let built = build(&scene)?;
-    progress::stop_on_signal();
+    let stop = progress::stop_on_signal();
     let start = Instant::now();
     let mut bar =
         Progress::new(&format!("capture {}", scene.name), u64::from(meta.tile_count()) * u64::from(count), quiet);
@@ -85,7 +85,7 @@ pub fn run(args: &Args, quiet: bool) -> Result<Exit> {
             let rate = now.rays as f64 / start.elapsed().as_secs_f64();
             format!("{}rays/s, {:.2} bytes/ray", si(rate), now.bytes as f64 / now.rays.max(1) as f64)
         });
-        !progress::stopped()
+        !stop.is_requested()
     })?;
     bar.finish();
     match outcome {

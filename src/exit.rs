@@ -3,6 +3,7 @@
 use std::process::ExitCode;
 
 use rayreel_formats::Error as TraceError;
+use rayreel_paper::PaperError;
 use rayreel_replay::ReplayError;
 use rayreel_scenes::SceneError;
 use rayreel_study::StudyError;
@@ -34,9 +35,7 @@ impl From<Exit> for ExitCode {
 /// The exit code of an error.
 pub fn of(error: &anyhow::Error) -> Exit {
     // A replay's error may stand on a trace's: the innermost one that says who must act decides.
-    if let Some(error) =
-        error.chain().find_map(|c| c.downcast_ref().or_else(|| Some(&**c.downcast_ref::<Box<TraceError>>()?)))
-    {
+    if let Some(error) = error.chain().find_map(trace_error) {
         return of_trace(error);
     }
     let bad_data = |cause: &(dyn std::error::Error + 'static)| {
@@ -44,17 +43,28 @@ pub fn of(error: &anyhow::Error) -> Exit {
         let scene =
             cause.downcast_ref().is_some_and(|e| !matches!(e, SceneError::Usage { .. } | SceneError::Io { .. }));
         let report = cause.downcast_ref().is_some_and(ReportError::is_bad_data);
-        let study = cause.downcast_ref().is_some_and(|e| {
-            matches!(
-                e,
-                StudyError::Conflict { .. }
-                    | StudyError::Table { .. }
-                    | StudyError::Replay(ReplayError::Corrupt { ray: None, .. })
-            )
-        });
+        let study = study_error(cause).is_some_and(StudyError::is_bad_data);
         scene || report || study || matches!(cause.downcast_ref(), Some(ReplayError::Corrupt { ray: None, .. }))
     };
     if error.chain().any(bad_data) { Exit::BadData } else { Exit::Usage }
+}
+
+/// The trace's error in a cause. An error that is transparent stands in the chain in place of the one it holds.
+fn trace_error<'a>(cause: &'a (dyn std::error::Error + 'static)) -> Option<&'a TraceError> {
+    let boxed = || cause.downcast_ref::<Box<TraceError>>().map(|error| &**error);
+    let of_paper = || match cause.downcast_ref() {
+        Some(PaperError::Trace(error)) => Some(error),
+        _ => None,
+    };
+    cause.downcast_ref().or_else(boxed).or_else(of_paper)
+}
+
+fn study_error<'a>(cause: &'a (dyn std::error::Error + 'static)) -> Option<&'a StudyError> {
+    let of_paper = || match cause.downcast_ref() {
+        Some(PaperError::Study(error)) => Some(error),
+        _ => None,
+    };
+    cause.downcast_ref().or_else(of_paper)
 }
 
 fn of_trace(error: &TraceError) -> Exit {

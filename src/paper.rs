@@ -1,46 +1,15 @@
 //! `rayreel paper`: the paper's experiment on the built-in scenes, and what goes beyond it.
-//!
-//! All that is wanted is planned first, each capture and each replay once; then what the cache does not hold is done, and the
-//! study is put together from what it holds.
-
-mod ablations;
-mod animation;
-mod cache;
-mod execute;
-mod jobs;
-mod live;
-mod plan;
-mod points;
-mod policies;
-mod record;
-mod reference;
-mod rows;
-mod study;
-mod table;
-mod together;
-mod traces;
 
 use std::path::PathBuf;
-use std::sync::Arc;
 
 use anyhow::{Context, Result};
-use rayreel_machine::config::NamedMachine;
-use rayreel_replay::NamedPolicy;
-use rayreel_replay::image::files::write_atomically;
-use rayreel_study::{html, schema as contract};
+use rayreel_paper::{Finished, Folders, Machines, SIZE, SIZE_FULL, Setup};
+use rayreel_scenes::Scene;
+use rayreel_study::html;
 
-use self::cache::Cache;
-use self::plan::{Plan, Stage};
-use self::policies::Entry;
-use crate::common::{load_scene, print};
+use crate::common::{TOOL, load_scene, print};
 use crate::exit::Exit;
-use crate::progress;
-
-/// Picture size by default, pixels.
-const SIZE: (u32, u32) = (128, 64);
-
-/// The paper's.
-const SIZE_FULL: (u32, u32) = (2048, 1024);
+use crate::progress::{self, Progress};
 
 /// Reproduce the paper's experiment, and what it left as future work, on the built-in scenes.
 ///
@@ -69,95 +38,66 @@ pub struct Args {
     /// Folder for study.json, report.html, paper.json and pictures.
     #[arg(long, default_value = "rayreel-out", value_name = "DIR")]
     out: PathBuf,
+    /// Take the rows that this sweep or this other cache folder has already. Can be repeated.
+    #[arg(long, value_name = "FOLDER")]
+    reuse: Vec<PathBuf>,
     /// Print JSON instead of the tables.
     #[arg(long)]
     json: bool,
 }
 
-/// What the experiment is made of.
-struct Setup<'a> {
-    stages: &'a [Stage],
-    policies: Vec<(&'static Entry, Arc<NamedPolicy>)>,
-    machines: Option<Machines>,
-    size: (u32, u32),
-    full: bool,
-    /// The command line that repeats it.
-    command: String,
-}
-
-/// The machine asked for, and the same with an SRP that takes no time.
-struct Machines {
-    spec: String,
-    whole: Arc<NamedMachine>,
-    alone: Arc<NamedMachine>,
-}
-
-/// What is planned.
-struct Experiment {
-    points: Vec<points::Planned>,
-    animation: Option<animation::Planned>,
-    ablations: Vec<ablations::Planned>,
-}
-
 pub fn run(args: &Args, quiet: bool) -> Result<Exit> {
-    let machines = machines(&args.machine)?;
+    let machines = if args.machine == "none" { None } else { Some(Machines::load(&args.machine)?) };
     for folder in [&args.cache, &args.out] {
         std::fs::create_dir_all(folder).with_context(|| format!("cannot create folder {}", folder.display()))?;
     }
-    progress::stop_on_signal();
-    let stages = stages(args)?;
-    let policies = policies::load()?;
+    let stop = progress::stop_on_signal();
     let size = args.size.unwrap_or(if args.full { SIZE_FULL } else { SIZE });
-    let setup = Setup { stages: &stages, policies, machines, size, full: args.full, command: command(args, size) };
-    let cache = Cache::open(&args.cache)?;
-    let mut plan = Plan::new(&stages, &cache, args.cache.clone());
-    let experiment = Experiment {
-        points: points::plan(&setup, &mut plan),
-        animation: animation::plan(&setup, &mut plan),
-        ablations: ablations::plan(&setup, &mut plan)?,
+    let setup = Setup {
+        size,
+        full: args.full,
+        command: command(args, size),
+        tool: TOOL.into(),
+        ..Setup::new(scenes(args)?, machines)?
     };
-    let Some(records) = execute::execute(&plan, &cache, &args.out, quiet)? else {
-        eprintln!("interrupted: run the same command again to go on");
-        return Ok(Exit::Interrupted);
-    };
-    finish(args, &setup, &experiment, &records)
+    let folders = Folders { cache: args.cache.clone(), out: args.out.clone(), reuse: args.reuse.clone() };
+    let mut bar: Option<Progress> = None;
+    let ended = rayreel_paper::run(&setup, &folders, rayon::current_num_threads(), &stop, &mut |now| {
+        bar.get_or_insert_with(|| Progress::new("paper", now.total, quiet)).set(now.done, now.doing);
+    });
+    if let Some(bar) = bar {
+        bar.finish();
+    }
+    match ended {
+        Ok(finished) => finish(args, &finished),
+        Err(error) if error.is_interruption() => {
+            eprintln!("interrupted: run the same command again to go on");
+            Ok(Exit::Interrupted)
+        }
+        Err(error) => Err(error.into()),
+    }
 }
 
-/// Writes and prints the results.
-fn finish(args: &Args, setup: &Setup<'_>, experiment: &Experiment, records: &[record::Record]) -> Result<Exit> {
-    let study = study::study(setup, experiment, records)?;
-    let json = serde_json::to_string_pretty(&study)? + "\n";
-    write_atomically(&args.out.join(contract::FILE), json.as_bytes())?;
-    let rows = format!("{:#}\n", rows::rows(&study));
-    write_atomically(&args.out.join("paper.json"), rows.as_bytes())?;
-    html::write(&args.out, &args.out.join("report.html"))?;
-    let text = || table::table(&study) + &format!("\nthe page: {}\n", args.out.join("report.html").display());
-    print(&if args.json { rows } else { text() })?;
+/// Writes the page, prints the results.
+fn finish(args: &Args, Finished { study, counts }: &Finished) -> Result<Exit> {
+    let page = args.out.join("report.html");
+    html::write(&args.out, &page)?;
+    let rows = || format!("{:#}\n", rayreel_paper::rows(study));
+    let text = || rayreel_paper::table(study) + &format!("\nthe page: {}\n", page.display());
+    print(&if args.json { rows() } else { text() })?;
+    eprintln!(
+        "{} points: {} rows reused, {} computed, {} replayed for pictures alone",
+        counts.points, counts.reused, counts.computed, counts.shown
+    );
     Ok(Exit::Done)
 }
 
-fn stages(args: &Args) -> Result<Vec<Stage>> {
-    let names: Vec<&str> = if args.scenes.is_empty() {
-        reference::scenes().collect()
-    } else {
-        args.scenes.iter().map(String::as_str).collect()
-    };
-    let mut stages: Vec<Stage> = Vec::new();
-    for name in names {
-        let stage = Stage::new(load_scene(name)?);
-        if !stages.iter().any(|known| known.name == stage.name) {
-            stages.push(stage);
-        }
+/// The scenes asked for; the paper's if none is.
+fn scenes(args: &Args) -> Result<Vec<Scene>> {
+    if args.scenes.is_empty() {
+        return rayreel_paper::scenes().map(load_scene).collect();
     }
-    Ok(stages)
-}
-
-fn machines(spec: &str) -> Result<Option<Machines>> {
-    if spec == "none" {
-        return Ok(None);
-    }
-    let load = |overrides: &[String]| NamedMachine::load(spec, overrides).map(Arc::new);
-    Ok(Some(Machines { spec: spec.into(), whole: load(&[])?, alone: load(&["srp.ideal=true".into()])? }))
+    args.scenes.iter().map(|name| load_scene(name)).collect()
 }
 
 /// The command line without what does not change the results.
@@ -172,11 +112,4 @@ fn command(args: &Args, (w, h): (u32, u32)) -> String {
         text += &format!(" --machine {}", args.machine);
     }
     text
-}
-
-impl Experiment {
-    /// How many points have pictures.
-    fn shown(&self) -> usize {
-        self.points.iter().filter(|point| point.is_shown()).count()
-    }
 }

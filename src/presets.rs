@@ -4,8 +4,9 @@ use anyhow::Result;
 use clap::Subcommand;
 use rayreel_machine::config::{MACHINES, NamedMachine, PRESETS, Sourced};
 use rayreel_replay::NamedPolicy;
-use rayreel_replay::policy::{self, POLICIES, Policy};
+use rayreel_replay::policy::{self, POLICIES};
 use rayreel_settings::{is_path, near};
+use rayreel_study::policy_text::{first_sentence, why};
 use serde_json::{Map, Value, json};
 
 use crate::common::{print, print_json};
@@ -84,28 +85,6 @@ fn list(as_json: bool) -> Result<()> {
     text += "\npolicies\n";
     policies.iter().for_each(|(name, why)| text += &format!("  {name:<22} {}\n", first_sentence(why)));
     print(&text)
-}
-
-/// What a policy preset does, and why.
-fn why(preset: &str) -> String {
-    POLICIES.load(preset).map(|loaded| loaded.chain[0].why.clone()).unwrap_or_default()
-}
-
-/// What a policy preset does, in one sentence.
-pub fn policy_summary(preset: &str) -> String {
-    first_sentence(&why(preset)).to_owned()
-}
-
-/// Every value of a policy, as a policy file.
-pub fn policy_values(policy: &Policy) -> String {
-    policy.values().map(|(key, value)| format!("{} = {value}\n", key.name)).collect()
-}
-
-fn first_sentence(text: &str) -> &str {
-    // "et al. 2016" and "2.0:" are no ends: a sentence ends where a capital letter follows.
-    let ends = text.match_indices(". ").map(|(i, _)| i);
-    let mut ends = ends.filter(|i| text[i + 2..].starts_with(|c: char| c.is_ascii_uppercase()));
-    ends.next().map_or(text, |end| &text[..=end])
 }
 
 fn machine_json(machine: &NamedMachine) -> Value {

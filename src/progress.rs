@@ -1,22 +1,25 @@
 //! Progress on standard error: a bar on a terminal, plain lines where it is piped, nothing when quiet.
 
 use std::io::IsTerminal;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::OnceLock;
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
+use rayreel_replay::Stop;
 
-static STOP: AtomicBool = AtomicBool::new(false);
+/// The one request to stop that signals make: a process has one handler.
+static SIGNAL: OnceLock<Stop> = OnceLock::new();
 
-/// From now on Ctrl-C, SIGTERM and SIGHUP ask the command to stop at the next batch.
-pub fn stop_on_signal() {
-    // A second handler is not an error here: the first one does the same.
-    let _ = ctrlc::set_handler(|| STOP.store(true, Ordering::Relaxed));
-}
-
-/// True once a signal asked to stop.
-pub fn stopped() -> bool {
-    STOP.load(Ordering::Relaxed)
+/// What Ctrl-C, SIGTERM and SIGHUP request from now on.
+pub fn stop_on_signal() -> Stop {
+    let stop = SIGNAL.get_or_init(|| {
+        let stop = Stop::default();
+        let handle = stop.clone();
+        // Without a handler a signal ends the process at once, which loses nothing that was written.
+        let _ = ctrlc::set_handler(move || handle.request());
+        stop
+    });
+    stop.clone()
 }
 
 /// Plain lines come at most this often.

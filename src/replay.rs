@@ -2,7 +2,7 @@
 
 use std::cell::{Cell, RefCell};
 use std::ops::Range;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use anyhow::{Context, Result, bail};
 use rayreel_formats::scene::Meta;
@@ -12,10 +12,10 @@ use rayreel_machine::config::schema::is_machine_override;
 use rayreel_machine::probes::Watch;
 use rayreel_machine::timeline::Timeline;
 use rayreel_replay::error::RequestError;
-use rayreel_replay::image::{errors, files, srgb};
-use rayreel_replay::maps;
-use rayreel_replay::simulate::simulate_each;
-use rayreel_replay::{FrameReplay, NamedPolicy, Options, ReplayError, Replayer, replay_each};
+use rayreel_replay::{NamedPolicy, Options, PathSource, ReplayError, Stop};
+use rayreel_study::files::write_whole;
+use rayreel_study::point::frames::{FrameLoop, FrameResult, Simulator};
+use rayreel_study::point::pictures::FramePictures;
 use rayreel_study::report::{Origin, Report};
 
 use crate::common::{frames, print};
@@ -63,9 +63,10 @@ pub struct Args {
 }
 
 pub fn run(args: &Args, quiet: bool) -> Result<Exit> {
-    let (own, policy): (Vec<_>, Vec<_>) = args.overrides.iter().cloned().partition(|text| is_machine_override(text));
+    let (machine, policy): (Vec<_>, Vec<_>) =
+        args.overrides.iter().cloned().partition(|text| is_machine_override(text));
     let policy = NamedPolicy::load(&args.policy, &policy)?;
-    let machine = machine(args, &own)?;
+    let machine = load_machine(args, &machine)?;
     let trace = args.trace.open()?;
     if let Some(out) = &args.out {
         std::fs::create_dir_all(out).with_context(|| format!("cannot create folder {}", out.display()))?;
@@ -73,14 +74,14 @@ pub fn run(args: &Args, quiet: bool) -> Result<Exit> {
     let report = replay(args, &trace, &policy, machine.as_ref(), quiet)?;
     let json = report.to_json()?;
     if let Some(out) = &args.out {
-        files::write_atomically(&out.join("stats.json"), json.as_bytes())?;
+        write_whole(&out.join("stats.json"), json.as_bytes())?;
     }
     print(&if args.json { json } else { report.to_string() })?;
     Ok(Exit::Done)
 }
 
 /// The machine asked for, if one is.
-fn machine(args: &Args, overrides: &[String]) -> Result<Option<NamedMachine>> {
+fn load_machine(args: &Args, overrides: &[String]) -> Result<Option<NamedMachine>> {
     if args.machine != "none" {
         return Ok(Some(NamedMachine::load(&args.machine, overrides)?));
     }
@@ -114,53 +115,38 @@ fn replay(
     machine: Option<&NamedMachine>,
     quiet: bool,
 ) -> Result<Report> {
-    let (meta, options) = (trace.meta(), Options::default());
+    let meta = trace.meta();
     let frames = chosen(args, meta)?;
     let origin = Origin { trace: args.trace.file_name(), trace_digest: Some(digest(trace)?.total().to_string()) };
     let tiles = u64::from(meta.tile_count());
     let bar = RefCell::new(Progress::new("replay", frames.len() as u64 * tiles, quiet));
     let done = Cell::new(0);
-    let sink = |frame: FrameReplay| {
+    let (mut counted, mut runs) = (Vec::new(), Vec::new());
+    let sink = |FrameResult { replay, run }: FrameResult| {
         if let Some(out) = &args.out {
-            let prefix = if meta.frames > 1 { format!("frame_{:04}_", frame.frame) } else { String::new() };
-            write_pictures(&frame, meta.samples, out, &prefix)?;
+            let prefix = if meta.frames > 1 { format!("frame_{:04}_", replay.frame) } else { String::new() };
+            FramePictures::new(&replay, meta.samples).write(out, &prefix)?;
         }
         done.set(done.get() + tiles);
-        bar.borrow_mut().set(done.get(), || format!("frame {}", frame.frame));
+        bar.borrow_mut().set(done.get(), || format!("frame {}", replay.frame));
+        counted.push(replay.stats);
+        runs.extend(run);
         Ok(())
     };
-    let report = if let Some(machine) = machine {
-        let mut timeline = args.timeline.as_ref().map(|_| Timeline::new(&machine.config));
-        let watch = Watch::new(|own| bar.borrow_mut().set(done.get() + own, || format!("tile {own} of the frame")));
-        let mut replayer = Replayer::new(trace, &policy.policy, options)?;
-        let named = (machine.name.as_str(), &machine.config);
-        let (stats, runs) = simulate_each(&mut replayer, frames, named, &mut (timeline.as_mut(), watch), sink)?;
-        if let (Some(file), Some(timeline)) = (&args.timeline, timeline) {
-            files::write_atomically(file, timeline.to_json().as_bytes())?;
-        }
-        Report::new(&origin, policy, meta, &stats).with_machine(machine, &runs)
-    } else {
-        Report::new(&origin, policy, meta, &replay_each(trace, &policy.policy, frames, options, sink)?)
+    let mut timeline = args.timeline.as_ref().zip(machine).map(|(_, machine)| Timeline::new(&machine.config));
+    let watch = Watch::new(|now| bar.borrow_mut().set(done.get() + now, || format!("tile {now} of the frame")));
+    let tree = machine.map(|_| trace.topology());
+    let simulator = machine.zip(tree.as_ref()).map(|(machine, tree)| Simulator { machine, tree });
+    let mut frame_loop = FrameLoop::new(trace, &policy.policy, Options::default(), &Stop::never())?;
+    frame_loop.run(frames, simulator, &mut (timeline.as_mut(), watch), sink)?;
+    if let (Some(file), Some(timeline)) = (&args.timeline, timeline) {
+        write_whole(file, timeline.to_json().as_bytes())?;
+    }
+    let report = Report::new(&origin, policy, meta, &counted);
+    let report = match machine {
+        Some(machine) => report.with_machine(machine, &runs),
+        None => report,
     };
     bar.into_inner().finish();
     Ok(report)
-}
-
-/// Writes the pictures of a frame.
-pub fn write_pictures(frame: &FrameReplay, samples: u32, out: &Path, prefix: &str) -> rayreel_replay::Result<()> {
-    let file = |name: &str| out.join(format!("{prefix}{name}"));
-    files::write_exr(&file("result.exr"), &frame.image)?;
-    let result = srgb::encode(&frame.image);
-    files::write_png(&file("result.png"), &result)?;
-    if let Some(reference) = &frame.reference {
-        let reference = srgb::encode(reference);
-        files::write_png(&file("reference.png"), &reference)?;
-        files::write_png(&file("error.png"), &errors::amplified(&result, &reference)?)?;
-    }
-    if let Some(flip) = &frame.flip {
-        files::write_png(&file("flip.png"), &errors::flip_picture(flip))?;
-    }
-    let similarity = maps::similarity_map_pixels(&frame.states, &frame.blocks, samples);
-    files::write_png(&file("similarity.png"), &similarity)?;
-    files::write_png(&file("rate.png"), &maps::rate_map_pixels(&frame.states, &frame.blocks, samples))
 }

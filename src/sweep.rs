@@ -41,7 +41,7 @@ struct AllArgs {
     #[arg(required = true)]
     plan: Option<PathBuf>,
     #[command(flatten)]
-    place: folder::Place,
+    place: folder::FolderArgs,
     #[command(flatten)]
     run: run::RunArgs,
 }

@@ -24,15 +24,15 @@ pub struct Args {
 pub fn run(args: &Args, quiet: bool) -> Result<Exit> {
     let trace = args.trace.open()?;
     let missing = trace.missing_tiles().len();
-    progress::stop_on_signal();
+    let stop = progress::stop_on_signal();
     let total = u64::from(trace.meta().tile_count()) * u64::from(trace.meta().frames);
     let mut bar = Progress::new("verify", total, quiet);
     let found = verify(&trace, |tiles| {
         bar.set(tiles, || format!("{tiles} tiles"));
-        !progress::stopped()
+        !stop.is_requested()
     })?;
     bar.finish();
-    if progress::stopped() {
+    if stop.is_requested() {
         return Ok(Exit::Interrupted);
     }
     let first = found.first.as_ref();

@@ -33,8 +33,8 @@ pub fn run(args: &Args) -> Result<Exit> {
     let tasks = slurm::tasks(folder.id(), &submissions)?;
     let active: BTreeSet<&str> = tasks.iter().filter(|task| task.is_active()).map(|task| task.job.as_str()).collect();
     // The merge first: it would run as soon as its arrays are gone, and say that points are missing.
-    let mut jobs: Vec<&str> = submissions.iter().filter_map(|own| own.merge.as_deref()).collect();
-    jobs.extend(submissions.iter().flat_map(|own| own.arrays.iter().map(|array| array.job.as_str())));
+    let mut jobs: Vec<&str> = submissions.iter().filter_map(|submission| submission.merge.as_deref()).collect();
+    jobs.extend(submissions.iter().flat_map(|submission| submission.arrays.iter().map(|array| array.job.as_str())));
     jobs.retain(|job| active.contains(parts(job).0));
     if jobs.is_empty() {
         print("no job of this sweep is in the queue\n")?;

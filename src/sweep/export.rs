@@ -4,7 +4,8 @@ use std::path::PathBuf;
 
 use anyhow::{Context, Result};
 use rayreel_study::cluster::export::{ENGINES, Fill};
-use rayreel_study::sweep::folder::{Folder, write_whole};
+use rayreel_study::files::write_whole;
+use rayreel_study::sweep::folder::Folder;
 
 use super::submit::absolute;
 use crate::common::print;
@@ -35,7 +36,7 @@ fn engines() -> clap::builder::PossibleValuesParser {
 
 pub fn run(args: &Args) -> Result<Exit> {
     let folder = Folder::open(&args.sweep)?;
-    let engine = ENGINES.iter().find(|own| own.name == args.engine).context("no such engine")?;
+    let engine = ENGINES.iter().find(|engine| engine.name == args.engine).context("no such engine")?;
     let program = std::env::current_exe().context("cannot tell where this program is")?;
     let sweep = absolute(folder.path())?;
     // More shards than points would be jobs that do nothing.
@@ -44,7 +45,7 @@ pub fn run(args: &Args) -> Result<Exit> {
     let mut text = format!("{} (NOT TESTED: templates to edit), {shards} shards:\n", engine.title);
     for (name, contents) in engine.files(Fill { program: &program, sweep: &sweep, plan: folder.id(), shards }) {
         let path = out.join(name);
-        write_whole(&path, contents.as_bytes(), "export")?;
+        write_whole(&path, contents.as_bytes())?;
         if name.ends_with(".sh") {
             executable(&path)?;
         }

@@ -13,13 +13,13 @@ use crate::traces::CacheArgs;
 
 /// Where the folder of a sweep is.
 #[derive(Debug, Clone, clap::Args)]
-pub struct Place {
+pub struct FolderArgs {
     /// Folder of the sweep; NAME.sweep in the current folder for a plan file NAME.toml.
     #[arg(long = "out", short = 'o', value_name = "SWEEP")]
     pub out: Option<PathBuf>,
 }
 
-impl Place {
+impl FolderArgs {
     /// The folder for a plan file.
     pub fn folder(&self, file: &Path) -> PathBuf {
         self.out.clone().unwrap_or_else(|| PathBuf::from(format!("{}.sweep", stem(file))))
@@ -60,7 +60,7 @@ pub fn read(file: &Path, traces: Option<&str>, cache: &CacheArgs) -> Result<Plan
 }
 
 /// Puts the plan of a file into its folder, or finds it there.
-pub fn make(file: &Path, place: &Place, traces: Option<&str>, cache: &CacheArgs) -> Result<Folder> {
+pub fn make(file: &Path, place: &FolderArgs, traces: Option<&str>, cache: &CacheArgs) -> Result<Folder> {
     let (folder, created) = Folder::create(&place.folder(file), read(file, traces, cache)?)?;
     if created == Created::Known {
         eprintln!("{}: going on with plan {}", folder.path().display(), folder.id());
@@ -69,6 +69,6 @@ pub fn make(file: &Path, place: &Place, traces: Option<&str>, cache: &CacheArgs)
 }
 
 /// The folder of a sweep, or that of a plan file.
-pub fn find(sweep: &Path, place: &Place, traces: Option<&str>, cache: &CacheArgs) -> Result<Folder> {
+pub fn find(sweep: &Path, place: &FolderArgs, traces: Option<&str>, cache: &CacheArgs) -> Result<Folder> {
     if sweep.is_file() { make(sweep, place, traces, cache) } else { Ok(Folder::open(sweep)?) }
 }

@@ -32,7 +32,8 @@ impl Jobs {
         let counts = counts.map(|mut tasks| {
             // Of earlier submissions only what is still to come counts: what failed there was submitted again since.
             tasks.retain(|task| task.is_active() || last.jobs().any(|job| parts(job).0 == task.job));
-            let arrays: Vec<&str> = all.iter().flat_map(|own| &own.arrays).map(|array| parts(&array.job).0).collect();
+            let arrays: Vec<&str> =
+                all.iter().flat_map(|submission| &submission.arrays).map(|array| parts(&array.job).0).collect();
             Counts::new(&tasks, &arrays, last.merge.as_deref().map(|job| parts(job).0))
         });
         Ok(Some(Self { last, counts }))

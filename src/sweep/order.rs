@@ -11,17 +11,18 @@ use rayreel_study::cluster::slurm::queue::Task;
 use rayreel_study::cluster::slurm::sbatch::{self, Common, Options, parts};
 use rayreel_study::cluster::slurm::script::{self, Job};
 use rayreel_study::cluster::submission::{self, Jobs, SLURM, Submission};
-use rayreel_study::sweep::folder::{Folder, write_whole};
+use rayreel_study::files::write_whole;
+use rayreel_study::sweep::folder::Folder;
 use rayreel_study::sweep::plan::LAYOUT;
-use rayreel_study::sweep::status::status;
+use rayreel_study::sweep::status;
 
-use super::submit::{HowArgs, absolute};
+use super::submit::{SubmitArgs, absolute};
 use super::{merge, plan, slurm};
 use crate::common::print;
 use crate::exit::Exit;
 
 /// What is to be submitted.
-pub struct Order {
+pub struct Submit {
     /// Into how many shards the plan is split.
     pub shards: usize,
     /// Arguments of `sweep run`.
@@ -32,10 +33,10 @@ pub struct Order {
     pub options: Options,
 }
 
-/// What happens beside.
-pub struct How<'a> {
+/// What else decides how it is submitted.
+pub struct SubmitContext<'a> {
     /// What was asked for.
-    pub args: HowArgs,
+    pub args: SubmitArgs,
     /// Shards that are in the queue already, with the ids of their arrays.
     pub active: &'a [(usize, String)],
     /// The last submission, for one that has nothing to add.
@@ -43,15 +44,15 @@ pub struct How<'a> {
 }
 
 /// Submits the shards that miss points and are not in the queue.
-pub fn carry_out(folder: &Folder, order: &Order, limits: Limits, how: How<'_>) -> Result<Exit> {
-    let own = status(folder)?;
+pub fn carry_out(folder: &Folder, order: &Submit, limits: Limits, how: SubmitContext<'_>) -> Result<Exit> {
+    let status = status::status(folder)?;
     let sweep = quote(&folder.path().display().to_string());
-    let missing = own.shards(order.shards);
+    let missing = status.shards(order.shards);
     if missing.is_empty() {
-        print(&format!("all {} points are there: `rayreel sweep merge {sweep}`\n", own.points))?;
+        print(&format!("all {} points are there: `rayreel sweep merge {sweep}`\n", status.points))?;
         return if how.args.wait { merge::all(folder, 0.0) } else { Ok(Exit::Done) };
     }
-    let queued = |shard: &usize| how.active.iter().any(|(own, _)| own == shard);
+    let queued = |shard: &usize| how.active.iter().any(|(active, _)| active == shard);
     let todo: Vec<usize> = missing.iter().copied().filter(|shard| !queued(shard)).collect();
     if todo.is_empty() {
         print(&format!(
@@ -77,7 +78,7 @@ pub fn carry_out(folder: &Folder, order: &Order, limits: Limits, how: How<'_>) -
 /// Arrays with their scripts, ready to be submitted.
 struct Batch<'a> {
     folder: &'a Folder,
-    order: &'a Order,
+    order: &'a Submit,
     arrays: Vec<Array>,
     number: u32,
     name: String,
@@ -88,7 +89,7 @@ struct Batch<'a> {
 }
 
 impl<'a> Batch<'a> {
-    fn new(folder: &'a Folder, order: &'a Order, arrays: Vec<Array>, dry: bool) -> Result<Self> {
+    fn new(folder: &'a Folder, order: &'a Submit, arrays: Vec<Array>, dry: bool) -> Result<Self> {
         let sweep = absolute(folder.path())?;
         sbatch::check(&sweep)?;
         let program = std::env::current_exe().context("cannot tell where this program is")?;
@@ -145,12 +146,12 @@ impl<'a> Batch<'a> {
     /// Submits all of it; the merge waits for these arrays too.
     fn submit(&self, mut after: Vec<String>) -> Result<Submission> {
         for (path, script) in self.files() {
-            write_whole(&path, script.as_bytes(), "submission")?;
+            write_whole(&path, script.as_bytes())?;
         }
         let logs = self.logs();
         std::fs::create_dir_all(&logs).with_context(|| format!("cannot create {}", logs.display()))?;
         let order = self.order;
-        let mut own = Submission {
+        let mut submission = Submission {
             layout: LAYOUT,
             number: self.number,
             engine: SLURM.into(),
@@ -165,40 +166,40 @@ impl<'a> Batch<'a> {
             submitted_unix_s: SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |t| t.as_secs()),
         };
         print(&self.arrays.iter().map(|array| line(&self.array(array)) + "\n").collect::<String>())?;
-        let done = self.jobs(&mut own, &mut after);
+        let done = self.jobs(&mut submission, &mut after);
         if let Err(error) = done {
-            return Err(self.undo(&own, error));
+            return Err(self.undo(&submission, error));
         }
         print(&format!(
             "submission {}: {} of {} shards, merge {}; `rayreel sweep status {}` shows how far they are\n",
-            own.number,
+            submission.number,
             self.count(),
-            own.shards,
-            own.merge.as_deref().unwrap_or_default(),
+            submission.shards,
+            submission.merge.as_deref().unwrap_or_default(),
             quote(&self.folder.path().display().to_string()),
         ))?;
-        Ok(own)
+        Ok(submission)
     }
 
-    fn jobs(&self, own: &mut Submission, after: &mut Vec<String>) -> Result<()> {
+    fn jobs(&self, submission: &mut Submission, after: &mut Vec<String>) -> Result<()> {
         for array in &self.arrays {
             let words = self.array(array);
             let job = slurm::submit(&words)?;
             after.push(parts(&job).0.to_owned());
-            own.arrays.push(Jobs { job, offset: array.offset, tasks: array.spec(None) });
-            own.commands.push(line(&words));
-            own.write(self.folder)?;
+            submission.arrays.push(Jobs { job, offset: array.offset, tasks: array.spec(None) });
+            submission.commands.push(line(&words));
+            submission.write(self.folder)?;
         }
         let words = self.merge(after);
         print(&format!("{}\n", line(&words)))?;
-        own.merge = Some(slurm::submit(&words)?);
-        own.commands.push(line(&words));
-        Ok(own.write(self.folder)?)
+        submission.merge = Some(slurm::submit(&words)?);
+        submission.commands.push(line(&words));
+        Ok(submission.write(self.folder)?)
     }
 
     /// Half a submission is none: without its merge, or with some of its shards only, it would be told as one that went wrong.
-    fn undo(&self, own: &Submission, error: anyhow::Error) -> anyhow::Error {
-        let jobs: Vec<&str> = own.jobs().collect();
+    fn undo(&self, submission: &Submission, error: anyhow::Error) -> anyhow::Error {
+        let jobs: Vec<&str> = submission.jobs().collect();
         if jobs.is_empty() {
             return error;
         }
@@ -213,13 +214,13 @@ impl<'a> Batch<'a> {
 
 /// Waits until the merge has ended, then merges here: the same rows give the same files and the code, and Slurm, which forgets how
 /// a job ended, need not be asked for it.
-fn wait(folder: &Folder, own: &Submission) -> Result<Exit> {
-    let merge = own.merge.as_deref().map_or("", |job| parts(job).0);
+fn wait(folder: &Folder, submission: &Submission) -> Result<Exit> {
+    let merge = submission.merge.as_deref().map_or("", |job| parts(job).0);
     let is_merge = |task: &Task| task.job == merge && task.is_active();
     let mut pause = Duration::from_millis(500);
     let mut failures = 0;
     loop {
-        match slurm::tasks(folder.id(), std::slice::from_ref(own)) {
+        match slurm::tasks(folder.id(), std::slice::from_ref(submission)) {
             Ok(tasks) if !tasks.iter().any(is_merge) => break,
             Ok(_) => failures = 0,
             // The controller may be restarted while jobs go on.
@@ -233,5 +234,5 @@ fn wait(folder: &Folder, own: &Submission) -> Result<Exit> {
         // Sites mind programs that ask every second for hours.
         pause = (pause * 5 / 4).min(Duration::from_secs(15));
     }
-    merge::all(folder, plan::duration(&own.patience).unwrap_or_default())
+    merge::all(folder, plan::duration(&submission.patience).unwrap_or_default())
 }

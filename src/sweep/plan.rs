@@ -8,7 +8,7 @@ use rayreel_study::sweep::folder::Folder;
 use rayreel_study::sweep::plan::Plan;
 use serde_json::json;
 
-use super::folder::{Place, opener, read};
+use super::folder::{FolderArgs, opener, read};
 use crate::common::{print, print_json};
 use crate::exit::Exit;
 use crate::traces::CacheArgs;
@@ -19,7 +19,7 @@ pub struct Args {
     /// The plan file (.toml).
     plan: PathBuf,
     #[command(flatten)]
-    place: Place,
+    place: FolderArgs,
     /// Where relative traces of the plan are: a folder or an address; the folder of the plan if it is not given.
     #[arg(long, value_name = "DIR")]
     traces: Option<String>,

@@ -7,10 +7,10 @@ use rayreel_study::cluster::submission::Submission;
 use rayreel_study::sweep::folder::Folder;
 use rayreel_study::sweep::shard::Shard;
 
-use super::order::{How, Order, carry_out};
+use super::order::{Submit, SubmitContext, carry_out};
 use super::run::{self, RunArgs};
 use super::slurm;
-use super::submit::{HowArgs, SiteArgs, limits};
+use super::submit::{SiteArgs, SubmitArgs, limits};
 use crate::exit::Exit;
 
 /// Compute what is missing: on the cluster if the sweep was submitted to one, and here otherwise.
@@ -29,7 +29,7 @@ pub struct Args {
     #[command(flatten)]
     site: SiteArgs,
     #[command(flatten)]
-    how: HowArgs,
+    how: SubmitArgs,
 }
 
 pub fn run(args: &Args, quiet: bool) -> Result<Exit> {
@@ -47,14 +47,14 @@ pub fn run(args: &Args, quiet: bool) -> Result<Exit> {
     let tasks = if slurm::is_here() { slurm::tasks(folder.id(), &submissions)? } else { Vec::new() };
     let mut active = Vec::new();
     // Tasks of a submission with another number of shards do other points; submit does not allow two such at a time.
-    for own in submissions.iter().filter(|own| own.shards == last.shards) {
-        active.extend(own.active(&tasks));
+    for submission in submissions.iter().filter(|submission| submission.shards == last.shards) {
+        active.extend(submission.active(&tasks));
     }
-    let order = Order {
+    let order = Submit {
         shards: last.shards,
         run: last.run.clone(),
         patience: last.patience.clone(),
         options: args.site.options().or(&last.options),
     };
-    carry_out(&folder, &order, limits, How { args: args.how, active: &active, last: Some(last) })
+    carry_out(&folder, &order, limits, SubmitContext { args: args.how, active: &active, last: Some(last) })
 }

@@ -1,19 +1,18 @@
 //! `rayreel sweep run`: computes a shard, the same way here and on a cluster.
 
 use std::path::PathBuf;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 use anyhow::Result;
-use rayreel_study::sweep::folder::{Folder, write_whole};
-use rayreel_study::sweep::known::Known;
-use rayreel_study::sweep::run::{self as shard_run, Outcome, Settings, Told};
-use rayreel_study::sweep::segment::Writer;
+use rayreel_study::files::write_whole;
+use rayreel_study::point::segment::Writer;
+use rayreel_study::sweep::folder::Folder;
+use rayreel_study::sweep::reused::ReusedRows;
+use rayreel_study::sweep::run::{self as shard_run, Outcome, RunProgress, Settings};
 use rayreel_study::sweep::shard::Shard;
 use serde_json::json;
 
-use super::folder::{Place, find, opener};
+use super::folder::{FolderArgs, find, opener};
 use super::plan::duration;
 use crate::exit::Exit;
 use crate::progress::{self, Progress};
@@ -28,7 +27,7 @@ pub struct Args {
     /// Folder of a sweep, or a plan file.
     sweep: PathBuf,
     #[command(flatten)]
-    place: Place,
+    place: FolderArgs,
     /// Only part i of n, from 0: a pure function of the plan. auto/n takes i from the environment of an array job.
     #[arg(long, value_name = "i/n")]
     shard: Option<String>,
@@ -53,8 +52,8 @@ pub struct RunArgs {
     /// Least time between two segment files; on a shared file system 30s keeps their number small.
     #[arg(long, default_value = "0s", value_name = "TIME", value_parser = duration)]
     pub flush: f64,
-    /// Take the rows that this other sweep has already. Can be repeated.
-    #[arg(long, value_name = "SWEEP")]
+    /// Take the rows that this other sweep or cache folder of `paper` has already. Can be repeated.
+    #[arg(long, value_name = "FOLDER")]
     pub reuse: Vec<PathBuf>,
 }
 
@@ -93,10 +92,8 @@ fn chosen(text: &str, offset: usize) -> Result<Shard> {
 
 /// Runs a shard on this machine.
 pub fn here(folder: &Folder, args: &RunArgs, shard: Shard, quiet: bool) -> Result<Exit> {
-    progress::stop_on_signal();
-    let stop = Arc::new(AtomicBool::new(false));
-    let others = args.reuse.iter().map(|other| Folder::open(other)).collect::<rayreel_study::Result<Vec<_>>>()?;
-    let known = Known::load(&others)?;
+    let stop = progress::stop_on_signal();
+    let reused = ReusedRows::load(&args.reuse)?;
     let writer = Writer { attempt: attempt(), host: host() };
     let open = opener(&args.cache, args.traces.as_deref());
     let settings = Settings {
@@ -105,24 +102,21 @@ pub fn here(folder: &Folder, args: &RunArgs, shard: Shard, quiet: bool) -> Resul
         memory: args.memory << 20,
         flush: Duration::from_secs_f64(args.flush),
         writer: writer.clone(),
-        stop: Arc::clone(&stop),
+        stop,
         open: &open,
-        known: &known,
+        reused: &reused,
     };
     let begun = SystemTime::now();
     let mut bar: Option<Progress> = None;
-    let outcome = shard_run::run(folder, &settings, |told: &Told| {
-        if progress::stopped() {
-            stop.store(true, Ordering::Relaxed);
-        }
+    let outcome = shard_run::run(folder, &settings, |now: &RunProgress| {
         let bar = bar.get_or_insert_with(|| {
-            opening(shard, told, &writer);
-            Progress::new("sweep", told.todo as u64 * 1000, quiet)
+            opening(shard, now, &writer);
+            Progress::new("sweep", now.todo as u64 * 1000, quiet)
         });
-        let rate = begun.elapsed().map_or(0.0, |t| told.done / t.as_secs_f64().max(1e-3));
-        bar.set((told.done * 1000.0) as u64, || {
-            let failed = if told.failed > 0 { format!(", {} failed", told.failed) } else { String::new() };
-            format!("{} of {} points{failed}, {rate:.2} points/s", told.saved, told.todo)
+        let rate = begun.elapsed().map_or(0.0, |t| now.done / t.as_secs_f64().max(1e-3));
+        bar.set((now.done * 1000.0) as u64, || {
+            let failed = if now.failed > 0 { format!(", {} failed", now.failed) } else { String::new() };
+            format!("{} of {} points{failed}, {rate:.2} points/s", now.saved, now.todo)
         });
     })?;
     if let Some(bar) = bar {
@@ -135,12 +129,12 @@ pub fn here(folder: &Folder, args: &RunArgs, shard: Shard, quiet: bool) -> Resul
 }
 
 /// The line that jobs' logs begin with: an attempt that is killed leaves no other.
-fn opening(shard: Shard, told: &Told, writer: &Writer) {
+fn opening(shard: Shard, now: &RunProgress, writer: &Writer) {
     let Writer { attempt, host } = writer;
     eprintln!(
         "shard {shard} on {host}: {} skipped, {} to do, attempt {attempt}, restart {}",
-        told.skipped,
-        told.todo,
+        now.skipped,
+        now.todo,
         restart()
     );
 }
@@ -184,10 +178,10 @@ fn telemetry(
     (begun, wall): (SystemTime, f64),
     ended: &str,
 ) -> Result<()> {
-    let own = &settings.writer;
+    let writer = &settings.writer;
     let value = json!({
-        "attempt": own.attempt,
-        "host": own.host,
+        "attempt": writer.attempt,
+        "host": writer.host,
         "shard": settings.shard.to_string(),
         "job": std::env::var("SLURM_JOB_ID").ok(),
         "begun_unix_s": begun.duration_since(UNIX_EPOCH).map_or(0, |t| t.as_secs()),
@@ -201,15 +195,15 @@ fn telemetry(
         "troubles": outcome.troubles.len(),
         "ended": ended,
     });
-    let path = folder.attempts().join(format!("{}.json", own.attempt));
-    Ok(write_whole(&path, format!("{value:#}\n").as_bytes(), &own.attempt)?)
+    let path = folder.attempts().join(format!("{}.json", writer.attempt));
+    Ok(write_whole(&path, format!("{value:#}\n").as_bytes())?)
 }
 
 /// The name of this machine.
 fn host() -> String {
     let named = ["SLURMD_NODENAME", "HOSTNAME"].iter().find_map(|name| std::env::var(name).ok());
-    let own = || std::fs::read_to_string("/proc/sys/kernel/hostname").ok().map(|name| name.trim().to_owned());
-    named.or_else(own).filter(|name| !name.is_empty()).unwrap_or_else(|| "unknown".into())
+    let kernel = || std::fs::read_to_string("/proc/sys/kernel/hostname").ok().map(|name| name.trim().to_owned());
+    named.or_else(kernel).filter(|name| !name.is_empty()).unwrap_or_else(|| "unknown".into())
 }
 
 /// A name that no other attempt has.

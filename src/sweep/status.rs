@@ -22,32 +22,32 @@ pub struct Args {
 
 pub fn run(args: &Args) -> Result<Exit> {
     let folder = Folder::open(&args.sweep)?;
-    let own = status(&folder)?;
+    let found = status(&folder)?;
     let jobs = Jobs::look(&folder)?;
     if args.json {
-        let mut value = serde_json::to_value(&own)?;
-        value["missing"] = own.missing.len().into();
-        value["submission"] = jobs.as_ref().map_or(serde_json::Value::Null, |jobs| jobs.json(&own));
+        let mut value = serde_json::to_value(&found)?;
+        value["missing"] = found.missing.len().into();
+        value["submission"] = jobs.as_ref().map_or(serde_json::Value::Null, |jobs| jobs.json(&found));
         print_json(&value)?;
     } else {
-        let mut text = format!("plan {}: {} of {} points done", own.plan, own.done, own.points);
-        if own.failed > 0 {
-            text += &format!(", {} of them failed", own.failed);
+        let mut text = format!("plan {}: {} of {} points done", found.plan, found.done, found.points);
+        if found.failed > 0 {
+            text += &format!(", {} of them failed", found.failed);
         }
         text += "\n";
-        if own.duplicates > 0 {
-            text += &format!("{} rows of second attempts\n", own.duplicates);
+        if found.duplicates > 0 {
+            text += &format!("{} rows of second attempts\n", found.duplicates);
         }
-        if own.damaged > 0 {
-            text += &format!("{} segments ignored: damaged, or of another plan\n", own.damaged);
+        if found.damaged > 0 {
+            text += &format!("{} segments ignored: damaged, or of another plan\n", found.damaged);
         }
-        if let Some(first) = own.missing.first() {
-            text += &format!("{} missing, the first: {}\n", own.missing.len(), folder.plan().describe(*first));
+        if let Some(first) = found.missing.first() {
+            text += &format!("{} missing, the first: {}\n", found.missing.len(), folder.plan().describe(*first));
         }
         if let Some(jobs) = &jobs {
-            text += &jobs.text(&own);
+            text += &jobs.text(&found);
         }
         print(&text)?;
     }
-    Ok(if own.missing.is_empty() { Exit::Done } else { Exit::Incomplete })
+    Ok(if found.missing.is_empty() { Exit::Done } else { Exit::Incomplete })
 }

@@ -12,7 +12,7 @@ use rayreel_study::sweep::folder::Folder;
 use rayreel_study::sweep::shard::Shard;
 
 use super::folder::opener;
-use super::order::{How, Order, carry_out};
+use super::order::{Submit, SubmitContext, carry_out};
 use super::plan::{duration, shards};
 use super::run::{self, RunArgs};
 use super::{merge, slurm};
@@ -54,7 +54,7 @@ pub struct Args {
     #[command(flatten)]
     site: SiteArgs,
     #[command(flatten)]
-    how: HowArgs,
+    how: SubmitArgs,
 }
 
 /// Which engine.
@@ -111,7 +111,7 @@ impl SiteArgs {
 
 /// What happens beside submitting.
 #[derive(Clone, Copy, Debug, clap::Args)]
-pub struct HowArgs {
+pub struct SubmitArgs {
     /// Print the scripts and the sbatch lines; submit and write nothing.
     #[arg(long)]
     pub dry_run: bool,
@@ -151,7 +151,7 @@ pub fn run(args: &Args, quiet: bool) -> Result<Exit> {
     let mut run = ["--flush", &args.flush, "--memory", &args.memory.to_string()].map(String::from).to_vec();
     run.extend(traces.clone().into_iter().flat_map(|traces| ["--traces".to_owned(), traces]));
     run.extend(args.cache.words());
-    let order = Order {
+    let order = Submit {
         shards: match args.shards {
             Some(shards) => shards as usize,
             None => estimated(&folder, args, traces.as_deref())?.min(limits.shards()),
@@ -160,7 +160,7 @@ pub fn run(args: &Args, quiet: bool) -> Result<Exit> {
         patience: args.patience.clone(),
         options: args.site.options(),
     };
-    carry_out(&folder, &order, limits, How { args: args.how, active: &[], last: None })
+    carry_out(&folder, &order, limits, SubmitContext { args: args.how, active: &[], last: None })
 }
 
 /// The limits of Slurm here; for a dry run where none answers those that most sites have.
@@ -196,8 +196,8 @@ fn local(folder: &Folder, args: &Args, quiet: bool) -> Result<Exit> {
         return Ok(Exit::Done);
     }
     let (traces, cache) = (args.traces.clone(), args.cache.clone());
-    let own = RunArgs { traces, cache, memory: args.memory, flush: 0.0, reuse: Vec::new() };
-    match run::here(folder, &own, Shard::WHOLE, quiet)? {
+    let args = RunArgs { traces, cache, memory: args.memory, flush: 0.0, reuse: Vec::new() };
+    match run::here(folder, &args, Shard::WHOLE, quiet)? {
         Exit::Done => merge::all(folder, 0.0),
         exit => Ok(exit),
     }

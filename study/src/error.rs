@@ -3,9 +3,10 @@
 //! Messages are lowercase fragments that say where, what, and what to do about it; they do not repeat their source. Variants
 //! are sorted by who must act.
 
-use rayreel_replay::ReplayError;
 use std::io;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+
+use rayreel_replay::ReplayError;
 
 /// Shorthand for results of this crate.
 pub type Result<T, E = StudyError> = std::result::Result<T, E>;
@@ -14,23 +15,23 @@ pub type Result<T, E = StudyError> = std::result::Result<T, E>;
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum StudyError {
-    /// A plan of a sweep that cannot be carried out.
+    /// A plan, a folder or a record that whoever named it has to correct.
     #[error("{at}: {detail}")]
-    Plan {
-        /// File, line and column.
+    Input {
+        /// File, and where it is known line and column; or folder.
         at: String,
         /// What is wrong, and what would be right.
         detail: String,
     },
-    /// A folder of a sweep that is not what it should be.
+    /// A file of results that does not hold what it should: it has to be made again.
     #[error("{}: {detail}", path.display())]
-    Sweep {
-        /// The folder or file.
+    Corrupt {
+        /// The file.
         path: PathBuf,
-        /// What is wrong, and what to do.
+        /// Why.
         detail: String,
     },
-    /// Two attempts at one point gave different rows.
+    /// Two attempts at one point gave different rows: a fault of the program, or two programs.
     #[error(
         "point {key} has two different results: {detail}; the simulation is not deterministic, or two programs of one model \
              version differ: keep the sweep folder and report this"
@@ -41,17 +42,9 @@ pub enum StudyError {
         /// The first value that differs.
         detail: String,
     },
-    /// A file of results that cannot be read or written.
-    #[error("{}: {detail}", path.display())]
-    Table {
-        /// The file.
-        path: PathBuf,
-        /// Why.
-        detail: String,
-    },
-    /// An output file cannot be written.
+    /// The system refuses a file.
     #[error("cannot {action} {}", path.display())]
-    Output {
+    Io {
         /// The file.
         path: PathBuf,
         /// What was tried, as a verb.
@@ -59,9 +52,6 @@ pub enum StudyError {
         /// Why it failed.
         source: io::Error,
     },
-    /// A signal asked to stop.
-    #[error("interrupted")]
-    Interrupted,
     /// The calling code broke a rule of the interface.
     #[error("wrong use: {detail}")]
     Usage {
@@ -77,8 +67,31 @@ pub enum StudyError {
 }
 
 impl StudyError {
-    /// [`StudyError::Output`].
-    pub(crate) fn output(path: &std::path::Path, action: &'static str, source: io::Error) -> Self {
-        Self::Output { path: path.to_path_buf(), action, source }
+    /// [`StudyError::Input`] about a file or folder.
+    pub(crate) fn input(path: &Path, detail: impl Into<String>) -> Self {
+        Self::Input { at: path.display().to_string(), detail: detail.into() }
+    }
+
+    /// [`StudyError::Io`].
+    pub(crate) fn io(path: &Path, action: &'static str, source: io::Error) -> Self {
+        Self::Io { path: path.to_path_buf(), action, source }
+    }
+
+    /// [`StudyError::Usage`] for a value that cannot be written as JSON.
+    pub(crate) fn json(error: serde_json::Error) -> Self {
+        Self::Usage { detail: error.to_string() }
+    }
+
+    /// Whether a [`rayreel_replay::Stop`] ended the work: nothing is wrong.
+    pub fn is_interruption(&self) -> bool {
+        matches!(self, Self::Replay(ReplayError::Interrupted))
+    }
+
+    /// Whether data that were read are bad, and neither the call nor the system.
+    pub fn is_bad_data(&self) -> bool {
+        matches!(
+            self,
+            Self::Conflict { .. } | Self::Corrupt { .. } | Self::Replay(ReplayError::Corrupt { ray: None, .. })
+        )
     }
 }

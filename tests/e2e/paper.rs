@@ -302,8 +302,67 @@ fn a_killed_run_goes_on() {
     let tables =
         |text: String| text.lines().filter(|l| !l.starts_with("the page")).map(str::to_owned).collect::<Vec<_>>();
     assert_eq!(tables(paper(folder.path(), line).out), tables(expected));
-    assert!(bytes(&folder.path().join("out")) == bytes(&calm.path().join("out")));
+    // A file that was being written when the run was killed is hidden, and nobody's.
+    let mut written = bytes(&folder.path().join("out"));
+    written.retain(|name, _| !name.file_name().unwrap().to_string_lossy().starts_with('.'));
+    assert!(written == bytes(&calm.path().join("out")));
     let now = stamps(&folder.path().join("cache/results"));
-    let whole = |name: &PathBuf| name.extension().is_some_and(|e| e == "result");
+    let whole = |name: &PathBuf| {
+        name.extension().is_some_and(|e| ["seg", "details", "capture"].iter().any(|ending| e == *ending))
+    };
+    assert!(kept.keys().any(whole));
     assert!(kept.iter().filter(|(name, _)| whole(name)).all(|(name, stamp)| now[name] == *stamp), "done twice");
+}
+
+/// The numbers of the line that a run ends with.
+fn counts(ran: &Ran) -> Vec<usize> {
+    let line = ran.err.lines().find(|line| line.contains(" points: ")).unwrap_or_else(|| panic!("{}", ran.err));
+    line.split(|c: char| !c.is_ascii_digit()).filter_map(|word| word.parse().ok()).collect()
+}
+
+/// Runs a sweep over the large capture of a run, on the whole machine and on its T&I units alone.
+fn sweep(run: &Path, place: &Path, name: &str, reuse: &[&Path]) -> Ran {
+    let (plan, trace) = (place.join(format!("{name}.toml")), run.join("cache/teapot-32x16-2x2.rtrace"));
+    let text = format!(
+        "name = \"same\"\ntraces = [{trace:?}]\nmachines = [\"sgrt-ti2\"]\npolicies = [\"full\", \"paper-ss\", \"quality\"]\n\
+         [[axis]]\nname = \"ideal\"\nkey = \"srp.ideal\"\nvalues = [false, true]\n"
+    );
+    fs::write(&plan, text).unwrap();
+    let mut args: Vec<OsString> = vec!["sweep".into(), plan.into(), "--quiet".into()];
+    args.extend(["-o".into(), place.join(format!("{name}.sweep")).into_os_string()]);
+    reuse.iter().for_each(|folder| args.extend(["--reuse".into(), folder.as_os_str().to_owned()]));
+    crate::common::run(&args).expect(0)
+}
+
+/// A point has one result, whoever computes it.
+#[test]
+fn a_run_finds_what_a_sweep_has_computed_and_the_other_way_round() {
+    let [calm, folder, place] = [(); 3].map(|()| tempfile::tempdir().unwrap());
+    let line = "--size 32x16 --scene teapot";
+    let plain = paper(calm.path(), line);
+    let [points, reused, computed, shown] = counts(&plain)[..] else { panic!("{}", plain.err) };
+    assert!(points == computed && (reused, shown) == (0, 0), "{}", plain.err);
+    sweep(calm.path(), place.path(), "first", &[]).says(&["6 points, 0 skipped, 0 reused, 6 computed"]);
+
+    // Of the six `quality` on the whole machine is in no table of the experiment.
+    let first = place.path().join("first.sweep");
+    let ran = paper(folder.path(), &format!("{line} --reuse {}", first.display()));
+    let [_, reused, now, shown] = counts(&ran)[..] else { panic!("{}", ran.err) };
+    assert_eq!((reused, now), (5, computed - 5), "{}", ran.err);
+    assert_eq!(shown, 1, "the pictures of paper-ss are in no row");
+    let file = |folder: &Path, name: &str| fs::read(folder.join("out").join(name)).unwrap();
+    for name in ["study.json", "paper.json", "report.html", "teapot-2x2/paper-ss-result.png"] {
+        assert!(file(calm.path(), name) == file(folder.path(), name), "{name}");
+    }
+    // What was taken is kept.
+    assert_eq!(counts(&paper(folder.path(), line))[1..], [0, 0, 0]);
+
+    let cache = calm.path().join("cache");
+    let taken = sweep(calm.path(), place.path(), "second", &[&cache]);
+    taken.says(&["6 points, 0 skipped, 5 reused, 1 computed"]);
+    let table = |name: &str| fs::read(place.path().join(name).join("results.parquet")).unwrap();
+    assert!(table("first.sweep") == table("second.sweep"), "the same table");
+    let nowhere = place.path().join("nowhere");
+    let wrong = args(folder.path(), &format!("{line} --reuse {}", nowhere.display()));
+    crate::common::run(&wrong).expect(2).says(&["nowhere", "is this the folder of a sweep?"]);
 }

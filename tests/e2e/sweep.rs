@@ -81,14 +81,14 @@ fn rows_on_disk(sweep: &Path) -> usize {
 
 fn keys_on_disk(sweep: &Path) -> Option<BTreeSet<String>> {
     let list = |path: &Path| -> Vec<PathBuf> {
-        fs::read_dir(path).map(|all| all.filter_map(|own| Some(own.ok()?.path())).collect()).unwrap_or_default()
+        fs::read_dir(path).map(|all| all.filter_map(|entry| Some(entry.ok()?.path())).collect()).unwrap_or_default()
     };
     let keys = |path: &Path| -> Option<Vec<String>> {
         let text = fs::read_to_string(path).ok()?;
         let key = |line: &str| Some(serde_json::from_str::<Value>(line).ok()?["key"].as_str()?.to_owned());
         text.lines().skip(1).map(key).collect()
     };
-    let whole = |path: &PathBuf| path.extension().is_some_and(|own| own == "seg");
+    let whole = |path: &PathBuf| path.extension().is_some_and(|ending| ending == "seg");
     // First the segments: what is sealed meanwhile is found in both, and counts once.
     let mut found = BTreeSet::new();
     for path in list(&sweep.join("segments")).iter().flat_map(|bucket| list(bucket)).filter(whole) {
@@ -242,7 +242,7 @@ fn a_bad_plan_is_one_error_and_a_dry_run_writes_nothing() {
 }
 
 fn listing(path: &Path) -> Vec<PathBuf> {
-    let mut all: Vec<PathBuf> = fs::read_dir(path).unwrap().map(|own| own.unwrap().path()).collect();
+    let mut all: Vec<PathBuf> = fs::read_dir(path).unwrap().map(|entry| entry.unwrap().path()).collect();
     all.sort();
     all
 }

@@ -1,12 +1,10 @@
 //! Picture files: EXR (linear RGB, f32) and PNG (8-bit sRGB).
 //!
-//! A file is written beside its place as `NAME.partial` and renamed when it is whole, so an interrupted run leaves no broken
-//! file. The bytes depend on the picture alone.
+//! A file is written whole or not at all. The bytes depend on the picture alone.
 
-use std::ffi::OsString;
-use std::fs::{self, File};
+use std::fs::File;
 use std::io::{self, BufReader, Cursor};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use exr::prelude::{
     Compression, Encoding, Image as ExrImage, Layer, LayerAttributes, LineOrder, SpecificChannels, Vec2, WritableImage,
@@ -14,30 +12,13 @@ use exr::prelude::{
 };
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{ExtendedColorType, ImageEncoder, ImageReader};
+use rayreel_formats::durable;
 
 use super::{Image, Srgb8};
 use crate::error::{ReplayError, Result};
 
-/// Writes `bytes` to `path`, through a temporary file beside it.
-///
-/// # Errors
-/// When the folder cannot be written.
-pub fn write_atomically(path: &Path, bytes: &[u8]) -> Result<()> {
-    let mut name: OsString = path.as_os_str().to_owned();
-    name.push(".partial");
-    let partial = PathBuf::from(name);
-    let written = (|| {
-        use io::Write;
-        let mut file = File::create(&partial)?;
-        file.write_all(bytes)?;
-        // The data must be on disk before the name is, or a crash could leave an empty file.
-        file.sync_all()
-    })();
-    written.and_then(|()| fs::rename(&partial, path)).map_err(|source| {
-        // Nothing more can be done if this fails too; the first error is the one to report.
-        let _ = fs::remove_file(&partial);
-        ReplayError::output(path, "write", source)
-    })
+fn write(path: &Path, bytes: &[u8]) -> Result<()> {
+    durable::write_whole(path, &[bytes]).map_err(|source| ReplayError::output(path, "write", source))
 }
 
 /// Writes a picture as EXR: three f32 channels, scan lines top to bottom, ZIP.
@@ -60,7 +41,7 @@ pub fn write_exr(path: &Path, image: &Image) -> Result<()> {
     let mut bytes = Cursor::new(Vec::new());
     let result = ExrImage::from_layer(layer).write().non_parallel().to_buffered(&mut bytes);
     result.map_err(|e| ReplayError::output(path, "encode", io::Error::other(e)))?;
-    write_atomically(path, bytes.get_ref())
+    write(path, bytes.get_ref())
 }
 
 /// Writes a picture as PNG.
@@ -69,7 +50,7 @@ pub fn write_exr(path: &Path, image: &Image) -> Result<()> {
 /// When the file cannot be written.
 pub fn write_png(path: &Path, image: &Srgb8) -> Result<()> {
     let bytes = encode(image).map_err(|e| ReplayError::output(path, "encode", io::Error::other(e)))?;
-    write_atomically(path, &bytes)
+    write(path, &bytes)
 }
 
 /// The bytes of a PNG file.
@@ -128,6 +109,8 @@ fn unreadable(path: &Path, error: &dyn std::error::Error) -> ReplayError {
 
 #[cfg(test)]
 mod tests {
+    use std::fs;
+
     use super::*;
 
     fn picture() -> Image {
@@ -164,7 +147,7 @@ mod tests {
         let taken = folder.path().join("taken.png");
         fs::create_dir(&taken).unwrap();
         fs::write(taken.join("x"), "x").unwrap();
-        assert!(write_atomically(&taken, b"bytes").is_err());
+        assert!(write_png(&taken, &super::super::srgb::encode(&picture())).is_err());
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
         fs::write(folder.path().join("bad.png"), "not a picture").unwrap();
         assert!(read_png(&folder.path().join("bad.png")).is_err());

@@ -20,7 +20,7 @@ pub fn is_sweep(path: &Path) -> bool {
 /// # Errors
 /// Nothing there, a sweep that was not merged, a file that is no table of ours.
 pub fn load(path: &Path) -> Result<(Results, PathBuf)> {
-    let missing = |path: &Path, detail: String| StudyError::Sweep { path: path.into(), detail };
+    let missing = |path: &Path, detail: String| StudyError::input(path, detail);
     let file = if path.is_dir() { path.join(RESULTS) } else { path.into() };
     if path.is_dir() && !file.is_file() {
         let detail = if is_sweep(path) {

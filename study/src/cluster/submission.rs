@@ -17,7 +17,9 @@ use serde::{Deserialize, Serialize};
 use crate::cluster::slurm::queue::Task;
 use crate::cluster::slurm::sbatch::{Options, parts};
 use crate::error::{Result, StudyError};
-use crate::sweep::folder::{Folder, write_whole};
+use crate::files::write_whole;
+use crate::point::columns::listing;
+use crate::sweep::folder::Folder;
 use crate::sweep::plan::LAYOUT;
 
 /// The engine that there is.
@@ -69,21 +71,9 @@ impl Submission {
     /// # Errors
     /// A record that cannot be read.
     pub fn all(folder: &Folder) -> Result<Vec<Self>> {
-        let path = records(folder);
-        let entries = match fs::read_dir(&path) {
-            Ok(entries) => entries,
-            Err(e) if e.kind() == io::ErrorKind::NotFound => return Ok(Vec::new()),
-            Err(e) => return Err(StudyError::output(&path, "read", e)),
-        };
-        let mut all = Vec::new();
-        for entry in entries {
-            let file = entry.map_err(|e| StudyError::output(&path, "read", e))?.path();
-            let hidden = file.file_name().is_none_or(|name| name.to_string_lossy().starts_with('.'));
-            if !hidden && file.extension().is_some_and(|own| own == "json") {
-                all.push(Self::read(&file)?);
-            }
-        }
-        all.sort_by_key(|own| own.number);
+        let files = listing(&records(folder), "json")?;
+        let mut all = files.iter().map(|file| Self::read(file)).collect::<Result<Vec<_>>>()?;
+        all.sort_by_key(|submission| submission.number);
         Ok(all)
     }
 
@@ -96,16 +86,15 @@ impl Submission {
     }
 
     fn read(file: &Path) -> Result<Self> {
-        let bytes = fs::read(file).map_err(|e| StudyError::output(file, "read", e))?;
-        let bad = |why: String| StudyError::Sweep {
-            path: file.into(),
-            detail: format!("is no record of a submission: {why}; remove it if its jobs are gone"),
+        let bytes = fs::read(file).map_err(|e| StudyError::io(file, "read", e))?;
+        let bad = |why: String| {
+            StudyError::input(file, format!("is no record of a submission: {why}; remove it if its jobs are gone"))
         };
-        let own: Self = serde_json::from_slice(&bytes).map_err(|e| bad(e.to_string()))?;
-        if own.layout != LAYOUT || own.shards == 0 {
-            return Err(bad(format!("layout {}, {} shards", own.layout, own.shards)));
+        let submission: Self = serde_json::from_slice(&bytes).map_err(|e| bad(e.to_string()))?;
+        if submission.layout != LAYOUT || submission.shards == 0 {
+            return Err(bad(format!("layout {}, {} shards", submission.layout, submission.shards)));
         }
-        Ok(own)
+        Ok(submission)
     }
 
     /// Writes the record: again after every job that was submitted, so that no job is forgotten if this program is killed meanwhile.
@@ -113,9 +102,9 @@ impl Submission {
     /// # Errors
     /// When it cannot be written.
     pub fn write(&self, folder: &Folder) -> Result<()> {
-        let mut bytes = serde_json::to_vec_pretty(self).map_err(|e| StudyError::Usage { detail: e.to_string() })?;
+        let mut bytes = serde_json::to_vec_pretty(self).map_err(StudyError::json)?;
         bytes.push(b'\n');
-        write_whole(&records(folder).join(format!("{:03}.json", self.number)), &bytes, "submission")
+        write_whole(&records(folder).join(format!("{:03}.json", self.number)), &bytes)
     }
 
     /// Ids of all its jobs.
@@ -147,14 +136,14 @@ pub fn scripts(folder: &Folder, number: u32) -> PathBuf {
 /// # Errors
 /// When the folder cannot be written.
 pub fn claim(folder: &Folder) -> Result<u32> {
-    fs::create_dir_all(records(folder)).map_err(|e| StudyError::output(&records(folder), "create", e))?;
+    fs::create_dir_all(records(folder)).map_err(|e| StudyError::io(&records(folder), "create", e))?;
     let mut number = next(folder)?;
     loop {
         let path = scripts(folder, number);
         match fs::create_dir(&path) {
             Ok(()) => return Ok(number),
             Err(e) if e.kind() == io::ErrorKind::AlreadyExists => number += 1,
-            Err(e) => return Err(StudyError::output(&path, "create", e)),
+            Err(e) => return Err(StudyError::io(&path, "create", e)),
         }
     }
 }
@@ -172,7 +161,7 @@ mod tests {
     use super::*;
     use crate::cluster::slurm::queue;
 
-    fn own() -> Submission {
+    fn submission() -> Submission {
         let jobs = |job: &str, offset: usize, tasks: &str| Jobs { job: job.into(), offset, tasks: tasks.into() };
         Submission {
             layout: LAYOUT,
@@ -195,17 +184,17 @@ mod tests {
         let tasks = queue::parse(
             "7|3|RUNNING|None\n8|2|PENDING|Resources\n8|3|FAILED|None\n9|N/A|PENDING|Dependency\n1|1|RUNNING|None",
         );
-        assert_eq!(own().active(&tasks), [(3, "7".to_owned()), (1003, "8".to_owned())]);
-        assert_eq!(own().jobs().collect::<Vec<_>>(), ["7;alpha", "8;alpha", "9;alpha"]);
+        assert_eq!(submission().active(&tasks), [(3, "7".to_owned()), (1003, "8".to_owned())]);
+        assert_eq!(submission().jobs().collect::<Vec<_>>(), ["7;alpha", "8;alpha", "9;alpha"]);
     }
 
     #[test]
     fn records_are_read_as_they_were_written() {
-        let text = serde_json::to_vec(&own()).unwrap();
+        let text = serde_json::to_vec(&submission()).unwrap();
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join("002.json");
         fs::write(&file, &text).unwrap();
-        assert_eq!(Submission::read(&file).unwrap(), own());
+        assert_eq!(Submission::read(&file).unwrap(), submission());
         fs::write(&file, &text[..text.len() / 2]).unwrap();
         assert!(Submission::read(&file).unwrap_err().to_string().contains("is no record of a submission"));
     }

@@ -17,7 +17,7 @@ pub const ACROSS: &[&str] = &["trace", "first_frame", "frames", "machine", "poli
 /// # Errors
 /// Not JSON, or no report of a replay.
 pub fn decode(bytes: &[u8], path: &Path) -> Result<Results> {
-    let bad = |detail: String| StudyError::Table { path: path.into(), detail };
+    let bad = |detail: String| StudyError::Corrupt { path: path.into(), detail };
     let value: Value = serde_json::from_slice(bytes).map_err(|e| bad(format!("not JSON: {e}")))?;
     let (Some(policy), Some(frames), true) =
         (value["policy"].as_str(), value["frames"].as_array(), value["rays_full"].is_u64())

@@ -24,7 +24,7 @@ impl Side {
         if path.is_dir() {
             return Ok(Self::Table(load::load(path)?.0));
         }
-        let bytes = std::fs::read(path).map_err(|source| StudyError::output(path, "read", source))?;
+        let bytes = std::fs::read(path).map_err(|source| StudyError::io(path, "read", source))?;
         if bytes.iter().find(|byte| !byte.is_ascii_whitespace()) == Some(&b'{') {
             return Ok(Self::Run(run::decode(&bytes, path)?));
         }

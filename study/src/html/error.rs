@@ -27,7 +27,7 @@ pub enum ReportError {
     Write {
         /// Why.
         #[source]
-        source: Box<rayreel_replay::ReplayError>,
+        source: Box<crate::StudyError>,
     },
     /// The study is not JSON, or lacks something.
     #[error("{} is damaged at line {line}, column {column}: {detail}; write it again with the command that made it", path.display())]

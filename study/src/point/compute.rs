@@ -6,69 +6,65 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use crate::error::{Result, StudyError};
 use crate::point::key::{Key, Point};
 use crate::point::row::{Column, Row};
-use crate::report::{Origin, Report};
-use rayreel_machine::system::Probe;
+use crate::point::task::{Computed, Missing, PointTask};
+use rayreel_machine::probes::Watch;
 use rayreel_machine::work::topology::Topology;
-use rayreel_replay::frame::{Options, Replayer};
-use rayreel_replay::simulate::{MachineFrame, MachineRun, simulate};
 use rayreel_replay::source::PathSource;
+use rayreel_replay::{ReplayError, Stop};
 
-/// The row of a point on its trace, with what its columns are. A point that cannot be computed, whoever tries, has a row that
-/// says why.
+/// Results of a point on its source, in one pass over its frames. `tell` is told how many tiles are done, of how many; `tree` is the
+/// source's topology, if a machine simulates anything.
 ///
 /// # Errors
-/// What another attempt may not meet: a trace that cannot be read now, or an interruption.
-pub fn compute<S: PathSource, P: Probe>(
+/// A policy that does not fit source or machine; a source that cannot be read; [`ReplayError::Interrupted`].
+pub fn compute<S: PathSource + ?Sized>(
     point: &Point,
-    key: &Key,
-    source: &S,
-    tree: &Topology,
-    probe: &mut P,
-) -> Result<(Row, Vec<Column>)> {
-    // A fault of the model costs its point and not the sweep. Nothing that outlives the call is left half changed: the source
-    // only ever keeps whole tiles.
-    let report = catch_unwind(AssertUnwindSafe(|| replay(point, source, tree, probe)));
-    match report {
-        Ok(Ok(report)) => Ok(Row::new(key.clone(), &report)),
-        Ok(Err(error)) if is_passing(&error) => Err(error),
-        Ok(Err(error)) => Ok((Row::failed(key.clone(), chain(&error)), Vec::new())),
-        Err(panic) => {
-            Ok((Row::failed(key.clone(), format!("internal fault, please report it: {}", said(&*panic))), Vec::new()))
-        }
+    missing: Missing,
+    (source, tree): (&S, Option<&Topology>),
+    stop: &Stop,
+    mut tell: impl FnMut(u64, u64),
+) -> Result<Computed> {
+    let mut task = PointTask::new(point, missing, source, stop)?;
+    let tiles = u64::from(source.meta().tile_count());
+    let all = tiles * u64::from(point.frames.1);
+    for (done, frame) in (0..).map(|i| i * tiles).zip(point.frame_numbers()) {
+        task.frame(frame, tree, &mut Watch::new(|now| tell(done + now, all)))?;
+        tell(done + tiles, all);
     }
+    Ok(task.finish())
 }
 
-fn replay<S: PathSource, P: Probe>(point: &Point, source: &S, tree: &Topology, probe: &mut P) -> Result<Report> {
-    let mut replayer = Replayer::new(source, &point.policy.policy, Options::default())?;
-    let (mut counted, mut runs) = (Vec::new(), Vec::new());
-    let (first, count) = point.frames;
-    for frame in first..first + count {
-        let Some(machine) = &point.machine else {
-            counted.push(replayer.frame(frame)?.stats);
-            continue;
-        };
-        probe.begin(frame);
-        let named = (machine.name.as_str(), &machine.config);
-        let MachineFrame { replay, stats, energy, paths } = simulate(&mut replayer, frame, tree, named, probe)?;
-        counted.push(replay.stats);
-        runs.push(MachineRun { stats, energy, paths });
-    }
-    let origin = Origin { trace: String::new(), trace_digest: None };
-    let report = Report::new(&origin, &point.policy, source.meta(), &counted).without_tiles();
-    Ok(match &point.machine {
-        Some(machine) => report.with_machine(machine, &runs),
-        None => report,
-    })
+/// The row of a point on its source, with what its columns are. A point that cannot be computed, whoever tries, has a row that says
+/// why.
+///
+/// # Errors
+/// What another attempt may not meet: a source that cannot be read now, or an interruption.
+pub fn compute_row<S: PathSource + ?Sized>(
+    point: &Point,
+    key: &Key,
+    (source, tree): (&S, &Topology),
+    stop: &Stop,
+    tell: impl FnMut(u64, u64),
+) -> Result<(Row, Vec<Column>)> {
+    let missing = Missing { row: true, details: false };
+    // A fault of the model costs its point and not the sweep. Nothing that outlives the call is left half changed: the source
+    // only ever keeps whole tiles.
+    let ended = catch_unwind(AssertUnwindSafe(|| compute(point, missing, (source, Some(tree)), stop, tell)));
+    let why = match ended {
+        Ok(Ok(Computed { row: Some(row), .. })) => return Ok(row),
+        Ok(Ok(_)) => return Err(StudyError::Usage { detail: "no row is wanted of this point".into() }),
+        Ok(Err(error)) if may_pass(&error) => return Err(error),
+        Ok(Err(error)) => chain(&error),
+        Err(panic) => format!("internal fault, please report it: {}", message(&*panic)),
+    };
+    Ok((Row::failed(key.clone(), why), Vec::new()))
 }
 
 /// Whether another attempt may succeed.
-fn is_passing(error: &StudyError) -> bool {
+fn may_pass(error: &StudyError) -> bool {
     match error {
-        StudyError::Interrupted => true,
-        StudyError::Replay(rayreel_replay::ReplayError::Trace { source, .. }) => {
-            use rayreel_formats::Error;
-            matches!(**source, Error::Io { .. } | Error::Usage { .. })
-        }
+        StudyError::Replay(ReplayError::Interrupted) => true,
+        StudyError::Replay(ReplayError::Trace { source, .. }) => matches!(**source, rayreel_formats::Error::Io { .. }),
         _ => false,
     }
 }
@@ -84,7 +80,25 @@ pub fn chain(error: &dyn std::error::Error) -> String {
     text
 }
 
-fn said(panic: &(dyn Any + Send)) -> String {
+/// What a panic said.
+fn message(panic: &(dyn Any + Send)) -> String {
     let text = panic.downcast_ref::<&str>().map(|text| (*text).to_owned());
     text.or_else(|| panic.downcast_ref::<String>().cloned()).unwrap_or_else(|| "no message".into())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_what_the_system_or_a_signal_caused_may_pass() {
+        let trace = |source: rayreel_formats::Error| {
+            let what = "tile 3".to_owned();
+            StudyError::Replay(ReplayError::Trace { what, frame: 0, source: Box::new(source) })
+        };
+        assert!(may_pass(&StudyError::Replay(ReplayError::Interrupted)));
+        // A wrong use is wrong the next time too: for everybody, whatever its words.
+        assert!(!may_pass(&trace(rayreel_formats::Error::usage("interrupted"))));
+        assert!(!may_pass(&StudyError::Usage { detail: "interrupted".into() }));
+    }
 }

@@ -1,31 +1,50 @@
-//! A point: one trace, machine, policy and run of frames, and the key of its result.
+//! A point: one source, machine, policy and run of frames, what is wanted of it, and the keys of its results.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use crate::point::version::MODEL_VERSION;
+use crate::point::wanted::{Figures, Wanted};
 use rayreel_machine::config::NamedMachine;
 use rayreel_replay::policy::NamedPolicy;
 
 /// A key: 128 bits of BLAKE3, as 32 hexadecimal digits.
 pub type Key = String;
 
+/// Version of what [`crate::point::details::Details`] hold. It enters their keys: older ones are not found, and never misread.
+pub const DETAILS_LAYOUT: u32 = 1;
+
 /// A point with everything resolved.
 #[derive(Clone, Debug)]
 pub struct Point {
-    /// Index of the trace in the plan.
-    pub trace: usize,
-    /// The machine, if there is one.
-    pub machine: Option<NamedMachine>,
-    /// The policy.
-    pub policy: NamedPolicy,
+    /// What is replayed: the fingerprint of a trace ([`rayreel_formats::trace::Trace::fingerprint`]), or another text that is
+    /// equal only for sources that hold the same.
+    pub source: String,
     /// First frame and number of frames.
     pub frames: (u32, u32),
+    /// The machine, if there is one.
+    pub machine: Option<Arc<NamedMachine>>,
+    /// The policy.
+    pub policy: Arc<NamedPolicy>,
+    /// What is wanted of it.
+    pub wanted: Wanted,
 }
 
 impl Point {
+    /// A point of which the row is wanted, and nothing beside it.
+    pub fn plain(
+        source: impl Into<String>,
+        frames: (u32, u32),
+        machine: Option<NamedMachine>,
+        policy: NamedPolicy,
+    ) -> Self {
+        let (machine, policy) = (machine.map(Arc::new), Arc::new(policy));
+        Self { source: source.into(), frames, machine, policy, wanted: Wanted::default() }
+    }
+
     /// [`machine_json`] of its machine; empty without one.
     pub fn machine_config(&self) -> String {
-        self.machine.as_ref().map(machine_json).unwrap_or_default()
+        self.machine.as_deref().map(machine_json).unwrap_or_default()
     }
 
     /// Every value of the policy as JSON, as results keep it.
@@ -33,27 +52,93 @@ impl Point {
         serde_json::to_string(&self.policy.policy).unwrap_or_default()
     }
 
-    /// The key of its result on the trace of this fingerprint.
-    pub fn key(&self, fingerprint: &str) -> Key {
-        key(fingerprint, self.frames, &self.machine_config(), &self.policy_config())
+    /// The numbers of its frames.
+    pub fn frame_numbers(&self) -> std::ops::Range<u32> {
+        self.frames.0..self.frames.0 + self.frames.1
+    }
+
+    /// The key of its row, if one is wanted.
+    pub fn row_key(&self) -> Option<Key> {
+        let wanted = matches!(self.wanted.figures, Figures::Row);
+        wanted.then(|| key(&self.source, self.frames, &self.machine_config(), &self.policy_config()))
+    }
+
+    /// The key of its details, if some are wanted. The machine enters it only where a frame of them is simulated: pictures and
+    /// tiles are the same on every machine.
+    pub fn details_key(&self) -> Option<Key> {
+        let text = format!("details {DETAILS_LAYOUT}\n{}", self.wanted.canonical()?);
+        let machine = if self.wanted.figures.simulates_details() { self.machine_config() } else { String::new() };
+        Some(hash(self.frames, &[&self.source, &machine, &self.policy_config(), &text]))
+    }
+
+    /// Whether a machine simulates a frame for its row.
+    pub(crate) fn simulates_row(&self) -> bool {
+        self.machine.is_some() && matches!(self.wanted.figures, Figures::Row)
     }
 }
 
 /// Every value of a machine as JSON by key, as results keep it: equal for equal machines, whatever they are called and however they
 /// were put together.
 pub fn machine_json(machine: &NamedMachine) -> String {
-    let values: BTreeMap<_, _> = machine.values.iter().map(|own| (own.key, &own.value)).collect();
+    let values: BTreeMap<_, _> = machine.values.iter().map(|sourced| (sourced.key, &sourced.value)).collect();
     // Keys are words and numbers finite: this cannot fail.
     serde_json::to_string(&values).unwrap_or_default()
 }
 
-/// The hash of all that a result depends on: the trace's fingerprint, the first frame and the number of frames, every value of
+/// The hash of all that a row depends on: the trace's fingerprint, the first frame and the number of frames, every value of
 /// machine and policy, and [`MODEL_VERSION`]. Names, comments and the order of a file do not enter.
-pub fn key(fingerprint: &str, (first, count): (u32, u32), machine: &str, policy: &str) -> Key {
+pub fn key(fingerprint: &str, frames: (u32, u32), machine: &str, policy: &str) -> Key {
+    hash(frames, &[fingerprint, machine, policy])
+}
+
+/// The hash of a run of frames of this model version, and of some texts. Each stands behind its length, so lists of texts that
+/// differ never look alike.
+fn hash((first, count): (u32, u32), texts: &[&str]) -> Key {
     let mut hasher = blake3::Hasher::new();
     let head = format!("rayreel point 1\nmodel {MODEL_VERSION}\nframes {first} {count}\n");
-    for part in [&head, fingerprint, machine, policy] {
+    for part in [&head[..]].iter().chain(texts) {
         hasher.update(&(part.len() as u64).to_le_bytes()).update(part.as_bytes());
     }
     hasher.finalize().to_hex()[..32].to_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::point::wanted::{Compared, Kind, PictureWanted, Views};
+
+    fn point(machine: &str) -> Point {
+        let machine = NamedMachine::load("sgrt-ti2", &[machine.to_owned()]).unwrap();
+        Point::plain("f", (0, 3), Some(machine), NamedPolicy::load("adaptive", &[]).unwrap())
+    }
+
+    #[test]
+    fn a_row_has_one_key_whatever_is_wanted_beside_it() {
+        let plain = point("ti.trv=4");
+        assert_eq!(plain.row_key(), Some(key("f", (0, 3), &plain.machine_config(), &plain.policy_config())));
+        assert_eq!(plain.details_key(), None);
+        let mut shown = plain.clone();
+        shown.wanted.views.tiles = true;
+        assert_eq!(shown.row_key(), plain.row_key());
+        assert!(shown.details_key().is_some() && shown.details_key() != plain.row_key());
+    }
+
+    #[test]
+    fn pictures_are_those_of_every_machine_and_simulated_frames_are_not() {
+        let [mut a, mut b] = ["ti.trv=4", "ti.trv=2"].map(point);
+        let picture = PictureWanted { frame: 1, kind: Kind::Result, shrink: 1 };
+        for point in [&mut a, &mut b] {
+            point.wanted.views = Views { tiles: true, pictures: vec![picture] };
+        }
+        assert_ne!(a.row_key(), b.row_key());
+        assert_eq!(a.details_key(), b.details_key());
+        for (simulated, same) in [(Vec::new(), true), (vec![1], false)] {
+            for point in [&mut a, &mut b] {
+                let figures = Figures::Frames { compared: Compared::Valued, simulated: simulated.clone() };
+                point.wanted.figures = figures;
+            }
+            assert_eq!((a.row_key(), b.row_key()), (None, None));
+            assert_eq!(a.details_key() == b.details_key(), same, "{simulated:?}");
+        }
+    }
 }

@@ -68,7 +68,7 @@ impl Row {
 }
 
 /// A name that needs no quotes in SQL.
-fn plain(name: &str) -> String {
+pub(crate) fn plain(name: &str) -> String {
     name.chars().map(|c| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { '_' }).collect()
 }
 

@@ -1,16 +1,14 @@
 //! How long a plan will take, from a look at its first points.
 
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use rayreel_formats::trace::Trace;
 
-use crate::point::compute::compute;
-use crate::point::decoded::Decoded;
+use crate::point::compute::compute_row;
+use crate::point::tile_cache::TileCache;
 use crate::sweep::plan::{Plan, PointRef};
-use rayreel_machine::probes::Watch;
-use rayreel_replay::source::{PathSource, TileSource};
+use rayreel_replay::Stop;
+use rayreel_replay::source::PathSource;
 
 /// Longest look at a trace.
 const LOOK: Duration = Duration::from_millis(700);
@@ -27,8 +25,9 @@ const PART: f64 = 0.002;
 /// per sample of the grid. Good for a shard size, not for a bet: a policy that traces a tenth of the rays costs a fifth of this.
 pub fn core_seconds(plan: &Plan, open: &dyn Fn(&str) -> Result<Trace, String>) -> Option<f64> {
     let samples = |p: &PointRef| {
-        let own = &plan.traces[p.trace];
-        f64::from(own.size.0) * f64::from(own.size.1) * f64::from(own.samples * own.samples) * f64::from(p.frames.1)
+        let trace = &plan.traces[p.trace];
+        let (width, height) = trace.size;
+        f64::from(width) * f64::from(height) * f64::from(trace.samples * trace.samples) * f64::from(p.frames.1)
     };
     let mut rates = Vec::new();
     for trace in 0..plan.traces.len().min(TRACES) {
@@ -49,21 +48,15 @@ pub fn core_seconds(plan: &Plan, open: &dyn Fn(&str) -> Result<Trace, String>) -
 /// Seconds that a point would take.
 fn look(plan: &Plan, point: &PointRef, trace: Trace) -> Option<f64> {
     let resolved = plan.resolve(point).ok()?;
-    let stop = Arc::new(AtomicBool::new(false));
-    let source = Decoded::new(Arc::new(trace), 0, Arc::clone(&stop));
+    let (stop, source) = (Stop::default(), TileCache::new(trace, 0));
     let tree = source.topology();
-    let whole = f64::from(source.meta().tile_count()) * f64::from(point.frames.1);
-    let (start, mut part, mut before, mut last) = (Instant::now(), (0.0, 0.0), 0, 0);
-    let tiles = u64::from(source.meta().tile_count());
-    let mut watch = Watch::new(|now| {
-        before += if now < last { tiles } else { 0 };
-        last = now;
-        part = ((before + now) as f64 / whole, start.elapsed().as_secs_f64());
+    let (start, mut part) = (Instant::now(), (0.0, 0.0));
+    let ended = compute_row(&resolved, &point.key, (&source, &tree), &stop, |done, all| {
+        part = (done as f64 / all as f64, start.elapsed().as_secs_f64());
         if start.elapsed() > LOOK {
-            stop.store(true, Ordering::Relaxed);
+            stop.request();
         }
     });
-    let ended = compute(&resolved, &point.key, &source, &tree, &mut watch);
     match ended {
         Ok(_) => Some(start.elapsed().as_secs_f64()),
         Err(_) => (part.0 > PART).then(|| part.1 / part.0),

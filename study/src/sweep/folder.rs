@@ -15,10 +15,10 @@
 //! has finished. Every file is complete or absent.
 
 use std::fs;
-use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use crate::error::{Result, StudyError};
+use crate::files::write_whole;
 use crate::sweep::plan::{BUCKET, Plan};
 
 /// The folder with its plan.
@@ -60,10 +60,10 @@ impl Folder {
                 known.plan.points.len(),
                 plan.points.len()
             );
-            return Err(StudyError::Sweep { path: path.into(), detail });
+            return Err(StudyError::input(path, detail));
         }
-        fs::create_dir_all(path).map_err(|e| StudyError::output(path, "create", e))?;
-        write_whole(&file, &plan.to_json()?, "plan")?;
+        fs::create_dir_all(path).map_err(|e| StudyError::io(path, "create", e))?;
+        write_whole(&file, &plan.to_json()?)?;
         Ok((Self { path: path.into(), plan, id }, Created::New))
     }
 
@@ -73,7 +73,7 @@ impl Folder {
     /// No plan in it, or one that this program cannot carry out.
     pub fn open(path: &Path) -> Result<Self> {
         let file = path.join(PLAN);
-        let bad = |detail: String| StudyError::Sweep { path: file.clone(), detail };
+        let bad = |detail: String| StudyError::input(&file, detail);
         let bytes = fs::read(&file)
             .map_err(|e| bad(format!("{e}; is this the folder of a sweep? `rayreel sweep plan` makes one")))?;
         let plan = Plan::from_json(&bytes).map_err(bad)?;
@@ -125,29 +125,4 @@ impl Folder {
     pub fn attempts(&self) -> PathBuf {
         self.path.join("attempts")
     }
-}
-
-/// Writes a file that is complete or absent, whatever happens when: a temporary file of its own (two writers do not meet), on
-/// disk before it has its name, and the name on disk before this returns.
-///
-/// # Errors
-/// When it cannot be written.
-pub fn write_whole(path: &Path, bytes: &[u8], writer: &str) -> Result<()> {
-    let folder = path.parent().unwrap_or(Path::new("."));
-    let write = || -> io::Result<()> {
-        fs::create_dir_all(folder)?;
-        let name = path.file_name().unwrap_or_default().to_string_lossy();
-        let temporary = folder.join(format!(".{name}.{writer}.{}.tmp", std::process::id()));
-        let mut file = fs::File::create(&temporary)?;
-        let written = file.write_all(bytes).and_then(|()| file.sync_all()).and_then(|()| fs::rename(&temporary, path));
-        if written.is_err() {
-            // Nothing more can be done if this fails too; the first error is the one to report.
-            let _ = fs::remove_file(&temporary);
-        }
-        written?;
-        #[cfg(unix)]
-        fs::File::open(folder)?.sync_all()?;
-        Ok(())
-    };
-    write().map_err(|source| StudyError::output(path, "write", source))
 }

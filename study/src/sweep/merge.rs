@@ -10,6 +10,7 @@ use std::path::PathBuf;
 use serde_json::Value;
 
 use crate::error::{Result, StudyError};
+use crate::point::columns::read_columns;
 use crate::point::row::{Column, Row, role_of};
 use crate::point::version::MODEL_VERSION;
 use crate::sweep::folder::Folder;
@@ -42,7 +43,7 @@ pub fn merge(folder: &Folder) -> Result<Merged> {
     let plan = folder.plan();
     let (there, missing): (Vec<usize>, Vec<usize>) =
         (0..plan.points.len()).partition(|point| rows.contains_key(&plan.points[*point].key));
-    let table = Table { plan, rows: &rows, there: &there, columns: segment::read_columns(folder)? };
+    let table = Table { plan, rows: &rows, there: &there, columns: read_columns(&folder.columns())? };
     let fields = table.fields()?;
     let failed = there.iter().filter(|point| rows[&plan.points[**point].key].error.is_some()).count();
     let heading = Heading {
@@ -71,14 +72,14 @@ pub(super) struct Rows {
 pub(super) fn gather(folder: &Folder) -> Result<Rows> {
     let mut all = Rows { rows: BTreeMap::new(), duplicates: 0, damaged: Vec::new() };
     for bucket in 0..folder.buckets() {
-        let own = segment::read(folder, bucket)?;
-        if let Some((key, detail)) = own.conflict {
+        let held = segment::read(folder, bucket)?;
+        if let Some((key, detail)) = held.conflict {
             return Err(StudyError::Conflict { key, detail });
         }
-        all.duplicates += own.duplicates;
-        all.damaged.extend(own.damaged);
+        all.duplicates += held.duplicates;
+        all.damaged.extend(held.damaged);
         // Points of different buckets may share a key.
-        all.rows.extend(own.rows);
+        all.rows.extend(held.rows);
     }
     Ok(all)
 }
@@ -147,7 +148,7 @@ impl Table<'_> {
     /// The column of axis number `index`.
     fn axis(&self, index: usize, axis: &Axis) -> Field {
         let value = |p: &PointRef| p.values[index].map(|value| &axis.values[value]);
-        let all = |is: fn(&Scalar) -> bool| axis.values.iter().all(|own| is(&own.value));
+        let all = |is: fn(&Scalar) -> bool| axis.values.iter().all(|value| is(&value.value));
         let cells = if all(|v| matches!(v, Scalar::Integer(_))) {
             Cells::Int(self.each(|p| match value(p)?.value {
                 Scalar::Integer(i) => Some(i),
@@ -165,7 +166,7 @@ impl Table<'_> {
                 _ => None,
             }))
         } else {
-            Cells::Text(self.each(|p| value(p).map(|own| own.label.clone())))
+            Cells::Text(self.each(|p| value(p).map(|value| value.label.clone())))
         };
         let rule = |key: &String| KEYS.iter().find(|known| known.name == *key).map(|known| known.rule);
         let sizes = axis.keys.iter().any(|key| matches!(rule(key), Some(Rule::Size(..))));
@@ -227,10 +228,10 @@ impl Table<'_> {
         let mut known = BTreeMap::new();
         let (mut machines, mut policies) = (Vec::new(), Vec::new());
         for point in self.there {
-            let own = &self.plan.points[*point];
-            let name = (own.machine, own.policy, &own.values);
+            let planned = &self.plan.points[*point];
+            let name = (planned.machine, planned.policy, &planned.values);
             if let Entry::Vacant(slot) = known.entry(name) {
-                let resolved = self.plan.resolve(own)?;
+                let resolved = self.plan.resolve(planned)?;
                 slot.insert((resolved.machine_config(), resolved.policy_config()));
             }
             let (machine, policy) = &known[&name];

@@ -11,9 +11,9 @@
 
 pub mod estimate;
 pub mod folder;
-pub mod known;
 pub mod merge;
 pub mod plan;
+pub mod reused;
 pub mod run;
 pub mod segment;
 pub mod shard;

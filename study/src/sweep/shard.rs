@@ -27,9 +27,9 @@ impl Shard {
     /// Which of `count` shards have one of these points, given in order, of `total`.
     pub fn with(points: &[usize], total: usize, count: usize) -> Vec<usize> {
         let has = |index: &usize| {
-            let own = Self { index: *index, count }.points(total);
-            let at = points.partition_point(|point| *point < own.start);
-            points.get(at).is_some_and(|point| own.contains(point))
+            let range = Self { index: *index, count }.points(total);
+            let at = points.partition_point(|point| *point < range.start);
+            points.get(at).is_some_and(|point| range.contains(point))
         };
         (0..count).filter(has).collect()
     }
@@ -63,10 +63,10 @@ mod tests {
         fn shards_cover_all_points_once(total in 0usize..5000, count in 1usize..300) {
             let mut next = 0;
             for index in 0..count {
-                let own = Shard { index, count }.points(total);
-                prop_assert_eq!(own.start, next);
-                prop_assert!(own.len() >= total / count && own.len() <= total / count + 1);
-                next = own.end;
+                let points = Shard { index, count }.points(total);
+                prop_assert_eq!(points.start, next);
+                prop_assert!(points.len() >= total / count && points.len() <= total / count + 1);
+                next = points.end;
             }
             prop_assert_eq!(next, total);
         }

@@ -33,7 +33,7 @@ pub struct Status {
 /// A folder that cannot be read.
 pub fn status(folder: &Folder) -> Result<Status> {
     let points = &folder.plan().points;
-    let mut own = Status {
+    let mut found = Status {
         plan: folder.id().into(),
         points: points.len(),
         done: 0,
@@ -44,19 +44,19 @@ pub fn status(folder: &Folder) -> Result<Status> {
     };
     for bucket in 0..folder.buckets() {
         let held = segment::read(folder, bucket)?;
-        own.duplicates += held.duplicates;
-        own.damaged += held.damaged.len();
+        found.duplicates += held.duplicates;
+        found.damaged += held.damaged.len();
         for point in folder.bucket(bucket) {
             match held.rows.get(&points[point].key) {
-                None => own.missing.push(point),
+                None => found.missing.push(point),
                 Some(row) => {
-                    own.done += 1;
-                    own.failed += usize::from(row.error.is_some());
+                    found.done += 1;
+                    found.failed += usize::from(row.error.is_some());
                 }
             }
         }
     }
-    Ok(own)
+    Ok(found)
 }
 
 impl Status {

@@ -1,6 +1,7 @@
 //! The results of a sweep as a table: one row a point, typed columns with units.
 
 pub mod csv;
+#[cfg(feature = "parquet")]
 pub mod parquet;
 
 use serde::{Deserialize, Serialize};

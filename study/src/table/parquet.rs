@@ -55,7 +55,7 @@ pub fn encode(results: &Results) -> Result<Vec<u8>> {
 /// # Errors
 /// Not Parquet, or not ours.
 pub fn decode(bytes: Vec<u8>, path: &Path) -> Result<Results> {
-    let bad = |detail: String| StudyError::Table { path: path.into(), detail };
+    let bad = |detail: String| StudyError::Corrupt { path: path.into(), detail };
     let reader =
         SerializedFileReader::new(bytes::Bytes::from(bytes)).map_err(|e| bad(format!("not a Parquet file: {e}")))?;
     let pairs = reader.metadata().file_metadata().key_value_metadata();

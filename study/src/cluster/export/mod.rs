@@ -75,7 +75,7 @@ mod tests {
     #[test]
     fn every_engine_calls_the_contract() {
         for engine in ENGINES {
-            let text: String = all().into_iter().filter(|(own, ..)| *own == engine.name).map(|file| file.2).collect();
+            let text: String = all().into_iter().filter(|(name, ..)| *name == engine.name).map(|file| file.2).collect();
             for words in ["sweep run", "--shard", "/40", "--flush", "sweep merge"] {
                 // Arguments of containers are lists of words.
                 let text = text.replace("\", \"", " ");

@@ -77,15 +77,15 @@ pub struct Counts {
 impl Counts {
     /// Counts tasks of these arrays, and finds this merge.
     pub fn new(tasks: &[Task], arrays: &[&str], merge: Option<&str>) -> Self {
-        let mut own = Self::default();
+        let mut counts = Self::default();
         for task in tasks {
             if merge == Some(task.job.as_str()) {
-                own.merge = Some(task.state.clone());
+                counts.merge = Some(task.state.clone());
             } else if arrays.contains(&task.job.as_str()) {
-                own.add(task);
+                counts.add(task);
             }
         }
-        own
+        counts
     }
 
     fn add(&mut self, task: &Task) {

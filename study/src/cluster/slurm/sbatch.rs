@@ -27,17 +27,17 @@ pub struct Options {
 }
 
 impl Options {
-    /// These, and for what they do not say, those.
-    pub fn or(self, those: &Self) -> Self {
-        let of = |own: Option<String>, other: &Option<String>| own.or_else(|| other.clone());
+    /// These options; each that is not given here is taken from `defaults`.
+    pub fn or(self, defaults: &Self) -> Self {
+        let of = |given: Option<String>, default: &Option<String>| given.or_else(|| default.clone());
         Self {
-            partition: of(self.partition, &those.partition),
-            account: of(self.account, &those.account),
-            time: of(self.time, &those.time),
-            mem: of(self.mem, &those.mem),
-            max_running: self.max_running.or(those.max_running),
-            setup: of(self.setup, &those.setup),
-            others: if self.others.is_empty() { those.others.clone() } else { self.others },
+            partition: of(self.partition, &defaults.partition),
+            account: of(self.account, &defaults.account),
+            time: of(self.time, &defaults.time),
+            mem: of(self.mem, &defaults.mem),
+            max_running: self.max_running.or(defaults.max_running),
+            setup: of(self.setup, &defaults.setup),
+            others: if self.others.is_empty() { defaults.others.clone() } else { self.others },
         }
     }
 }
@@ -132,8 +132,8 @@ pub fn parts(job: &str) -> (&str, Option<&str>) {
 /// The path has one, or a line break.
 pub fn check(path: &Path) -> Result<()> {
     if path.to_string_lossy().contains(['\\', '\n', '\r']) {
-        let detail = "has a backslash or a line break in its path, which sbatch cannot take; rename or move it".into();
-        return Err(StudyError::Sweep { path: path.into(), detail });
+        let detail = "has a backslash or a line break in its path, which sbatch cannot take; rename or move it";
+        return Err(StudyError::input(path, detail));
     }
     Ok(())
 }
@@ -181,9 +181,9 @@ mod tests {
         let options = options();
         let common =
             Common { name: "rayreel-8c62bfbd", options: &options, logs: Path::new("/data/50% off/s.sweep/logs") };
-        let own = Array { offset: 1001, tasks: vec![0, 1, 2, 7] };
+        let shards = Array { offset: 1001, tasks: vec![0, 1, 2, 7] };
         assert_eq!(
-            array(common, &own, Some(200), Path::new("/data/shard.sh")).join(" "),
+            array(common, &shards, Some(200), Path::new("/data/shard.sh")).join(" "),
             "sbatch --parsable --job-name=rayreel-8c62bfbd --ntasks=1 --cpus-per-task=1 --requeue --open-mode=append \
              --array=0-2,7%200 --signal=B:USR1@60 --output=/data/50%% off/s.sweep/logs/shard-from-1001-%a.log --partition=cpu \
              --account=proj1 --time=60 --mem=4G --qos=long /data/shard.sh 1001"

@@ -15,9 +15,9 @@ mod view;
 
 use std::path::Path;
 
+use crate::files::write_whole;
 use crate::html::{ReportError, Written};
 use crate::table::Results;
-use rayreel_replay::image::files::write_atomically;
 
 /// Makes the page of results and writes it to `file`.
 ///
@@ -25,7 +25,7 @@ use rayreel_replay::image::files::write_atomically;
 /// When `file` cannot be written.
 pub fn write(results: &Results, file: &Path) -> crate::Result<Written, ReportError> {
     let html = page::page(results);
-    write_atomically(file, html.as_bytes()).map_err(|e| ReportError::Write { source: Box::new(e) })?;
+    write_whole(file, html.as_bytes()).map_err(|e| ReportError::Write { source: Box::new(e) })?;
     Ok(Written { bytes: html.len(), picture_bytes: 0, pictures: 0 })
 }
 

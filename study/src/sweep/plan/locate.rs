@@ -17,7 +17,7 @@ impl Text<'_> {
     /// The error that `detail` is wrong at byte `span.start`.
     pub fn error(&self, span: &Range<usize>, detail: impl Into<String>) -> StudyError {
         let (line, column) = self.position(span.start);
-        StudyError::Plan { at: format!("{}:{line}:{column}", self.name), detail: detail.into() }
+        StudyError::Input { at: format!("{}:{line}:{column}", self.name), detail: detail.into() }
     }
 
     /// Line and column of a byte, from 1; columns are counted in characters.

@@ -199,7 +199,7 @@ impl Plan {
             toml => Some(NamedMachine::parse(&machine.name, toml, &of_machine)?),
         };
         let policy = NamedPolicy::parse(&policy.name, &policy.toml, &of_policy)?;
-        Ok(Point { trace: point.trace, machine, policy, frames: point.frames })
+        Ok(Point::plain(&self.traces[point.trace].fingerprint, point.frames, machine, policy))
     }
 
     /// What point `index` is, in words: for messages and progress.

@@ -5,12 +5,14 @@
 use std::sync::Arc;
 
 use rayreel_replay::image::psnr::{SquaredError, decibels};
+use rayreel_study::point::key::Point;
+use rayreel_study::point::wanted::{Compared, Figures, Kind, PictureWanted, Views, Wanted};
 use rayreel_study::schema::{Map, Track, TrackFrame};
 
-use super::Setup;
-use super::plan::{Compared, Grid, Job, Kind, Picture, Plan, TILE};
-use super::policies::MODES;
-use super::record::{Frame, Record};
+use crate::plan::{Grid, Plan, TILE};
+use crate::policies::MODES;
+use crate::results::{FrameOf, Results};
+use crate::setup::Setup;
 
 /// The frames of the paper's Figure 4, from 1.
 const PAPER_FRAMES: [u32; 6] = [1, 150, 340, 400, 600, 700];
@@ -81,7 +83,7 @@ pub struct Planned {
 }
 
 /// Plans the animation of the paper's scene, or of the first that moves; nothing if none does.
-pub fn plan(setup: &Setup<'_>, plan: &mut Plan<'_>) -> Option<Planned> {
+pub fn plan(setup: &Setup, plan: &mut Plan<'_>) -> Option<Planned> {
     let moves = |scene: &usize| setup.stages[*scene].scene.cameras.len() > 1;
     let all = || (0..setup.stages.len()).filter(moves);
     let scene = all().find(|scene| setup.stages[*scene].name == SCENE).or_else(|| all().next())?;
@@ -91,23 +93,23 @@ pub fn plan(setup: &Setup<'_>, plan: &mut Plan<'_>) -> Option<Planned> {
     for (i, run) in runs.iter().enumerate() {
         let frames = (run.first, run.end - run.first);
         let grid = Grid { scene, size: setup.size, samples: MODES[mode].samples, tile: TILE, frames };
-        let shot = plan.shot(&grid, setup.full);
-        for (policy, (entry, named)) in setup.policies.iter().enumerate() {
-            if !entry.is_animated(mode, setup.full) {
+        let capture = plan.capture(&grid, setup.full);
+        for (policy, (contender, named)) in setup.policies.iter().enumerate() {
+            if !contender.is_animated(mode, setup.full) {
                 continue;
             }
-            let mapped = entry.mapped;
-            let machine = setup.machines.as_ref().map(|m| Arc::clone(&m.alone));
-            let simulated =
-                if machine.is_some() && (mapped || policy == 0) { run.simulated(i, setup.full) } else { Vec::new() };
-            let pictures = if mapped { pictures(setup, scene, policy, run) } else { Vec::new() };
-            let named = Arc::clone(named);
-            let job =
-                Job { shot, policy: named, machine, simulated, compared: Compared::Valued, tiles: false, pictures };
-            let job = plan.job(job);
+            let simulates = setup.machines.is_some() && (contender.mapped || policy == 0);
+            let simulated = if simulates { run.simulated(i, setup.full) } else { Vec::new() };
+            let shown = if contender.mapped { pictures(setup, scene, policy, run) } else { Vec::new() };
+            let (pictures, files): (Vec<_>, Vec<_>) = shown.into_iter().unzip();
+            let figures = Figures::Frames { compared: Compared::Valued, simulated };
+            let wanted = Wanted { figures, views: Views { tiles: false, pictures } };
+            let machine = setup.machines.as_ref().map(|machines| Arc::clone(&machines.alone));
+            let point = Point { source: String::new(), frames, machine, policy: Arc::clone(named), wanted };
+            let point = plan.point(capture, point, files);
             match tracks.iter_mut().find(|(known, _)| *known == policy) {
-                Some((_, jobs)) => jobs.push(job),
-                None => tracks.push((policy, vec![job])),
+                Some((_, points)) => points.push(point),
+                None => tracks.push((policy, vec![point])),
             }
         }
     }
@@ -115,17 +117,17 @@ pub fn plan(setup: &Setup<'_>, plan: &mut Plan<'_>) -> Option<Planned> {
 }
 
 /// Where a map lies.
-fn file(setup: &Setup<'_>, scene: usize, policy: usize, frame: u32, what: &str) -> String {
+fn file(setup: &Setup, scene: usize, policy: usize, frame: u32, what: &str) -> String {
     let (scene, policy) = (&setup.stages[scene].name, setup.policies[policy].0.name);
     format!("{scene}-frames/{:04}-{policy}-{what}.png", frame + 1)
 }
 
-fn pictures(setup: &Setup<'_>, scene: usize, policy: usize, run: &Stretch) -> Vec<Picture> {
+fn pictures(setup: &Setup, scene: usize, policy: usize, run: &Stretch) -> Vec<(PictureWanted, String)> {
     let mut all = Vec::new();
     let shrink = setup.size.0.div_ceil(WIDTH_MAX);
     for frame in run.mapped() {
         let mut add = |kind, what| {
-            all.push(Picture { frame, kind, shrink, file: file(setup, scene, policy, frame, what) });
+            all.push((PictureWanted { frame, kind, shrink }, file(setup, scene, policy, frame, what)));
         };
         add(Kind::Result, "picture");
         add(Kind::Similarity, "similarity");
@@ -138,38 +140,38 @@ fn pictures(setup: &Setup<'_>, scene: usize, policy: usize, run: &Stretch) -> Ve
 
 impl Planned {
     /// The frames of a track that count.
-    fn frames<'a>(&'a self, jobs: &'a [usize], records: &'a [Record]) -> impl Iterator<Item = &'a Frame> {
-        let own = |(run, job): (&'a Stretch, &usize)| {
-            records[*job].frames.iter().filter(|frame| (run.counted..run.end).contains(&frame.frame))
+    fn frames<'a>(&'a self, points: &'a [usize], results: &'a Results) -> impl Iterator<Item = FrameOf<'a>> {
+        let counted = |(run, point): (&'a Stretch, &usize)| {
+            results.frames(*point).filter(|frame| (run.counted..run.end).contains(&frame.frame))
         };
-        self.runs.iter().zip(jobs).flat_map(own)
+        self.runs.iter().zip(points).flat_map(counted)
     }
 
     /// How many frames count, and of how many.
-    pub fn extent(&self, setup: &Setup<'_>) -> (usize, usize) {
+    pub fn extent(&self, setup: &Setup) -> (usize, usize) {
         let counted = self.runs.iter().map(|run| (run.end - run.counted) as usize).sum();
         (counted, setup.stages[self.scene].scene.cameras.len())
     }
 
     /// How many frames a machine simulates.
-    pub fn simulated(&self, setup: &Setup<'_>) -> usize {
+    pub fn simulated(&self, setup: &Setup) -> usize {
         self.runs.iter().enumerate().map(|(i, run)| run.simulated(i, setup.full).len()).sum()
     }
 
     /// Name of the scene.
-    pub fn scene<'a>(&self, setup: &'a Setup<'_>) -> &'a str {
+    pub fn scene<'a>(&self, setup: &'a Setup) -> &'a str {
         &setup.stages[self.scene].name
     }
 
     /// The figures over the frames.
-    pub fn tracks(&self, setup: &Setup<'_>, records: &[Record]) -> Vec<Track> {
-        let track = |(policy, jobs): &(usize, Vec<usize>)| {
-            let frames: Vec<&Frame> = self.frames(jobs, records).collect();
+    pub fn tracks(&self, setup: &Setup, results: &Results) -> Vec<Track> {
+        let track = |(policy, points): &(usize, Vec<usize>)| {
+            let frames: Vec<FrameOf<'_>> = self.frames(points, results).collect();
             Track {
                 scene: self.scene(setup).into(),
                 policy: setup.policies[*policy].1.name.clone(),
                 mode: MODES[self.mode].name.into(),
-                frames: frames.iter().map(|frame| track_frame(frame)).collect(),
+                frames: frames.iter().map(track_frame).collect(),
                 flicker: squared(frames.iter().filter_map(|f| f.flicker)).map(SquaredError::rms),
                 psnr_db: squared(frames.iter().filter_map(|f| f.error)).and_then(|sum| decibels(sum.sum, sum.values)),
             }
@@ -178,10 +180,11 @@ impl Planned {
     }
 
     /// The maps of the paper's frames.
-    pub fn maps(&self, setup: &Setup<'_>, records: &[Record]) -> Vec<Map> {
+    pub fn maps(&self, setup: &Setup, results: &Results) -> Vec<Map> {
         let mut maps = Vec::new();
-        for (policy, jobs) in self.tracks.iter().filter(|(policy, _)| setup.policies[*policy].0.mapped) {
-            for frame in self.frames(jobs, records).filter(|f| self.runs.iter().any(|r| r.mapped().contains(&f.frame)))
+        for (policy, points) in self.tracks.iter().filter(|(policy, _)| setup.policies[*policy].0.mapped) {
+            for frame in
+                self.frames(points, results).filter(|f| self.runs.iter().any(|r| r.mapped().contains(&f.frame)))
             {
                 let file = |what| file(setup, self.scene, *policy, frame.frame, what);
                 maps.push(Map {
@@ -191,8 +194,8 @@ impl Planned {
                     similarity: file("similarity"),
                     rate: setup.has_rates(*policy).then(|| file("rate")),
                     picture: Some(file("picture")),
-                    similarity_ratio: frame.similarity_ratio,
-                    mean_rate: frame.mean_rate(),
+                    similarity_ratio: frame.view.similarity_ratio(),
+                    mean_rate: frame.view.mean_rate(),
                     paper_ratio: None,
                 });
             }
@@ -205,18 +208,19 @@ fn squared(parts: impl Iterator<Item = (u64, u64)>) -> Option<SquaredError> {
     parts.map(|(sum, values)| SquaredError { sum, values }).reduce(|a, b| a + b)
 }
 
-fn track_frame(frame: &Frame) -> TrackFrame {
-    let cost = frame.machine.as_ref().and_then(|machine| machine.ti);
+fn track_frame(frame: &FrameOf<'_>) -> TrackFrame {
+    let view = frame.view;
+    let cost = view.ti();
     TrackFrame {
         frame: frame.frame + 1,
-        rays_full: frame.rays_full,
-        rays_traced: frame.rays_traced,
+        rays_full: view.rays_full(),
+        rays_traced: view.rays_traced(),
         power_w: cost.map(|c| c.power_w),
         time_ms: cost.map(|c| c.time_ms),
         energy_mj: cost.map(|c| c.energy_mj),
-        psnr_db: frame.quality.and_then(|q| q.psnr_db),
-        mean_rate: frame.mean_rate(),
-        similarity_ratio: frame.similarity_ratio,
+        psnr_db: view.quality().and_then(|q| q.psnr_db),
+        mean_rate: view.mean_rate(),
+        similarity_ratio: view.similarity_ratio(),
     }
 }
 

@@ -1,24 +1,26 @@
 //! Sweeps on the golden trace: plans, keys, segments, runs and merges, through the crate's own functions.
 
+mod plans;
+
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use rayreel_formats::Limits;
 use rayreel_formats::trace::Trace;
-use rayreel_study::StudyError;
+use rayreel_replay::Stop;
+use rayreel_study::point::segment::Writer;
 use rayreel_study::point::version::MODEL_VERSION;
 use rayreel_study::sweep::folder::Folder;
-use rayreel_study::sweep::known::Known;
 use rayreel_study::sweep::merge::merge;
 use rayreel_study::sweep::plan::locate::Text;
 use rayreel_study::sweep::plan::{Plan, Sources};
+use rayreel_study::sweep::reused::ReusedRows;
 use rayreel_study::sweep::run::{Outcome, Settings, run};
-use rayreel_study::sweep::segment::{self, Writer};
+use rayreel_study::sweep::segment;
 use rayreel_study::sweep::shard::Shard;
 use rayreel_study::sweep::status::status;
 use rayreel_study::table::{Cells, csv, parquet};
+use rayreel_study::{Store, StudyError};
 use serde_json::json;
 
 fn golden() -> PathBuf {
@@ -66,11 +68,11 @@ impl Sweep {
     }
 
     fn run(&self, shard: Shard, attempt: &str) -> Outcome {
-        self.run_with(shard, attempt, &Known::default())
+        self.run_with(shard, attempt, &ReusedRows::default())
     }
 
-    fn run_with(&self, shard: Shard, attempt: &str, known: &Known) -> Outcome {
-        run(&self.folder, &settings(shard, attempt, known, Arc::default()), |_| {}).unwrap()
+    fn run_with(&self, shard: Shard, attempt: &str, reused: &ReusedRows) -> Outcome {
+        run(&self.folder, &settings(shard, attempt, reused, Stop::default()), |_| {}).unwrap()
     }
 
     fn bytes(&self) -> (Vec<u8>, Vec<u8>) {
@@ -81,12 +83,12 @@ impl Sweep {
 
     fn segments(&self) -> Vec<PathBuf> {
         let folder = self.folder.segments(0);
-        let all = std::fs::read_dir(folder).map(|all| all.map(|own| own.unwrap().path()).collect());
+        let all = std::fs::read_dir(folder).map(|all| all.map(|entry| entry.unwrap().path()).collect());
         all.unwrap_or_default()
     }
 }
 
-fn settings<'a>(shard: Shard, attempt: &str, known: &'a Known, stop: Arc<AtomicBool>) -> Settings<'a> {
+fn settings<'a>(shard: Shard, attempt: &str, reused: &'a ReusedRows, stop: Stop) -> Settings<'a> {
     Settings {
         shard,
         threads: 2,
@@ -95,164 +97,7 @@ fn settings<'a>(shard: Shard, attempt: &str, known: &'a Known, stop: Arc<AtomicB
         writer: Writer { attempt: attempt.into(), host: "here".into() },
         stop,
         open: &open,
-        known,
-    }
-}
-
-#[test]
-fn a_plan_has_every_combination_once_in_its_order() {
-    let own = plan(SMALL).unwrap();
-    let all: Vec<String> = (0..own.points.len()).map(|i| own.describe(i)).collect();
-    let want = [
-        "sgrt-ti2 under full",
-        "sgrt-ti2 under adaptive block=2",
-        "sgrt-ti2 under adaptive block=4",
-        "raycore under full",
-        "raycore under adaptive block=2",
-        "raycore under adaptive block=4",
-        "none under full",
-        "none under adaptive block=2",
-    ];
-    let want = want.map(|own| format!("v1_0_cornell.rtrace frames 0..1 on {own}"));
-    assert_eq!(all, want);
-}
-
-#[test]
-fn axes_go_forward_together_when_zipped() {
-    let own = plan(
-        r#"policies = ["full"]
-        machines = ["sgrt-ti2"]
-        [[axis]]
-        name = "l1"
-        keys = ["ti.trv_l1.size", "ti.ist_l1.size"]
-        values = ["8KiB", "16KiB"]
-        zip = "caches"
-        [[axis]]
-        name = "trv"
-        key = "ti.trv"
-        values = [1, 2, 4]
-        [[axis]]
-        name = "l2"
-        key = "l2.size"
-        values = ["64KiB", "128KiB"]
-        zip = "caches""#,
-    )
-    .unwrap();
-    let labels = |i: usize| own.describe(i).split(" under full ").nth(1).unwrap().to_owned();
-    let all: Vec<String> = (0..own.points.len()).map(labels).collect();
-    assert_eq!(
-        all,
-        [
-            "l1=8KiB trv=1 l2=64KiB",
-            "l1=8KiB trv=2 l2=64KiB",
-            "l1=8KiB trv=4 l2=64KiB",
-            "l1=16KiB trv=1 l2=128KiB",
-            "l1=16KiB trv=2 l2=128KiB",
-            "l1=16KiB trv=4 l2=128KiB",
-        ]
-    );
-    let machine = own.resolve(&own.points[5]).unwrap().machine.unwrap();
-    assert_eq!(machine.config.ti.trv, 4);
-    assert_eq!(
-        (machine.config.ti.trv_l1.size.0, machine.config.ti.ist_l1.size.0, machine.config.l2.size.0),
-        (16384, 16384, 131_072)
-    );
-}
-
-#[test]
-fn bad_plans_are_one_error_with_its_place() {
-    let axis = |body: &str| format!("policies = [\"full\"]\n[[axis]]\nname = \"x\"\n{body}");
-    let cases = [
-        ("policies = [\"full\"]\npolicy = \"full\"".to_owned(), "plan.toml:3:1: unknown field `policy`"),
-        ("policies = [\"full\"\n".to_owned(), "plan.toml:"),
-        ("machines = [\"sgrt-ti2\"]".to_owned(), "missing field `policies`"),
-        ("policies = []".to_owned(), "plan.toml:2:12: policies is empty"),
-        ("policies = [\"fulll\"]".to_owned(), "plan.toml:2:13: no policy preset \"fulll\"; did you mean full"),
-        ("policies = [\"full\"]\nmachines = [\"sgrt\"]".to_owned(), "plan.toml:3:13: no machine preset \"sgrt\""),
-        ("policies = [\"full\", \"full\"]".to_owned(), "plan.toml:2:21: \"full\" stands here twice"),
-        (
-            "policies = [\"full\"]\nframes = [\"3\"]".to_owned(),
-            "plan.toml:3:11: frames \"3\": v1_0_cornell.rtrace holds frames 0..1",
-        ),
-        ("policies = [\"full\"]\nframes = [\"x\"]".to_owned(), "write \"all\", \"3\" or \"0..10\""),
-        (axis("key = \"ti.trv\"\nvalues = []"), "plan.toml:6:10: axis \"x\" has no values"),
-        (
-            axis("key = \"ti.trvs\"\nvalues = [1]"),
-            "plan.toml:3:1: sgrt-ti2 under full x=1: override \"ti.trvs=1\": no key",
-        ),
-        (axis("key = \"ti.trv\"\nvalues = [\"many\"]"), "plan.toml:3:1: sgrt-ti2 under full x=many"),
-        (axis("key = \"block\"\nvalues = [2]"), "in a policy of kind \"full\""),
-        (axis("key = \"ti.trv\"\nrange = { from = 1, to = 1e9 }"), "would have more than 65536 values"),
-        (
-            axis("key = \"ti.trv\"\nvalues = [1]\nonly = [\"multirate\"]"),
-            "is only for \"multirate\", which is no machine or policy",
-        ),
-        (
-            axis("key = \"ti.trv\"\nvalues = [1]\n[[axis]]\nname = \"x\"\nkey = \"l2.size\"\nvalues = [1]"),
-            "plan.toml:8:8: a second axis \"x\"",
-        ),
-        (
-            axis(
-                "key = \"ti.trv\"\nvalues = [1]\nzip = \"z\"\n[[axis]]\nname = \"y\"\nkey = \"l2.size\"\nvalues = [1, 2]\nzip = \"z\"",
-            ),
-            "axes \"x\" and \"y\" go forward together but have 1 and 2 values",
-        ),
-        (
-            "policies = [\"full\"]\nexclude = [\"l1 > 3\"]".to_owned(),
-            "plan.toml:3:12: exclude \"l1 > 3\": a name in it is none of trace",
-        ),
-        ("policies = [\"full\"]\nexclude = [\"width >\"]".to_owned(), "plan.toml:3:12: exclude \"width >\""),
-        (
-            "policies = [\"full\"]\nexclude = [\"width > 0\"]".to_owned(),
-            "the plan has no points: every one is excluded",
-        ),
-        (
-            "policies = [\"full\"]\n[[axis]]\nname = \"cycles\"\nkey = \"ti.trv\"\nvalues = [1]".to_owned(),
-            "plan.toml:4:8: axis \"cycles\": results have a column of that name",
-        ),
-    ];
-    for (body, want) in cases {
-        let got = plan(&body).map(|own| own.points.len());
-        assert!(got.as_ref().is_err_and(|e| e.contains(want)), "{body}\n  gave {got:?}\n  want {want}");
-    }
-    let missing = plan_of("traces = [\"a\",\n \"/nowhere/b.rtrace\"]\npolicies = [\"full\"]").unwrap_err();
-    assert!(missing.starts_with("plan.toml:1:11: trace "), "{missing}");
-    assert!(missing.ends_with("nor can these be opened: /nowhere/b.rtrace"), "{missing}");
-    let missing = plan_of("traces = [\n \"/nowhere/*.rtrace\"]\npolicies = [\"full\"]").unwrap_err();
-    assert!(missing.starts_with("plan.toml:2:2: no file matches /nowhere/*.rtrace"), "{missing}");
-}
-
-#[test]
-fn ranges_that_explode_are_refused_before_they_do() {
-    let axis = |name: &str, key: &str| {
-        format!("[[axis]]\nname = \"{name}\"\nkey = \"{key}\"\nrange = {{ from = 1, to = 2000 }}\n")
-    };
-    let text = format!("policies = [\"full\"]\n{}{}", axis("a", "ti.trv"), axis("b", "ti.rays_per_trv"));
-    let error = plan(&text).unwrap_err();
-    assert!(error.contains("more than 1000000 points: a 2000 x b 2000"), "{error}");
-}
-
-#[test]
-fn keys_change_with_what_matters_and_with_nothing_else() {
-    let base = "policies = [\"adaptive\"]\n[[axis]]\nname = \"l1\"\nkey = \"ti.trv_l1.size\"\nvalues = [\"8KiB\", \"16KiB\"]\n";
-    let keys = |text: &str| -> Vec<String> { plan(text).unwrap().points.iter().map(|p| p.key.clone()).collect() };
-    let own = keys(base);
-    assert_ne!(own[0], own[1], "another value");
-    assert!(own.iter().all(|key| key.len() == 32));
-    // The order, comments and names are nothing.
-    let turned =
-        format!("# a comment\nname = \"other\"\n{}", base.replace("[\"8KiB\", \"16KiB\"]", "[16384, 8192] # bytes"));
-    assert_eq!(keys(&turned), [own[1].clone(), own[0].clone()]);
-    // The default of a machine written out is the default.
-    assert_eq!(keys(&format!("set = [\"ti.trv=4\"]\n{base}")), own);
-    // Constants, policies and frames are not.
-    for other in [
-        "set = [\"energy.trv_l1_read_pj=5.8\"]",
-        "set = [\"similarity.normal_deg=11\"]",
-        "machines = [\"sgrt-ti2-rob\"]",
-    ] {
-        let other = keys(&format!("{other}\n{base}"));
-        assert!(other.iter().all(|key| !own.contains(key)), "{other:?}");
+        reused,
     }
 }
 
@@ -277,7 +122,7 @@ fn however_it_is_split_the_result_is_the_same() {
     let results = merged.results;
     assert_eq!(parquet::decode(parquet::encode(&results).unwrap(), Path::new("r")).unwrap(), results);
     let texts = |name: &str| match &results.field(name).unwrap().cells {
-        Cells::Text(own) => own.clone(),
+        Cells::Text(cells) => cells.clone(),
         other => panic!("{name}: {other:?}"),
     };
     assert_eq!(texts("status").iter().flatten().filter(|s| *s == "failed").count(), 2);
@@ -307,7 +152,8 @@ fn second_attempts_do_no_harm_and_differences_are_told() {
     let merged = merge(&sweep.folder).unwrap();
     assert!(merged.missing.is_empty());
     // And one that is wrong.
-    let mut row = Known::load([&sweep.folder]).unwrap().rows.into_values().find(|row| row.error.is_none()).unwrap();
+    let mut row =
+        ReusedRows::load([sweep.folder.path()]).unwrap().rows.into_values().find(|row| row.error.is_none()).unwrap();
     let key = row.key.clone();
     row.figures.insert("rays_traced".into(), json!(7));
     let writer = Writer { attempt: "evil".into(), host: "h".into() };
@@ -334,17 +180,17 @@ fn torn_empty_and_foreign_segments_are_computed_again() {
         ("empty", |_| Vec::new()),
         ("torn body", |bytes| bytes[..bytes.len() - 5].to_vec()),
         ("a flipped bit", |bytes| {
-            let mut own = bytes.to_vec();
-            let at = own.len() - 40;
-            own[at] ^= 1;
-            own
+            let mut changed = bytes.to_vec();
+            let at = changed.len() - 40;
+            changed[at] ^= 1;
+            changed
         }),
         ("of another plan", |bytes| {
             let text = String::from_utf8(bytes.to_vec()).unwrap();
             let at = text.find("\"plan\":\"").unwrap() + 8;
-            let mut own = text.into_bytes();
-            own[at] = if own[at] == b'0' { b'1' } else { b'0' };
-            own
+            let mut changed = text.into_bytes();
+            changed[at] = if changed[at] == b'0' { b'1' } else { b'0' };
+            changed
         }),
     ];
     for (what, damage) in damage {
@@ -370,10 +216,15 @@ fn an_interrupted_run_keeps_what_is_finished() {
         other.run(Shard::WHOLE, "a");
         other.bytes()
     };
-    let (known, stop) = (Known::default(), Arc::new(AtomicBool::new(false)));
-    let own = settings(Shard::WHOLE, "a", &known, Arc::clone(&stop));
-    let own = Settings { threads: 1, ..own };
-    let first = run(&sweep.folder, &own, |told| stop.store(told.saved >= 2, Ordering::Relaxed)).unwrap();
+    let (reused, stop) = (ReusedRows::default(), Stop::default());
+    let settings = settings(Shard::WHOLE, "a", &reused, stop.clone());
+    let settings = Settings { threads: 1, ..settings };
+    let first = run(&sweep.folder, &settings, |now| {
+        if now.saved >= 2 {
+            stop.request();
+        }
+    })
+    .unwrap();
     assert!(first.interrupted && first.computed >= 2 && first.computed < 8, "{first:?}");
     assert!(first.troubles.is_empty(), "{first:?}");
     let second = sweep.run(Shard::WHOLE, "b");
@@ -388,11 +239,29 @@ fn rows_of_another_sweep_are_taken() {
     first.run(Shard::WHOLE, "a");
     let wider = SMALL.replace("values = [2, 4]", "values = [8, 4, 2]");
     let second = Sweep::new(plan(&wider).unwrap());
-    let outcome = second.run_with(Shard::WHOLE, "b", &Known::load([&first.folder]).unwrap());
+    let outcome = second.run_with(Shard::WHOLE, "b", &ReusedRows::load([first.folder.path()]).unwrap());
     assert_eq!((outcome.reused, outcome.computed, outcome.points), (8, 3, 11));
     let alone = Sweep::new(plan(&wider).unwrap());
     alone.run(Shard::WHOLE, "a");
     assert!(second.bytes() == alone.bytes());
+}
+
+/// The cache folder of `rayreel paper` holds rows without a plan.
+#[test]
+fn rows_of_a_cache_folder_are_taken() {
+    let first = Sweep::new(plan(SMALL).unwrap());
+    first.run(Shard::WHOLE, "a");
+    let held = ReusedRows::load([first.folder.path()]).unwrap();
+    let cache = tempfile::tempdir().unwrap();
+    let store = Store::open(&cache.path().join("results")).unwrap();
+    held.rows.values().for_each(|row| store.keep_row(row, &held.columns).unwrap());
+    let second = Sweep::new(plan(SMALL).unwrap());
+    let outcome = second.run_with(Shard::WHOLE, "b", &ReusedRows::load([cache.path()]).unwrap());
+    assert_eq!((outcome.reused, outcome.computed), (8, 0));
+    assert!(second.bytes() == first.bytes());
+    // A folder that is neither a sweep nor a cache.
+    let error = ReusedRows::load([store.path()]).unwrap_err().to_string();
+    assert!(error.contains("is this the folder of a sweep?"), "{error}");
 }
 
 #[test]
@@ -419,9 +288,9 @@ fn points_of_one_key_are_computed_once() {
 
 #[test]
 fn another_trace_in_its_place_is_noticed() {
-    let mut own = plan(SMALL).unwrap();
-    own.traces[0].location = own.traces[0].location.replace("cornell", "teapot");
-    let sweep = Sweep::new(own);
+    let mut moved = plan(SMALL).unwrap();
+    moved.traces[0].location = moved.traces[0].location.replace("cornell", "teapot");
+    let sweep = Sweep::new(moved);
     let outcome = sweep.run(Shard::WHOLE, "a");
     assert_eq!((outcome.computed, outcome.troubles.len()), (0, 8));
     assert!(outcome.troubles[0].1.contains("is not the trace that the plan was made for"), "{:?}", outcome.troubles[0]);

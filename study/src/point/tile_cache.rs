@@ -1,7 +1,7 @@
 //! Tiles that several points read, decoded once.
 
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::{Arc, OnceLock};
+use std::sync::OnceLock;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use rayreel_formats::scene::{Camera, Meta};
 use rayreel_formats::tile::Tile;
@@ -11,39 +11,33 @@ use rayreel_machine::work::topology::Topology;
 use rayreel_replay::source::{PathSource, TileSource};
 
 /// A trace with the tiles that were read before, as far as memory is allowed. What does not fit is decoded each time.
-///
-/// Reading stops with an error once `stop` is set: so a simulation that would take minutes ends at its next tile.
-pub struct Decoded {
-    trace: Arc<Trace>,
+pub struct TileCache {
+    trace: Trace,
     /// By frame and tile.
     tiles: Vec<OnceLock<Tile>>,
     bytes: AtomicUsize,
     limit: usize,
-    stop: Arc<AtomicBool>,
 }
 
-impl Decoded {
+impl TileCache {
     /// Nothing is decoded yet; at most about `limit` bytes will be kept.
-    pub fn new(trace: Arc<Trace>, limit: usize, stop: Arc<AtomicBool>) -> Self {
+    pub fn new(trace: Trace, limit: usize) -> Self {
         let meta = trace.meta();
         // A trace whose table of tiles alone is over the limit keeps none.
         let count = meta.frames as usize * meta.tile_count() as usize;
         let count = if count.saturating_mul(size_of::<OnceLock<Tile>>()) <= limit { count } else { 0 };
         let tiles = std::iter::repeat_with(OnceLock::new).take(count).collect();
-        Self { trace, tiles, bytes: AtomicUsize::new(0), limit, stop }
+        Self { trace, tiles, bytes: AtomicUsize::new(0), limit }
     }
 
     fn read(&self, frame: u32, index: u32) -> rayreel_formats::Result<Tile> {
-        if self.stop.load(Ordering::Relaxed) {
-            return Err(rayreel_formats::Error::usage("interrupted"));
-        }
         let meta = self.trace.meta();
         let at = (frame.wrapping_sub(meta.first_frame)) as usize * meta.tile_count() as usize + index as usize;
         let slot = self.tiles.get(at);
         if let Some(tile) = slot.and_then(OnceLock::get) {
             return Ok(tile.clone());
         }
-        let tile = PathSource::tile_with_paths(&*self.trace, frame, index)?;
+        let tile = PathSource::tile_with_paths(&self.trace, frame, index)?;
         if let Some(slot) = slot {
             let bytes = weight(&tile);
             // Both may be over the limit for a moment; the one that is gives its share back.
@@ -55,7 +49,7 @@ impl Decoded {
     }
 }
 
-impl TileSource for Decoded {
+impl TileSource for TileCache {
     fn meta(&self) -> &Meta {
         self.trace.meta()
     }
@@ -65,7 +59,7 @@ impl TileSource for Decoded {
     }
 
     fn camera(&self, frame: u32) -> rayreel_formats::Result<Camera> {
-        TileSource::camera(&*self.trace, frame)
+        TileSource::camera(&self.trace, frame)
     }
 
     fn tile(&self, frame: u32, index: u32) -> rayreel_formats::Result<Tile> {
@@ -73,7 +67,7 @@ impl TileSource for Decoded {
     }
 }
 
-impl PathSource for Decoded {
+impl PathSource for TileCache {
     fn topology(&self) -> Topology {
         self.trace.topology()
     }

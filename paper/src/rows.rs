@@ -3,7 +3,7 @@
 use rayreel_study::schema::{Cost, Point, Study};
 use serde_json::{Value, json};
 
-use super::reference;
+use crate::reference;
 
 /// One row a point, without those of `full`, with which the others are compared.
 pub fn rows(study: &Study) -> Value {
@@ -36,20 +36,20 @@ fn row(study: &Study, point: &Point) -> Value {
         "gpu": null,
         "srp": null,
     });
-    let pair = |own: Option<Cost>, full: Option<Cost>| Some((own?, full?));
+    let pair = |cost: Option<Cost>, full: Option<Cost>| Some((cost?, full?));
     let full_ti = full.and_then(|p| p.ti);
-    if let Some((own, full)) = pair(point.ti, full_ti) {
+    if let Some((cost, full)) = pair(point.ti, full_ti) {
         value["ti_alone"] = json!({
             "full": full,
-            "own": own,
+            "own": cost,
             "gain": point.ti_gain,
             "gain_over_fsaa": point.fsaa_gain,
             "paper_perf_per_watt": band.map(|b| json!({ "least": b.least, "most": b.most })),
             "paper_power": references.power,
         });
     }
-    if let Some((own, full)) = pair(point.gpu, full.and_then(|p| p.gpu)) {
-        value["gpu"] = json!({ "full": full, "own": own, "gain": point.gpu_gain });
+    if let Some((cost, full)) = pair(point.gpu, full.and_then(|p| p.gpu)) {
+        value["gpu"] = json!({ "full": full, "own": cost, "gain": point.gpu_gain });
         let share = |name: &str| point.srp.iter().find(|k| k.kernel == name).map(|k| k.share);
         let paper = |name: &str| references.srp.iter().find(|k| k.kernel == name).map(|k| k.share);
         value["srp"] = json!({

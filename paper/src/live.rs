@@ -11,20 +11,20 @@ use rayreel_formats::scene::{Camera, Meta};
 use rayreel_formats::tile::Tile;
 use rayreel_formats::{Error, Result};
 use rayreel_machine::work::topology::Topology;
-use rayreel_replay::{PathSource, TileSource};
+use rayreel_replay::{PathSource, ReplayError, Stop, TileSource};
 use rayreel_scenes::Scene;
 use rayreel_tracer::accel::Built;
 use rayreel_tracer::{TraceSettings, Tracer, convert};
 
 /// What a trace of `meta` would hold.
-pub struct Live<'a> {
+pub struct LiveSource<'a> {
     scene: &'a Scene,
     bvh: &'a Bvh,
     tracer: Tracer<'a>,
     meta: &'a Meta,
 }
 
-impl<'a> Live<'a> {
+impl<'a> LiveSource<'a> {
     /// Nothing is traced yet.
     pub fn new(scene: &'a Scene, built: &'a Built, meta: &'a Meta) -> Self {
         let settings = TraceSettings::of(meta);
@@ -36,7 +36,7 @@ impl<'a> Live<'a> {
     }
 }
 
-impl TileSource for Live<'_> {
+impl TileSource for LiveSource<'_> {
     fn meta(&self) -> &Meta {
         self.meta
     }
@@ -56,7 +56,7 @@ impl TileSource for Live<'_> {
     }
 }
 
-impl PathSource for Live<'_> {
+impl PathSource for LiveSource<'_> {
     fn topology(&self) -> Topology {
         Topology::new(self.bvh)
     }
@@ -71,36 +71,45 @@ impl PathSource for Live<'_> {
 }
 
 /// A source of which one frame is held in memory, without paths, for all who replay it.
-pub struct Held<S> {
-    source: S,
-    frame: RwLock<Option<Frame>>,
+pub struct FrameHolder<'a, S> {
+    source: &'a S,
+    frame: RwLock<Option<WholeFrame>>,
 }
 
-/// A frame's number and tiles.
-pub type Frame = (u32, Vec<Tile>);
+/// All tiles of a frame.
+pub struct WholeFrame {
+    number: u32,
+    tiles: Vec<Tile>,
+}
 
-impl<S: PathSource> Held<S> {
+impl<'a, S: PathSource> FrameHolder<'a, S> {
     /// Holds nothing yet.
-    pub fn new(source: S) -> Self {
+    pub fn new(source: &'a S) -> Self {
         Self { source, frame: RwLock::new(None) }
     }
 
-    /// Reads a whole frame.
+    /// Reads a whole frame; `stop` ends it at the next tile.
     ///
     /// # Errors
-    /// Those of the source.
-    pub fn read(&self, frame: u32) -> Result<Frame> {
-        let tiles = (0..self.source.meta().tile_count()).into_par_iter().map(|index| self.source.tile(frame, index));
-        Ok((frame, tiles.collect::<Result<_>>()?))
+    /// Those of the source; an interruption.
+    pub fn read(&self, number: u32, stop: &Stop) -> rayreel_replay::Result<WholeFrame> {
+        let read = |index: u32| {
+            stop.check()?;
+            let unreadable =
+                |e| ReplayError::Trace { what: format!("tile {index}"), frame: number, source: Box::new(e) };
+            self.source.tile(number, index).map_err(unreadable)
+        };
+        let tiles = (0..self.source.meta().tile_count()).into_par_iter().map(read);
+        Ok(WholeFrame { number, tiles: tiles.collect::<rayreel_replay::Result<_>>()? })
     }
 
     /// Holds this frame from now on, and none other.
-    pub fn hold(&self, frame: Frame) {
+    pub fn hold(&self, frame: WholeFrame) {
         *self.frame.write().unwrap_or_else(PoisonError::into_inner) = Some(frame);
     }
 }
 
-impl<S: PathSource> TileSource for Held<S> {
+impl<S: PathSource> TileSource for FrameHolder<'_, S> {
     fn meta(&self) -> &Meta {
         self.source.meta()
     }
@@ -115,15 +124,15 @@ impl<S: PathSource> TileSource for Held<S> {
 
     fn tile(&self, frame: u32, index: u32) -> Result<Tile> {
         match &*self.frame.read().unwrap_or_else(PoisonError::into_inner) {
-            Some((held, tiles)) if *held == frame => {
-                tiles.get(index as usize).cloned().ok_or_else(|| Error::usage("no such tile"))
+            Some(held) if held.number == frame => {
+                held.tiles.get(index as usize).cloned().ok_or_else(|| Error::usage("no such tile"))
             }
             _ => self.source.tile(frame, index),
         }
     }
 }
 
-impl<S: PathSource> PathSource for Held<S> {
+impl<S: PathSource> PathSource for FrameHolder<'_, S> {
     fn topology(&self) -> Topology {
         self.source.topology()
     }

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use rayreel_study::schema::{Ablation, Gain, Point, Study, Track};
 
-use super::policies::MODES;
+use crate::policies::MODES;
 
 /// Everything that is printed.
 pub fn table(study: &Study) -> String {
@@ -25,12 +25,13 @@ pub fn table(study: &Study) -> String {
 
 /// The points of the policies that the paper evaluated.
 fn evaluated(study: &Study) -> impl Iterator<Item = &Point> {
-    let own = |p: &&Point| study.references.policies.iter().any(|own| own.mode == p.mode && own.policy == p.policy);
-    study.points.iter().filter(own)
+    let stated =
+        |p: &&Point| study.references.policies.iter().any(|known| known.mode == p.mode && known.policy == p.policy);
+    study.points.iter().filter(stated)
 }
 
 fn word(mode: &str) -> &str {
-    MODES.iter().find(|own| own.name == mode).map_or(mode, |own| own.word)
+    MODES.iter().find(|known| known.name == mode).map_or(mode, |known| known.word)
 }
 
 fn or_dash(value: Option<f64>, digits: usize) -> String {
@@ -55,7 +56,7 @@ fn quality(study: &Study) -> String {
         "scene", "mode", "rays, full", "rays, traced", "ray ratio", "rate %", "PSNR dB", "paper dB", "SSIM"
     );
     for p in evaluated(study) {
-        let paper = study.references.psnr.iter().find(|own| own.scene == p.scene && own.mode == p.mode);
+        let paper = study.references.psnr.iter().find(|paper| paper.scene == p.scene && paper.mode == p.mode);
         let _ = writeln!(
             text,
             "{:<10} {:<14} {:>13} {:>13} {:>10.2} {:>8.1} {:>9} {:>9} {:>7}",
@@ -66,7 +67,7 @@ fn quality(study: &Study) -> String {
             ray_ratio(p),
             p.mean_rate * 100.0,
             psnr(p),
-            or_dash(paper.map(|own| own.psnr_db), 2),
+            or_dash(paper.map(|paper| paper.psnr_db), 2),
             or_dash(p.quality.and_then(|q| q.ssim), 4),
         );
     }
@@ -156,11 +157,11 @@ fn all(study: &Study) -> String {
             "over 2x2"
         );
         for policy in study.policies.iter().filter(|p| p.name != "full") {
-            let own: Vec<&Point> =
+            let points: Vec<&Point> =
                 study.points.iter().filter(|p| p.mode == mode.name && p.policy == policy.name).collect();
-            own.iter().for_each(|point| text += &line(point, mode.samples == 1));
-            if own.len() > 1 {
-                text += &mean(&policy.name, &own, mode.samples == 1);
+            points.iter().for_each(|point| text += &line(point, mode.samples == 1));
+            if points.len() > 1 {
+                text += &mean(&policy.name, &points, mode.samples == 1);
             }
         }
     }
@@ -257,24 +258,24 @@ fn ablations(all: &[Ablation]) -> String {
     }
     let mut text = "\none choice changed at a time, whole GPU; factors over the first of each group\n".to_owned();
     let mut group = "";
-    for own in all {
-        if own.group != group {
-            group = &own.group;
+    for ablation in all {
+        if ablation.group != group {
+            group = &ablation.group;
             let _ = writeln!(
                 text,
                 "\n{:<34} {:<10} {:>9} {:>8} {:>10} {:>10} {:>10}",
                 group, "scene", "ray ratio", "PSNR dB", "cycles", "power", "perf/W"
             );
         }
-        let base = all.iter().find(|b| b.base && b.group == own.group && b.scene == own.scene);
-        let over = |of: fn(&Ablation) -> Option<f64>| or_dash(base.and_then(|b| Some(of(own)? / of(b)?)), 3);
+        let base = all.iter().find(|b| b.base && b.group == ablation.group && b.scene == ablation.scene);
+        let over = |of: fn(&Ablation) -> Option<f64>| or_dash(base.and_then(|b| Some(of(ablation)? / of(b)?)), 3);
         let _ = writeln!(
             text,
             "{:<34} {:<10} {:>9.2} {:>8} {:>10} {:>10} {:>10}",
-            own.name,
-            own.scene,
-            own.rays_full as f64 / own.rays_traced.max(1) as f64,
-            or_dash(own.psnr_db, 2),
+            ablation.name,
+            ablation.scene,
+            ablation.rays_full as f64 / ablation.rays_traced.max(1) as f64,
+            or_dash(ablation.psnr_db, 2),
             over(|a| a.cycles.map(|c| c as f64)),
             over(|a| a.power_w),
             over(|a| a.perf_per_watt)

@@ -2,7 +2,7 @@
 
 use rayreel_study::schema::{GainBand, ModePolicy, PaperKernel, PaperPsnr, References};
 
-use super::policies::{MODES, PAPER};
+use crate::policies::{MODES, PAPER};
 
 /// Name here, triangles, PSNR of Table 1 in dB (supersampling, undersampling), least and most performance per watt over full in
 /// Figure 7 (T&I units alone).

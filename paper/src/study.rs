@@ -2,27 +2,41 @@
 
 use std::sync::Arc;
 
-use anyhow::Result;
 use rayreel_machine::config::schema::KEYS;
 use rayreel_machine::config::{NamedMachine, Sourced};
 use rayreel_replay::NamedPolicy;
+use rayreel_study::policy_text;
 use rayreel_study::schema::{ConfigValue, ModeRays, Policy, SCHEMA, Scene, Study};
 
-use super::policies::{Entry, MODES};
-use super::record::Record;
-use super::{Experiment, Setup, ablations, points, reference};
-use crate::common::TOOL;
-use crate::presets;
+use crate::error::Result;
+use crate::policies::{Contender, MODES};
+use crate::results::Results;
+use crate::setup::{SIZE_FULL, Setup};
+use crate::{ablations, animation, points, reference};
+
+/// What is planned.
+pub(crate) struct Experiment {
+    pub points: Vec<points::Planned>,
+    pub animation: Option<animation::Planned>,
+    pub ablations: Vec<ablations::Planned>,
+}
+
+impl Experiment {
+    /// How many points have pictures.
+    pub fn shown(&self) -> usize {
+        self.points.iter().filter(|point| point.is_shown()).count()
+    }
+}
 
 /// Makes the study.
 ///
 /// # Errors
 /// Never for policies that were loaded.
-pub fn study(setup: &Setup<'_>, experiment: &Experiment, records: &[Record]) -> Result<Study> {
+pub fn study(setup: &Setup, experiment: &Experiment, results: &Results) -> Result<Study> {
     let animation = experiment.animation.as_ref();
     Ok(Study {
         schema: SCHEMA,
-        tool: TOOL.into(),
+        tool: setup.tool.clone(),
         title: "Adaptive multi-rate ray sampling, after Lee et al. 2016".into(),
         command: setup.command.clone(),
         machine: setup.machines.as_ref().map(|m| m.whole.name.clone()),
@@ -31,21 +45,21 @@ pub fn study(setup: &Setup<'_>, experiment: &Experiment, records: &[Record]) -> 
         notes: notes(setup, experiment),
         // Named beforehand: the best of several after the fact would flatter.
         headline_policy: Some("multirate".into()),
-        scenes: (0..setup.stages.len()).map(|scene| scene_of(setup, experiment, records, scene)).collect(),
+        scenes: (0..setup.stages.len()).map(|scene| scene_of(setup, experiment, results, scene)).collect(),
         policies: policies(setup)?,
-        points: points::points(setup, &experiment.points, records),
+        points: points::points(setup, &experiment.points, results),
         references: reference::references(),
-        maps: animation.map(|own| own.maps(setup, records)).unwrap_or_default(),
-        tracks: animation.map(|own| own.tracks(setup, records)).unwrap_or_default(),
-        ablations: ablations::ablations(setup, &experiment.ablations, records),
-        viewer: points::viewer(setup, &experiment.points, records),
+        maps: animation.map(|animation| animation.maps(setup, results)).unwrap_or_default(),
+        tracks: animation.map(|animation| animation.tracks(setup, results)).unwrap_or_default(),
+        ablations: ablations::ablations(setup, &experiment.ablations, results),
+        viewer: points::viewer(setup, &experiment.points, results),
         config: setup.machines.as_ref().map(|m| config(&m.whole)).unwrap_or_default(),
     })
 }
 
-fn scene_of(setup: &Setup<'_>, experiment: &Experiment, records: &[Record], scene: usize) -> Scene {
+fn scene_of(setup: &Setup, experiment: &Experiment, results: &Results, scene: usize) -> Scene {
     let stage = &setup.stages[scene];
-    let rays = points::rays_full(&experiment.points, records, scene);
+    let rays = points::rays_full(&experiment.points, results, scene);
     Scene {
         name: stage.name.clone(),
         triangles: stage.scene.mesh.triangles.len() as u64,
@@ -56,25 +70,25 @@ fn scene_of(setup: &Setup<'_>, experiment: &Experiment, records: &[Record], scen
     }
 }
 
-fn policies(setup: &Setup<'_>) -> Result<Vec<Policy>> {
-    let policy = |(entry, named): &(&Entry, Arc<NamedPolicy>)| {
+fn policies(setup: &Setup) -> Result<Vec<Policy>> {
+    let policy = |(entry, named): &(&Contender, Arc<NamedPolicy>)| {
         Ok(Policy {
             name: named.name.clone(),
             summary: summary(entry),
-            config_toml: presets::policy_values(&named.policy),
+            config_toml: policy_text::values(&named.policy),
         })
     };
-    let used = |own: &&(&Entry, Arc<NamedPolicy>)| {
-        let entry = own.0;
+    let used = |used: &&(&Contender, Arc<NamedPolicy>)| {
+        let entry = used.0;
         entry.modes.iter().chain([&entry.animated]).any(|when| when.now(setup.full))
     };
     setup.policies.iter().filter(used).map(policy).collect()
 }
 
 /// What a policy does, and what is changed in the preset.
-fn summary(entry: &Entry) -> String {
+fn summary(entry: &Contender) -> String {
     let (preset, rules) = entry.preset;
-    if rules.is_empty() { presets::policy_summary(preset) } else { format!("{preset} with {}.", rules.join(", ")) }
+    if rules.is_empty() { policy_text::summary(preset) } else { format!("{preset} with {}.", rules.join(", ")) }
 }
 
 fn config(machine: &NamedMachine) -> Vec<ConfigValue> {
@@ -89,11 +103,11 @@ fn config(machine: &NamedMachine) -> Vec<ConfigValue> {
 }
 
 /// What a reader has to know, above all what was left out.
-fn notes(setup: &Setup<'_>, experiment: &Experiment) -> Vec<String> {
+fn notes(setup: &Setup, experiment: &Experiment) -> Vec<String> {
     let (w, h) = setup.size;
     let mut notes = Vec::new();
-    if setup.size != super::SIZE_FULL {
-        let (width, height) = super::SIZE_FULL;
+    if setup.size != SIZE_FULL {
+        let (width, height) = SIZE_FULL;
         notes.push(format!(
             "Pictures have {w}x{h} pixels; the paper's have {width}x{height}, where neighbouring samples are more alike and all \
              gains are larger: rayreel paper --full."
@@ -126,7 +140,7 @@ fn notes(setup: &Setup<'_>, experiment: &Experiment) -> Vec<String> {
     if (width, height) != setup.size {
         notes.push(format!("The ablations are of {width}x{height} pixels."));
     }
-    let without = |entry: &&Entry| !entry.whole && entry.modes.iter().any(|when| when.now(setup.full));
+    let without = |entry: &&Contender| !entry.whole && entry.modes.iter().any(|when| when.now(setup.full));
     let names: Vec<&str> = setup.policies.iter().map(|(entry, _)| *entry).filter(without).map(|e| e.name).collect();
     if !names.is_empty() && setup.machines.is_some() {
         notes.push(format!("Under {} the T&I units alone are simulated, not the whole GPU.", names.join(", ")));

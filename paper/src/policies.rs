@@ -2,8 +2,9 @@
 
 use std::sync::Arc;
 
-use anyhow::Result;
 use rayreel_replay::NamedPolicy;
+
+use crate::error::Result;
 
 /// A way to use the sample grid.
 #[derive(Debug)]
@@ -40,7 +41,7 @@ impl When {
 
 /// A policy and where it is used.
 #[derive(Debug)]
-pub struct Entry {
+pub struct Contender {
     /// Name in results.
     pub name: &'static str,
     /// Preset, and what is changed in it.
@@ -58,8 +59,8 @@ pub struct Entry {
 }
 
 /// A preset with points in both modes.
-const fn preset(name: &'static str) -> Entry {
-    Entry {
+const fn preset(name: &'static str) -> Contender {
+    Contender {
         name,
         preset: (name, &[]),
         modes: [When::Always; 2],
@@ -71,27 +72,28 @@ const fn preset(name: &'static str) -> Entry {
 }
 
 /// What the paper evaluated in one of the modes.
-const fn evaluated(name: &'static str, mode: usize) -> Entry {
-    let mut entry = Entry { whole: true, shown: When::Always, animated: When::Always, mapped: true, ..preset(name) };
-    entry.modes[1 - mode] = When::Never;
-    entry
+const fn evaluated(name: &'static str, mode: usize) -> Contender {
+    let mut contender =
+        Contender { whole: true, shown: When::Always, animated: When::Always, mapped: true, ..preset(name) };
+    contender.modes[1 - mode] = When::Never;
+    contender
 }
 
 /// A change of `multirate` that only the animation shows.
-const fn changed(name: &'static str, rules: &'static [&'static str], animated: When) -> Entry {
+const fn changed(name: &'static str, rules: &'static [&'static str], animated: When) -> Contender {
     let preset = ("multirate", rules);
-    Entry { name, preset, modes: [When::Never; 2], whole: false, shown: When::Never, animated, mapped: false }
+    Contender { name, preset, modes: [When::Never; 2], whole: false, shown: When::Never, animated, mapped: false }
 }
 
 /// All policies, `full` first: it is what the others are compared with.
-pub const POLICIES: &[Entry] = &[
-    Entry { whole: true, animated: When::Always, ..preset("full") },
+pub const POLICIES: &[Contender] = &[
+    Contender { whole: true, animated: When::Always, ..preset("full") },
     evaluated("paper-ss", 0),
     evaluated("paper-us", 1),
-    Entry { shown: When::Full, ..preset("quality") },
-    Entry { whole: true, shown: When::Always, animated: When::Always, mapped: true, ..preset("multirate") },
-    Entry { shown: When::Full, ..preset("aggressive") },
-    Entry { modes: [When::Always, When::Never], ..preset("foveated") },
+    Contender { shown: When::Full, ..preset("quality") },
+    Contender { whole: true, shown: When::Always, animated: When::Always, mapped: true, ..preset("multirate") },
+    Contender { shown: When::Full, ..preset("aggressive") },
+    Contender { modes: [When::Always, When::Never], ..preset("foveated") },
     changed("multirate, no hysteresis", &["raise=0.6", "lower=0.6", "alternate=0", "hold=1"], When::Always),
     changed("fixed 2x2", &["finest=2", "start=2", "coarsest=2"], When::Full),
     changed("fixed 4x4", &["finest=4", "start=4", "coarsest=4"], When::Always),
@@ -101,8 +103,8 @@ pub const POLICIES: &[Entry] = &[
 /// Name of what the paper evaluated, by mode.
 pub const PAPER: [&str; 2] = ["paper-ss", "paper-us"];
 
-impl Entry {
-    /// Whether the animation is replayed under it in mode `mode`: of the paper's two policies each has its own.
+impl Contender {
+    /// Whether the animation is replayed under it in mode `mode`: the paper evaluated one policy in each.
     pub fn is_animated(&self, mode: usize, full: bool) -> bool {
         self.animated.now(full) && (self.name == PAPER[mode] || !PAPER.contains(&self.name))
     }
@@ -112,12 +114,12 @@ impl Entry {
 ///
 /// # Errors
 /// Never for presets that exist and keys that they have.
-pub fn load() -> Result<Vec<(&'static Entry, Arc<NamedPolicy>)>> {
-    let load = |entry: &'static Entry| {
-        let (preset, rules) = entry.preset;
+pub fn load() -> Result<Vec<(&'static Contender, Arc<NamedPolicy>)>> {
+    let load = |contender: &'static Contender| {
+        let (preset, rules) = contender.preset;
         let rules: Vec<String> = rules.iter().map(|rule| (*rule).to_owned()).collect();
         let policy = NamedPolicy::load(preset, &rules)?.policy;
-        Ok((entry, Arc::new(NamedPolicy { name: entry.name.into(), policy })))
+        Ok((contender, Arc::new(NamedPolicy { name: contender.name.into(), policy })))
     };
     POLICIES.iter().map(load).collect()
 }

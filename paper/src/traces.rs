@@ -2,17 +2,17 @@
 
 use std::path::Path;
 
-use anyhow::Result;
 use rayon::prelude::*;
 use rayreel_formats::Limits;
 use rayreel_formats::container::{ChunkId, Writer};
 use rayreel_formats::scene::Meta;
 use rayreel_formats::trace::{Codec, Trace};
+use rayreel_replay::Stop;
 use rayreel_scenes::Scene;
 use rayreel_tracer::accel::Built;
 use rayreel_tracer::capture::{self, CaptureOutcome, CaptureOutput};
 
-use crate::progress;
+use crate::error::{PaperError, Result};
 
 /// zstd level of the BVH: the file is ours and may be larger, its making should not take longer than tracing.
 const LEVEL: i32 = 3;
@@ -24,23 +24,27 @@ pub fn cached(path: &Path, wanted: &Meta) -> Option<Trace> {
     (trace.meta() == wanted && trace.missing_tiles().is_empty() && whole()).then_some(trace)
 }
 
-/// Captures a shot into a file; false when interrupted. `tell` is told how many of its tiles are done.
+/// Captures into a file and opens it. `tell` is told how many tiles are done, and how many there are.
 ///
 /// # Errors
-/// When the frames are outside the camera path, or the file cannot be written.
+/// When the frames are outside the camera path, or the file cannot be written; an interruption.
 pub fn make(
     scene: &Scene,
     built: &Built,
     (path, meta): (&Path, &Meta),
+    stop: &Stop,
     mut tell: impl FnMut(u64, u64),
-) -> Result<bool> {
+) -> Result<Trace> {
     let resume = is_resumable(path, meta)?;
     let output = CaptureOutput { path: path.into(), codec: Codec::Context, level: LEVEL, resume };
     let outcome = capture::capture(scene, built, meta, &output, |now| {
         tell(now.tiles, now.tiles_total);
-        !progress::stopped()
+        !stop.is_requested()
     })?;
-    Ok(matches!(outcome, CaptureOutcome::Finished(_)))
+    match outcome {
+        CaptureOutcome::Finished(_) if !stop.is_requested() => Ok(Trace::open(path, Limits::default())?),
+        _ => Err(PaperError::interrupted()),
+    }
 }
 
 /// Whether there is a partial capture to go on with; one of other settings is dropped, since the cache is ours.

@@ -2,15 +2,17 @@
 
 use std::sync::Arc;
 
-use anyhow::Result;
 use rayreel_machine::config::NamedMachine;
 use rayreel_replay::NamedPolicy;
+use rayreel_study::point::key::Point;
+use rayreel_study::point::wanted::Wanted;
 use rayreel_study::schema::Ablation;
 
-use super::Setup;
-use super::plan::{Compared, Grid, Job, Plan, TILE};
-use super::policies::MODES;
-use super::record::Record;
+use crate::error::Result;
+use crate::plan::{Grid, Plan, TILE};
+use crate::policies::MODES;
+use crate::results::Results;
+use crate::setup::Setup;
 
 /// The scenes: one hard and one smooth.
 const SCENES: [&str; 2] = ["chess", "car"];
@@ -124,84 +126,86 @@ const VARIANTS: &[Variant] = &[
     secondary().rules("off", &["secondary=false"]).note("a sample is traced whole or not at all"),
 ];
 
-/// An ablation that is planned: index into [`VARIANTS`], scene, name of the policy, job.
+/// An ablation that is planned.
 pub struct Planned {
+    /// Index into [`VARIANTS`].
     variant: usize,
     scene: usize,
-    job: usize,
+    point: usize,
 }
 
 /// Plans all ablations of [`SCENES`], or of the first scene if none of them is there.
 ///
 /// # Errors
 /// A machine that cannot take an override.
-pub fn plan(setup: &Setup<'_>, plan: &mut Plan<'_>) -> Result<Vec<Planned>> {
+pub fn plan(setup: &Setup, plan: &mut Plan<'_>) -> Result<Vec<Planned>> {
     let mut scenes: Vec<usize> =
         (0..setup.stages.len()).filter(|i| SCENES.contains(&setup.stages[*i].name.as_str())).collect();
     if scenes.is_empty() {
         scenes.push(0);
     }
-    let size = size(setup);
     let mut planned = Vec::new();
-    for (variant, own) in VARIANTS.iter().enumerate() {
-        if setup.machines.is_none() && needs_machine(own.group) {
+    for (number, variant) in VARIANTS.iter().enumerate() {
+        if setup.machines.is_none() && needs_machine(variant.group) {
             continue;
         }
-        let strings = |texts: &[&str]| texts.iter().map(|text| (*text).to_owned()).collect::<Vec<_>>();
-        let policy = Arc::new(NamedPolicy::load(own.policy, &strings(own.rules))?);
-        let machine = match (&setup.machines, own.machine) {
-            (None, _) => None,
-            (Some(machines), []) => Some(Arc::clone(&machines.whole)),
-            (Some(machines), changes) => Some(Arc::new(NamedMachine::load(&machines.spec, &strings(changes))?)),
-        };
+        let policy = Arc::new(NamedPolicy::load(variant.policy, &strings(variant.rules))?);
+        let machine = machine(setup, variant)?;
         for &scene in &scenes {
-            let grid = Grid { scene, size, samples: MODES[0].samples, tile: own.tile, frames: (0, 1) };
-            let job = Job {
-                shot: plan.shot(&grid, false),
-                policy: Arc::clone(&policy),
-                machine: machine.clone(),
-                simulated: if machine.is_some() { vec![0] } else { Vec::new() },
-                compared: Compared::Seen,
-                tiles: false,
-                pictures: Vec::new(),
-            };
-            planned.push(Planned { variant, scene, job: plan.job(job) });
+            let grid = Grid { scene, size: size(setup), samples: MODES[0].samples, tile: variant.tile, frames: (0, 1) };
+            let (policy, machine) = (Arc::clone(&policy), machine.clone());
+            let point = Point { source: String::new(), frames: (0, 1), machine, policy, wanted: Wanted::default() };
+            let capture = plan.capture(&grid, false);
+            planned.push(Planned { variant: number, scene, point: plan.point(capture, point, Vec::new()) });
         }
     }
     Ok(planned)
 }
 
-/// Whether a group changes the machine, so that it shows nothing without one.
-fn needs_machine(group: &str) -> bool {
-    VARIANTS.iter().any(|own| own.group == group && !own.machine.is_empty())
+/// The machine of a variant, if there is one.
+fn machine(setup: &Setup, variant: &Variant) -> Result<Option<Arc<NamedMachine>>> {
+    Ok(match (&setup.machines, variant.machine) {
+        (None, _) => None,
+        (Some(machines), []) => Some(Arc::clone(&machines.whole)),
+        (Some(machines), changes) => Some(Arc::new(NamedMachine::load(&machines.spec, &strings(changes))?)),
+    })
 }
 
-/// The ablations with what their records hold.
-pub fn ablations(setup: &Setup<'_>, planned: &[Planned], records: &[Record]) -> Vec<Ablation> {
+fn strings(texts: &[&str]) -> Vec<String> {
+    texts.iter().map(|text| (*text).to_owned()).collect()
+}
+
+/// Whether a group changes the machine, so that it shows nothing without one.
+fn needs_machine(group: &str) -> bool {
+    VARIANTS.iter().any(|variant| variant.group == group && !variant.machine.is_empty())
+}
+
+/// The ablations with what their results hold.
+pub fn ablations(setup: &Setup, planned: &[Planned], results: &Results) -> Vec<Ablation> {
     let row = |p: &Planned| {
-        let (own, frame) = (&VARIANTS[p.variant], &records[p.job].frames[0]);
-        let cost = frame.machine.as_ref().and_then(|machine| machine.gpu);
+        let (variant, frame) = (&VARIANTS[p.variant], results.frame(p.point));
+        let cost = frame.gpu();
         Ablation {
-            group: own.group.into(),
-            name: own.name.into(),
-            note: own.note.into(),
+            group: variant.group.into(),
+            name: variant.name.into(),
+            note: variant.note.into(),
             scene: setup.stages[p.scene].name.clone(),
             mode: MODES[0].name.into(),
-            policy: own.policy.into(),
-            base: own.base,
-            rays_traced: frame.rays_traced,
-            rays_full: frame.rays_full,
+            policy: variant.policy.into(),
+            base: variant.base,
+            rays_traced: frame.rays_traced(),
+            rays_full: frame.rays_full(),
             cycles: cost.map(|c| c.cycles),
             power_w: cost.map(|c| c.power_w),
             perf_per_watt: cost.map(|c| c.perf_per_watt),
-            psnr_db: frame.quality.and_then(|q| q.psnr_db),
+            psnr_db: frame.quality().and_then(|q| q.psnr_db),
         }
     };
     planned.iter().map(row).collect()
 }
 
 /// Picture size of the ablations.
-pub fn size(setup: &Setup<'_>) -> (u32, u32) {
+pub fn size(setup: &Setup) -> (u32, u32) {
     let most = SIZES[usize::from(setup.full)];
     (setup.size.0.min(most.0), setup.size.1.min(most.1))
 }
@@ -213,11 +217,11 @@ mod tests {
     #[test]
     fn every_group_begins_with_what_is_unchanged() {
         let mut group = "";
-        for own in VARIANTS {
-            assert_eq!(own.base, own.group != group, "{} {}", own.group, own.name);
-            group = own.group;
-            let changes = own.rules.len() + own.machine.len() + usize::from(own.tile != TILE);
-            assert_eq!(changes, usize::from(!own.base), "{} {}: one choice", own.group, own.name);
+        for variant in VARIANTS {
+            assert_eq!(variant.base, variant.group != group, "{} {}", variant.group, variant.name);
+            group = variant.group;
+            let changes = variant.rules.len() + variant.machine.len() + usize::from(variant.tile != TILE);
+            assert_eq!(changes, usize::from(!variant.base), "{} {}: one choice", variant.group, variant.name);
         }
     }
 }

@@ -1,0 +1,200 @@
+//! What the study says of a frame, out of the figures of a row: of the row of a point of one frame, or of a frame by itself.
+//!
+//! All of it follows from the row bit by bit, so a point that a sweep has computed need not be computed again.
+
+use rayreel_machine::config::NamedMachine;
+use rayreel_machine::counters::Activity;
+use rayreel_machine::energy::EnergyReport;
+use rayreel_machine::srp::{KernelId, SrpStats};
+use rayreel_machine::stats::Stats;
+use rayreel_study::point::details::TileFigures as TileDetails;
+use rayreel_study::point::figures::RowFigures;
+use rayreel_study::schema::{Component, Cost, Kernel, Quality, StateShare, TileFigures, Unit};
+use serde_json::{Map, Value};
+
+/// Figures of one frame.
+#[derive(Clone, Copy)]
+pub struct FrameView<'a> {
+    figures: RowFigures<'a>,
+    /// The machine that simulated it, if one did.
+    machine: Option<&'a NamedMachine>,
+}
+
+/// Figures without which a row says too little.
+const NEEDED: &[&str] = &[
+    "rays_full",
+    "rays_traced",
+    "rays_apron",
+    "samples_full",
+    "samples_traced",
+    "similarity_ratio",
+    "psnr_db",
+    "ssim",
+    "flip",
+    "worst_tile_psnr_db",
+    "identical",
+    "cycles",
+    "time_ms",
+    "power_w",
+    "energy_mj",
+    "perf_per_watt",
+    "gpu_power_w",
+    "gpu_energy_mj",
+    "gpu_perf_per_watt",
+];
+
+impl<'a> FrameView<'a> {
+    /// The figures of a frame, on `machine` if it was simulated.
+    pub fn new(row: &'a Map<String, Value>, machine: Option<&'a NamedMachine>) -> Self {
+        Self { figures: RowFigures(row), machine }
+    }
+
+    /// Whether nothing is missing in the row: a program of another version may have known fewer figures.
+    pub fn is_complete(self) -> bool {
+        let simulated =
+            || self.figures.count("cycles").is_some() && self.figures.counter("srp/activity/inspector").is_some();
+        NEEDED.iter().all(|name| self.figures.has(name)) && (self.machine.is_none() || simulated())
+    }
+
+    fn count(self, name: &str) -> u64 {
+        self.figures.count(name).unwrap_or(0)
+    }
+
+    /// Rays of all samples.
+    pub fn rays_full(self) -> u64 {
+        self.count("rays_full")
+    }
+
+    /// Rays traced, apron rays included.
+    pub fn rays_traced(self) -> u64 {
+        self.count("rays_traced") + self.count("rays_apron")
+    }
+
+    /// Samples of the grid.
+    pub fn samples_full(self) -> u64 {
+        self.count("samples_full")
+    }
+
+    /// Samples traced.
+    pub fn samples_traced(self) -> u64 {
+        self.count("samples_traced")
+    }
+
+    /// Traced samples per sample of the grid.
+    pub fn mean_rate(self) -> f64 {
+        self.samples_traced() as f64 / self.samples_full() as f64
+    }
+
+    /// Interpolated per I-sample.
+    pub fn similarity_ratio(self) -> Option<f64> {
+        self.figures.number("similarity_ratio")
+    }
+
+    /// The picture against that of `full`, if they were compared.
+    pub fn quality(self) -> Option<Quality> {
+        let number = |name: &str| self.figures.number(name);
+        let compared = self.figures.0.get("identical").is_some_and(Value::is_boolean);
+        compared.then(|| Quality {
+            psnr_db: number("psnr_db"),
+            ssim: number("ssim"),
+            flip: number("flip"),
+            worst_tile_psnr_db: number("worst_tile_psnr_db"),
+        })
+    }
+
+    /// Cost of the T&I units.
+    pub fn ti(self) -> Option<Cost> {
+        self.cost("")
+    }
+
+    /// Cost of the whole GPU.
+    pub fn gpu(self) -> Option<Cost> {
+        self.cost("gpu_")
+    }
+
+    /// A cost; nothing where nothing was done in no time.
+    fn cost(self, group: &str) -> Option<Cost> {
+        let number = |name: &str| self.figures.number(&format!("{group}{name}"));
+        Some(Cost {
+            cycles: self.figures.count("cycles")?,
+            time_ms: self.figures.number("time_ms")?,
+            power_w: number("power_w")?,
+            energy_mj: number("energy_mj")?,
+            perf_per_watt: number("perf_per_watt")?,
+        })
+    }
+
+    /// What each stage of each kind of unit did with its cycles, all units of the kind together.
+    pub fn units(self) -> Vec<Unit> {
+        if self.machine.is_none() {
+            return Vec::new();
+        }
+        let classes = |counters: Vec<rayreel_machine::counters::Counter>| counters.into_iter().map(|c| c.name);
+        let activity = || classes(Activity::default().list());
+        // A stage has counters of all classes.
+        let has = |stage: &str, class: &str| self.figures.counter(&format!("ti/trv/{stage}/{class}")).is_some();
+        let is_stage = |stage: &&str| activity().all(|class| has(stage, class));
+        let stages = self.figures.between("ti/trv/", "/busy").filter(is_stage);
+        let mut units: Vec<Unit> =
+            stages.map(|stage| self.unit(&format!("trv/{stage}"), &format!("ti/trv/{stage}"), activity())).collect();
+        units.push(self.unit("ist/test", "ti/ist/test", activity()));
+        units.push(self.unit("srp/array", "srp/activity", classes(SrpStats::default().activity.list())));
+        units
+    }
+
+    /// Shares of cycles by state, of the counters of a group.
+    fn unit(self, name: &str, group: &str, states: impl Iterator<Item = &'static str>) -> Unit {
+        let cycles = |state: &str| self.figures.counter(&format!("{group}/{state}")).unwrap_or(0);
+        let states: Vec<(&str, u64)> = states.map(|state| (state, cycles(state))).collect();
+        let all = states.iter().map(|(_, cycles)| cycles).sum::<u64>().max(1) as f64;
+        let share = |(state, cycles): (&str, u64)| StateShare { state: state.into(), share: cycles as f64 / all };
+        Unit { unit: name.into(), shares: states.into_iter().map(share).collect() }
+    }
+
+    /// Energy by component.
+    pub fn energy(self) -> Vec<Component> {
+        let Some(machine) = self.machine else { return Vec::new() };
+        let component = |component: &rayreel_machine::energy::Component| {
+            let (dynamic, leakage) = self.figures.energy_mj(component.name)?;
+            Some(Component {
+                component: component.name.into(),
+                group: component.group.name().into(),
+                mj: dynamic + leakage,
+            })
+        };
+        no_energy(machine).components.iter().filter_map(component).collect()
+    }
+
+    /// Cycles of all SRPs by kernel.
+    pub fn srp(self) -> Vec<Kernel> {
+        if self.machine.is_none() {
+            return Vec::new();
+        }
+        let counter = |name: String| self.figures.counter(&name).unwrap_or(0);
+        let kernels = KernelId::ALL.into_iter().map(KernelId::name);
+        let busy = kernels.clone().chain(["inspector"]);
+        let busy = busy.map(|state| counter(format!("srp/activity/{state}"))).sum::<u64>().max(1) as f64;
+        let kernel = |name: &str| {
+            let cycles = counter(format!("srp/kernel/{name}/cycles"));
+            Kernel { kernel: name.into(), cycles, share: cycles as f64 / busy }
+        };
+        kernels.map(kernel).collect()
+    }
+}
+
+/// The components of a machine and their groups, without energy.
+fn no_energy(machine: &NamedMachine) -> EnergyReport {
+    EnergyReport::new(&machine.config, &Stats::default())
+}
+
+/// A tile as the study has it.
+pub fn tile(tile: &TileDetails) -> TileFigures {
+    let all = tile.samples_traced + tile.samples_interpolated;
+    TileFigures {
+        rays_full: tile.rays_full,
+        rays_traced: tile.rays_traced + tile.rays_apron,
+        mean_rate: tile.samples_traced as f64 / all.max(1) as f64,
+        similarity_ratio: tile.similarity_ratio,
+        psnr_db: tile.psnr_db,
+    }
+}

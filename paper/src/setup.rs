@@ -1,0 +1,107 @@
+//! What the experiment is made of.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use rayreel_machine::config::NamedMachine;
+use rayreel_replay::NamedPolicy;
+use rayreel_scenes::Scene;
+
+use crate::error::Result;
+use crate::policies::{self, Contender};
+
+/// Picture size by default, pixels.
+pub const SIZE: (u32, u32) = (128, 64);
+
+/// The paper's.
+pub const SIZE_FULL: (u32, u32) = (2048, 1024);
+
+/// Scenes, policies, machines and sizes of an experiment.
+pub struct Setup {
+    /// The scenes, each once.
+    pub stages: Vec<Stage>,
+    /// The policies, `full` first.
+    pub policies: Vec<(&'static Contender, Arc<NamedPolicy>)>,
+    /// The machines; none for pictures and rays only.
+    pub machines: Option<Machines>,
+    /// Picture size, pixels.
+    pub size: (u32, u32),
+    /// Whether everything is done, at any cost.
+    pub full: bool,
+    /// The command line that repeats it.
+    pub command: String,
+    /// Name and version of the program, as captures record it.
+    pub tool: String,
+}
+
+/// A scene of the experiment.
+pub struct Stage {
+    /// The scene.
+    pub scene: Scene,
+    /// Its name as part of file names: a scene file may call it anything.
+    pub name: String,
+}
+
+/// The machine asked for, and the same with an SRP that takes no time.
+pub struct Machines {
+    /// What was asked for: a preset or a file.
+    pub spec: String,
+    /// The whole GPU.
+    pub whole: Arc<NamedMachine>,
+    /// The T&I units alone.
+    pub alone: Arc<NamedMachine>,
+}
+
+/// Folders of an experiment.
+#[derive(Clone, Debug)]
+pub struct Folders {
+    /// Traces and results.
+    pub cache: PathBuf,
+    /// Study and pictures.
+    pub out: PathBuf,
+    /// Where results are looked for beside the cache: folders of sweeps and other cache folders.
+    pub reuse: Vec<PathBuf>,
+}
+
+impl Stage {
+    /// A scene with its name.
+    pub fn new(scene: Scene) -> Self {
+        let plain = |c: char| if c.is_alphanumeric() || "-_.".contains(c) { c } else { '_' };
+        let name = scene.name.chars().map(plain).collect();
+        Self { scene, name }
+    }
+}
+
+impl Machines {
+    /// A preset or file.
+    ///
+    /// # Errors
+    /// There is none, or it is wrong.
+    pub fn load(spec: &str) -> Result<Self> {
+        let load = |overrides: &[String]| NamedMachine::load(spec, overrides).map(Arc::new);
+        Ok(Self { spec: spec.into(), whole: load(&[])?, alone: load(&["srp.ideal=true".into()])? })
+    }
+}
+
+impl Setup {
+    /// An experiment at the default size: of two scenes of one name the first is taken.
+    ///
+    /// # Errors
+    /// Never for the presets of this version.
+    pub fn new(scenes: impl IntoIterator<Item = Scene>, machines: Option<Machines>) -> Result<Self> {
+        let mut stages: Vec<Stage> = Vec::new();
+        for stage in scenes.into_iter().map(Stage::new) {
+            if !stages.iter().any(|known| known.name == stage.name) {
+                stages.push(stage);
+            }
+        }
+        let policies = policies::load()?;
+        let tool = concat!("rayreel ", env!("CARGO_PKG_VERSION")).to_owned();
+        Ok(Self { stages, policies, machines, size: SIZE, full: false, command: String::new(), tool })
+    }
+
+    /// Whether a policy has rates that vary over the picture.
+    pub(crate) fn has_rates(&self, policy: usize) -> bool {
+        !matches!(self.policies[policy].1.policy.kind(), "full" | "adaptive")
+    }
+}

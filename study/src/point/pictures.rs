@@ -1,0 +1,103 @@
+//! Pictures of a replayed frame.
+
+use std::cell::OnceCell;
+use std::path::Path;
+
+use crate::error::Result;
+use crate::point::wanted::{Kind, PictureWanted};
+use rayreel_replay::FrameReplay;
+use rayreel_replay::image::{Srgb8, errors, files, srgb};
+use rayreel_replay::maps;
+
+/// A frame of which pictures are made.
+pub struct FramePictures<'a> {
+    frame: &'a FrameReplay,
+    /// Samples per pixel and axis.
+    samples: u32,
+    /// Encoded once for all pictures that need it.
+    result: OnceCell<Srgb8>,
+}
+
+impl<'a> FramePictures<'a> {
+    /// The pictures of a frame of so many samples per pixel and axis. None is made yet.
+    pub fn new(frame: &'a FrameReplay, samples: u32) -> Self {
+        Self { frame, samples, result: OnceCell::new() }
+    }
+
+    fn result(&self) -> &Srgb8 {
+        self.result.get_or_init(|| srgb::encode(&self.frame.image))
+    }
+
+    /// A picture of a kind; nothing if the replay does not hold what it shows.
+    ///
+    /// # Errors
+    /// Never for a frame of a replay: its pictures have one size.
+    pub fn picture(&self, kind: Kind) -> Result<Option<Srgb8>> {
+        let FrameReplay { reference, flip, states, blocks, .. } = self.frame;
+        Ok(match kind {
+            Kind::Result => Some(self.result().clone()),
+            Kind::Reference => reference.as_ref().map(srgb::encode),
+            Kind::Error => {
+                let amplified = |full| errors::amplified(self.result(), &srgb::encode(full));
+                reference.as_ref().map(amplified).transpose()?
+            }
+            Kind::Flip => flip.as_ref().map(errors::flip_picture),
+            Kind::Similarity => Some(maps::similarity_map_pixels(states, blocks, self.samples)),
+            Kind::Rate => Some(maps::rate_map_pixels(states, blocks, self.samples)),
+        })
+    }
+
+    /// A picture as the bytes of a PNG file; empty if there is none of the kind.
+    ///
+    /// # Errors
+    /// When it cannot be encoded.
+    pub fn png(&self, wanted: &PictureWanted) -> Result<Vec<u8>> {
+        let Some(picture) = self.picture(wanted.kind)? else { return Ok(Vec::new()) };
+        Ok(files::png(&shrunk(picture, wanted.shrink))?)
+    }
+
+    /// Writes all pictures of the frame as files into `folder`; their names begin with `prefix`.
+    ///
+    /// # Errors
+    /// When a file cannot be written.
+    pub fn write(&self, folder: &Path, prefix: &str) -> Result<()> {
+        let file = |name: &str| folder.join(format!("{prefix}{name}"));
+        files::write_exr(&file("result.exr"), &self.frame.image)?;
+        for kind in Kind::ALL {
+            if let Some(picture) = self.picture(kind)? {
+                files::write_png(&file(&format!("{}.png", kind.name())), &picture)?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The mean of each `by` x `by` pixels; columns and rows that do not fill one are cut off.
+fn shrunk(picture: Srgb8, by: u32) -> Srgb8 {
+    let (width, height) = (picture.width / by, picture.height / by);
+    if by == 1 || width == 0 || height == 0 {
+        return picture;
+    }
+    let mean = |i: u32| {
+        let (left, top) = (i % width * by, i / width * by);
+        let mut sums = [0u32; 3];
+        for (x, y) in (top..top + by).flat_map(|y| (left..left + by).map(move |x| (x, y))) {
+            let pixel = picture.pixels[y as usize * picture.width as usize + x as usize];
+            sums.iter_mut().zip(pixel).for_each(|(sum, v)| *sum += u32::from(v));
+        }
+        sums.map(|sum| (sum / (by * by)) as u8)
+    };
+    Srgb8 { width, height, pixels: (0..width * height).map(mean).collect() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shrinking_takes_means() {
+        let pixels = vec![[0; 3], [4, 8, 12], [9; 3], [4, 0, 4], [8, 8, 8], [9; 3]];
+        let small = shrunk(Srgb8 { width: 3, height: 2, pixels }, 2);
+        assert_eq!(small, Srgb8 { width: 1, height: 1, pixels: vec![[4, 4, 6]] });
+    }
+}

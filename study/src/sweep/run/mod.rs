@@ -1,0 +1,209 @@
+//! Computing the points of a shard.
+//!
+//! Workers take points in the order of the plan and hand their rows to one writer, which puts what is finished into a segment
+//! while they go on: no worker waits for a disk. A row is safe once its segment has its name, so a `kill -9` costs the points that
+//! were being computed and those of the segment being written. A signal ends every simulation at its next tile and writes what is
+//! finished.
+
+mod saver;
+mod traces;
+
+use std::collections::BTreeMap;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::{Duration, Instant};
+
+use rayreel_formats::trace::Trace;
+
+use crate::error::Result;
+use crate::point::compute::{chain, compute_row};
+use crate::point::row::{Column, Row};
+use crate::point::segment::Writer;
+use crate::pool::{Event, Pool};
+use crate::sweep::folder::Folder;
+use crate::sweep::plan::BUCKET;
+use crate::sweep::reused::ReusedRows;
+use crate::sweep::segment;
+use crate::sweep::shard::Shard;
+use rayreel_replay::Stop;
+use saver::Saver;
+use traces::SharedTraces;
+
+/// How a shard is run.
+pub struct Settings<'a> {
+    /// Which points.
+    pub shard: Shard,
+    /// Points at a time.
+    pub threads: usize,
+    /// Bytes of decoded tiles that are kept.
+    pub memory: usize,
+    /// Least time between two segments: zero writes whatever is finished at once; on a shared file system seconds save files.
+    pub flush: Duration,
+    /// Who runs it.
+    pub writer: Writer,
+    /// Ends it early.
+    pub stop: Stop,
+    /// Opens a trace at the location of the plan.
+    pub open: &'a (dyn Fn(&str) -> Result<Trace, String> + Sync),
+    /// Rows from elsewhere: points that need not be computed.
+    pub reused: &'a ReusedRows,
+}
+
+/// How far a shard is.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct RunProgress {
+    /// Points whose rows were there before, at the beginning.
+    pub skipped: usize,
+    /// Points to do, at the beginning.
+    pub todo: usize,
+    /// Points done, with those being computed in part.
+    pub done: f64,
+    /// Points whose rows are on disk.
+    pub saved: usize,
+    /// Points whose rows say that they cannot be computed.
+    pub failed: usize,
+}
+
+/// What came of a shard.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Outcome {
+    /// Points of the shard.
+    pub points: usize,
+    /// Points whose rows were there before.
+    pub skipped: usize,
+    /// Rows taken from elsewhere.
+    pub reused: usize,
+    /// Points computed.
+    pub computed: usize,
+    /// Those of them that cannot be computed.
+    pub failed: usize,
+    /// Points that this attempt could not do and another may: what they are, and why.
+    pub troubles: Vec<(String, String)>,
+    /// Whether a signal ended it.
+    pub interrupted: bool,
+}
+
+/// A row with what its columns are; or why this attempt could not compute it.
+type Attempted = Result<(Row, Vec<Column>), String>;
+
+/// Runs a shard. `tell` is told how far it is: once before anything is computed, then several times a second.
+///
+/// # Errors
+/// A folder that cannot be read or written. What is wrong with a point is in its row, or in the outcome.
+pub fn run(folder: &Folder, settings: &Settings<'_>, mut tell: impl FnMut(&RunProgress)) -> Result<Outcome> {
+    let plan = folder.plan();
+    let range = settings.shard.points(plan.points.len());
+    let mut outcome = Outcome { points: range.len(), ..Outcome::default() };
+    let mut saver = Saver::new(folder, settings);
+    let todo = missing(folder, range, &mut outcome, &mut saver)?;
+    let workers = Workers::new(folder, settings, &todo);
+    let mut progress = RunProgress { skipped: outcome.skipped, todo: todo.len(), ..RunProgress::default() };
+    tell(&progress);
+    let mut last = Instant::now();
+    let pool = Pool { threads: settings.threads, stop: settings.stop.clone() };
+    let ended: Result<()> = pool.run(
+        &todo,
+        |worker, point| workers.attempt(worker, *point),
+        |event| {
+            match event {
+                Event::Done { index, result: Ok((row, columns)) } => {
+                    saver.take(todo[index], row, columns, &mut outcome)?;
+                }
+                Event::Done { index, result: Err(why) } if !settings.stop.is_requested() => {
+                    outcome.troubles.push((plan.describe(todo[index]), why));
+                }
+                Event::Done { .. } | Event::Idle => {}
+            }
+            if last.elapsed() >= settings.flush {
+                saver.flush_all()?;
+                last = Instant::now();
+            }
+            progress.saved = outcome.computed.saturating_sub(saver.waiting());
+            progress.failed = outcome.failed;
+            progress.done = outcome.computed as f64 + workers.part();
+            tell(&progress);
+            Ok(())
+        },
+    );
+    ended?;
+    saver.flush_all()?;
+    progress.saved = outcome.computed;
+    progress.done = outcome.computed as f64;
+    tell(&progress);
+    outcome.interrupted = settings.stop.is_requested();
+    Ok(outcome)
+}
+
+/// The points that have no row yet, each key once; takes rows from elsewhere.
+fn missing<'a>(
+    folder: &'a Folder,
+    range: std::ops::Range<usize>,
+    outcome: &mut Outcome,
+    saver: &mut Saver<'a>,
+) -> Result<Vec<usize>> {
+    let (mut todo, mut seen) = (Vec::new(), BTreeMap::new());
+    if range.is_empty() {
+        return Ok(todo);
+    }
+    for bucket in range.start / BUCKET..=(range.end - 1) / BUCKET {
+        let held = segment::read(folder, bucket)?;
+        let points = folder.bucket(bucket);
+        let mut left = 0;
+        for point in points.start.max(range.start)..points.end.min(range.end) {
+            let key = &folder.plan().points[point].key;
+            if held.rows.contains_key(key) {
+                outcome.skipped += 1;
+            } else if saver.reuse(bucket, key)? {
+                outcome.reused += 1;
+            } else if let Some(first) = seen.get(key) {
+                left += usize::from(*first != bucket && saver.also_in(key, bucket));
+            } else {
+                seen.insert(key, bucket);
+                todo.push(point);
+                left += 1;
+            }
+        }
+        saver.expect(bucket, left)?;
+    }
+    Ok(todo)
+}
+
+/// What the workers share.
+struct Workers<'a> {
+    folder: &'a Folder,
+    settings: &'a Settings<'a>,
+    traces: SharedTraces<'a>,
+    /// How much of its point each worker has done, in millionths.
+    parts: Vec<AtomicUsize>,
+}
+
+impl<'a> Workers<'a> {
+    fn new(folder: &'a Folder, settings: &'a Settings<'a>, todo: &[usize]) -> Self {
+        let traces = SharedTraces::new(folder, settings, todo);
+        let parts = (0..settings.threads).map(|_| AtomicUsize::new(0)).collect();
+        Self { folder, settings, traces, parts }
+    }
+
+    /// Points being computed, in parts.
+    fn part(&self) -> f64 {
+        self.parts.iter().map(|part| part.load(Ordering::Relaxed) as f64 * 1e-6).sum()
+    }
+
+    /// Computes a point on worker number `worker`.
+    fn attempt(&self, worker: usize, point: usize) -> Attempted {
+        let ended = self.compute(point, &self.parts[worker]);
+        self.parts[worker].store(0, Ordering::Relaxed);
+        self.traces.release(self.folder.plan().points[point].trace);
+        ended
+    }
+
+    fn compute(&self, point: usize, part: &AtomicUsize) -> Attempted {
+        let planned = &self.folder.plan().points[point];
+        let resolved = self.folder.plan().resolve(planned).map_err(|e| e.to_string())?;
+        let opened = self.traces.open(planned.trace)?;
+        let tell = |done: u64, all: u64| {
+            part.store((done.min(all) * 1_000_000 / all.max(1)) as usize, Ordering::Relaxed);
+        };
+        let source = (&opened.source, &opened.tree);
+        compute_row(&resolved, &planned.key, source, &self.settings.stop, tell).map_err(|e| chain(&e))
+    }
+}
