@@ -7,7 +7,7 @@ use rayreel_study::cluster::export::{ENGINES, Fill};
 use rayreel_study::files::write_whole;
 use rayreel_study::sweep::folder::Folder;
 
-use super::submit::absolute;
+use super::folder::absolute;
 use crate::common::print;
 use crate::exit::Exit;
 

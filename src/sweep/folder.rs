@@ -72,3 +72,9 @@ pub fn make(file: &Path, place: &FolderArgs, traces: Option<&str>, cache: &Cache
 pub fn find(sweep: &Path, place: &FolderArgs, traces: Option<&str>, cache: &CacheArgs) -> Result<Folder> {
     if sweep.is_file() { make(sweep, place, traces, cache) } else { Ok(Folder::open(sweep)?) }
 }
+
+/// The folder as tasks on other machines find it.
+pub fn absolute(path: &Path) -> Result<PathBuf> {
+    use anyhow::Context;
+    std::fs::canonicalize(path).with_context(|| format!("cannot find {}", path.display()))
+}

@@ -16,10 +16,21 @@ use rayreel_study::sweep::folder::Folder;
 use rayreel_study::sweep::plan::LAYOUT;
 use rayreel_study::sweep::status;
 
-use super::submit::{SubmitArgs, absolute};
+use super::folder::absolute;
 use super::{merge, plan, slurm};
 use crate::common::print;
 use crate::exit::Exit;
+
+/// What happens beside submitting.
+#[derive(Clone, Copy, Debug, clap::Args)]
+pub struct SubmitArgs {
+    /// Print the scripts and the sbatch lines; submit and write nothing.
+    #[arg(long)]
+    pub dry_run: bool,
+    /// Wait for the merge, and end with its code. Ctrl-C leaves the jobs alone.
+    #[arg(long, conflicts_with = "dry_run")]
+    pub wait: bool,
+}
 
 /// What is to be submitted.
 pub struct Submit {

@@ -7,10 +7,11 @@ use rayreel_study::cluster::submission::Submission;
 use rayreel_study::sweep::folder::Folder;
 use rayreel_study::sweep::shard::Shard;
 
+use super::order::SubmitArgs;
 use super::order::{Submit, SubmitContext, carry_out};
 use super::run::{self, RunArgs};
 use super::slurm;
-use super::submit::{SiteArgs, SubmitArgs, limits};
+use super::submit::{SiteArgs, limits};
 use crate::exit::Exit;
 
 /// Compute what is missing: on the cluster if the sweep was submitted to one, and here otherwise.

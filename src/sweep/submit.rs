@@ -11,8 +11,8 @@ use rayreel_study::sweep::estimate;
 use rayreel_study::sweep::folder::Folder;
 use rayreel_study::sweep::shard::Shard;
 
-use super::folder::opener;
-use super::order::{Submit, SubmitContext, carry_out};
+use super::folder::{absolute, opener};
+use super::order::{Submit, SubmitArgs, SubmitContext, carry_out};
 use super::plan::{duration, shards};
 use super::run::{self, RunArgs};
 use super::{merge, slurm};
@@ -109,17 +109,6 @@ impl SiteArgs {
     }
 }
 
-/// What happens beside submitting.
-#[derive(Clone, Copy, Debug, clap::Args)]
-pub struct SubmitArgs {
-    /// Print the scripts and the sbatch lines; submit and write nothing.
-    #[arg(long)]
-    pub dry_run: bool,
-    /// Wait for the merge, and end with its code. Ctrl-C leaves the jobs alone.
-    #[arg(long, conflicts_with = "dry_run")]
-    pub wait: bool,
-}
-
 /// A time that is passed on as it was written.
 fn checked(text: &str) -> Result<String, String> {
     duration(text).map(|_| text.to_owned())
@@ -206,10 +195,4 @@ fn local(folder: &Folder, args: &Args, quiet: bool) -> Result<Exit> {
 /// A folder or address of traces as tasks find it, wherever they start.
 fn anywhere(traces: &str) -> Result<String> {
     if traces.contains("://") { Ok(traces.into()) } else { Ok(absolute(Path::new(traces))?.display().to_string()) }
-}
-
-/// The folder as tasks on other machines find it.
-pub fn absolute(path: &Path) -> Result<PathBuf> {
-    use anyhow::Context;
-    std::fs::canonicalize(path).with_context(|| format!("cannot find {}", path.display()))
 }

@@ -173,11 +173,11 @@ fn the_machine_stands_beside_the_paper() {
     for row in serde_json::from_str::<Vec<Value>>(&json).unwrap() {
         let evaluated = row["as_in_the_paper"] == true;
         for part in if evaluated { &["ti_alone", "gpu"][..] } else { &["ti_alone"] } {
-            let (full, own, gain) = (&row[part]["full"], &row[part]["own"], &row[part]["gain"]);
+            let (full, policy, gain) = (&row[part]["full"], &row[part]["own"], &row[part]["gain"]);
             let expected = [
-                ("performance", number(&full["time_ms"]) / number(&own["time_ms"])),
-                ("power", number(&own["power_w"]) / number(&full["power_w"])),
-                ("perf_per_watt", number(&full["energy_mj"]) / number(&own["energy_mj"])),
+                ("performance", number(&full["time_ms"]) / number(&policy["time_ms"])),
+                ("power", number(&policy["power_w"]) / number(&full["power_w"])),
+                ("perf_per_watt", number(&full["energy_mj"]) / number(&policy["energy_mj"])),
             ];
             for (key, value) in expected {
                 assert!((number(&gain[key]) / value - 1.0).abs() < 1e-9, "{part} {key} in {row}");
@@ -212,10 +212,10 @@ fn check_study(study: &Study) {
     assert!(groups >= 9 && study.ablations.len() >= 2 * groups);
     assert!(study.ablations.iter().all(|a| a.perf_per_watt.is_some() && a.rays_full > 0));
     let track = |name: &str| study.tracks.iter().find(|t| t.policy == name).unwrap();
-    let (full, own) = (track("full"), track("multirate"));
-    assert_eq!(full.frames.len(), own.frames.len());
-    assert!(full.flicker == Some(0.0) && full.psnr_db.is_none() && own.flicker.unwrap() > 0.0);
-    assert!(own.frames.iter().any(|f| f.energy_mj.is_some()) && own.frames[0].frame == 1);
+    let (full, policy) = (track("full"), track("multirate"));
+    assert_eq!(full.frames.len(), policy.frames.len());
+    assert!(full.flicker == Some(0.0) && full.psnr_db.is_none() && policy.flicker.unwrap() > 0.0);
+    assert!(policy.frames.iter().any(|f| f.energy_mj.is_some()) && policy.frames[0].frame == 1);
     assert!(study.maps.iter().any(|m| m.policy == "multirate" && m.rate.is_some() && m.frame == 1));
     assert!(study.config.iter().any(|v| v.key == "ti.clock_mhz") && study.policies[0].name == "full");
 }
@@ -247,18 +247,18 @@ fn the_cache_is_checked() {
     // Traces: another one under this name, one without an end, a damaged one, and what a killed run left.
     let trace = |mode: &str| cache.join(format!("cornell-64x32-{mode}.rtrace"));
     let partial = cache.join("cornell-64x32-2x2.rtrace.partial");
-    let own = whole[Path::new("cornell-64x32-2x2.rtrace")].clone();
+    let whole_capture = whole[Path::new("cornell-64x32-2x2.rtrace")].clone();
     let spoil: [&dyn Fn(); 4] = [
         &|| drop(capture("cornell", "--size 64x32 --depth 1 --force", &trace("2x2"))),
-        &|| fs::write(trace("2x2"), &own[..own.len() / 2]).unwrap(),
+        &|| fs::write(trace("2x2"), &whole_capture[..whole_capture.len() / 2]).unwrap(),
         &|| {
-            let mut bytes = own.clone();
-            bytes[own.len() / 2] ^= 1;
+            let mut bytes = whole_capture.clone();
+            bytes[whole_capture.len() / 2] ^= 1;
             fs::write(trace("2x2"), bytes).unwrap();
         },
         &|| {
             fs::remove_file(trace("2x2")).unwrap();
-            fs::write(&partial, &own[..own.len() / 2]).unwrap();
+            fs::write(&partial, &whole_capture[..whole_capture.len() / 2]).unwrap();
         },
     ];
     let other = stamps(&cache)[Path::new("cornell-64x32-1x1.rtrace")];

@@ -53,16 +53,18 @@ fn a_browser_shows_it() {
 /// What the script draws again is what stood there before.
 fn effects_are_those_of_the_file(page: &Page<'_>, file: &Path) {
     let text = fs::read_to_string(file).unwrap();
-    let shares: Vec<&str> = text.split("data-axis=\"").skip(1).filter(|own| own.contains("data-share=\"")).collect();
+    let shares: Vec<&str> = text.split("data-axis=\"").skip(1).filter(|axis| axis.contains("data-share=\"")).collect();
     let shares: Vec<String> = shares
         .iter()
-        .filter_map(|own| Some(own.split("data-share=\"").nth(1)?.split('"').next()?.to_owned()))
+        .filter_map(|axis| Some(axis.split("data-share=\"").nth(1)?.split('"').next()?.to_owned()))
         .collect();
-    let shares: Vec<String> = shares.into_iter().filter(|own| own.parse::<f64>().is_ok()).collect();
+    let shares: Vec<String> = shares.into_iter().filter(|share| share.parse::<f64>().is_ok()).collect();
     assert!(shares.len() >= 6, "{shares:?}");
-    let own = "[...document.querySelectorAll('#effects-cards [data-share]')].map(e => Number(e.dataset.share))";
+    let listed = "[...document.querySelectorAll('#effects-cards [data-share]')].map(e => Number(e.dataset.share))";
     let list = format!("[{}]", shares.join(","));
-    page.holds(&format!("{own}.length === {list}.length && {own}.every((v, i) => Math.abs(v - {list}[i]) < 1e-4)"));
+    page.holds(&format!(
+        "{listed}.length === {list}.length && {listed}.every((v, i) => Math.abs(v - {list}[i]) < 1e-4)"
+    ));
     page.choose("#effects-result", "ssim");
     page.holds("document.querySelector('#effects-cards .card').dataset.result === 'ssim'");
 }

@@ -15,78 +15,36 @@ mod tokens;
 use std::path::{Path, PathBuf};
 
 /// The modules at the top of each crate, lowest first: a module may use those before it.
-const ORDERS: [(&str, &[&str]); 10] = [
+const ORDERS: [(&str, &str); 11] = [
     (
         "formats/src/lib.rs",
-        &[
-            "math",
-            "half",
-            "oct",
-            "limits",
-            "scene",
-            "tile",
-            "bvh",
-            "rays",
-            "intersect",
-            "error",
-            "payload",
-            "columns",
-            "container",
-            "trace",
-        ],
+        "math half oct scene tile bvh rays intersect durable id limits error payload columns container trace",
     ),
-    ("settings/src/lib.rs", &["near"]),
+    ("settings/src/lib.rs", "near units rule key declare source error schema family file chain loaded text"),
     (
         "machine/src/lib.rs",
-        &[
-            "error", "counters", "config", "work", "memory", "link", "ti", "srp", "stats", "energy", "system",
-            "probes", "timeline",
-        ],
+        "time component counters error config work link memory ti srp stats energy system run probes timeline",
     ),
-    ("replay/src/lib.rs", &["error", "source", "image", "policy", "work", "frame", "simulate"]),
-    ("store/src/lib.rs", &["traffic", "cache", "location", "remote"]),
-    (
-        "scenes/src/lib.rs",
-        &[
-            "scene",
-            "warnings",
-            "error",
-            "validate",
-            "texture",
-            "camera",
-            "normals",
-            "defaults",
-            "mesh_join",
-            "hash",
-            "polygon",
-            "obj_text",
-            "mtl_line",
-            "mtl",
-            "obj",
-            "modelling",
-            "builtin",
-            "file_camera",
-            "file",
-            "load",
-        ],
-    ),
-    ("tracer/src/lib.rs", &["convert", "accel", "texture", "traverse", "shade", "trace", "capture", "verify"]),
+    ("replay/src/lib.rs", "error stop image counts source policy work frame maps simulate"),
+    ("store/src/lib.rs", "traffic cache location options remote open"),
+    ("scenes/src/lib.rs", "names warnings error scene validate camera mesh defaults modelling obj builtin file load"),
+    ("tracer/src/lib.rs", "convert grid shading texture traverse verify accel materials trace capture render"),
     (
         "study/src/lib.rs",
-        &["error", "schema", "report", "table", "point", "analysis", "compare", "sweep", "cluster", "html"],
+        "error files pool policy_text schema figures report table point sweep cluster analysis compare html",
     ),
-    (
-        "testkit/src/lib.rs",
-        &["random", "policies", "switches", "trees", "synthetic", "rules", "recorded", "reference", "poison"],
-    ),
+    ("paper/src/lib.rs", "@PAPER@"),
+    ("testkit/src/lib.rs", "random policies switches trees synthetic rules recorded reference poison"),
     (
         "src/main.rs",
-        &[
-            "exit", "progress", "common", "traces", "capture", "compare", "diff", "digest", "info", "presets", "paper",
-            "render", "repair", "replay", "report", "scenes", "sweep", "verify",
-        ],
+        "exit progress common traces capture compare diff digest info presets paper render repair replay report scenes sweep verify",
     ),
 ];
+
+/// The names of an order.
+fn words(order: &str) -> Vec<&str> {
+    order.split(' ').collect()
+}
 
 fn root() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR"))
@@ -120,6 +78,6 @@ fn every_crate_has_an_order() {
 
 #[test]
 fn modules_use_what_stands_below_them() {
-    let found: Vec<String> = ORDERS.iter().flat_map(|(front, order)| wrong(front, order, &read)).collect();
+    let found: Vec<String> = ORDERS.iter().flat_map(|(front, order)| wrong(front, &words(order), &read)).collect();
     assert!(found.is_empty(), "{}", found.join("\n"));
 }

@@ -6,8 +6,9 @@ use serde::Serialize;
 
 use crate::analysis::configs::{Configs, Half};
 use crate::analysis::dims::label;
+use crate::compare::options::Options;
 use crate::compare::pairs::{Pairs, names};
-use crate::compare::{Options, Select};
+use crate::compare::select::Select;
 use crate::table::{Cells, Field, Results, Role};
 
 /// A figure or counter that changed.

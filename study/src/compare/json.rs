@@ -2,7 +2,7 @@
 
 use serde_json::{Map, Value};
 
-use crate::compare::Comparison;
+use crate::compare::comparison::Comparison;
 use crate::error::{Result, StudyError};
 
 /// The comparison with `equal`, and no list longer than `top`; how long each was stands in `counts`.

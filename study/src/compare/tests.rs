@@ -1,5 +1,6 @@
 use super::*;
 use crate::analysis::tables::{axis, figure, table, words};
+use crate::table::Results;
 use crate::table::{Cells, Role};
 
 /// Points of one machine over an axis, with a result.

@@ -2,7 +2,8 @@
 
 use std::fmt::Write as _;
 
-use crate::compare::{Change, Comparison, ConfigChange, StateChange};
+use crate::compare::change::{Change, ConfigChange, StateChange};
+use crate::compare::comparison::Comparison;
 use crate::table::Role;
 
 /// The whole text; no list is longer than `top`.

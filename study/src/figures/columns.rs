@@ -4,7 +4,8 @@ use std::sync::LazyLock;
 
 use serde_json::Value;
 
-use crate::figures::{Better, Figure, Form, RunCost, figures};
+use crate::figures::kinds::{Better, Form};
+use crate::figures::table::{Figure, RunCost, figures};
 
 /// A column that all results have, whatever their machine counts.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -5,7 +5,7 @@ use std::sync::LazyLock;
 
 use serde::Serialize;
 
-use crate::figures::{Better, Form, OverFrames};
+use crate::figures::kinds::{Better, Form, OverFrames};
 use rayreel_replay::counts::RayCounts;
 
 /// What a figure is.

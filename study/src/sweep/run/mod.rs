@@ -6,81 +6,24 @@
 //! finished.
 
 mod saver;
+mod shape;
 mod traces;
 
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::time::{Duration, Instant};
-
-use rayreel_formats::trace::Trace;
+use std::time::Instant;
 
 use crate::error::Result;
 use crate::point::compute::{chain, compute_row};
 use crate::point::row::{Column, Row};
-use crate::point::segment::Writer;
 use crate::pool::{Event, Pool};
 use crate::sweep::folder::Folder;
 use crate::sweep::plan::BUCKET;
-use crate::sweep::reused::ReusedRows;
 use crate::sweep::segment;
-use crate::sweep::shard::Shard;
-use rayreel_replay::Stop;
 use saver::Saver;
+
+pub use shape::{Outcome, RunProgress, Settings};
 use traces::SharedTraces;
-
-/// How a shard is run.
-pub struct Settings<'a> {
-    /// Which points.
-    pub shard: Shard,
-    /// Points at a time.
-    pub threads: usize,
-    /// Bytes of decoded tiles that are kept.
-    pub memory: usize,
-    /// Least time between two segments: zero writes whatever is finished at once; on a shared file system seconds save files.
-    pub flush: Duration,
-    /// Who runs it.
-    pub writer: Writer,
-    /// Ends it early.
-    pub stop: Stop,
-    /// Opens a trace at the location of the plan.
-    pub open: &'a (dyn Fn(&str) -> Result<Trace, String> + Sync),
-    /// Rows from elsewhere: points that need not be computed.
-    pub reused: &'a ReusedRows,
-}
-
-/// How far a shard is.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct RunProgress {
-    /// Points whose rows were there before, at the beginning.
-    pub skipped: usize,
-    /// Points to do, at the beginning.
-    pub todo: usize,
-    /// Points done, with those being computed in part.
-    pub done: f64,
-    /// Points whose rows are on disk.
-    pub saved: usize,
-    /// Points whose rows say that they cannot be computed.
-    pub failed: usize,
-}
-
-/// What came of a shard.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Outcome {
-    /// Points of the shard.
-    pub points: usize,
-    /// Points whose rows were there before.
-    pub skipped: usize,
-    /// Rows taken from elsewhere.
-    pub reused: usize,
-    /// Points computed.
-    pub computed: usize,
-    /// Those of them that cannot be computed.
-    pub failed: usize,
-    /// Points that this attempt could not do and another may: what they are, and why.
-    pub troubles: Vec<(String, String)>,
-    /// Whether a signal ended it.
-    pub interrupted: bool,
-}
 
 /// A row with what its columns are; or why this attempt could not compute it.
 type Attempted = Result<(Row, Vec<Column>), String>;

@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::{Outcome, Settings};
+use super::shape::{Outcome, Settings};
 use crate::error::Result;
 use crate::point::columns::write_columns;
 use crate::point::row::{Column, Row};

@@ -3,7 +3,7 @@
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
-use super::Settings;
+use super::shape::Settings;
 use crate::error::Result;
 use crate::point::tile_cache::TileCache;
 use crate::sweep::folder::Folder;
