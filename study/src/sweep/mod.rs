@@ -5,7 +5,7 @@
 //! ```
 //!
 //! A [`plan::Plan`] is everything that a worker needs beside the traces: machines and policies as text, and the points. A
-//! point's [`key`](point) is a hash of all that its result depends on; its [`row::Row`] is a pure function of the key, so it does
+//! point's [`key`](crate::point::key) is a hash of all that its result depends on; its [`crate::Row`] is a pure function of the key, so it does
 //! not matter who computes it, when, or how often. Rows lie in immutable [`segment`]s of a [`folder::Folder`], and [`merge`] puts
 //! them together in the order of the plan. No part of this knows a scheduler: a cluster only calls [`run`] with a shard.
 
