@@ -16,8 +16,8 @@ use std::time::{Duration, Instant};
 use rayreel_formats::Limits;
 use rayreel_formats::trace::{Codec, Trace};
 use rayreel_machine::system::NoProbe;
+use rayreel_replay::sequence::{FrameLoop, FrameResult, Simulator};
 use rayreel_replay::{Options, PathSource, Stop};
-use rayreel_study::point::frames::{FrameLoop, FrameResult, Simulator};
 use rayreel_study::point::segment::Writer;
 use rayreel_study::report::{Origin, Report};
 use rayreel_study::sweep::folder::Folder;
@@ -95,7 +95,7 @@ fn bare(plan: &Plan) {
         let sink = |frame: FrameResult| {
             counted.push(frame.replay.stats);
             runs.extend(frame.run);
-            Ok(())
+            Ok::<_, rayreel_replay::ReplayError>(())
         };
         frames.run(resolved.frame_numbers(), simulator, &mut NoProbe, sink).unwrap();
         let origin = Origin { trace: String::new(), trace_digest: None };

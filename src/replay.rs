@@ -12,9 +12,9 @@ use rayreel_machine::config::schema::is_machine_override;
 use rayreel_machine::probes::Watch;
 use rayreel_machine::timeline::Timeline;
 use rayreel_replay::error::RequestError;
+use rayreel_replay::sequence::{FrameLoop, FrameResult, Simulator};
 use rayreel_replay::{NamedPolicy, Options, PathSource, ReplayError, Stop};
 use rayreel_study::files::write_whole;
-use rayreel_study::point::frames::{FrameLoop, FrameResult, Simulator};
 use rayreel_study::point::pictures::FramePictures;
 use rayreel_study::report::{Origin, Report};
 

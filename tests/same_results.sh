@@ -35,7 +35,7 @@ run() {
     keep scenes "$rayreel" scenes list --json
     keep presets "$rayreel" presets list --json
     keep capture "$rayreel" capture cornell --size 64x32 --samples 2x2 -o cornell.rtrace --quiet
-    sed -i 's/, [0-9.]* Mrays\/s//' capture.out # by the clock
+    sed -i 's/, [0-9.]* [kM]rays\/s//' capture.out # by the clock
     keep render "$rayreel" render cornell --size 64x32 -o cornell.exr --quiet
     for trace in "$traces"/*.rtrace cornell.rtrace; do
         local stem

@@ -32,13 +32,15 @@ pub mod frame;
 pub mod image;
 pub mod maps;
 pub mod policy;
+pub mod sequence;
 pub mod simulate;
 pub mod source;
 pub mod stop;
 mod work;
 
 pub use error::{ReplayError, Result};
-pub use frame::{FrameReplay, Options, Replay, Replayer, replay, replay_each};
+pub use frame::{FrameReplay, Options, Replayer};
 pub use policy::{NamedPolicy, Policy, SamplePolicy, Sampler};
+pub use sequence::{FrameLoop, Replay, replay};
 pub use source::{PathSource, TileSource};
 pub use stop::Stop;

@@ -14,7 +14,6 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-use crate::counts::FrameStats;
 use crate::error::{RequestError, Result};
 use crate::frame::{FrameReplay, Replayer};
 use crate::source::PathSource;
@@ -57,33 +56,6 @@ impl MachineRun {
         self.energy.add(&other.energy);
         self.paths += other.paths;
     }
-}
-
-/// Replays `frames` one by one on a machine, each with cold caches; gives each picture to `sink` and keeps what was counted.
-/// `probe` may watch.
-///
-/// # Errors
-/// As [`simulate`], and what `sink` returns; [`RequestError::Nothing`] if there is no frame.
-pub fn simulate_each<S: PathSource + ?Sized, P: Probe>(
-    replayer: &mut Replayer<'_, S>,
-    frames: impl IntoIterator<Item = u32>,
-    machine: (&str, &MachineConfig),
-    probe: &mut P,
-    mut sink: impl FnMut(FrameReplay) -> Result<()>,
-) -> Result<(Vec<FrameStats>, Vec<MachineRun>)> {
-    let tree = replayer.source().topology();
-    let (mut counted, mut runs) = (Vec::new(), Vec::new());
-    for frame in frames {
-        probe.begin(frame);
-        let MachineFrame { replay, stats, energy, paths } = simulate(replayer, frame, &tree, machine, probe)?;
-        counted.push(replay.stats.clone());
-        runs.push(MachineRun { stats, energy, paths });
-        sink(replay)?;
-    }
-    if runs.is_empty() {
-        return Err(RequestError::Nothing { what: "no frame was chosen" }.into());
-    }
-    Ok((counted, runs))
 }
 
 /// Replays frame `frame` and runs its rays through a machine that starts with cold caches. `probe` may watch.

@@ -8,8 +8,9 @@ use rayreel_formats::trace::Trace;
 use rayreel_machine::config::NamedMachine;
 use rayreel_machine::system::NoProbe;
 use rayreel_machine::timeline::Timeline;
-use rayreel_replay::simulate::{MachineRun, simulate_each};
-use rayreel_replay::{NamedPolicy, Options, Replayer};
+use rayreel_replay::sequence::{FrameLoop, FrameResult, Simulator};
+use rayreel_replay::simulate::MachineRun;
+use rayreel_replay::{NamedPolicy, Options, PathSource, ReplayError, Stop};
 use rayreel_study::figures::{COMPONENT_PARTS, Form, OverFrames, column, columns, figures};
 use rayreel_study::point::row::{Row, role_of};
 use rayreel_study::report::{Origin, Report};
@@ -27,13 +28,24 @@ fn run(machine: &str, overrides: &[&str], times: usize) -> (Value, String, Vec<M
     let overrides: Vec<_> = overrides.iter().map(ToString::to_string).collect();
     let machine = NamedMachine::load(machine, &overrides).unwrap();
     let policy = NamedPolicy::load(if machine.name.starts_with("raycore") { "full" } else { "adaptive" }, &[]).unwrap();
-    let mut replayer = Replayer::new(&trace, &policy.policy, Options::default()).unwrap();
-    let mut timeline = Timeline::new(&machine.config);
-    let named = (machine.name.as_str(), &machine.config);
+    let tree = trace.topology();
+    let simulator = Some(Simulator { machine: &machine, tree: &tree });
     let frames = std::iter::repeat_n(trace.meta().first_frame, times);
-    let (stats, runs) = simulate_each(&mut replayer, frames.clone(), named, &mut timeline, |_| Ok(())).unwrap();
-    let unwatched = simulate_each(&mut replayer, frames, named, &mut NoProbe, |_| Ok(())).unwrap();
-    assert_eq!(runs, unwatched.1, "looking changes nothing");
+    let mut replays = FrameLoop::new(&trace, &policy.policy, Options::default(), &Stop::never()).unwrap();
+    let (mut stats, mut runs, mut unwatched) = (Vec::new(), Vec::new(), Vec::new());
+    let mut timeline = Timeline::new(&machine.config);
+    let watch = |frame: FrameResult| {
+        stats.push(frame.replay.stats);
+        runs.extend(frame.run);
+        Ok::<_, ReplayError>(())
+    };
+    replays.run(frames.clone(), simulator, &mut timeline, watch).unwrap();
+    let count = |frame: FrameResult| {
+        unwatched.extend(frame.run);
+        Ok::<_, ReplayError>(())
+    };
+    replays.run(frames, simulator, &mut NoProbe, count).unwrap();
+    assert_eq!(runs, unwatched, "looking changes nothing");
     let origin = Origin { trace: "cornell".into(), trace_digest: None };
     let report = Report::new(&origin, &policy, trace.meta(), &stats).with_machine(&machine, &runs);
     let json = serde_json::from_str(&report.to_json().unwrap()).unwrap();

@@ -7,7 +7,7 @@ use rayreel_replay::error::RequestError;
 use rayreel_replay::image::{files, srgb};
 use rayreel_replay::maps;
 use rayreel_replay::policy::{Apron, Refine};
-use rayreel_replay::{NamedPolicy, Options, Policy, ReplayError, TileSource, replay, replay_each};
+use rayreel_replay::{NamedPolicy, Options, Policy, ReplayError, TileSource, replay};
 use rayreel_study::figures::{figures, is_key};
 use rayreel_study::report::{Origin, Report};
 use rayreel_testkit::policy;
@@ -20,7 +20,7 @@ fn source() -> Synthetic {
 
 fn report(frames: impl IntoIterator<Item = u32>, options: Options, policy: &NamedPolicy) -> Report {
     let source = source();
-    let stats = replay_each(&source, &policy.policy, frames, options, |_| Ok(())).unwrap();
+    let stats = replay(&source, &policy.policy, frames, options).unwrap().stats();
     let origin = Origin { trace: "synthetic".into(), trace_digest: Some("abc".into()) };
     Report::new(&origin, policy, &source.meta, &stats)
 }

@@ -25,7 +25,7 @@ const ORDERS: [(&str, &str); 11] = [
         "machine/src/lib.rs",
         "time component counters error config work link memory ti srp stats energy system run probes timeline",
     ),
-    ("replay/src/lib.rs", "error stop image counts source policy work frame maps simulate"),
+    ("replay/src/lib.rs", "error stop image counts source policy work frame maps simulate sequence"),
     ("store/src/lib.rs", "traffic cache location options remote open"),
     ("scenes/src/lib.rs", "names warnings error scene validate camera mesh defaults modelling obj builtin file load"),
     ("tracer/src/lib.rs", "convert grid shading texture traverse verify accel materials trace capture render"),
@@ -33,7 +33,10 @@ const ORDERS: [(&str, &str); 11] = [
         "study/src/lib.rs",
         "error files pool policy_text schema figures report table point sweep cluster analysis compare html",
     ),
-    ("paper/src/lib.rs", "@PAPER@"),
+    (
+        "paper/src/lib.rs",
+        "error frame identity live lockstep policies reference results rows setup plan ablations animation ledger meter points study table traces execute experiment",
+    ),
     ("testkit/src/lib.rs", "random policies switches trees synthetic rules recorded reference poison"),
     (
         "src/main.rs",

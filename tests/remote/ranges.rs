@@ -9,7 +9,7 @@ use rayreel_formats::Limits;
 use rayreel_formats::container::ChunkId;
 use rayreel_formats::tile::Column;
 use rayreel_formats::trace::Trace;
-use rayreel_replay::{NamedPolicy, Options as ReplayOptions, replay_each};
+use rayreel_replay::{NamedPolicy, Options as ReplayOptions, replay};
 use rayreel_store::Options;
 
 use crate::moto::Moto;
@@ -62,8 +62,8 @@ fn read_a_twentieth(url: &str, file: &Path) {
     let before = traffic.requests();
     let policy = NamedPolicy::load("adaptive", &[]).unwrap();
     let frames: Range<u32> = 11..12;
-    let there = replay_each(&trace, &policy.policy, frames.clone(), ReplayOptions::default(), |_| Ok(())).unwrap();
-    let here = replay_each(&local, &policy.policy, frames, ReplayOptions::default(), |_| Ok(())).unwrap();
+    let there = replay(&trace, &policy.policy, frames.clone(), ReplayOptions::default()).unwrap().stats();
+    let here = replay(&local, &policy.policy, frames, ReplayOptions::default()).unwrap().stats();
     assert_eq!(format!("{here:?}"), format!("{there:?}"));
     let tiles = trace.meta().tile_count();
     let read = traffic.fetched_bytes() - opened;

@@ -6,9 +6,7 @@
 mod band;
 mod canvas;
 mod replayer;
-mod sequence;
 pub mod states;
 
 pub use canvas::FrameReplay;
 pub use replayer::{Options, Replayer};
-pub use sequence::{Replay, replay, replay_each};

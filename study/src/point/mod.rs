@@ -8,7 +8,6 @@ pub mod columns;
 pub mod compute;
 pub mod details;
 pub mod figures;
-pub mod frames;
 pub mod key;
 pub mod pictures;
 pub mod row;

@@ -2,7 +2,6 @@
 
 use crate::error::Result;
 use crate::point::details::{Details, FrameDetails, FrameFigures, TileFigures, no_origin};
-use crate::point::frames::{FrameLoop, FrameResult, Simulator};
 use crate::point::key::Point;
 use crate::point::pictures::FramePictures;
 use crate::point::row::{Column, Row};
@@ -11,6 +10,7 @@ use crate::report::Report;
 use rayreel_machine::system::Probe;
 use rayreel_machine::work::topology::Topology;
 use rayreel_replay::counts::FrameStats;
+use rayreel_replay::sequence::{FrameLoop, FrameResult, Simulator};
 use rayreel_replay::simulate::MachineRun;
 use rayreel_replay::source::PathSource;
 use rayreel_replay::{Options, Stop};
