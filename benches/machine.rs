@@ -7,11 +7,12 @@
 //! cargo bench -p rayreel --bench machine -- FILE.rtrace             a trace; no plain tracing beside it
 //! ```
 //!
-//! All runs use one thread of the thread pool. The replay decodes tiles and checks paths in one thread and simulates in another, so
-//! two figures are given: rays a second of wall clock, and of CPU time of all threads (Linux; whole hundredths of a second).
-//! "a core" is the second one. "plain" is tracing and shading of all samples without recording, "policy" the replay without a
-//! machine. Energy costs nothing while the machine runs: it is made of the counters afterwards, and that is timed. Speeds are the best of several rounds that take turns, so that ratios hold on a noisy machine. The ratio of an
-//! adaptive policy is by its own, fewer rays.
+//! All runs use one thread of the thread pool. The replay decodes tiles and checks paths in one thread and simulates
+//! in another, so two figures are given: rays a second of wall clock, and of CPU time of all threads (Linux; whole
+//! hundredths of a second). "a core" is the second one. "plain" is tracing and shading of all samples without
+//! recording, "policy" the replay without a machine. Energy costs nothing while the machine runs: it is made of the
+//! counters afterwards, and that is timed. Speeds are the best of several rounds that take turns, so that ratios hold
+//! on a noisy machine. The ratio of an adaptive policy counts the rays of that policy, which are fewer.
 
 use std::path::Path;
 use std::time::Instant;
@@ -25,8 +26,8 @@ use rayreel_machine::system::NoProbe;
 use rayreel_machine::work::topology::Topology;
 use rayreel_replay::simulate::simulate;
 use rayreel_replay::{NamedPolicy, Options, Replayer, Result};
-use rayreel_tracer::capture::{Grid, Output, capture, meta};
-use rayreel_tracer::{Settings, Tracer, build, convert};
+use rayreel_tracer::capture::capture;
+use rayreel_tracer::{CaptureOutput, SampleGrid, TraceSettings, Tracer, build, convert};
 
 const ROUNDS: usize = 3;
 const POLICIES: [&str; 2] = ["full", "adaptive"];
@@ -145,7 +146,8 @@ impl Case<'_> {
     }
 }
 
-/// Energy is made of counters once, after the run. The counters are those of the statistics: without energy they would be kept too.
+/// Energy is made of counters once, after the run. The counters are those of the statistics: without energy they
+/// would be kept too.
 fn energy_seconds(config: &MachineConfig, stats: &Stats) -> f64 {
     const TIMES: u32 = 1000;
     let start = Instant::now();
@@ -195,13 +197,13 @@ fn scene(name: &str, arguments: &Arguments) {
     let scene = rayreel_scenes::load(name).expect("a built-in scene");
     let built = build(&scene).expect("bvh");
     let (width, height) = arguments.size;
-    let grid = Grid { width, height, samples: 2, tile: 32, first_frame: 0, frames: 1 };
-    let meta = meta(&scene, grid, Settings::default(), "bench");
+    let grid = SampleGrid { width, height, samples: 2, tile: 32, first_frame: 0, frames: 1 };
+    let meta = grid.meta(&scene, TraceSettings::default(), "bench");
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("bench.rtrace");
-    let output = Output { path: path.clone(), codec: Codec::Context, level: 9, resume: false };
+    let output = CaptureOutput { path: path.clone(), codec: Codec::Context, level: 9, resume: false };
     capture(&scene, &built, &meta, &output, |_| true).expect("a capture");
-    let tracer = Tracer::new(&scene, &built, Settings::default());
+    let tracer = Tracer::new(&scene, &built, TraceSettings::default());
     let (columns, rows) = meta.grid();
     let camera = convert::camera(&scene.cameras[0], columns, rows);
     let plain = || {

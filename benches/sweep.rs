@@ -5,10 +5,10 @@
 //! cargo bench -p rayreel --bench sweep -- FILE.rtrace  of a trace
 //! ```
 //!
-//! "bare" replays each point by itself, as `rayreel replay` does: it decodes the trace each time and writes nothing. "sweep" is
-//! `rayreel sweep run` with one and with two points at a time, into a new folder: keys, queue, segments with fsync, sealing. CPU
-//! times are of all threads (Linux; whole hundredths of a second); rounds take turns and the best of each is taken, so that ratios
-//! hold on a noisy machine.
+//! "bare" replays each point by itself, as `rayreel replay` does: it decodes the trace each time and writes nothing.
+//! "sweep" is `rayreel sweep run` with one and with two points at a time, into a new folder: keys, queue, segments
+//! with fsync, sealing. CPU times are of all threads (Linux; whole hundredths of a second); rounds take turns and the
+//! best of each is taken, so that ratios hold on a noisy machine.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -29,8 +29,8 @@ use rayreel_study::sweep::run::{Settings, run};
 use rayreel_study::sweep::segment::Writer;
 use rayreel_study::sweep::shard::Shard;
 use rayreel_study::table::{csv, parquet};
-use rayreel_tracer::capture::{Grid, Output, capture, meta};
-use rayreel_tracer::{Settings as TraceSettings, build};
+use rayreel_tracer::capture::capture;
+use rayreel_tracer::{CaptureOutput, SampleGrid, TraceSettings, build};
 
 const ROUNDS: usize = 3;
 
@@ -50,8 +50,8 @@ values = [2, 4, 8]
 /// CPU time of all threads of this process so far, seconds. Linux counts in hundredths.
 fn cpu_seconds() -> f64 {
     let stat = std::fs::read_to_string("/proc/self/stat").unwrap_or_default();
-    let fields: Vec<_> = stat.rsplit_once(')').map_or("", |own| own.1).split_whitespace().collect();
-    let ticks = |at: usize| fields.get(at).and_then(|own| own.parse::<f64>().ok()).unwrap_or(0.0);
+    let fields: Vec<_> = stat.rsplit_once(')').map_or("", |fields| fields.1).split_whitespace().collect();
+    let ticks = |at: usize| fields.get(at).and_then(|ticks| ticks.parse::<f64>().ok()).unwrap_or(0.0);
     (ticks(11) + ticks(12)) / 100.0
 }
 
@@ -77,24 +77,24 @@ fn open(location: &str) -> Result<Trace, String> {
 fn capture_chess(file: &Path) {
     let scene = rayreel_scenes::load("chess").unwrap();
     let built = build(&scene).unwrap();
-    let grid = Grid { width: 128, height: 64, samples: 2, tile: 32, first_frame: 0, frames: 1 };
-    let own = meta(&scene, grid, TraceSettings::default(), "bench");
-    let output = Output { path: file.to_path_buf(), codec: Codec::Context, level: 3, resume: false };
-    capture(&scene, &built, &own, &output, |_| true).unwrap();
+    let grid = SampleGrid { width: 128, height: 64, samples: 2, tile: 32, first_frame: 0, frames: 1 };
+    let meta = grid.meta(&scene, TraceSettings::default(), "bench");
+    let output = CaptureOutput { path: file.to_path_buf(), codec: Codec::Context, level: 3, resume: false };
+    capture(&scene, &built, &meta, &output, |_| true).unwrap();
 }
 
 /// Each point by itself.
 fn bare(plan: &Plan) {
     for point in &plan.points {
-        let own = plan.resolve(point).unwrap();
+        let resolved = plan.resolve(point).unwrap();
         let trace = open(&plan.traces[point.trace].location).unwrap();
-        let machine = own.machine.unwrap();
-        let mut replayer = Replayer::new(&trace, &own.policy.policy, Options::default()).unwrap();
+        let machine = resolved.machine.unwrap();
+        let mut replayer = Replayer::new(&trace, &resolved.policy.policy, Options::default()).unwrap();
         let named = (machine.name.as_str(), &machine.config);
         let frames = point.frames.0..point.frames.0 + point.frames.1;
         let (stats, runs) = simulate_each(&mut replayer, frames, named, &mut NoProbe, |_| Ok(())).unwrap();
         let origin = Origin { trace: String::new(), trace_digest: None };
-        let report = Report::new(&origin, &own.policy, trace.meta(), &stats).with_machine(&machine, &runs);
+        let report = Report::new(&origin, &resolved.policy, trace.meta(), &stats).with_machine(&machine, &runs);
         assert!(report.run.cycles > Some(0));
     }
 }

@@ -7,7 +7,7 @@ use anyhow::{Result, bail};
 use clap::ValueEnum;
 use rayreel_formats::container::Writer;
 use rayreel_formats::trace::Codec;
-use rayreel_tracer::capture::{self, Captured, Outcome, Output};
+use rayreel_tracer::{CaptureOutcome, CaptureOutput, Captured, capture};
 use serde_json::json;
 
 use crate::common::{GridArgs, build, frames, load_scene, meta, print, print_json, si};
@@ -72,7 +72,7 @@ pub fn run(args: &Args, quiet: bool) -> Result<Exit> {
         CodecName::Context => Codec::Context,
         CodecName::Plain => Codec::Plain(args.level),
     };
-    let output = Output { path: args.output.clone(), codec, level: args.level, resume: args.resume };
+    let output = CaptureOutput { path: args.output.clone(), codec, level: args.level, resume: args.resume };
     let (first, count) = args.frames;
     let meta = meta(&scene, &args.grid, args.tile, first, count);
     let built = build(&scene)?;
@@ -89,11 +89,11 @@ pub fn run(args: &Args, quiet: bool) -> Result<Exit> {
     })?;
     bar.finish();
     match outcome {
-        Outcome::Finished(captured) => {
+        CaptureOutcome::Finished(captured) => {
             report(args, &scene, &meta, &captured, start.elapsed().as_secs_f64())?;
             Ok(Exit::Done)
         }
-        Outcome::Interrupted(now) => {
+        CaptureOutcome::Interrupted(now) => {
             eprintln!(
                 "interrupted: {} of {} tiles are in {}.partial; go on with the same command and --resume",
                 now.tiles,

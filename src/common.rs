@@ -10,9 +10,7 @@ use rayreel_formats::trace::Trace;
 use rayreel_replay::image::Image;
 use rayreel_replay::image::resolve::Resolver;
 use rayreel_scenes::Scene;
-use rayreel_tracer::Settings;
-use rayreel_tracer::accel::{self, Built};
-use rayreel_tracer::capture::{self, Grid};
+use rayreel_tracer::{Built, SampleGrid, TraceSettings};
 
 /// The program's name and version, as traces record it.
 pub const TOOL: &str = concat!("rayreel ", env!("CARGO_PKG_VERSION"));
@@ -27,7 +25,7 @@ pub struct GridArgs {
     #[arg(long, default_value = "2x2", value_name = "NxN", value_parser = samples)]
     pub samples: u32,
     /// Secondary bounces allowed; 0 is primary and shadow rays only.
-    #[arg(long, default_value_t = Settings::default().max_depth, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=14))]
+    #[arg(long, default_value_t = TraceSettings::default().max_depth, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=14))]
     pub depth: u32,
 }
 
@@ -77,13 +75,13 @@ pub fn load_scene(spec: &str) -> Result<Scene> {
 
 /// Builds a scene's BVH.
 pub fn build(scene: &Scene) -> Result<Built> {
-    accel::build(scene).map_err(|e| anyhow::anyhow!("cannot build the BVH of scene {}: {e}", scene.name))
+    Ok(rayreel_tracer::build(scene)?)
 }
 
 /// Renders one frame straight from the tracer.
 pub fn render(scene: &Scene, built: &Built, meta: &Meta, frame: u32) -> Result<Image> {
     let mut resolver = Resolver::new(meta.width, meta.height, meta.samples);
-    capture::render(scene, built, meta, frame, |rect, colours| {
+    rayreel_tracer::render(scene, built, meta, frame, |rect, colours| {
         for (i, colour) in (0u32..).zip(colours) {
             resolver.add(rect.x + i % rect.width, rect.y + i / rect.width, colour);
         }
@@ -94,9 +92,9 @@ pub fn render(scene: &Scene, built: &Built, meta: &Meta, frame: u32) -> Result<I
 /// The metadata of a render or capture.
 pub fn meta(scene: &Scene, grid: &GridArgs, tile: u32, first_frame: u32, frames: u32) -> Meta {
     let (width, height) = grid.size;
-    let grid_of = Grid { width, height, samples: grid.samples, tile, first_frame, frames };
-    let settings = Settings { max_depth: grid.depth, ..Settings::default() };
-    capture::meta(scene, grid_of, settings, TOOL)
+    let samples = SampleGrid { width, height, samples: grid.samples, tile, first_frame, frames };
+    let settings = TraceSettings { max_depth: grid.depth, ..TraceSettings::default() };
+    samples.meta(scene, settings, TOOL)
 }
 
 /// Opens a trace with the default limits.

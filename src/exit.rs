@@ -41,9 +41,8 @@ pub fn of(error: &anyhow::Error) -> Exit {
     }
     let bad_data = |cause: &(dyn std::error::Error + 'static)| {
         // A scene that is not there is a wrong name; a scene that cannot be used is bad data.
-        let scene = cause.downcast_ref().is_some_and(|e| {
-            !matches!(e, SceneError::UnknownScene { .. } | SceneError::IsFolder { .. } | SceneError::Io { .. })
-        });
+        let scene =
+            cause.downcast_ref().is_some_and(|e| !matches!(e, SceneError::Usage { .. } | SceneError::Io { .. }));
         let report = cause.downcast_ref().is_some_and(ReportError::is_bad_data);
         let study = cause.downcast_ref().is_some_and(|e| {
             matches!(

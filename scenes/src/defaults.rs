@@ -1,30 +1,30 @@
-//! What a scene gets when its file says nothing: camera, lights and sky.
+//! What a scene gets when its file says nothing: camera, lights, sky and material.
 
 use glam::{DVec3, Vec3};
 
 use crate::{
-    normals,
-    scene::{Camera, Light, Scene, Sky},
+    mesh::normals,
+    scene::{Camera, Light, Material, Optics, Scene, Sky},
 };
 
 /// Vertical field of view where none is given, degrees.
-pub const DEFAULT_VFOV_DEG: f32 = 35.0;
+pub(crate) const DEFAULT_VFOV_DEG: f32 = 35.0;
 /// Ambient fraction where none is given.
-pub const DEFAULT_AMBIENT: f32 = 0.35;
+pub(crate) const DEFAULT_AMBIENT: f32 = 0.35;
 
-/// Centre and radius of the sphere around a box; the radius of a single point is one, so that there
-/// is something to stand back from.
+/// Centre and radius of the sphere around a box. A box without extent gets the radius one, so that a camera stands back
+/// from it.
 fn sphere((low, high): (Vec3, Vec3)) -> (DVec3, f64) {
     let (low, high) = (low.as_dvec3(), high.as_dvec3());
     let radius = (high - low).length() / 2.0;
     ((low + high) / 2.0, if radius > 0.0 { radius } else { 1.0 })
 }
 
-/// The box that is worth looking at: a model on a wide floor of few triangles is its vertices, not
-/// its floor. One vertex in a hundred may stay outside at either end of each axis.
+/// The box that a camera should frame. One vertex in a hundred may lie outside at either end of each axis, so that a
+/// wide floor of few triangles does not make the model on it small.
 pub(crate) fn main_bounds(positions: &[Vec3]) -> (Vec3, Vec3) {
     let (mut low, mut high) = (Vec3::ZERO, Vec3::ZERO);
-    // Few vertices are all worth looking at.
+    // In a small model every vertex counts.
     let outside = if positions.len() < 200 { 0 } else { positions.len() / 100 };
     for axis in 0..3 {
         let mut values: Vec<f32> = positions.iter().map(|p| p[axis]).collect();
@@ -142,5 +142,21 @@ pub(crate) fn sky_around(colour: Vec3) -> Sky {
         horizon: colour * 0.6 + Vec3::splat(colour.max_element() * 0.4),
         ground: colour * 0.4,
         ambient: DEFAULT_AMBIENT,
+    }
+}
+
+/// The material of faces without one, and of faces whose material is unknown.
+pub(crate) fn default_material(name: &str) -> Material {
+    Material {
+        name: name.to_owned(),
+        diffuse: Vec3::splat(0.6),
+        specular: Vec3::ZERO,
+        shininess: 1,
+        emission: Vec3::ZERO,
+        optics: Optics::Opaque,
+        ior: 1.0,
+        transmission: Vec3::ONE,
+        diffuse_map: None,
+        alpha_map: None,
     }
 }

@@ -1,38 +1,41 @@
-//! Scenes for Rayreel: what is in front of the camera, before any ray is traced.
+//! Scenes for Rayreel: what stands before the camera, before any ray is traced.
 //!
-//! A [`Scene`] is a triangle mesh with object ids and materials, textures, lights, a sky and a
-//! camera path. It comes from a built-in generator, an OBJ/MTL file or a scene file (TOML);
-//! [`load`] takes any of them. This crate knows nothing of rays, traces or hardware.
+//! A [`Scene`] is a triangle mesh with objects and materials, textures, lights, a sky, and a camera for each frame.
+//! [`load`] makes one from whatever a user may name: a built-in scene ([`builtin_names`]), an OBJ model
+//! ([`obj::load_obj`]) or a scene file in TOML. [`camera`] reads camera paths in CSV. [`modelling`] holds the
+//! tools that make the built-in scenes; tests make theirs with them.
 //!
-//! Invariants: a scene that a loader returns has passed [`Scene::validate`]; the same input gives
-//! the same bytes on every machine (no hash order, and every transcendental function from `libm` in
-//! `f64`); no input makes a loader panic.
+//! Not here: rays, traces, hardware. This crate depends on no other crate of the project.
+//!
+//! ```
+//! let scene = rayreel_scenes::load("cornell")?;
+//! assert_eq!(scene.mesh.triangles.len(), 564);
+//! assert_eq!(scene.cameras[0].vfov_deg, 33.2);
+//! assert!(scene.objects.iter().any(|object| object == "glass sphere"));
+//! # Ok::<(), rayreel_scenes::SceneError>(())
+//! ```
+//!
+//! Invariants:
+//! - A scene that a loader returns has passed [`Scene::validate`].
+//! - The same input gives the same scene on every machine: no hash order, and every transcendental function is
+//!   `libm`'s, in `f64`. [`Scene::content_hash`] tells scenes apart.
+//! - No input makes a loader panic. [`SceneError`] says who must act, where, and what would put it right.
 
-pub mod builtin;
+mod builtin;
 pub mod camera;
-pub mod defaults;
+mod defaults;
 pub mod error;
-pub mod file;
-mod file_camera;
-mod hash;
+mod file;
 mod load;
-mod mesh_join;
+mod mesh;
 pub mod modelling;
-mod mtl;
-mod mtl_line;
-mod normals;
-mod obj;
-mod obj_text;
-mod polygon;
+mod names;
+pub mod obj;
 pub mod scene;
-mod texture;
 mod validate;
-mod warnings;
+pub mod warnings;
 
 pub use builtin::{builtin, builtin_names};
 pub use error::SceneError;
-pub use file::load_scene_file;
 pub use load::load;
-pub use obj::{ObjModel, load_obj};
-pub use scene::*;
-pub use validate::{MAX_LIGHTS, MAX_TEXTURE_SIDE};
+pub use scene::{Camera, Light, Material, Mesh, Optics, Scene, Sky, Texture, Triangle};

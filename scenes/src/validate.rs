@@ -1,47 +1,25 @@
-//! The promises that every [`Scene`] keeps, checked once by each loader so that no later stage has to.
+//! The promises that every [`Scene`] keeps. Each loader checks them once, so that no later stage has to.
 
 use glam::{Vec2, Vec3};
 
 use crate::{
-    error::SceneError,
-    scene::{Camera, Light, Material, Scene},
+    error::{Location, SceneError},
+    scene::{Camera, Light, MAX_LIGHTS, MAX_TEXTURE_SIDE, Material, Scene, Texture},
 };
-
-/// Lights that a trace can hold: two bits each in a 32-bit word.
-pub const MAX_LIGHTS: usize = 16;
-/// Longest side of a texture, in texels.
-pub const MAX_TEXTURE_SIDE: u32 = 16_384;
 
 impl Scene {
     /// Checks that indices are in range, arrays are equally long, numbers are finite and cameras
     /// can look.
     ///
-    /// # Errors The first promise that is broken.
+    /// # Errors
+    /// The first promise that is broken.
     pub fn validate(&self) -> Result<(), SceneError> {
         self.validate_mesh()?;
         for (index, material) in self.materials.iter().enumerate() {
             self.validate_material(index, material)?;
         }
-        for texture in &self.textures {
-            let (w, h) = (texture.width, texture.height);
-            let fits = (1..=MAX_TEXTURE_SIDE).contains(&w) && (1..=MAX_TEXTURE_SIDE).contains(&h);
-            if !fits || texture.texels.len() as u64 != u64::from(w) * u64::from(h) {
-                return self.broken(format!(
-                    "texture `{}` is {w} x {h} with {} texels",
-                    texture.name,
-                    texture.texels.len()
-                ));
-            }
-        }
-        if self.lights.len() > MAX_LIGHTS {
-            return Err(SceneError::TooManyLights {
-                place: format!("scene `{}`", self.name),
-                count: self.lights.len(),
-            });
-        }
-        for (index, light) in self.lights.iter().enumerate() {
-            self.validate_light(index, light)?;
-        }
+        self.textures.iter().try_for_each(|texture| self.validate_texture(texture))?;
+        self.validate_lights()?;
         let sky = [self.sky.zenith, self.sky.horizon, self.sky.ground, Vec3::splat(self.sky.ambient)];
         if sky.iter().any(|colour| !is_colour(*colour)) {
             return self.broken("a sky colour is negative or not finite".into());
@@ -50,7 +28,7 @@ impl Scene {
             return self.broken("it has no camera".into());
         }
         for (frame, camera) in self.cameras.iter().enumerate() {
-            check_camera(camera, || format!("scene `{}`, camera {frame}", self.name))?;
+            check_camera(camera, || Location::Scene { name: self.name.clone(), camera: Some(frame) })?;
         }
         Ok(())
     }
@@ -104,22 +82,37 @@ impl Scene {
         Ok(())
     }
 
+    fn validate_texture(&self, texture: &Texture) -> Result<(), SceneError> {
+        let (w, h, texels) = (texture.width, texture.height, texture.texels.len());
+        let fits = (1..=MAX_TEXTURE_SIDE).contains(&w) && (1..=MAX_TEXTURE_SIDE).contains(&h);
+        if !fits || texels as u64 != u64::from(w) * u64::from(h) {
+            return self.broken(format!("texture `{}` is {w} x {h} with {texels} texels", texture.name));
+        }
+        Ok(())
+    }
+
+    fn validate_lights(&self) -> Result<(), SceneError> {
+        check_light_count(self.lights.len(), || Location::Scene { name: self.name.clone(), camera: None })?;
+        let mut lights = self.lights.iter().enumerate();
+        lights.try_for_each(|(index, light)| self.validate_light(index, light))
+    }
+
     fn validate_light(&self, index: usize, light: &Light) -> Result<(), SceneError> {
-        let (place, colour) = match light {
+        let (vector, colour) = match light {
             Light::Point { position, colour } => (*position, *colour),
             Light::Directional { to_light, colour } => (*to_light, *colour),
         };
-        if !place.is_finite() || !is_colour(colour) {
+        if !vector.is_finite() || !is_colour(colour) {
             return self.broken(format!("light {index} has a negative or non-finite value"));
         }
-        if matches!(light, Light::Directional { .. }) && !is_direction(place) {
+        if matches!(light, Light::Directional { .. }) && !is_direction(vector) {
             return self.broken(format!("light {index} shines from no direction"));
         }
         Ok(())
     }
 
     fn broken(&self, what: String) -> Result<(), SceneError> {
-        Err(SceneError::Invalid { scene: self.name.clone(), what })
+        Err(SceneError::Inconsistent { scene: self.name.clone(), what })
     }
 }
 
@@ -133,9 +126,18 @@ pub(crate) fn is_direction(v: Vec3) -> bool {
     v.is_finite() && (1e-30..1e30).contains(&v.length_squared())
 }
 
-/// Checks that a camera can look; `place` says where it stands when it cannot.
-pub(crate) fn check_camera(camera: &Camera, place: impl Fn() -> String) -> Result<(), SceneError> {
-    let fail = |what: String, fix| Err(SceneError::Camera { place: place(), what, fix });
+/// Checks that the trace can hold so many lights; `at` says where they are listed.
+pub(crate) fn check_light_count(count: usize, at: impl Fn() -> Location) -> Result<(), SceneError> {
+    if count <= MAX_LIGHTS {
+        return Ok(());
+    }
+    let what = format!("{count} lights are too many: at most {MAX_LIGHTS} fit the trace");
+    Err(SceneError::Limit { at: at(), what, fix: "remove some".into() })
+}
+
+/// Checks that a camera can look; `at` says where it is described.
+pub(crate) fn check_camera(camera: &Camera, at: impl Fn() -> Location) -> Result<(), SceneError> {
+    let fail = |what: String, fix: &str| Err(SceneError::input(at(), what, fix));
     if !(camera.eye.is_finite() && camera.target.is_finite() && camera.up.is_finite()) {
         return fail("the camera has a coordinate that is not finite".into(), "use finite numbers");
     }

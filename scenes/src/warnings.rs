@@ -1,8 +1,15 @@
-//! Counted warnings: the same oddity a thousand times is one message.
+//! Warnings about odd input. The same oddity a thousand times is one warning with a count.
 
 use std::collections::BTreeMap;
 
-use crate::scene::Warning;
+/// Something odd in the input that was handled, with how often it occurred.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Warning {
+    /// What, where and what was done about it.
+    pub message: String,
+    /// Number of occurrences.
+    pub count: u64,
+}
 
 /// Collects warnings; occurrences with the same key are counted, the message of the first is kept.
 #[derive(Debug, Default)]

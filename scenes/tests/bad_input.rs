@@ -1,8 +1,8 @@
-//! Every kind of bad input gives its own error or warning, naming file and line.
+//! Every kind of bad input gives an error or a warning that says what is wrong, in which file and line.
 
 use std::{fs, path::Path};
 
-use rayreel_scenes::{Optics, Scene, load, load_obj};
+use rayreel_scenes::{Optics, Scene, load, obj::load_obj};
 use tempfile::TempDir;
 
 const TRIANGLE: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
@@ -18,7 +18,7 @@ fn folder(files: &[(&str, &str)]) -> TempDir {
 
 fn load_in(folder: &TempDir, name: &str) -> Result<Scene, String> {
     let path = folder.path().join(name);
-    // The folder's own name is of no interest.
+    // The name of the folder differs from run to run.
     load(path.to_str().expect("UTF-8")).map_err(|e| e.to_string().replace(&format!("{}/", folder.path().display()), ""))
 }
 

@@ -137,9 +137,9 @@ fn the_teapot_faces_outwards() {
     let scene = scene("teapot");
     let pot: Vec<_> =
         solids(scene, |o| o == Optics::FresnelMirror).into_iter().filter(|(n, _)| n == "teapot").collect();
-    assert!(pot.len() >= 4, "lid, body, handle and spout are solids of their own");
+    assert!(pot.len() >= 4, "lid, body, handle and spout are separate solids");
     for (_, triangles) in pot {
-        // None of them is closed, so the volume is taken about their own middle.
+        // None of them is closed, so the volume is taken about the middle of each.
         let corners = triangles.iter().flatten();
         let middle = corners.clone().sum::<Vec3>() / corners.count() as f32;
         let moved: Vec<_> = triangles.iter().map(|t| t.map(|p| p - middle)).collect();

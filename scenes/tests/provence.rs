@@ -11,8 +11,8 @@ static SCENE: LazyLock<Scene> = LazyLock::new(|| builtin("provence").expect("pro
 /// Triangles of the objects that `which` picks by name.
 fn triangles(which: impl Fn(&str) -> bool) -> Vec<[Vec3; 3]> {
     let picked: Vec<bool> = SCENE.objects.iter().map(|name| which(name)).collect();
-    let own = SCENE.mesh.triangles.iter().filter(|t| picked[t.object as usize]);
-    own.map(|t| t.vertices.map(|v| SCENE.mesh.positions[v as usize])).collect()
+    let triangles = SCENE.mesh.triangles.iter().filter(|t| picked[t.object as usize]);
+    triangles.map(|t| t.vertices.map(|v| SCENE.mesh.positions[v as usize])).collect()
 }
 
 /// Height of a triangle over a place, if it lies there.

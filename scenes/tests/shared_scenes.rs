@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use rayreel_scenes::{Optics, load, load_obj};
+use rayreel_scenes::{Optics, load, obj::load_obj};
 
 /// Model and triangles, from the folder's README; zero-area ones have been dropped.
 const MODELS: [(&str, usize); 11] = [

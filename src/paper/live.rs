@@ -14,7 +14,7 @@ use rayreel_machine::work::topology::Topology;
 use rayreel_replay::{PathSource, TileSource};
 use rayreel_scenes::Scene;
 use rayreel_tracer::accel::Built;
-use rayreel_tracer::{Settings, Tracer, convert};
+use rayreel_tracer::{TraceSettings, Tracer, convert};
 
 /// What a trace of `meta` would hold.
 pub struct Live<'a> {
@@ -27,7 +27,7 @@ pub struct Live<'a> {
 impl<'a> Live<'a> {
     /// Nothing is traced yet.
     pub fn new(scene: &'a Scene, built: &'a Built, meta: &'a Meta) -> Self {
-        let settings = Settings { max_depth: meta.max_depth, min_weight: meta.min_weight };
+        let settings = TraceSettings::of(meta);
         Self { scene, bvh: &built.bvh, tracer: Tracer::new(scene, built, settings), meta }
     }
 

@@ -157,7 +157,7 @@ impl<'a> Plan<'a> {
     /// The shot of a grid, in a file or `live`.
     pub fn shot(&mut self, grid: &Grid, live: bool) -> usize {
         let stage = &self.stages[grid.scene];
-        let depth = rayreel_tracer::Settings::default().max_depth;
+        let depth = rayreel_tracer::TraceSettings::default().max_depth;
         let (first, frames) = grid.frames;
         let args = GridArgs { size: grid.size, samples: grid.samples, depth };
         let meta = meta(&stage.scene, &args, grid.tile, first, frames);

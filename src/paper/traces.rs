@@ -11,7 +11,7 @@ use rayreel_formats::scene::Meta;
 use rayreel_formats::trace::{Codec, Trace};
 use rayreel_scenes::Scene;
 use rayreel_tracer::accel::Built;
-use rayreel_tracer::capture::{self, Outcome, Output};
+use rayreel_tracer::capture::{self, CaptureOutcome, CaptureOutput};
 
 use crate::progress;
 
@@ -36,12 +36,12 @@ pub fn make(
     mut tell: impl FnMut(u64, u64),
 ) -> Result<bool> {
     let resume = is_resumable(path, meta)?;
-    let output = Output { path: path.into(), codec: Codec::Context, level: LEVEL, resume };
+    let output = CaptureOutput { path: path.into(), codec: Codec::Context, level: LEVEL, resume };
     let outcome = capture::capture(scene, built, meta, &output, |now| {
         tell(now.tiles, now.tiles_total);
         !progress::stopped()
     })?;
-    Ok(matches!(outcome, Outcome::Finished(_)))
+    Ok(matches!(outcome, CaptureOutcome::Finished(_)))
 }
 
 /// Whether there is a partial capture to go on with; one of other settings is dropped, since the cache is ours.

@@ -9,8 +9,7 @@ use rayreel_formats::trace::Trace;
 use rayreel_replay::TileSource;
 use rayreel_replay::image::resolve::Resolver;
 use rayreel_replay::image::srgb::encode;
-use rayreel_tracer::accel::build;
-use rayreel_tracer::trace::{Settings, Tracer};
+use rayreel_tracer::{TraceSettings, Tracer, build};
 
 use crate::common::capture;
 use crate::common::trace::open;
@@ -100,7 +99,7 @@ fn measure(scene: &str, trace: &Trace, block: u32) -> Measured {
     let loaded = rayreel_scenes::load(scene).unwrap();
     let built = build(&loaded).unwrap();
     // A child has a bounce less before it.
-    let tracer = Tracer::new(&loaded, &built, Settings { max_depth: 3, ..Settings::default() });
+    let tracer = Tracer::new(&loaded, &built, TraceSettings { max_depth: 3, ..TraceSettings::default() });
     let mut policy = preset("multirate", block);
     policy.sampling.stand_in = true;
     let outcome = reference::replay(trace, &policy, frame);
@@ -116,7 +115,7 @@ fn measure(scene: &str, trace: &Trace, block: u32) -> Measured {
         let sample = ((y - tile.rect.y) * tile.rect.width + x - tile.rect.x) as usize;
         let own = tile.hits[tile.tree.sample(sample).start];
         let ray = rays::primary(&camera, x, y);
-        let recorded = rays::surface(&ray, own.t, tracer.accel().corners(own.triangle), own.normal);
+        let recorded = rays::surface(&ray, own.t, tracer.traversal().corners(own.triangle), own.normal);
         // As far as the stand-in's point is off: hardware would take a bound on it.
         let sag = (recorded.point - Vec3::from(hit.surface.unwrap().position)).length();
         let (direction, shot) = interpolated(camera.eye, hit, recorded.front, sag);

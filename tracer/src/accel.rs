@@ -1,4 +1,4 @@
-//! Builds the BVH of a scene with obvhs and puts it into the trace's order.
+//! Builds the BVH of a scene with obvhs and puts it into the order of the trace.
 //!
 //! obvhs is used behind this module only. Its `parallel` feature must stay off: it builds another tree.
 
@@ -9,31 +9,38 @@ use glam::Vec3A;
 use obvhs::BvhBuildParams;
 use obvhs::bvh2::{Bvh2, builder::build_bvh2};
 use obvhs::triangle::Triangle as BuildTriangle;
-use rayreel_formats::bvh::{Bvh, Shape, Triangle, Vertex};
+use rayreel_formats::bvh::{Bvh, MAX_LEAF_TRIANGLES, Shape, Triangle, Vertex};
 use rayreel_formats::math::Vec3;
 use rayreel_formats::oct::Oct;
 use rayreel_scenes::Scene;
 
 use crate::convert;
 
-/// Most triangles in a leaf (DESIGN section 4: what the modelled unit fetches at once).
-pub const LEAF_TRIANGLES: u32 = 4;
+/// A scene that the trace format cannot hold: it is too large, or too degenerate for a tree of bounded depth.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("cannot build the BVH of scene {scene}: {what}")]
+pub struct BuildError {
+    /// The scene's name.
+    pub scene: String,
+    /// What the format cannot hold.
+    pub what: String,
+}
 
 /// A BVH and where its triangles come from.
 #[derive(Debug)]
 pub struct Built {
-    /// The tree, in the trace's order.
+    /// The tree, in the order of the trace.
     pub bvh: Bvh,
     /// Per triangle in leaf order, its index in the scene's mesh.
     pub source: Vec<u32>,
 }
 
-/// Builds the BVH of a scene: obvhs' medium preset, at most [`LEAF_TRIANGLES`] triangles a leaf. One thread, so the same tree
-/// on every run.
+/// Builds the BVH of a scene: obvhs' medium preset, at most [`MAX_LEAF_TRIANGLES`] triangles a leaf. The builder runs in
+/// one thread, so it gives the same tree on every run.
 ///
 /// # Errors
-/// Says what is wrong when the scene is too large or too degenerate for the trace format.
-pub fn build(scene: &Scene) -> Result<Built, String> {
+/// When the trace format cannot hold the scene.
+pub fn build(scene: &Scene) -> Result<Built, BuildError> {
     let mesh = &scene.mesh;
     let corner = |v: u32| Vec3A::from(mesh.positions[v as usize]);
     let triangles: Vec<BuildTriangle> = mesh
@@ -41,12 +48,13 @@ pub fn build(scene: &Scene) -> Result<Built, String> {
         .iter()
         .map(|t| BuildTriangle { v0: corner(t.vertices[0]), v1: corner(t.vertices[1]), v2: corner(t.vertices[2]) })
         .collect();
-    let params = BvhBuildParams { max_prims_per_leaf: LEAF_TRIANGLES, ..BvhBuildParams::medium_build() };
+    let params = BvhBuildParams { max_prims_per_leaf: MAX_LEAF_TRIANGLES, ..BvhBuildParams::medium_build() };
     let bvh2 = build_bvh2(&triangles, params, &mut Duration::default());
     let (shape, source) = depth_first(&bvh2);
     let (triangles, vertices) = leaf_order(scene, &source);
     let materials = scene.materials.iter().map(convert::material).collect();
-    let bvh = Bvh::new(&shape, triangles, vertices, scene.objects.clone(), materials)?;
+    let bvh = Bvh::new(&shape, triangles, vertices, scene.objects.clone(), materials)
+        .map_err(|what| BuildError { scene: scene.name.clone(), what })?;
     Ok(Built { bvh, source })
 }
 
@@ -71,10 +79,10 @@ fn depth_first(bvh: &Bvh2) -> (Vec<[Shape; 2]>, Vec<u32>) {
             shape[parent][side] = take(node);
             continue;
         }
-        let own: usize = shape.len();
+        let pair: usize = shape.len();
         shape.push([Shape::Inner; 2]);
         let left = bvh.nodes[node].first_index as usize;
-        open.extend([(left + 1, own, 1), (left, own, 0)]);
+        open.extend([(left + 1, pair, 1), (left, pair, 0)]);
     }
     (shape, source)
 }

@@ -1,7 +1,7 @@
-//! Capture: traces every sample of every frame into a trace file; and render, which traces the same and keeps only colours.
+//! Capture: traces every sample of every frame into a trace file.
 //!
-//! Tiles are traced and coded in parallel and written in order, a batch at a time. Memory stays at the scene, the BVH and the
-//! tiles in flight, and the file's bytes do not depend on the number of threads.
+//! Tiles are traced and coded in parallel and written in order, a batch at a time. Memory stays at the scene, the BVH
+//! and the tiles in flight, and the bytes of the file do not depend on the number of threads.
 
 use std::path::{Path, PathBuf};
 
@@ -9,37 +9,19 @@ use rayon::prelude::*;
 use rayreel_formats::bvh::Bvh;
 use rayreel_formats::columns::paths::Topology;
 use rayreel_formats::container::EncodedChunk;
-use rayreel_formats::math::Vec3;
-use rayreel_formats::scene::{Meta, Rect};
+use rayreel_formats::scene::{Camera, Meta};
 use rayreel_formats::tile::Column;
-use rayreel_formats::trace::{Codec, Scratch, Started, Trace, TraceWriter};
+use rayreel_formats::trace::{Codec, Scratch, Started, TileCodec, Trace, TraceWriter};
 use rayreel_formats::{Error, Limits, Result};
 use rayreel_scenes::Scene;
 
 use crate::accel::Built;
-use crate::convert;
-use crate::trace::{Settings, Tracer};
-
-/// The sample grid and frames to capture.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Grid {
-    /// Image width in pixels.
-    pub width: u32,
-    /// Image height in pixels.
-    pub height: u32,
-    /// Samples per pixel and axis.
-    pub samples: u32,
-    /// Tile edge in samples.
-    pub tile: u32,
-    /// First frame of the camera path.
-    pub first_frame: u32,
-    /// Number of frames.
-    pub frames: u32,
-}
+use crate::grid::{self, TraceSettings};
+use crate::trace::Tracer;
 
 /// How to write the trace.
 #[derive(Clone, Debug)]
-pub struct Output {
+pub struct CaptureOutput {
     /// The file; `NAME.partial` stands beside it until it is finished.
     pub path: PathBuf,
     /// Codec of the tiles.
@@ -52,7 +34,7 @@ pub struct Output {
 
 /// How far a capture has come.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Progress {
+pub struct CaptureProgress {
     /// Tiles in the file.
     pub tiles: u64,
     /// Tiles that the finished file will have.
@@ -82,37 +64,17 @@ pub struct Captured {
 
 /// How a capture ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Outcome {
+pub enum CaptureOutcome {
     /// The file is complete.
     Finished(Captured),
     /// Stopped by the progress callback; `NAME.partial` holds what was traced.
-    Interrupted(Progress),
+    Interrupted(CaptureProgress),
 }
 
-/// The metadata of a capture.
-pub fn meta(scene: &Scene, grid: Grid, settings: Settings, tool: &str) -> Meta {
-    Meta {
-        tool: tool.to_string(),
-        scene: scene.name.clone(),
-        scene_hash: scene.content_hash(),
-        width: grid.width,
-        height: grid.height,
-        samples: grid.samples,
-        tile: grid.tile,
-        first_frame: grid.first_frame,
-        frames: grid.frames,
-        max_depth: settings.max_depth,
-        min_weight: settings.min_weight,
-        lights: scene.lights.iter().map(convert::light).collect(),
-    }
-}
-
-/// Tiles that are in flight at once, per thread: enough that one slow tile does not leave the others waiting.
-const TILES_IN_FLIGHT: usize = 48;
-
-/// Captures `meta`'s frames of a scene. After each batch of tiles `progress` is told, and stops the capture by returning false.
+/// Captures the frames of `meta`. After each batch of tiles `progress` is told, and stops the capture by returning
+/// false.
 ///
-/// Frame numbers are positions in the scene's camera path.
+/// Frame numbers are positions in the camera path of the scene.
 ///
 /// # Errors
 /// When a frame is outside the camera path, or the file cannot be written.
@@ -120,14 +82,13 @@ pub fn capture(
     scene: &Scene,
     built: &Built,
     meta: &Meta,
-    output: &Output,
-    mut progress: impl FnMut(&Progress) -> bool,
-) -> Result<Outcome> {
+    output: &CaptureOutput,
+    mut progress: impl FnMut(&CaptureProgress) -> bool,
+) -> Result<CaptureOutcome> {
     rayreel_formats::payload::metadata::check_meta(meta, &Limits::default()).map_err(Error::usage)?;
-    check_frames(scene, meta)?;
-    let settings = Settings { max_depth: meta.max_depth, min_weight: meta.min_weight };
-    let job = Job {
-        tracer: Tracer::new(scene, built, settings),
+    grid::check_frames(scene, meta)?;
+    let job = TileJob {
+        tracer: Tracer::new(scene, built, TraceSettings::of(meta)),
         bvh: &built.bvh,
         topology: Topology::new(&built.bvh),
         meta,
@@ -135,45 +96,33 @@ pub fn capture(
     };
     let mut writer = start(output, meta, &built.bvh)?;
     let at_start = writer.bytes_written();
-    let mut now =
-        Progress { tiles_total: u64::from(meta.tile_count()) * u64::from(meta.frames), ..Progress::default() };
+    let tiles_total = u64::from(meta.tile_count()) * u64::from(meta.frames);
+    let mut now = CaptureProgress { tiles_total, ..CaptureProgress::default() };
     let mut kept = Vec::new();
     for frame in meta.frame_numbers() {
-        let (columns, rows) = meta.grid();
-        let camera = convert::camera(&scene.cameras[frame as usize], columns, rows);
+        let camera = grid::frame_camera(scene, meta, frame);
         writer.frame(frame, &camera)?;
         let (done, todo): (Vec<u32>, Vec<u32>) = (0..meta.tile_count()).partition(|&t| writer.has_tile(frame, t));
         now.tiles += done.len() as u64;
         kept.extend(done.into_iter().map(|tile| (frame, tile)));
-        for batch in todo.chunks(TILES_IN_FLIGHT * rayon::current_num_threads()) {
-            let code = |scratch: &mut Scratch, &tile: &u32| job.tile(&camera, frame, tile, scratch);
-            let chunks: Vec<(EncodedChunk, u64)> =
-                batch.par_iter().map_init(Scratch::default, code).collect::<Result<_>>()?;
-            for (chunk, rays) in &chunks {
-                writer.tile(chunk)?;
+        for batch in todo.chunks(grid::tiles_in_flight()) {
+            for (chunk, rays) in job.batch(&camera, frame, batch)? {
+                writer.tile(&chunk)?;
                 now.rays += rays;
             }
             writer.flush()?;
-            now.tiles += chunks.len() as u64;
+            now.tiles += batch.len() as u64;
             now.bytes = writer.bytes_written() - at_start;
             if !progress(&now) {
-                return Ok(Outcome::Interrupted(now));
+                return Ok(CaptureOutcome::Interrupted(now));
             }
         }
     }
     let finished = writer.finish()?;
-    summary(&finished.path, finished.len, now.rays, &kept).map(Outcome::Finished)
+    summary(&finished.path, finished.len, now.rays, &kept).map(CaptureOutcome::Finished)
 }
 
-fn check_frames(scene: &Scene, meta: &Meta) -> Result<()> {
-    let (end, have) = (meta.frame_numbers().end, scene.cameras.len());
-    if end as usize <= have {
-        return Ok(());
-    }
-    Err(Error::usage(format!("frame {} is outside the camera path of scene {}, which has {have}", end - 1, scene.name)))
-}
-
-fn start(output: &Output, meta: &Meta, bvh: &Bvh) -> Result<TraceWriter> {
+fn start(output: &CaptureOutput, meta: &Meta, bvh: &Bvh) -> Result<TraceWriter> {
     if output.resume {
         let Started { writer, .. } =
             TraceWriter::resume(&output.path, meta, bvh, output.level, output.codec, &Limits::default())?;
@@ -183,7 +132,7 @@ fn start(output: &Output, meta: &Meta, bvh: &Bvh) -> Result<TraceWriter> {
 }
 
 /// What every tile of a capture shares.
-struct Job<'a> {
+struct TileJob<'a> {
     tracer: Tracer<'a>,
     bvh: &'a Bvh,
     topology: Topology,
@@ -191,24 +140,17 @@ struct Job<'a> {
     codec: Codec,
 }
 
-impl Job<'_> {
-    /// Traces and codes a tile; gives the chunk and the number of rays.
-    fn tile(
-        &self,
-        camera: &rayreel_formats::scene::Camera,
-        frame: u32,
-        index: u32,
-        scratch: &mut Scratch,
-    ) -> Result<(EncodedChunk, u64)> {
+impl TileJob<'_> {
+    /// Traces and codes tiles in parallel; gives each one's chunk and number of rays, in the order of `tiles`.
+    fn batch(&self, camera: &Camera, frame: u32, tiles: &[u32]) -> Result<Vec<(EncodedChunk, u64)>> {
+        let code = |scratch: &mut Scratch, &tile: &u32| self.tile(camera, frame, tile, scratch);
+        tiles.par_iter().map_init(Scratch::default, code).collect()
+    }
+
+    fn tile(&self, camera: &Camera, frame: u32, index: u32, scratch: &mut Scratch) -> Result<(EncodedChunk, u64)> {
         let tile = self.tracer.tile::<true>(camera, self.meta.tile_rect(index), frame, index);
         let limits = Limits::default();
-        let codec = rayreel_formats::trace::TileCodec {
-            meta: self.meta,
-            bvh: self.bvh,
-            topology: &self.topology,
-            camera,
-            limits: &limits,
-        };
+        let codec = TileCodec { meta: self.meta, bvh: self.bvh, topology: &self.topology, camera, limits: &limits };
         Ok((codec.encode(&tile, self.codec, scratch)?, tile.tree.ray_count()))
     }
 }
@@ -232,30 +174,4 @@ fn summary(path: &Path, file_bytes: u64, rays_this_run: u64, kept: &[(u32, u32)]
         file_bytes,
         path_bytes,
     })
-}
-
-/// Traces one frame without recording. `tile` gets the colours of each tile's samples, row by row, in tile order.
-///
-/// # Errors
-/// When the frame is outside the camera path.
-pub fn render(
-    scene: &Scene,
-    built: &Built,
-    meta: &Meta,
-    frame: u32,
-    mut tile: impl FnMut(Rect, Vec<Vec3>),
-) -> Result<()> {
-    check_frames(scene, &Meta { first_frame: frame, frames: 1, ..meta.clone() })?;
-    let settings = Settings { max_depth: meta.max_depth, min_weight: meta.min_weight };
-    let tracer = Tracer::new(scene, built, settings);
-    let (columns, rows) = meta.grid();
-    let camera = convert::camera(&scene.cameras[frame as usize], columns, rows);
-    let tiles: Vec<u32> = (0..meta.tile_count()).collect();
-    for batch in tiles.chunks(TILES_IN_FLIGHT * rayon::current_num_threads()) {
-        let colours: Vec<_> = batch.par_iter().map(|&t| tracer.colours(&camera, meta.tile_rect(t))).collect();
-        for (&index, colours) in batch.iter().zip(colours) {
-            tile(meta.tile_rect(index), colours);
-        }
-    }
-    Ok(())
 }

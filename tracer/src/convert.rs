@@ -5,12 +5,12 @@ use rayreel_formats::scene::{Camera, Light, Material, Optics};
 use rayreel_scenes as scenes;
 
 /// A scene vector in the trace's scalar arithmetic.
-pub fn vec3(v: glam::Vec3) -> Vec3 {
+pub(crate) fn vec3(v: glam::Vec3) -> Vec3 {
     Vec3::from(v.to_array())
 }
 
 /// What the trace keeps of a material.
-pub fn material(m: &scenes::Material) -> Material {
+pub(crate) fn material(m: &scenes::Material) -> Material {
     Material {
         name: m.name.clone(),
         optics: match m.optics {
@@ -27,7 +27,7 @@ pub fn material(m: &scenes::Material) -> Material {
 }
 
 /// A light; a direction is brought to unit length.
-pub fn light(l: &scenes::Light) -> Light {
+pub(crate) fn light(l: &scenes::Light) -> Light {
     match *l {
         scenes::Light::Point { position, colour } => Light::Point { position: vec3(position), colour: vec3(colour) },
         scenes::Light::Directional { to_light, colour } => {
@@ -36,8 +36,8 @@ pub fn light(l: &scenes::Light) -> Light {
     }
 }
 
-/// The image plane of a camera over a grid of `columns` x `rows` samples. Trigonometry and the basis are in `f64`, rounded
-/// once, so that another libm gives the same `f32`.
+/// The image plane of a camera over a grid of `columns` x `rows` samples. Trigonometry and the basis are computed in
+/// `f64` and rounded once.
 pub fn camera(c: &scenes::Camera, columns: u32, rows: u32) -> Camera {
     let to_f64 = |v: glam::Vec3| v.as_dvec3().to_array();
     let (eye, target, up) = (to_f64(c.eye), to_f64(c.target), to_f64(c.up));

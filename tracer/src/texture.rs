@@ -1,26 +1,27 @@
 //! Texture lookups: trilinear colour from a mip chain, bilinear alpha for cut-outs.
 //!
-//! The mip level comes from a ray cone (Akenine-Möller et al. 2019, simplified: constant spread, no curvature), so distant
-//! textures neither alias nor defeat the similarity tests by noise that no one would ship.
+//! The mip level comes from a ray cone (Akenine-Möller et al. 2019, simplified: constant spread, no curvature).
+//! Without it distant textures would alias, and policies that look for similar neighbours would see noise that no
+//! renderer ships.
 
 use rayreel_formats::math::{Vec3, vec3};
 use rayreel_scenes as scenes;
 
 /// A texture with its mip chain, in linear light.
 #[derive(Debug)]
-pub struct Texture {
-    levels: Vec<Level>,
+pub struct MipTexture {
+    levels: Vec<MipLevel>,
 }
 
 #[derive(Debug)]
-struct Level {
+struct MipLevel {
     width: u32,
     height: u32,
     /// Linear RGB and alpha, each scaled to 16 bit: half the size of floats, finer than the 8-bit source.
     texels: Vec<[u16; 4]>,
 }
 
-impl Texture {
+impl MipTexture {
     /// Decodes sRGB and averages down to one texel.
     pub fn new(source: &scenes::Texture) -> Self {
         let table: Vec<u16> =
@@ -28,9 +29,9 @@ impl Texture {
         let decode =
             |t: &[u8; 4]| [table[t[0] as usize], table[t[1] as usize], table[t[2] as usize], u16::from(t[3]) * 257];
         let base =
-            Level { width: source.width, height: source.height, texels: source.texels.iter().map(decode).collect() };
+            MipLevel { width: source.width, height: source.height, texels: source.texels.iter().map(decode).collect() };
         let mut levels = vec![base];
-        while let Some(next) = levels.last().and_then(Level::halved) {
+        while let Some(next) = levels.last().and_then(MipLevel::halved) {
             levels.push(next);
         }
         Self { levels }
@@ -41,7 +42,7 @@ impl Texture {
         self.levels[0].width as f32 * self.levels[0].height as f32
     }
 
-    /// The colour at `uv`, where `lod` texel edges of the finest level double per unit.
+    /// The colour at `uv`. `lod` is the level of detail: 0 is the finest level, each unit halves the resolution.
     pub fn colour(&self, uv: [f32; 2], lod: f32) -> Vec3 {
         let last = self.levels.len() - 1;
         if lod <= 0.0 {
@@ -62,7 +63,7 @@ impl Texture {
     }
 }
 
-impl Level {
+impl MipLevel {
     /// The next coarser level; `None` at one texel. Odd edges repeat their last texel.
     fn halved(&self) -> Option<Self> {
         if self.width == 1 && self.height == 1 {

@@ -1,7 +1,7 @@
 //! Traversal of two-child nodes: closest hit and any hit, with or without recording the path.
 //!
-//! One loop serves tracing, recording and verification, so they cannot disagree. Element-wise SIMD only (no reductions): each
-//! lane is the scalar IEEE operation, so a path is the same on every machine.
+//! One loop serves tracing, recording and verification, so they cannot disagree. SIMD is used element by element,
+//! never to sum or compare lanes: each lane is the scalar IEEE operation, so a path is the same on every machine.
 
 use glam::{Vec4, Vec4Swizzles};
 use rayreel_formats::bvh::{Aabb, Bvh, Child, MAX_TREE_DEPTH};
@@ -10,13 +10,14 @@ use rayreel_formats::math::Vec3;
 use rayreel_formats::rays::Ray;
 use rayreel_formats::tile::step;
 
-/// Widening of a box's far distance: 16 units in the last place. Slab distances and triangle distances round differently, and
-/// a box must never be left out whose triangle would be hit.
+/// Widening of a box's far distance: 16 units in the last place. Slab distances and triangle distances round
+/// differently, and a box must never be skipped when a triangle in it would be hit.
 const WIDEN: f32 = 1.0 + 1.0 / 524_288.0;
 
-/// Boxes grow on every side by this fraction of the distance from the ray's origin to the far side of the scene, and by one
-/// unit in the last place of the origin: the intersection test takes rays that pass a triangle's edge on the outside by its
-/// rounding, and a ray in the plane of a box's side must meet the box.
+/// Boxes grow on every side by this fraction of the distance from the ray's origin to the far side of the scene, and
+/// by one unit in the last place of the origin. The intersection test accepts a ray that passes just outside an edge,
+/// by as much as its rounding; the box must accept that ray too. So must it a ray that lies in the plane of one of
+/// its sides.
 const PAD: f32 = 1.0 / 262_144.0;
 
 /// Smallest magnitude of a direction component in the slab test, so that its reciprocal stays finite and no NaN arises.
@@ -32,15 +33,15 @@ struct TwoBoxes {
     children: [Child; 2],
 }
 
-/// The tree of a [`Bvh`], laid out for traversal.
+/// A [`Bvh`] laid out for traversal.
 #[derive(Debug)]
-pub struct Accel {
+pub struct TraversalBvh {
     nodes: Vec<TwoBoxes>,
     bounds: Aabb,
     corners: Vec<[Vec3; 3]>,
 }
 
-/// The closest hit of a ray.
+/// Where a ray hits a triangle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RayHit {
     /// Triangle in leaf order.
@@ -55,13 +56,13 @@ pub struct RayHit {
 
 /// Memory of a traversal, reused from ray to ray.
 #[derive(Debug)]
-pub struct Scratch {
+pub struct TraversalScratch {
     stack: Box<[(Child, f32); MAX_TREE_DEPTH]>,
     /// Recorded steps; the caller takes what each ray appended.
     pub steps: Vec<u8>,
 }
 
-impl Default for Scratch {
+impl Default for TraversalScratch {
     fn default() -> Self {
         Self { stack: Box::new([(Child::leaf(0, 0), 0.0); MAX_TREE_DEPTH]), steps: Vec::new() }
     }
@@ -100,7 +101,7 @@ impl Slabs {
     }
 }
 
-impl Accel {
+impl TraversalBvh {
     /// Lays out a tree.
     pub fn new(bvh: &Bvh) -> Self {
         let nodes = bvh
@@ -126,47 +127,37 @@ impl Accel {
     }
 
     /// The closest hit. `pass(triangle, u, v)` says of a hit whether the ray goes on as if the triangle were not there.
+    /// With `RECORD` the steps are appended to the scratch memory.
     #[inline]
-    pub fn closest<const RECORD: bool>(
+    pub fn closest_hit<const RECORD: bool>(
         &self,
         ray: &Ray,
-        scratch: &mut Scratch,
+        scratch: &mut TraversalScratch,
         pass: impl FnMut(u32, f32, f32) -> bool,
     ) -> Option<RayHit> {
         self.walk::<RECORD, false>(ray, scratch, pass)
     }
 
-    /// Whether anything that does not let the ray pass lies on it.
-    #[inline]
-    pub fn any<const RECORD: bool>(
-        &self,
-        ray: &Ray,
-        scratch: &mut Scratch,
-        pass: impl FnMut(u32, f32, f32) -> bool,
-    ) -> bool {
-        self.any_hit::<RECORD>(ray, scratch, pass).is_some()
-    }
-
-    /// As [`Accel::any`], and what lies there.
+    /// The first hit that is found, which need not be the closest: enough to know that a shadow ray is blocked.
     #[inline]
     pub fn any_hit<const RECORD: bool>(
         &self,
         ray: &Ray,
-        scratch: &mut Scratch,
+        scratch: &mut TraversalScratch,
         pass: impl FnMut(u32, f32, f32) -> bool,
     ) -> Option<RayHit> {
         self.walk::<RECORD, true>(ray, scratch, pass)
     }
 
     #[inline(always)]
-    fn walk<const RECORD: bool, const ANY: bool>(
+    fn walk<const RECORD: bool, const ANY_HIT: bool>(
         &self,
         ray: &Ray,
-        scratch: &mut Scratch,
+        scratch: &mut TraversalScratch,
         mut pass: impl FnMut(u32, f32, f32) -> bool,
     ) -> Option<RayHit> {
         let slabs = Slabs::new(ray, &self.bounds);
-        let Scratch { stack, steps } = scratch;
+        let TraversalScratch { stack, steps } = scratch;
         let mut record = |s: u8| {
             if RECORD {
                 steps.push(s);
@@ -188,7 +179,7 @@ impl Accel {
                     record(step::HIT);
                     t_max = hit.t;
                     best = Some(RayHit { triangle: triangle as u32, t: hit.t, u: hit.u, v: hit.v });
-                    if ANY {
+                    if ANY_HIT {
                         return best;
                     }
                 }
@@ -221,14 +212,14 @@ impl Accel {
                     [false, false] => record(step::NONE),
                 }
             }
-            // Pop the next child that the closest hit so far does not hide.
+            // Pop children until one starts before the closest hit so far.
             loop {
                 if top == 0 {
                     return best;
                 }
                 top -= 1;
                 let (child, near) = stack[top];
-                if ANY || near <= t_max * WIDEN {
+                if ANY_HIT || near <= t_max * WIDEN {
                     record(step::POP);
                     current = child;
                     break;

@@ -1,8 +1,9 @@
-//! Verification: re-traverses the BVH that a trace holds with the rays rebuilt from it, and checks every path, hit, shadow
+//! Verification: rebuilds every ray of a trace, traverses the stored BVH again, and checks every path, hit, shadow
 //! state, normal and weight, bit for bit. No scene is needed.
 //!
-//! Three things cannot be checked without the scene: what a cut-out texture says at a texel, where the recorded outcome stands and
-//! everything that follows from it is checked; local colours; and whether a surface is so dark that no light shows on it.
+//! Three things cannot be checked without the scene: local colours; whether a surface is so dark that it casts no
+//! shadow rays; and what a cut-out texture says at a texel. There the recorded outcome is believed, and what follows
+//! from it is checked.
 
 use rayon::prelude::*;
 use rayreel_formats::Result;
@@ -12,11 +13,11 @@ use rayreel_formats::half::Half3;
 use rayreel_formats::math::Vec3;
 use rayreel_formats::rays::{self, Ray, Surface};
 use rayreel_formats::scene::{Light, Optics};
-use rayreel_formats::tile::{Column, Hit, RayKind, RayNode, ShadowState, Tile, step};
+use rayreel_formats::tile::{Column, Hit, Radiance, RayKind, RayNode, ShadowState, Tile, step};
 use rayreel_formats::trace::{Scratch as CodecScratch, Trace};
 
-use crate::shade;
-use crate::traverse::{Accel, RayHit, Scratch};
+use crate::shading;
+use crate::traverse::{RayHit, TraversalBvh, TraversalScratch};
 
 /// What a verification found.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -31,6 +32,17 @@ pub struct Verified {
     pub tiles_wrong: u64,
     /// The first difference, by frame and tile.
     pub first: Option<Mismatch>,
+}
+
+impl Verified {
+    /// Adds what was found in a later tile.
+    fn add(&mut self, later: Self) {
+        self.tiles += later.tiles;
+        self.rays += later.rays;
+        self.steps += later.steps;
+        self.tiles_wrong += later.tiles_wrong;
+        self.first = self.first.take().or(later.first);
+    }
 }
 
 /// Something in a trace that does not follow from the rest of it.
@@ -48,30 +60,26 @@ pub struct Mismatch {
     pub detail: String,
 }
 
-/// Verifies all tiles that a trace holds. After each batch `progress` is told the number of tiles done, and stops by returning
-/// false.
+/// Verifies all tiles that a trace holds. After each batch `progress` is told the number of tiles done, and stops the
+/// verification by returning false.
 ///
 /// # Errors
 /// When a tile is damaged.
 pub fn verify(trace: &Trace, mut progress: impl FnMut(u64) -> bool) -> Result<Verified> {
-    let accel = Accel::new(trace.bvh());
+    let traversal = TraversalBvh::new(trace.bvh());
     let missing = trace.missing_tiles();
     let every = |frame| (0..trace.meta().tile_count()).map(move |tile| (frame, tile));
     let tiles: Vec<(u32, u32)> =
         trace.meta().frame_numbers().flat_map(every).filter(|t| missing.binary_search(t).is_err()).collect();
     let mut total = Verified::default();
     for batch in tiles.chunks(64 * rayon::current_num_threads()) {
-        let check = |scratch: &mut (CodecScratch, Scratch), &(frame, tile): &(u32, u32)| {
+        let check = |scratch: &mut (CodecScratch, TraversalScratch), &(frame, tile): &(u32, u32)| {
             let content = trace.tile_with(frame, tile, &Column::ALL, &mut scratch.0)?;
-            TileCheck::new(trace, &accel, &content, frame).map(|mut check| check.run(&mut scratch.1))
+            TileCheck::new(trace, &traversal, &content, frame).map(|mut check| check.run(&mut scratch.1))
         };
         let checked: Vec<Verified> = batch.par_iter().map_init(Default::default, check).collect::<Result<_>>()?;
         for one in checked {
-            total.tiles += one.tiles;
-            total.rays += one.rays;
-            total.steps += one.steps;
-            total.tiles_wrong += one.tiles_wrong;
-            total.first = total.first.or(one.first);
+            total.add(one);
         }
         if !progress(total.tiles) {
             break;
@@ -80,10 +88,11 @@ pub fn verify(trace: &Trace, mut progress: impl FnMut(u64) -> bool) -> Result<Ve
     Ok(total)
 }
 
+/// The check of one tile.
 struct TileCheck<'a> {
     trace: &'a Trace,
     bvh: &'a Bvh,
-    accel: &'a Accel,
+    traversal: &'a TraversalBvh,
     tile: &'a Tile,
     rebuilt: RayRebuilder<'a>,
     parents: Vec<u32>,
@@ -93,17 +102,17 @@ struct TileCheck<'a> {
 }
 
 impl<'a> TileCheck<'a> {
-    fn new(trace: &'a Trace, accel: &'a Accel, tile: &'a Tile, frame: u32) -> Result<TileCheck<'a>> {
+    fn new(trace: &'a Trace, traversal: &'a TraversalBvh, tile: &'a Tile, frame: u32) -> Result<TileCheck<'a>> {
         let bvh = trace.bvh();
         let camera = trace.camera(frame)?;
         let geometry = Geometry { bvh, camera };
         let rebuilt = RayRebuilder::new(&tile.tree, tile.rect, geometry);
         let weights = vec![Vec3::ONE; tile.tree.nodes.len()];
         let counts = Verified { tiles: 1, ..Verified::default() };
-        Ok(Self { trace, bvh, accel, tile, rebuilt, parents: tile.tree.parents(), weights, counts })
+        Ok(Self { trace, bvh, traversal, tile, rebuilt, parents: tile.tree.parents(), weights, counts })
     }
 
-    fn run(&mut self, scratch: &mut Scratch) -> Verified {
+    fn run(&mut self, scratch: &mut TraversalScratch) -> Verified {
         let index = self.tile.tree.ray_index();
         for sample in 0..self.tile.tree.samples() {
             for node in self.tile.tree.sample(sample) {
@@ -120,7 +129,7 @@ impl<'a> TileCheck<'a> {
     }
 
     /// Checks a closest-hit ray, whose number is `ray`, and its shadow rays.
-    fn node(&mut self, sample: u32, index: usize, ray: usize, scratch: &mut Scratch) -> Result<(), String> {
+    fn node(&mut self, sample: u32, index: usize, ray: usize, scratch: &mut TraversalScratch) -> Result<(), String> {
         let node = self.tile.tree.nodes[index];
         let hit = self.tile.hits[index];
         let name = format!("{} ray of class {}", node.class.kind().name(), node.class.0);
@@ -156,19 +165,19 @@ impl<'a> TileCheck<'a> {
         let meta = self.trace.meta();
         if node.class.parent().is_some() {
             let parent = self.parents[index] as usize;
-            let own = self.tile.radiance[parent];
-            let weight = if node.class.kind() == RayKind::Reflection { own.reflect } else { own.refract };
+            let Radiance { reflect, refract, .. } = self.tile.radiance[parent];
+            let weight = if node.class.kind() == RayKind::Reflection { reflect } else { refract };
             self.weights[index] = self.weights[parent].times(weight.to_vec3());
         }
-        let grows = |weight: &Half3| {
+        let traced = |weight: &Half3| {
             let total = self.weights[index].times(weight.to_vec3()).max_component();
             node.class.depth() < meta.max_depth && total > meta.min_weight
         };
         let expected = rays::children(surface, ray.direction, self.bvh.material(hit.triangle as usize));
-        let own = self.tile.radiance[index];
+        let radiance = self.tile.radiance[index];
         for (name, recorded, expected) in [
-            ("reflection", node.reflect.then_some(own.reflect), expected.reflect.filter(grows)),
-            ("refraction", node.refract.then_some(own.refract), expected.refract.filter(grows)),
+            ("reflection", node.reflect.then_some(radiance.reflect), expected.reflect.filter(traced)),
+            ("refraction", node.refract.then_some(radiance.refract), expected.refract.filter(traced)),
         ] {
             if recorded != expected {
                 return Err(format!("the {name}'s weight is recorded as {recorded:?}, is {expected:?}"));
@@ -183,10 +192,10 @@ impl<'a> TileCheck<'a> {
         surface: &Surface,
         ray: usize,
         name: &str,
-        scratch: &mut Scratch,
+        scratch: &mut TraversalScratch,
     ) -> Result<(), String> {
-        // A surface that shows one light shows all that face it.
-        let faced = |(_, light): &(usize, &Light)| shade::faces(surface, light);
+        // A surface that has a shadow ray to one light has them to all lights on its side.
+        let faced = |(_, light): &(usize, &Light)| shading::faces(surface, light);
         let missing = |(light, _): &(usize, &Light)| node.shadows.get(*light) == ShadowState::NotCast;
         let lights = || self.trace.meta().lights.iter().enumerate();
         if let Some((light, _)) = lights().filter(faced).find(missing).filter(|_| node.shadows.count() > 0) {
@@ -195,12 +204,12 @@ impl<'a> TileCheck<'a> {
         for (rank, light) in node.shadows.cast().enumerate() {
             let source = &self.trace.meta().lights[light];
             let name = format!("{name}, shadow ray to light {light}");
-            if !shade::faces(surface, source) {
+            if !shading::faces(surface, source) {
                 return Err(format!("{name}: the light is behind the surface"));
             }
             let shadow = rays::shadow(surface, source);
             let (hit, passed) = self.traverse::<true>(&shadow, ray + 1 + rank, &name, scratch)?;
-            let state = shade::shadow_state(hit.is_some(), passed);
+            let state = shading::shadow_state(hit.is_some(), passed);
             if state != node.shadows.get(light) {
                 return Err(format!("{name}: recorded as {:?}, is {state:?}", node.shadows.get(light)));
             }
@@ -209,29 +218,29 @@ impl<'a> TileCheck<'a> {
     }
 
     /// Traverses a ray again and compares its path. Gives what it hit, and whether it passed a dielectric.
-    fn traverse<const ANY: bool>(
+    fn traverse<const ANY_HIT: bool>(
         &mut self,
         ray: &Ray,
         number: usize,
         name: &str,
-        scratch: &mut Scratch,
+        scratch: &mut TraversalScratch,
     ) -> Result<(Option<RayHit>, bool), String> {
         let recorded = self.tile.paths.ray(number);
-        // What the recording says of the triangles that were met, in order: only cut-outs ask for it.
+        // The recorded outcomes of the triangles that were hit, in order. Only cut-outs are decided by them.
         let mut met = recorded.iter().filter(|&&s| s == step::HIT || s == step::PASS);
         let mut passed = false;
         scratch.steps.clear();
         let pass = |triangle: u32, _, _| {
-            let said = met.next() == Some(&step::PASS);
+            let recorded_pass = met.next() == Some(&step::PASS);
             let material = self.bvh.material(triangle as usize);
-            let dielectric = ANY && material.optics == Optics::Dielectric;
+            let dielectric = ANY_HIT && material.optics == Optics::Dielectric;
             passed |= dielectric;
-            dielectric || (material.cutout && said)
+            dielectric || (material.cutout && recorded_pass)
         };
-        let hit = if ANY {
-            self.accel.any_hit::<true>(ray, scratch, pass)
+        let hit = if ANY_HIT {
+            self.traversal.any_hit::<true>(ray, scratch, pass)
         } else {
-            self.accel.closest::<true>(ray, scratch, pass)
+            self.traversal.closest_hit::<true>(ray, scratch, pass)
         };
         self.counts.rays += 1;
         self.counts.steps += scratch.steps.len() as u64;

@@ -1,9 +1,10 @@
-//! Traversal against a loop over all triangles: the closest hit has the same `t` to the last bit, and any-hit agrees on whether
-//! there is a hit at all.
+//! Traversal against a loop over all triangles: the closest hit has the same `t` to the last bit, and any-hit agrees
+//! on whether there is a hit at all.
 //!
-//! Bare loops over 430,000 triangles are too slow, so triangles are put into groups, and a group is left out where the ray's line
-//! stays clear of a generous sphere around it. That cull is checked against the bare loop on some rays of every scene. Normally
-//! scenes above [`SMALL`] triangles get fewer rays; `RAYREEL_LONG=1` gives every scene the full [`RAYS`].
+//! Bare loops over 430,000 triangles are too slow, so triangles are put into groups, and a group is left out where
+//! the ray's line stays clear of a generous sphere around it. That cull is checked against the bare loop on some rays
+//! of every scene. Normally scenes above [`SMALL`] triangles get fewer rays; `RAYREEL_LONG=1` gives every scene the
+//! full [`RAYS`].
 
 mod support;
 
@@ -13,8 +14,8 @@ use rayreel_formats::intersect::intersect;
 use rayreel_formats::math::{Vec3, vec3};
 use rayreel_formats::rays::Ray;
 use rayreel_scenes::Scene;
-use rayreel_tracer::accel::{Built, build};
-use rayreel_tracer::traverse::{Accel, Scratch};
+use rayreel_tracer::traverse::{TraversalBvh, TraversalScratch};
+use rayreel_tracer::{Built, build};
 use support::{Random, builtin, shared_models};
 
 /// Rays per scene.
@@ -66,8 +67,8 @@ impl Brute {
     }
 }
 
-/// Whether the line of a ray of unit direction may touch a sphere. The slack, 0.3 % of the distance, is far above any rounding
-/// of the intersection test or of this one.
+/// Whether the line of a ray of unit direction may touch a sphere. The slack, 0.3 % of the distance, is far above any
+/// rounding of the intersection test or of this one.
 fn near(ray: &Ray, centre: Vec3, radius2: f32) -> bool {
     let to = centre - ray.origin;
     let (along, length2) = (to.dot(ray.direction), to.dot(to));
@@ -78,8 +79,8 @@ fn every(_: &Ray, _: Vec3, _: f32) -> bool {
     true
 }
 
-/// From inside or around the scene: anywhere, at a point of the bounds, at a vertex, at the middle of an edge. A quarter of the
-/// rays run along one axis or in one of its planes, where slabs are degenerate.
+/// From inside or around the scene: anywhere, at a point of the bounds, at a vertex, at the middle of an edge. A
+/// quarter of the rays run along one axis or in one of its planes, where slabs are degenerate.
 fn random_ray(random: &mut Random, built: &Built) -> Ray {
     let Aabb { min, max } = built.bvh.bounds();
     let slack = (max - min) * random.range(0.0, 1.5);
@@ -115,8 +116,8 @@ enum Found {
     Excused,
 }
 
-/// Whether `t` is further than 16 units in the last place from where the ray meets the plane of a triangle, found in `f64`:
-/// then the ray runs so nearly along the plane that the box, which is exact, can lie elsewhere than the hit.
+/// Whether `t` is further than 16 units in the last place from where the ray meets the plane of a triangle, found in
+/// `f64`: then the ray runs so nearly along the plane that the box, which is exact, can lie elsewhere than the hit.
 fn edge_on(ray: &Ray, corners: [Vec3; 3], t: f32) -> bool {
     let of = |v: Vec3| v.to_array().map(f64::from);
     let sub = |a: [f64; 3], b: [f64; 3]| [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
@@ -130,9 +131,15 @@ fn edge_on(ray: &Ray, corners: [Vec3; 3], t: f32) -> bool {
 }
 
 /// What is wrong with one ray, if anything.
-fn check(ray: &Ray, brute: &Brute, accel: &Accel, scratch: &mut Scratch, random: &mut Random) -> Result<Found, String> {
+fn check(
+    ray: &Ray,
+    brute: &Brute,
+    traversal: &TraversalBvh,
+    scratch: &mut TraversalScratch,
+    random: &mut Random,
+) -> Result<Found, String> {
     let want = brute.closest(ray, near);
-    let found = accel.closest::<false>(ray, scratch, |_, _, _| false).map(|hit| (hit.triangle, hit.t));
+    let found = traversal.closest_hit::<false>(ray, scratch, |_, _, _| false).map(|hit| (hit.triangle, hit.t));
     let t = |hit: Option<(u32, f32)>| hit.map(|(_, t)| t.to_bits());
     if want.is_some_and(|(triangle, t)| edge_on(ray, brute.corners[triangle as usize], t)) {
         // Seen edge-on, a triangle is met at a distance that is wrong by itself; counted, and only few may be.
@@ -142,13 +149,14 @@ fn check(ray: &Ray, brute: &Brute, accel: &Accel, scratch: &mut Scratch, random:
         let ulps = want.zip(found).map(|(a, b)| i64::from(b.1.to_bits()) - i64::from(a.1.to_bits()));
         return Err(format!("closest: brute force {want:?}, BVH {found:?}, {ulps:?} ulps, {ray:?}"));
     }
-    // A shadow ray that ends before, at, or behind the closest hit, or somewhere else. Not closer behind it: on a triangle seen
-    // nearly edge-on `t` can be so far off that the box, which is exact, starts behind the end of the ray.
+    // A shadow ray that ends before, at, or behind the closest hit, or somewhere else. Not closer behind it: on a
+    // triangle seen nearly edge-on `t` can be so far off that the box, which is exact, starts behind the end of the
+    // ray.
     let scale = [0.5, 1.0, 1.000_1, 2.0][random.below(4)];
     let t_max = want.map_or(random.unit() * 10.0, |(_, t)| t * scale);
     let short = Ray { t_max, ..*ray };
     let want_any = brute.closest(&short, near).is_some();
-    let found_any = accel.any::<false>(&short, scratch, |_, _, _| false);
+    let found_any = traversal.any_hit::<false>(&short, scratch, |_, _, _| false).is_some();
     if want_any != found_any {
         return Err(format!("any: brute force {want_any}, BVH {found_any}, {short:?}, closest {want:?}"));
     }
@@ -158,19 +166,19 @@ fn check(ray: &Ray, brute: &Brute, accel: &Accel, scratch: &mut Scratch, random:
 fn check_scene(name: &str, scene: &Scene) -> Vec<String> {
     let start = std::time::Instant::now();
     let built = build(scene).unwrap_or_else(|e| panic!("{name}: {e}"));
-    let (brute, accel) = (Brute::new(&built), Accel::new(&built.bvh));
+    let (brute, traversal) = (Brute::new(&built), TraversalBvh::new(&built.bvh));
     for seed in 0..RAYS_BARE as u64 {
         let ray = random_ray(&mut Random(seed << 20), &built);
-        assert_eq!(brute.closest(&ray, near), brute.closest(&ray, every), "{name}: the test's own cull, {ray:?}");
+        assert_eq!(brute.closest(&ray, near), brute.closest(&ray, every), "{name}: the cull of this test, {ray:?}");
     }
     let small = brute.corners.len() <= SMALL || std::env::var_os("RAYREEL_LONG").is_some();
     let rays = if small { RAYS } else { RAYS_ON_LARGE };
-    let run = |scratch: &mut Scratch, seed: usize| {
+    let run = |scratch: &mut TraversalScratch, seed: usize| {
         let mut random = Random((seed as u64) << 20);
         let ray = random_ray(&mut random, &built);
-        check(&ray, &brute, &accel, scratch, &mut random)
+        check(&ray, &brute, &traversal, scratch, &mut random)
     };
-    let results: Vec<_> = (0..rays).into_par_iter().map_init(Scratch::default, run).collect();
+    let results: Vec<_> = (0..rays).into_par_iter().map_init(TraversalScratch::default, run).collect();
     let count = |found| results.iter().filter(|r| **r == Ok(found)).count();
     let (hits, excused) = (count(Found::Hit), count(Found::Excused));
     let wrong: Vec<String> = results.into_iter().filter_map(Result::err).map(|e| format!("{name}: {e}")).collect();

@@ -17,8 +17,8 @@ fn wide(v: Vec3) -> DVec3 {
     DVec3::from(v.to_array().map(f64::from))
 }
 
-/// A ray that meets a random triangle of ordinary shape somewhere inside, and its surface there; `bend` is how far shading
-/// normals lean away from the face.
+/// A ray that meets a random triangle of ordinary shape somewhere inside, and its surface there; `bend` is how far
+/// shading normals lean away from the face.
 fn meeting(random: &mut Random, bend: f32) -> (Ray, Surface) {
     loop {
         let scale = [0.01, 1.0, 300.0][random.below(3)];
@@ -65,7 +65,8 @@ fn surfaces_face_the_ray() {
     }
 }
 
-/// Angle of incidence is angle of reflection, in one plane; with bent normals at least the ray leaves on its own side.
+/// Angle of incidence is angle of reflection, in one plane; with bent normals at least the ray leaves on the side it
+/// came from.
 #[test]
 fn reflections_obey_the_law_and_leave_on_the_near_side() {
     for seed in 0..CASES {
@@ -81,7 +82,8 @@ fn reflections_obey_the_law_and_leave_on_the_near_side() {
     }
 }
 
-/// What Snell's law gives in `f64`: the direction, or `None` at total reflection; `k` is the squared cosine on the far side.
+/// What Snell's law gives in `f64`: the direction, or `None` at total reflection; `k` is the squared cosine on the
+/// far side.
 fn snell(direction: DVec3, normal: DVec3, eta: f64) -> (f64, DVec3) {
     let cosine = -direction.dot(normal);
     let k = 1.0 - eta * eta * (1.0 - cosine * cosine);

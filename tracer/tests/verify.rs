@@ -79,12 +79,12 @@ const TAMPERS: [(&str, Tamper); 13] = [
     ("a step", |tile, _, node, random| {
         let rays = 1 + tile.tree.nodes[node].shadows.count() as usize;
         let ray = tile.tree.ray_index()[node] as usize + random.below(rays);
-        // A copy of its own: rays may share their steps.
-        let own = tile.paths.ray(ray).to_vec();
-        let at = random.below(own.len());
+        // A copy, because rays may share their steps.
+        let copy = tile.paths.ray(ray).to_vec();
+        let at = random.below(copy.len());
         tile.paths.spans[ray].0 = tile.paths.steps.len() as u32;
-        tile.paths.steps.extend_from_slice(&own);
-        let step = tile.paths.steps.len() - own.len() + at;
+        tile.paths.steps.extend_from_slice(&copy);
+        let step = tile.paths.steps.len() - copy.len() + at;
         tile.paths.steps[step] = (tile.paths.steps[step] + 1 + random.below(9) as u8) % 10;
         true
     }),

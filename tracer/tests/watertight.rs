@@ -1,7 +1,9 @@
-//! No ray leaves a closed mesh without a hit: not in any direction, not at the middle of an edge, not at any point of one.
+//! No ray leaves a closed mesh without a hit: not in any direction, not at the middle of an edge, not at any point of
+//! one.
 //!
-//! Edge tests agree between the two triangles of an edge, but not all round a vertex: of the rays aimed at the very corner of a
-//! mesh, to the last bit, a few in a thousand find every edge on its wrong side and slip through. The test bounds their number.
+//! Edge tests agree between the two triangles of an edge, but not all round a vertex: of the rays aimed at the very
+//! corner of a mesh, to the last bit, a few in a thousand find every edge on its wrong side and slip through. The
+//! test bounds their number.
 
 mod support;
 
@@ -12,8 +14,8 @@ use rayreel_formats::intersect::intersect;
 use rayreel_formats::math::{Vec3, vec3};
 use rayreel_formats::rays::Ray;
 use rayreel_scenes::{Mesh, Scene};
-use rayreel_tracer::accel::build;
-use rayreel_tracer::traverse::{Accel, Scratch};
+use rayreel_tracer::build;
+use rayreel_tracer::traverse::{TraversalBvh, TraversalScratch};
 use support::{Random, builtin};
 
 const RAYS: usize = 100_000;
@@ -77,7 +79,7 @@ fn assert_watertight(name: &str, scene: &Scene) {
     let corners = corners(scene);
     assert!(is_closed(&corners), "{name} is not closed: choose another object");
     let built = build(scene).unwrap_or_else(|e| panic!("{name}: {e}"));
-    let accel = Accel::new(&built.bvh);
+    let traversal = TraversalBvh::new(&built.bvh);
     let bounds = built.bvh.bounds();
     let mut random = Random(1);
     let mut inside = Vec::new();
@@ -88,18 +90,19 @@ fn assert_watertight(name: &str, scene: &Scene) {
         }
     }
     assert!(inside.len() > 50, "{name}: {} points inside", inside.len());
-    let run = |scratch: &mut Scratch, seed: usize| {
+    let run = |scratch: &mut TraversalScratch, seed: usize| {
         let mut random = Random((seed as u64) << 20);
         let origin = inside[seed % inside.len()];
         let (direction, at_vertex) = direction(&mut random, &corners, origin);
         let ray = Ray { origin, direction, t_max: f32::MAX };
-        let hit = accel.closest::<false>(&ray, scratch, |_, _, _| false);
-        let any = accel.any::<false>(&ray, scratch, |_, _, _| false);
+        let hit = traversal.closest_hit::<false>(&ray, scratch, |_, _, _| false);
+        let any = traversal.any_hit::<false>(&ray, scratch, |_, _, _| false).is_some();
         // What the BVH loses is never forgiven.
         let lost = || corners.iter().any(|&c| intersect(&ray, c, ray.t_max).is_some());
         (hit.is_none() || !any).then(|| (ray, at_vertex && !lost()))
     };
-    let escaped: Vec<(Ray, bool)> = (0..RAYS).into_par_iter().map_init(Scratch::default, run).flatten().collect();
+    let escaped: Vec<(Ray, bool)> =
+        (0..RAYS).into_par_iter().map_init(TraversalScratch::default, run).flatten().collect();
     let (at_vertex, others): (Vec<_>, Vec<_>) = escaped.into_iter().partition(|&(_, at_vertex)| at_vertex);
     let (triangles, points, slips) = (corners.len(), inside.len(), at_vertex.len());
     eprintln!("{name}: {triangles} triangles, {points} points inside, {} escapes, {slips} at vertices", others.len());

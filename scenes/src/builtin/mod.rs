@@ -1,33 +1,13 @@
 //! The built-in scenes, generated at run time.
 
 mod car;
-mod car_body;
-mod car_cabin;
-mod car_details;
-mod car_interior;
-mod car_plaza;
-mod car_shell;
-mod car_wheel;
 mod chess;
-mod chessmen;
 mod cornell;
-mod knight;
 mod lab;
-mod lab_apparatus;
-mod lab_furniture;
-mod lab_glassware;
-mod lab_metal;
-mod lab_room;
-mod lab_stock;
-mod lab_things;
-mod newell;
 mod provence;
 mod teapot;
 
-use crate::{
-    error::{SceneError, hint},
-    scene::Scene,
-};
+use crate::{error::SceneError, names::hint, scene::Scene};
 
 /// The names that [`builtin()`] knows.
 #[must_use]
@@ -47,9 +27,9 @@ pub fn builtin(name: &str) -> Result<Scene, SceneError> {
         "lab" => lab::scene(),
         "provence" => provence::scene(),
         "teapot" => teapot::scene(),
-        _ => Err(SceneError::UnknownScene {
-            name: name.to_owned(),
-            hint: hint(name, builtin_names(), "built-in scenes"),
+        _ => Err(SceneError::Usage {
+            what: format!("no scene is called `{name}`"),
+            fix: hint(name, builtin_names(), "built-in scenes"),
         }),
     }
 }

@@ -15,7 +15,7 @@ pub fn rectangle(corner: DVec3, along: DVec3, up: DVec3) -> Part {
     }
 }
 
-/// A closed box between two corners, each face with its own texture coordinates.
+/// A closed box between two corners, the texture repeated on each face.
 #[must_use]
 pub fn block(low: DVec3, high: DVec3) -> Part {
     let d = high - low;

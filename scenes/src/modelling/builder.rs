@@ -5,10 +5,9 @@ use glam::{Vec2, Vec3};
 use crate::{
     defaults,
     error::SceneError,
-    mesh_join::MeshJoin,
+    mesh::{MeshJoin, normals},
     modelling::{part::Part, scatter::Cluster},
-    normals,
-    scene::{Camera, Light, Material, Mesh, Optics, Scene, Texture, Triangle},
+    scene::{Camera, Light, Material, Mesh, Optics, Scene, Sky, Texture, Triangle},
 };
 
 /// A scene under construction.
@@ -77,13 +76,13 @@ impl SceneBuilder {
     }
 
     /// Adds an object made of a cluster, whose normals stay as they are.
-    pub fn cluster(&mut self, name: &str, cluster: &Cluster, material: u32) {
+    pub(crate) fn cluster(&mut self, name: &str, cluster: &Cluster, material: u32) {
         self.scene.objects.push(name.to_owned());
         self.scatter(cluster, material);
     }
 
     /// Adds a cluster to the last object.
-    pub fn scatter(&mut self, cluster: &Cluster, material: u32) {
+    pub(crate) fn scatter(&mut self, cluster: &Cluster, material: u32) {
         let mesh = &mut self.scene.mesh;
         let base = mesh.positions.len() as u32;
         let object = self.scene.objects.len().saturating_sub(1) as u32;
@@ -108,7 +107,7 @@ impl SceneBuilder {
 
     /// Sets the sky from zenith, horizon and ground colours.
     pub fn sky(&mut self, zenith: [f32; 3], horizon: [f32; 3], ground: [f32; 3], ambient: f32) {
-        self.scene.sky = crate::Sky { zenith: zenith.into(), horizon: horizon.into(), ground: ground.into(), ambient };
+        self.scene.sky = Sky { zenith: zenith.into(), horizon: horizon.into(), ground: ground.into(), ambient };
     }
 
     /// Finishes the scene with its cameras.
@@ -125,7 +124,7 @@ impl SceneBuilder {
 /// A dull material.
 #[must_use]
 pub fn matte(name: &str, diffuse: [f32; 3]) -> Material {
-    Material { diffuse: diffuse.into(), ..crate::mtl::default_material(name) }
+    Material { diffuse: diffuse.into(), ..defaults::default_material(name) }
 }
 
 /// A polished material that mirrors by Fresnel with `f0` head-on.

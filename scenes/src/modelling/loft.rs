@@ -62,7 +62,7 @@ pub fn loft(sections: &[Section], segments: usize, shape: impl Fn(usize, f64, DV
     let count = sections.len();
     let cap = |s: &Section| ((s.back + s.front) / 2.0).extend(0.0);
     Part::grid(count + 2, segments, true, |row, column| {
-        // Clockwise from above is counter-clockwise for the skin's front, as in `lathe`.
+        // Columns run clockwise seen from above, so that the front of the grid is the outside, as in `lathe`.
         let angle = -std::f64::consts::TAU * column as f64 / segments as f64;
         match row {
             0 => cap(&sections[0]),

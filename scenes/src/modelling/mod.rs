@@ -1,23 +1,23 @@
 //! Shapes for the built-in scenes: parts made of grids, put together by a builder.
 //!
 //! Everything is computed in `f64` with `libm` and rounded once, so that the built-in scenes are
-//! the same bytes on every machine.
+//! the same bytes on every machine. What tests build their scenes from is public, the rest is not.
 
-pub mod backdrop;
+pub(crate) mod backdrop;
 pub mod block;
 pub mod builder;
-pub mod curve;
+pub(crate) mod curve;
 pub mod lathe;
-pub mod loft;
-pub mod paint;
+pub(crate) mod loft;
+pub(crate) mod paint;
 pub mod part;
-pub mod patch;
+pub(crate) mod patch;
 pub mod profile;
-pub mod rounded;
-pub mod scatter;
-pub mod slab;
-pub mod sweep;
-pub mod tube;
+pub(crate) mod rounded;
+pub(crate) mod scatter;
+pub(crate) mod slab;
+pub(crate) mod sweep;
+pub(crate) mod tube;
 pub mod vessel;
 
 pub use builder::SceneBuilder;

@@ -20,8 +20,8 @@ pub fn paint(name: &str, side: u32, colour: impl Fn(f64, f64) -> DVec3) -> Textu
     Texture { name: name.to_owned(), width: side, height: side, texels }
 }
 
-/// Linear to 8-bit sRGB, rounded to the nearest code: the number of codes' lower bounds that `linear` reaches.
-/// Three powers a texel would take longer than the rest of a scene.
+/// Linear to 8-bit sRGB, rounded to the nearest code. Looked up in a table of the codes' lower bounds, because three
+/// powers a texel would take longer than the rest of a scene.
 fn encode(linear: f64) -> u8 {
     static BOUNDS: LazyLock<[f64; 255]> = LazyLock::new(|| std::array::from_fn(|i| decode((i as f64 + 0.5) / 255.0)));
     BOUNDS.partition_point(|bound| *bound <= linear) as u8
@@ -91,12 +91,12 @@ fn hash(x: u32, y: u32, seed: u32) -> f64 {
 pub fn wood(u: f64, v: f64, planks: f64, dark: DVec3, pale: DVec3) -> DVec3 {
     let plank = libm::floor(v * planks);
     let within = v * planks - plank;
-    let own = hash(plank as i64 as u32, 7, 11);
+    let shade = hash(plank as i64 as u32, 7, 11);
     // Long grain: noise stretched along the plank, bent by slower noise.
-    let bend = cloud(u * 2.0 + own * 31.0, v * planks * 0.6, 3, 3);
-    let rings = 0.5 + 0.5 * libm::sin((within * 5.0 + bend * 9.0 + own * 6.0) * 3.1);
-    let grain = cloud(u * 9.0 + own * 17.0, v * planks * 34.0, 3, 5);
-    let mix = (0.45 * rings + 0.4 * grain + 0.3 * own).clamp(0.0, 1.0);
+    let bend = cloud(u * 2.0 + shade * 31.0, v * planks * 0.6, 3, 3);
+    let rings = 0.5 + 0.5 * libm::sin((within * 5.0 + bend * 9.0 + shade * 6.0) * 3.1);
+    let grain = cloud(u * 9.0 + shade * 17.0, v * planks * 34.0, 3, 5);
+    let mix = (0.45 * rings + 0.4 * grain + 0.3 * shade).clamp(0.0, 1.0);
     let edge = within.min(1.0 - within);
     let joint = (edge / 0.012).clamp(0.0, 1.0) * 0.55 + 0.45;
     (dark + (pale - dark) * mix) * joint

@@ -2,7 +2,7 @@
 
 use glam::{DVec2, DVec3};
 
-use crate::normals::CREASE_COS;
+use crate::mesh::normals::CREASE_COS;
 
 /// Triangles under construction. Normals come later, from the crease angle.
 #[derive(Clone, Debug)]

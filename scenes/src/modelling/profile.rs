@@ -35,8 +35,7 @@ pub fn sample(knots: &[Knot], step: f64) -> Vec<DVec2> {
         let (a, b) = (knots[i - 1], knots[i]);
         let straight = a.sharp && b.sharp;
         let pieces = if straight { 1 } else { libm::ceil((b.point - a.point).length() / step).max(1.0) as usize };
-        // At a corner the neighbour beyond it must not pull on the curve: reflect the other end
-        // instead.
+        // The neighbour beyond a corner must not bend the curve: the other end, mirrored at the corner, replaces it.
         let before = if a.sharp || i < 2 { a.point * 2.0 - b.point } else { knots[i - 2].point };
         let after = if b.sharp || i + 1 >= knots.len() { b.point * 2.0 - a.point } else { knots[i + 1].point };
         for piece in 1..pieces {

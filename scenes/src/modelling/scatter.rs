@@ -1,13 +1,13 @@
 //! Many small things: a cluster of triangles with ready normals, stamped again and again.
 //!
-//! [`Part`] finds its normals from creases, which is right for a handful of solids and slow and wrong
-//! for half a million leaves: a leaf is lit like the crown it sits on, not like a loose sheet.
+//! A [`Part`] gets its normals from its creases. That suits a handful of solids. For half a million leaves it is slow,
+//! and wrong: a leaf is lit like the crown it sits on, not like a loose sheet.
 
 use glam::{DAffine3, DMat3, DVec2, DVec3, Vec3};
 
 use crate::{
+    mesh::normals,
     modelling::part::{Part, sin_cos},
-    normals,
 };
 
 /// A sequence of numbers from an integer hash; the same on every machine.
@@ -17,7 +17,7 @@ pub struct Rng {
 }
 
 impl Rng {
-    /// A sequence of its own per seed.
+    /// Starts the sequence of a seed.
     #[must_use]
     pub fn new(seed: u32) -> Self {
         Self { state: seed.wrapping_mul(0x9E37_79B1) ^ 0x5BD1_E995 }

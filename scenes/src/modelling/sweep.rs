@@ -33,7 +33,7 @@ pub fn ring(path: &[DVec3], up: DVec3, radii: DVec2, sides: usize) -> Part {
 fn around(tangent: DVec3, up: DVec3, radii: DVec2, column: usize, sides: usize) -> DVec3 {
     let side = tangent.cross(up).normalize_or_zero();
     let up = side.cross(tangent).normalize_or_zero();
-    // From `up` to `side` is right-handed about the path, as the front of a grid wants.
+    // Turning from `up` to `side` is right-handed about the path: so the front of the grid is the outside.
     let (sin, cos) = sin_cos(std::f64::consts::TAU * (column as f64 + 0.5) / sides as f64);
     up * (cos * radii.y) + side * (sin * radii.x)
 }

@@ -57,7 +57,7 @@ pub fn rounded(points: &[DVec3], reach: f64, pieces: usize) -> Vec<DVec3> {
 }
 
 /// Two directions across the path at each station, carried along without twist; the first cross the second is the
-/// path's own direction.
+/// direction of the path.
 fn frames(path: &[DVec3]) -> Vec<(DVec3, DVec3)> {
     let last = path.len() - 1;
     let mut across = DVec3::ZERO;

@@ -1,10 +1,10 @@
 //! Glass vessels of revolution with walls and contents.
 //!
-//! Where a vessel is wet, wall and liquid are one body: air meets the outside of the wall, and behind it there is liquid
-//! at once. Thin glass between air and liquid only shifts a ray by less than its thickness, and the indices of glass
-//! and liquid lie close together, so the picture is that of the real thing; but a ray crosses two surfaces, not four or
-//! six, and a tree of four bounces sees what stands behind. There are no coincident faces and no gap, hence no total
-//! reflection in a film of air that is not there.
+//! Where a vessel is wet, wall and liquid are one body: air meets the outside of the wall, and behind it there is
+//! liquid at once. Thin glass between air and liquid only shifts a ray by less than its thickness, and the indices of
+//! glass and liquid lie close together, so the picture is that of the real thing; but a ray crosses two surfaces, not
+//! four or six, and a tree of four bounces sees what stands behind. There are no coincident faces and no gap, hence
+//! no total reflection in a film of air that is not there.
 
 use glam::{DVec2, DVec3};
 
@@ -17,7 +17,7 @@ use crate::modelling::{
 
 /// How far the liquid climbs up the wall, and how far from it the surface is flat.
 const MENISCUS: DVec2 = DVec2::new(0.07, 0.035);
-/// Profile points nearer than this to the liquid's edge give way to it: no sliver triangles.
+/// Profile points nearer than this to the edge of the liquid are left out, so that no sliver triangles arise.
 const MERGE: f64 = 0.012;
 
 /// A vessel open at the top, standing on y = 0.

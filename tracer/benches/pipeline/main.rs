@@ -6,9 +6,10 @@
 //! cargo bench -p rayreel-tracer --bench pipeline -- --size 512x256 chess teapot
 //! ```
 //!
-//! Scenes are the built-in ones and, where `../shared/scenes` is there, those of its `cameras.json`. Speeds are the best of
-//! several runs that take turns (plain tracing, recording, capture), so the ratios hold on a noisy machine. "plain" is tracing
-//! and shading without recording; "recorded" adds paths in memory; "capture" adds coding, without the disk.
+//! Scenes are the built-in ones and, where `../shared/scenes` is there, those of its `cameras.json`. Speeds are the
+//! best of several rounds of plain tracing, recording and capture in turn, so the ratios hold on a noisy machine.
+//! "plain" is tracing and shading without recording; "recorded" adds paths in memory; "capture" adds coding, without
+//! the disk.
 
 mod scenes;
 
@@ -21,8 +22,7 @@ use rayreel_formats::scene::{Camera, Meta};
 use rayreel_formats::tile::{Column, Tile};
 use rayreel_formats::trace::{Codec, Scratch, TileCodec};
 use rayreel_scenes::Scene;
-use rayreel_tracer::capture::{Grid, meta};
-use rayreel_tracer::{Settings, Tracer, build, convert};
+use rayreel_tracer::{SampleGrid, TraceSettings, Tracer, build, convert};
 
 const ROUNDS: usize = 3;
 
@@ -108,9 +108,9 @@ impl Frame<'_> {
 fn bench(name: &str, scene: &Scene, frame: usize, arguments: &Arguments) {
     let built = build(scene).expect("bvh");
     let (width, height) = arguments.size;
-    let grid = Grid { width, height, samples: 2, tile: 32, first_frame: 0, frames: 1 };
-    let meta = meta(scene, grid, Settings::default(), "bench");
-    let tracer = Tracer::new(scene, &built, Settings::default());
+    let grid = SampleGrid { width, height, samples: 2, tile: 32, first_frame: 0, frames: 1 };
+    let meta = grid.meta(scene, TraceSettings::default(), "bench");
+    let tracer = Tracer::new(scene, &built, TraceSettings::default());
     let (columns, rows) = meta.grid();
     let camera = convert::camera(&scene.cameras[frame], columns, rows);
     let topology = Topology::new(&built.bvh);

@@ -1,6 +1,6 @@
 //! What the tests of this crate share: a generator of random numbers and the scenes to run on.
 
-#![allow(dead_code, reason = "each test binary uses its own part of this")]
+#![allow(dead_code, reason = "no test binary uses all of this")]
 
 pub mod cutout;
 pub mod recorded;

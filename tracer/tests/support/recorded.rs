@@ -8,12 +8,11 @@ use rayreel_formats::scene::Meta;
 use rayreel_formats::tile::{Column, Tile};
 use rayreel_formats::trace::{Codec, Scratch, TileCodec, Trace, TraceWriter};
 use rayreel_scenes::Scene;
-use rayreel_tracer::Settings;
-use rayreel_tracer::accel::{Built, build};
-use rayreel_tracer::capture::{Grid, Outcome, Output, capture, meta};
+use rayreel_tracer::capture::capture;
+use rayreel_tracer::{Built, CaptureOutcome, CaptureOutput, SampleGrid, TraceSettings, build};
 use tempfile::TempDir;
 
-/// A trace in a folder of its own.
+/// A trace, in a folder that goes with it.
 pub struct Recorded {
     pub trace: Trace,
     _folder: TempDir,
@@ -28,18 +27,18 @@ fn open(folder: TempDir, path: &Path) -> Recorded {
 }
 
 /// A sample grid of one frame.
-pub fn grid(width: u32, height: u32, samples: u32, tile: u32) -> Grid {
-    Grid { width, height, samples, tile, first_frame: 0, frames: 1 }
+pub fn grid(width: u32, height: u32, samples: u32, tile: u32) -> SampleGrid {
+    SampleGrid { width, height, samples, tile, first_frame: 0, frames: 1 }
 }
 
-pub fn record(scene: &Scene, grid: Grid, max_depth: u32, codec: Codec) -> Recorded {
+pub fn record(scene: &Scene, grid: SampleGrid, max_depth: u32, codec: Codec) -> Recorded {
     let built: Built = build(scene).expect("a tree");
-    let meta: Meta = meta(scene, grid, Settings { max_depth, ..Settings::default() }, "test");
+    let meta: Meta = grid.meta(scene, TraceSettings { max_depth, ..TraceSettings::default() }, "test");
     let folder = folder();
     let path = folder.path().join("trace.rtrace");
-    let output = Output { path: path.clone(), codec, level: 1, resume: false };
+    let output = CaptureOutput { path: path.clone(), codec, level: 1, resume: false };
     let outcome = capture(scene, &built, &meta, &output, |_| true).expect("it captures");
-    assert!(matches!(outcome, Outcome::Finished(_)));
+    assert!(matches!(outcome, CaptureOutcome::Finished(_)));
     open(folder, &path)
 }
 
@@ -49,7 +48,8 @@ pub fn tiles(trace: &Trace) -> Vec<Tile> {
     numbers.map(|(frame, tile)| trace.tile(frame, tile, &Column::ALL).expect("it decodes")).collect()
 }
 
-/// The same trace with other tiles, coded plainly: that codec takes any steps.
+/// The same trace with other tiles. They are coded plainly, because the context codec codes only paths that fit the
+/// tree.
 pub fn rewrite(trace: &Trace, tiles: &[Tile]) -> Recorded {
     let folder = folder();
     let path = folder.path().join("changed.rtrace");

@@ -20,7 +20,7 @@ const ROW: f64 = 1.75;
 /// Distance of bushes in a row.
 const BUSH: f64 = 0.72;
 
-/// Lavender in rows that run south; near the path every spike is there.
+/// Lavender in rows that run south; near the flight every spike of a bush is modelled.
 pub fn lavender(out: &mut SceneBuilder, m: &Materials) {
     let mut rng = Rng::new(101);
     let near: Vec<Cluster> = (0..4).map(|i| plants::lavender(34, 110 + i)).collect();

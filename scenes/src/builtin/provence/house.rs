@@ -1,71 +1,20 @@
 //! Stone houses: walls with openings, quoins and dressed surrounds.
 
-use glam::{DAffine3, DMat3, DVec2, DVec3};
+use glam::{DVec2, DVec3};
 
 use crate::{
-    builtin::provence::{joinery, materials::Materials, roof},
+    builtin::provence::{
+        joinery,
+        materials::Materials,
+        plan::{Closing, House, Opening, REVEAL},
+        roof,
+    },
     modelling::{
         Part, SceneBuilder,
         block::{bevelled, block, rectangle},
-        scatter::{Cluster, Rng, upright},
+        scatter::{Rng, upright},
     },
 };
-
-/// How deep a window or door stands back in the wall.
-pub const REVEAL: f64 = 0.28;
-
-/// What closes an opening.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Closing {
-    /// A glazed window with shutters beside it.
-    Window,
-    /// A wooden door.
-    Door,
-}
-
-/// A hole in a wall: centre, sill, width, height in metres.
-#[derive(Clone, Copy, Debug)]
-pub struct Opening {
-    /// Centre along the wall.
-    pub x: f64,
-    /// Height of the sill.
-    pub y: f64,
-    /// Width.
-    pub width: f64,
-    /// Height.
-    pub height: f64,
-    /// What closes it.
-    pub closing: Closing,
-}
-
-/// A window.
-#[must_use]
-pub const fn window(x: f64, y: f64, width: f64, height: f64) -> Opening {
-    Opening { x, y, width, height, closing: Closing::Window }
-}
-
-/// A door.
-#[must_use]
-pub const fn door(x: f64, width: f64, height: f64) -> Opening {
-    Opening { x, y: 0.0, width, height, closing: Closing::Door }
-}
-
-/// A house under a gabled roof whose ridge runs along its width.
-#[derive(Clone, Debug)]
-pub struct House {
-    /// Name of its objects.
-    pub name: &'static str,
-    /// Middle of the floor.
-    pub at: DVec3,
-    /// Turn about the vertical axis; the front faces south at 0.
-    pub degrees: f64,
-    /// Width, height of the eaves, depth.
-    pub size: DVec3,
-    /// Rise of the ridge over the eaves.
-    pub rise: f64,
-    /// Openings of front, right, back and left wall.
-    pub openings: [Vec<Opening>; 4],
-}
 
 /// Adds a house.
 pub fn add(out: &mut SceneBuilder, m: &Materials, house: &House, rng: &mut Rng) {
@@ -94,7 +43,7 @@ pub fn add(out: &mut SceneBuilder, m: &Materials, house: &House, rng: &mut Rng) 
     roof::add(out, m, house, &frame, rng);
 }
 
-/// Brings a part of the front wall (x along the wall, the wall's face at z = 0) to one of the sides.
+/// Moves a part from the front wall (x along the wall, the face of the wall at z = 0) to wall number `side`.
 fn turned(side: usize, part: Part, size: DVec3) -> Part {
     let depth = if side.is_multiple_of(2) { size.z } else { size.x };
     part.at(0.0, 0.0, depth / 2.0).turned(90.0 * side as f64)
@@ -204,19 +153,4 @@ pub fn chimney(at: DVec3, height: f64) -> Part {
     let tall = bevelled(at - DVec3::new(0.42, 1.4, 0.32), at + DVec3::new(0.42, height, 0.32), 0.03);
     let cap = bevelled(at + DVec3::new(-0.52, height, -0.42), at + DVec3::new(0.52, height + 0.1, 0.42), 0.03);
     tall.with(cap)
-}
-
-/// A frame on a slope: `along` the eave, `up` the slope, `out` of it.
-#[must_use]
-pub fn on_slope(at: DVec3, along: DVec3, up: DVec3, scale: f64) -> DAffine3 {
-    let out = along.cross(up);
-    DAffine3::from_mat3_translation(DMat3::from_cols(along * scale, out * scale, -up * scale), at)
-}
-
-/// A cluster of one part, in the house's frame.
-#[must_use]
-pub fn framed(part: &Part, frame: &DAffine3) -> Cluster {
-    let mut out = Cluster::default();
-    out.stamp(&Cluster::of(part), frame, DVec2::ZERO);
-    out
 }

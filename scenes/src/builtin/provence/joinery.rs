@@ -4,8 +4,8 @@ use glam::DVec3;
 
 use crate::{
     builtin::provence::{
-        house::{Opening, REVEAL},
         materials::Materials,
+        plan::{Opening, REVEAL},
     },
     modelling::{
         Part, SceneBuilder,

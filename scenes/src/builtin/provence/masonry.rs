@@ -50,7 +50,7 @@ pub fn wall(out: &mut SceneBuilder, m: &Materials) {
             let scale = DVec3::new(width * 1.05, tall * rng.between(1.0, 1.1), depth);
             let place = upright(ground(at.x, at.y) + DVec3::Y * y, degrees, scale);
             wall.stamp(&stones[rng.pick(stones.len())], &place, DVec2::new(rng.unit(), 0.0));
-            // The road's parameter is no length: a small step tells how fast it runs here.
+            // The parameter of the road is no length. A small step along it tells how many metres one unit is here.
             let speed = (land::road(t + 1e-3).0 - p).length() / 1e-3;
             t += width / speed;
         }

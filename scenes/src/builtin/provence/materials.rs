@@ -159,10 +159,10 @@ fn paving() -> Texture {
         let (mut near, mut next, mut tone) = (f64::MAX, f64::MAX, 0.0);
         for k in 0..25 {
             let c = cell + DVec2::new(f64::from(k % 5) - 2.0, f64::from(k / 5) - 2.0);
-            let own = |seed: u32| paint::noise((c.x + CELLS) % CELLS * 3.0, (c.y + CELLS) % CELLS * 3.0, seed);
-            let away = (c + DVec2::new(own(18), own(19)) * 0.8 + 0.1 - p).length();
+            let chance = |seed: u32| paint::noise((c.x + CELLS) % CELLS * 3.0, (c.y + CELLS) % CELLS * 3.0, seed);
+            let away = (c + DVec2::new(chance(18), chance(19)) * 0.8 + 0.1 - p).length();
             if away < near {
-                (next, near, tone) = (near, away, own(20));
+                (next, near, tone) = (near, away, chance(20));
             } else {
                 next = next.min(away);
             }
@@ -180,11 +180,11 @@ fn rubble() -> Texture {
         let bent = |s: f64, t: f64, seed: u32| 0.016 * (paint::cloud(s * 22.0, t * 22.0, 2, seed) - 0.5);
         let (x, y) = (u + bent(u, v, 81), (v + bent(u, v, 82)) * ROWS);
         let row = libm::floor(y);
-        let own = |k: f64, seed: u32| paint::noise(k * 3.0, (row + ROWS) % ROWS * 5.0, seed);
+        let chance = |k: f64, seed: u32| paint::noise(k * 3.0, (row + ROWS) % ROWS * 5.0, seed);
         // Stones of a row are cut at uneven places.
-        let count = 6.0 + libm::floor(own(0.0, 83) * 4.0);
-        let s = x * count + own(1.0, 84) * 3.0;
-        let cut = |k: f64| k + 0.55 * (own((k + count) % count + 7.0, 85) - 0.5);
+        let count = 6.0 + libm::floor(chance(0.0, 83) * 4.0);
+        let s = x * count + chance(1.0, 84) * 3.0;
+        let cut = |k: f64| k + 0.55 * (chance((k + count) % count + 7.0, 85) - 0.5);
         let mut k = libm::floor(s);
         if s < cut(k) {
             k -= 1.0;
@@ -194,8 +194,8 @@ fn rubble() -> Texture {
         let (left, right) = (cut(k), cut(k + 1.0));
         let gap = DVec2::new((s - left).min(right - s) / count * ROWS, (y - row).min(1.0 - (y - row)));
         let joint = smooth(0.03, 0.13, gap.min_element());
-        let tone = own((k + count) % count + 3.0, 86);
-        let warm = own((k + count) % count + 19.0, 87);
+        let tone = chance((k + count) % count + 3.0, 86);
+        let warm = chance((k + count) % count + 19.0, 87);
         let stone = mix(DVec3::new(0.46, 0.36, 0.24), DVec3::new(0.70, 0.60, 0.45), tone);
         let stone = mix(stone, DVec3::new(0.60, 0.42, 0.25), 0.6 * smooth(0.55, 0.9, warm));
         let grain = 0.78 + 0.44 * paint::cloud(u * 90.0, v * 90.0, 3, 88);

@@ -67,7 +67,8 @@ impl Pose {
     }
 }
 
-/// The key `k` in the endless round, its frame, and its turn brought near `turn`.
+/// Key number `k`, counted round and round the closed flight, with its frame; its turn is moved by whole turns to lie
+/// near `turn`.
 fn key(k: usize, turn: f64) -> (f64, Pose) {
     let (round, k) = (k / KEYS.len(), k % KEYS.len());
     let mut pose = Pose::of(&KEYS[k]);

@@ -10,7 +10,7 @@ use crate::modelling::{
     scatter::{Cluster, Rng},
 };
 
-/// A leafless direction: `turn` in turns about the vertical axis, `lean` in radians from it.
+/// A direction: `turn` in turns about the vertical axis, `lean` in radians from it.
 fn leaning(turn: f64, lean: f64) -> DVec3 {
     let (s, c) = sin_cos(std::f64::consts::TAU * turn);
     let (ls, lc) = sin_cos(lean);
@@ -28,8 +28,8 @@ fn lavender_dome(out: &mut Cluster, seed: u32) {
     out.stamp(&dome, &DAffine3::IDENTITY, DVec2::ZERO);
 }
 
-/// Root and tip of each spike of a bush of lavender, and the way it leans. A sunflower's order covers
-/// the dome evenly; the rest is chance.
+/// Root and tip of each spike of a bush of lavender, and the way it leans. The golden angle, as in a
+/// sunflower, spreads them evenly over the dome; random numbers shift them a little.
 fn lavender_spikes(rng: &mut Rng, spikes: usize) -> Vec<(DVec3, DVec3, DVec3)> {
     let spike = |i: usize| {
         let share = (i as f64 + 0.5) / spikes as f64;

@@ -1,12 +1,9 @@
-//! Roofs of canal tiles: every tile is a half cone of its own, laid over the next.
+//! Roofs of canal tiles: every tile is modelled, a half cone that overlaps the next.
 
-use glam::{DAffine3, DVec2, DVec3};
+use glam::{DAffine3, DMat3, DVec2, DVec3};
 
 use crate::{
-    builtin::provence::{
-        house::{self, House},
-        materials::Materials,
-    },
+    builtin::provence::{materials::Materials, plan::House},
     modelling::{
         Part, SceneBuilder,
         block::block,
@@ -37,7 +34,7 @@ pub fn add(out: &mut SceneBuilder, m: &Materials, house: &House, frame: &DAffine
         let along = DVec3::X * way;
         let eave = DVec3::new(-width / 2.0 * way, size.y + rise + 0.06, 0.0) - up * long;
         let board = block(DVec3::new(0.0, -0.12, -long), DVec3::new(width, 0.0, 0.0));
-        let lay = house::on_slope(eave, along, up, 1.0);
+        let lay = on_slope(eave, along, up, 1.0);
         deck = deck.with(board.map(|p| lay.transform_point3(p)));
         let (columns, rows) = (libm::floor(width / ACROSS) as usize, libm::floor(long / COURSE) as usize);
         for row in 0..rows {
@@ -47,7 +44,7 @@ pub fn add(out: &mut SceneBuilder, m: &Materials, house: &House, frame: &DAffine
                 let out_of = along.cross(up);
                 let (sin, cos) = sin_cos(rng.between(-0.025, 0.025));
                 let at = eave + along * x + up * y + out_of * rng.between(0.0, 0.012);
-                let place = house::on_slope(at, along * cos + up * sin, up * cos - along * sin, 1.0);
+                let place = on_slope(at, along * cos + up * sin, up * cos - along * sin, 1.0);
                 tiles.stamp(&tile, &(*frame * place), DVec2::new(rng.unit(), 0.0));
             }
         }
@@ -56,10 +53,10 @@ pub fn add(out: &mut SceneBuilder, m: &Materials, house: &House, frame: &DAffine
     let ridge = DVec3::new(0.0, size.y + rise + 0.045, 0.0);
     for i in 0..count {
         let at = ridge + DVec3::X * (width * (i as f64 / count as f64 - 0.5));
-        let place = house::on_slope(at, DVec3::Z, DVec3::X, 1.35);
+        let place = on_slope(at, DVec3::Z, DVec3::X, 1.35);
         tiles.stamp(&tile, &(*frame * place), DVec2::new(rng.unit(), 0.0));
     }
-    out.cluster(&format!("{} roof", house.name), &house::framed(&deck, frame), m.mortar);
+    out.cluster(&format!("{} roof", house.name), &framed(&deck, frame), m.mortar);
     out.cluster(&format!("{} tiles", house.name), &tiles, m.tile);
 }
 
@@ -74,4 +71,17 @@ fn tile() -> Cluster {
     });
     // One colour per tile, a little darker where the next one lies on it.
     Cluster::of(&part.crease(80.0)).with_uv(|p, _| DVec2::new(0.0, 0.15 - p.z))
+}
+
+/// A frame on a slope: `along` the eave, `up` the slope, `out` of it.
+fn on_slope(at: DVec3, along: DVec3, up: DVec3, scale: f64) -> DAffine3 {
+    let out = along.cross(up);
+    DAffine3::from_mat3_translation(DMat3::from_cols(along * scale, out * scale, -up * scale), at)
+}
+
+/// A cluster of one part, in the house's frame.
+fn framed(part: &Part, frame: &DAffine3) -> Cluster {
+    let mut out = Cluster::default();
+    out.stamp(&Cluster::of(part), frame, DVec2::ZERO);
+    out
 }

@@ -1,0 +1,144 @@
+//! Wavefront OBJ models.
+
+mod mtl;
+mod polygon;
+mod text;
+mod triangles;
+
+use std::{
+    io::{self, ErrorKind},
+    path::Path,
+};
+
+use self::{mtl::TextureSet, text::CheckedObj};
+use crate::{
+    defaults::default_material,
+    error::{Location, SceneError},
+    names::hint,
+    scene::{Material, Mesh, Texture},
+    warnings::{Warning, Warnings},
+};
+
+/// What an OBJ file and its material libraries hold.
+#[derive(Clone, Debug)]
+pub struct ObjModel {
+    /// The triangles, without the degenerate ones.
+    pub mesh: Mesh,
+    /// One name per `o` or `g` that has faces, in the order of first use.
+    pub objects: Vec<String>,
+    /// The libraries' materials, and default ones for names that no library knows.
+    pub materials: Vec<Material>,
+    /// Decoded textures.
+    pub textures: Vec<Texture>,
+    /// What was odd and how it was handled.
+    pub warnings: Vec<Warning>,
+}
+
+/// Loads an OBJ model with its material libraries and textures.
+///
+/// Polygons are triangulated (concave ones too), normals are the file's where it has them, else
+/// smooth across edges of less than 40 degrees.
+///
+/// # Errors
+/// Whatever is wrong with the files, with the line it is in.
+pub fn load_obj(path: impl AsRef<Path>) -> Result<ObjModel, SceneError> {
+    let path = path.as_ref();
+    let mut warnings = Warnings::default();
+    if path.is_dir() {
+        return Err(SceneError::folder(path, "OBJ file"));
+    }
+    let source = read_text(path, &mut warnings).map_err(|source| SceneError::Io {
+        path: path.to_owned(),
+        what: "OBJ file",
+        source,
+    })?;
+    let checked = text::check(path, &source, &mut warnings)?;
+    drop(source);
+    let mut textures = TextureSet::default();
+    let mut materials = load_libraries(path, &checked, &mut textures, &mut warnings)?;
+    let slots = material_slots(path, &checked, &mut materials, &mut warnings);
+    let raw = triangles::triangles(path, &checked, &slots, &mut warnings)?;
+    Ok(ObjModel {
+        mesh: triangles::join(raw),
+        objects: checked.objects,
+        materials,
+        textures: textures.into_list(),
+        warnings: warnings.into_list(),
+    })
+}
+
+/// Reads a text file. Old exporters write names in Latin-1: bytes that are no UTF-8 are replaced,
+/// with a warning.
+fn read_text(path: &Path, warnings: &mut Warnings) -> io::Result<String> {
+    if path.is_dir() {
+        return Err(ErrorKind::IsADirectory.into());
+    }
+    Ok(String::from_utf8(std::fs::read(path)?).unwrap_or_else(|error| {
+        warnings.add("utf-8", || format!("{}: is not UTF-8; the odd bytes were replaced", path.display()));
+        String::from_utf8_lossy(error.as_bytes()).into_owned()
+    }))
+}
+
+fn load_libraries(
+    path: &Path,
+    checked: &CheckedObj,
+    textures: &mut TextureSet,
+    warnings: &mut Warnings,
+) -> Result<Vec<Material>, SceneError> {
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let mut materials = Vec::new();
+    let mut done: Vec<&str> = Vec::new();
+    for (line, statement) in &checked.libraries {
+        // A name may hold blanks, and a statement may hold several names: the whole is tried first.
+        let whole = folder.join(statement.replace('\\', "/"));
+        let names: Vec<&str> = if whole.is_file() { vec![statement] } else { statement.split_whitespace().collect() };
+        let at = Location::line(path, *line);
+        if names.is_empty() {
+            return Err(SceneError::input(at, "`mtllib` names no file", "name a material library"));
+        }
+        for name in names {
+            if done.contains(&name) {
+                continue;
+            }
+            done.push(name);
+            let library = folder.join(name.replace('\\', "/"));
+            let text = read_text(&library, warnings)
+                .map_err(|source| SceneError::missing(at.clone(), "material library", &library, source))?;
+            mtl::read(&library, &text, &mut materials, textures, warnings)?;
+        }
+    }
+    Ok(materials)
+}
+
+/// For each used material name its index; adds default materials for names that no library knows.
+fn material_slots(
+    path: &Path,
+    checked: &CheckedObj,
+    materials: &mut Vec<Material>,
+    warnings: &mut Warnings,
+) -> Vec<u32> {
+    let mut slots = Vec::with_capacity(checked.uses.len());
+    for (name, line) in &checked.uses {
+        let known = materials.iter().position(|m| m.name == *name);
+        slots.push(known.unwrap_or_else(|| {
+            if name.is_empty() {
+                warnings.add("no usemtl", || {
+                    format!("{}:{line}: faces without a material get a default grey", path.display())
+                });
+                materials.push(default_material("default"));
+            } else {
+                let names: Vec<&str> = materials.iter().map(|m| m.name.as_str()).collect();
+                let hint = hint(name, &names, "materials");
+                warnings.add("usemtl", || {
+                    format!(
+                        "{}:{line}: material `{name}` is in no library and becomes a default grey; {hint}",
+                        path.display()
+                    )
+                });
+                materials.push(default_material(name));
+            }
+            materials.len() - 1
+        }) as u32);
+    }
+    slots
+}

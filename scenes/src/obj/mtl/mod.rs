@@ -1,0 +1,221 @@
+//! Material libraries (MTL).
+//!
+//! They are read here and not by tobj. tobj panics on a legal `Kd 0.5`, loses a whole library at a `Kd spectral` line,
+//! and leaves the options of a `map_Kd` in the file name. Here every error has a line number.
+//! How the statements are understood:
+//!
+//! - `illum` 0 to 2 (or none) is [`Optics::Opaque`], 3 and 8 [`Optics::Mirror`], 5
+//!   [`Optics::FresnelMirror`], 4, 6, 7 and 9 [`Optics::Dielectric`]; 10 (shadow matte) is opaque
+//!   with a warning.
+//! - Colours are linear. Without `Kd` a surface is 0.8 grey, or white under a `map_Kd`.
+//! - `Tf` is the tint of a refracted ray per surface crossed, 1 = clear; none = clear. In the wild
+//!   `Tf .1 .1 .1` without any `d` or `Tr` also means "filters a tenth" (the McGuire Cornell
+//!   boxes): a dielectric whose `Tf` is below one half in all channels and that states no `d`/`Tr`
+//!   gets `1 - Tf`.
+//! - `d` below 1 on an opaque surface is plain transparency: a dielectric of index 1 (no
+//!   reflection, no bending) that lets `1 - d` through. `d 0` there is what broken exporters write
+//!   for "opaque" and is read so, with a warning.
+//! - `Ni` of a dielectric without one is 1.5, `Ks` of a dielectric without one is 1 (the full
+//!   Fresnel reflection).
+
+mod line;
+mod textures;
+
+use std::path::{Path, PathBuf};
+
+use glam::Vec3;
+
+use self::line::MtlLine;
+use crate::{
+    error::SceneError,
+    scene::{Material, Optics},
+    warnings::Warnings,
+};
+
+pub(crate) use textures::TextureSet;
+
+/// What the statements of one material say, one by one.
+#[derive(Debug, Default)]
+struct Statements {
+    name: String,
+    line: usize,
+    diffuse: Option<Vec3>,
+    specular: Option<Vec3>,
+    emission: Option<Vec3>,
+    filter: Option<Vec3>,
+    shininess: Option<f32>,
+    ior: Option<f32>,
+    dissolve: Option<f32>,
+    transparency: Option<f32>,
+    illum: Option<i64>,
+    diffuse_map: Option<(PathBuf, usize)>,
+    alpha_map: Option<(PathBuf, usize)>,
+}
+
+/// Reads one library and appends its materials; a material defined twice keeps its place and the
+/// later definition.
+pub(crate) fn read(
+    path: &Path,
+    text: &str,
+    materials: &mut Vec<Material>,
+    textures: &mut TextureSet,
+    warnings: &mut Warnings,
+) -> Result<(), SceneError> {
+    let mut current: Option<Statements> = None;
+    for (index, raw) in text.lines().enumerate() {
+        let Some(line) = MtlLine::new(path, index + 1, raw) else {
+            continue;
+        };
+        if line.keyword == "newmtl" {
+            if let Some(done) = current.take() {
+                finish(path, done, materials, textures, warnings)?;
+            }
+            if line.rest.is_empty() {
+                return Err(line.bad("`newmtl` without a name".into(), "give the material a name"));
+            }
+            current = Some(Statements { name: line.rest.to_owned(), line: line.number, ..Statements::default() });
+        } else if let Some(statements) = &mut current {
+            statement(&line, statements, warnings)?;
+        } else {
+            warnings.add(&format!("early {}", path.display()), || {
+                format!("{}:{}: a statement before the first `newmtl` was ignored", path.display(), line.number)
+            });
+        }
+    }
+    match current {
+        Some(done) => finish(path, done, materials, textures, warnings),
+        None => Ok(()),
+    }
+}
+
+/// Adds one statement to the others of its material.
+fn statement(line: &MtlLine<'_>, into: &mut Statements, warnings: &mut Warnings) -> Result<(), SceneError> {
+    match line.keyword {
+        "Kd" => into.diffuse = line.colour(warnings)?.or(into.diffuse),
+        "Ks" => into.specular = line.colour(warnings)?.or(into.specular),
+        "Ke" => into.emission = line.colour(warnings)?.or(into.emission),
+        "Tf" => into.filter = line.colour(warnings)?.or(into.filter),
+        "Ns" => into.shininess = Some(line.number_in(0.0, f32::MAX)?),
+        "Ni" => into.ior = Some(line.number_in(0.0, 1000.0)?),
+        "d" => into.dissolve = Some(line.dissolve(warnings)?),
+        "Tr" => into.transparency = Some(line.number_in(0.0, 1.0)?),
+        "illum" => into.illum = Some(line.illum()?),
+        "map_Kd" => into.diffuse_map = Some((line::map_path(line, warnings)?, line.number)),
+        "map_d" => into.alpha_map = Some((line::map_path(line, warnings)?, line.number)),
+        // Ambient light comes from the sky here, and there are no reflection maps to be sharp.
+        "Ka" | "map_Ka" | "sharpness" | "map_aat" => {}
+        other => {
+            let (file, number) = (line.path.display(), line.number);
+            warnings.add(&format!("mtl {other}"), || format!("{file}:{number}: `{other}` is not used and was ignored"));
+        }
+    }
+    Ok(())
+}
+
+/// Turns the statements of one material into a [`Material`].
+fn finish(
+    path: &Path,
+    s: Statements,
+    materials: &mut Vec<Material>,
+    textures: &mut TextureSet,
+    warnings: &mut Warnings,
+) -> Result<(), SceneError> {
+    let place = format!("{}:{}: material `{}`", path.display(), s.line, s.name);
+    let mut optics = optics(s.illum, &place, warnings);
+    let dielectric = optics == Optics::Dielectric;
+    let mut transmission = transmission(&s, dielectric, &place, warnings);
+    let mut diffuse = s.diffuse.unwrap_or(Vec3::splat(if s.diffuse_map.is_some() { 1.0 } else { 0.8 }));
+    let mut ior = s.ior.unwrap_or(if dielectric { 1.5 } else { 1.0 });
+    if ior < 1.0 {
+        warnings.add("ni", || format!("{place}: an index of refraction of {ior} was raised to 1"));
+        ior = 1.0;
+    }
+    let opacity = opacity(&s, &place, warnings);
+    if optics == Optics::Opaque && opacity < 1.0 {
+        (optics, ior) = (Optics::Dielectric, 1.0);
+        transmission = Vec3::splat(1.0 - opacity);
+        diffuse *= opacity;
+    }
+    let mut load = |map: &Option<(PathBuf, usize)>, mask: bool| match map {
+        Some((file, line)) => textures.load(path, *line, file, mask).map(Some),
+        None => Ok(None),
+    };
+    let material = Material {
+        diffuse,
+        specular: s.specular.unwrap_or(Vec3::splat(f32::from(u8::from(dielectric)))),
+        shininess: s.shininess.unwrap_or(10.0).round().clamp(1.0, 1e6) as u32,
+        emission: s.emission.unwrap_or(Vec3::ZERO),
+        optics,
+        ior,
+        transmission,
+        diffuse_map: load(&s.diffuse_map, false)?,
+        alpha_map: load(&s.alpha_map, true)?,
+        name: s.name,
+    };
+    add(material, materials, &place, warnings);
+    Ok(())
+}
+
+/// The kind of secondary rays that an illumination model asks for.
+fn optics(illum: Option<i64>, place: &str, warnings: &mut Warnings) -> Optics {
+    match illum {
+        Some(3 | 8) => Optics::Mirror,
+        Some(5) => Optics::FresnelMirror,
+        Some(4 | 6 | 7 | 9) => Optics::Dielectric,
+        Some(10) => {
+            warnings
+                .add("illum 10", || format!("{place}: illum 10 (shadow matte) is drawn as an ordinary opaque surface"));
+            Optics::Opaque
+        }
+        _ => Optics::Opaque,
+    }
+}
+
+/// Appends a material, or puts it in the place of an earlier one of the same name.
+fn add(material: Material, materials: &mut Vec<Material>, place: &str, warnings: &mut Warnings) {
+    match materials.iter_mut().find(|m| m.name == material.name) {
+        Some(earlier) => {
+            warnings.add("newmtl twice", || format!("{place} is defined twice; the later definition counts"));
+            *earlier = material;
+        }
+        None => materials.push(material),
+    }
+}
+
+/// The tint per surface. A small `Tf` without `d` or `Tr` is the strength of the filter, so the tint is `1 - Tf`.
+fn transmission(s: &Statements, dielectric: bool, place: &str, warnings: &mut Warnings) -> Vec3 {
+    let Some(filter) = s.filter.filter(|_| dielectric) else {
+        return Vec3::ONE;
+    };
+    if filter.max_element() < 0.5 && s.dissolve.is_none() && s.transparency.is_none() {
+        warnings.add("tf", || {
+            format!(
+                "{place}: `Tf` {filter} without `d` is read as the strength of the filter, so the tint is {}; \
+                 add `d` to have it as written",
+                Vec3::ONE - filter
+            )
+        });
+        return Vec3::ONE - filter;
+    }
+    if filter.max_element() > 1.0 {
+        warnings.add("tf above 1", || format!("{place}: `Tf` above 1 would create light and was lowered to 1"));
+    }
+    filter.min(Vec3::ONE)
+}
+
+/// `d`, or `1 - Tr`.
+fn opacity(s: &Statements, place: &str, warnings: &mut Warnings) -> f32 {
+    let from_transparency = s.transparency.map(|t| 1.0 - t);
+    if let (Some(d), Some(t)) = (s.dissolve, from_transparency)
+        && (d - t).abs() > 1e-3
+    {
+        warnings.add("d and Tr", || format!("{place}: `d` and `Tr` contradict each other; `d` counts"));
+    }
+    let opacity = s.dissolve.or(from_transparency).unwrap_or(1.0);
+    let opaque_kind = matches!(s.illum.unwrap_or(2), 0..=2 | 10);
+    if opacity <= 0.0 && opaque_kind {
+        warnings.add("d 0", || format!("{place}: `d 0` would make the surface invisible; it is read as opaque"));
+        return 1.0;
+    }
+    opacity
+}

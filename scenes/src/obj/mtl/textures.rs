@@ -1,0 +1,80 @@
+//! Textures from files: decoded once each, with limits.
+
+use std::path::{Path, PathBuf};
+
+use image::{ImageError, ImageReader, Limits, RgbaImage};
+
+use crate::{
+    error::{Location, SceneError},
+    scene::{MAX_TEXTURE_SIDE, Texture},
+};
+
+/// Memory that decoding one texture may take: 16384 x 16384 RGBA.
+const MAX_DECODE_BYTES: u64 = 1 << 30;
+
+/// The textures of a model; a file that several materials name is decoded once.
+#[derive(Debug, Default)]
+pub(crate) struct TextureSet {
+    keys: Vec<(PathBuf, bool)>,
+    textures: Vec<Texture>,
+}
+
+impl TextureSet {
+    /// Loads a texture that `path:line` names. A `mask` is used as `map_d`: without an alpha
+    /// channel its luminance becomes alpha.
+    pub fn load(&mut self, path: &Path, line: usize, file: &Path, mask: bool) -> Result<usize, SceneError> {
+        let key = (file.to_owned(), mask);
+        if let Some(known) = self.keys.iter().position(|k| *k == key) {
+            return Ok(known);
+        }
+        let mut image = decode(path, line, file)?;
+        if mask {
+            luminance_to_alpha(&mut image);
+        }
+        let name = file.file_name().unwrap_or(file.as_os_str()).to_string_lossy().into_owned();
+        let texels = image.pixels().map(|p| p.0).collect();
+        self.textures.push(Texture { name, width: image.width(), height: image.height(), texels });
+        self.keys.push(key);
+        Ok(self.textures.len() - 1)
+    }
+
+    /// The textures in the order of their indices.
+    pub fn into_list(self) -> Vec<Texture> {
+        self.textures
+    }
+}
+
+fn decode(path: &Path, line: usize, file: &Path) -> Result<RgbaImage, SceneError> {
+    let at = || Location::line(path, line);
+    let missing = |source| SceneError::missing(at(), "texture", file, source);
+    let failed = |error: ImageError| match error {
+        ImageError::IoError(source) if source.kind() != std::io::ErrorKind::UnexpectedEof => missing(source),
+        other => SceneError::input(
+            at(),
+            format!("the texture `{}` cannot be decoded: {other}", file.display()),
+            format!("PNG and JPEG up to {MAX_TEXTURE_SIDE} x {MAX_TEXTURE_SIDE} texels can"),
+        ),
+    };
+    if file.is_dir() {
+        return Err(missing(std::io::ErrorKind::IsADirectory.into()));
+    }
+    let mut reader = ImageReader::open(file).map_err(missing)?.with_guessed_format().map_err(missing)?;
+    let mut limits = Limits::default();
+    limits.max_image_width = Some(MAX_TEXTURE_SIDE);
+    limits.max_image_height = Some(MAX_TEXTURE_SIDE);
+    limits.max_alloc = Some(MAX_DECODE_BYTES);
+    reader.limits(limits);
+    Ok(reader.decode().map_err(failed)?.to_rgba8())
+}
+
+/// Puts the luminance into alpha, unless the image already has a texel that is not opaque.
+fn luminance_to_alpha(image: &mut RgbaImage) {
+    if image.pixels().any(|p| p.0[3] != 255) {
+        return;
+    }
+    for p in image.pixels_mut() {
+        let [r, g, b, _] = p.0.map(u32::from);
+        // Rec. 709 weights in integers, so that every machine rounds alike.
+        p.0[3] = ((r * 2126 + g * 7152 + b * 722 + 5000) / 10_000) as u8;
+    }
+}
