@@ -1,0 +1,87 @@
+//! The results of the sweep, relative to `full`.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+/// The scenes in the paper's order.
+pub const SCENES: [&str; 5] = ["teapot", "chess", "car", "lab", "provence"];
+
+/// A policy on a scene.
+pub struct Row {
+    pub scene: String,
+    pub policy: String,
+    /// Rays of `full` over those traced.
+    pub ray_ratio: f64,
+    pub psnr_db: f64,
+    pub flip: f64,
+    /// Performance, power and performance per watt over those of `full`.
+    pub gain: [f64; 3],
+}
+
+/// Reads `results.csv`; rows come scene by scene, `paper-ss` before `multirate`.
+pub fn read(path: &Path) -> Result<Vec<Row>, Box<dyn std::error::Error>> {
+    let mut points: BTreeMap<(String, String), BTreeMap<String, String>> = BTreeMap::new();
+    for record in csv::Reader::from_path(path)?.deserialize::<BTreeMap<String, String>>() {
+        let record = record?;
+        points.insert((record["scene"].clone(), record["policy"].clone()), record);
+    }
+    let mut rows = Vec::new();
+    for scene in SCENES {
+        for policy in ["paper-ss", "multirate"] {
+            let value = |policy: &str, name: &str| -> Result<f64, Box<dyn std::error::Error>> {
+                let point = points.get(&(scene.to_owned(), policy.to_owned()));
+                let point = point.ok_or_else(|| format!("{}: no {scene} under {policy}", path.display()))?;
+                Ok(point.get(name).ok_or_else(|| format!("no column {name}"))?.parse()?)
+            };
+            let over = |name: &str| Ok::<f64, Box<dyn std::error::Error>>(value(policy, name)? / value("full", name)?);
+            rows.push(Row {
+                scene: scene.into(),
+                policy: policy.into(),
+                ray_ratio: value(policy, "rays_full")? / (value(policy, "rays_traced")? + value(policy, "rays_apron")?),
+                psnr_db: value(policy, "psnr_db")?,
+                flip: value(policy, "flip")?,
+                gain: [1.0 / over("time_ms")?, over("power_w")?, over("perf_per_watt")?],
+            });
+        }
+    }
+    Ok(rows)
+}
+
+/// The geometric mean of a figure of a policy over the scenes.
+pub fn mean(rows: &[Row], policy: &str, figure: fn(&Row) -> f64) -> f64 {
+    let values: Vec<f64> = rows.iter().filter(|row| row.policy == policy).map(figure).collect();
+    (values.iter().map(|value| value.ln()).sum::<f64>() / values.len() as f64).exp()
+}
+
+/// What the paper has for a scene: perf/W and PSNR.
+pub fn paper(scene: &str) -> (&'static str, &'static str) {
+    match scene {
+        "teapot" => ("2.43 to 2.98", "49.0"),
+        "chess" => ("at least 1.53", "28.5"),
+        "car" => ("2.43 to 2.98", "34.1"),
+        "lab" => ("at least 1.53", "36.3"),
+        _ => ("at least 1.53", "30.5"),
+    }
+}
+
+/// The table of the README.
+pub fn markdown(rows: &[Row]) -> String {
+    let mut text = "| scene | policy | ray ratio | PSNR dB | FLIP | perf | power | perf/W | paper: perf/W | PSNR dB |\n".to_owned();
+    text += "|---|---|---|---|---|---|---|---|---|---|\n";
+    for row in rows {
+        let Row { ray_ratio, psnr_db, flip, gain: [perf, power, watt], .. } = row;
+        let (scene, band, paper_psnr) = match &*row.policy {
+            "paper-ss" => (&*row.scene, paper(&row.scene).0, paper(&row.scene).1),
+            _ => ("", "", ""),
+        };
+        text += &format!(
+            "| {scene} | `{}` | {ray_ratio:.2} | {psnr_db:.1} | {flip:.4} | {perf:.2} | {power:.2} | {watt:.2} | {band} | {paper_psnr} |\n",
+            row.policy
+        );
+    }
+    for (scene, policy) in [("geometric mean", "paper-ss"), ("", "multirate")] {
+        let [rays, watt] = [mean(rows, policy, |row| row.ray_ratio), mean(rows, policy, |row| row.gain[2])];
+        text += &format!("| {scene} | `{policy}` | {rays:.2} | | | | | {watt:.2} | | |\n");
+    }
+    text
+}

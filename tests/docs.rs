@@ -1,0 +1,171 @@
+//! The documents say what the program prints: commands that are cheap are run as they stand there, and their output is compared.
+//!
+//! A block is run if `<!-- run -->` stands on the line before it. Blocks of one document share a folder and are run in order. A line
+//! `...` stands for any lines; a figure that depends on the clock stands for any other. Links between documents are followed too.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+fn root() -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR"))
+}
+
+/// README, ARCHITECTURE, and every page under `docs`.
+fn documents() -> Vec<PathBuf> {
+    let pages = fs::read_dir(root().join("docs")).unwrap().map(|entry| entry.unwrap().path());
+    let mut all: Vec<PathBuf> = pages.filter(|path| path.extension().is_some_and(|ending| ending == "md")).collect();
+    all.extend(["README.md", "ARCHITECTURE.md", "CHANGELOG.md"].map(|name| root().join(name)));
+    all.sort();
+    all
+}
+
+/// A command of a document and what it prints there.
+#[derive(Debug, PartialEq)]
+struct Example {
+    line: usize,
+    command: String,
+    expected: Vec<String>,
+}
+
+/// The examples of a document that are to be run.
+fn examples(text: &str) -> Vec<Example> {
+    let mut found: Vec<Example> = Vec::new();
+    let (mut marked, mut inside) = (false, false);
+    for (number, line) in (1..).zip(text.lines()) {
+        if inside {
+            if line == "```" {
+                inside = false;
+            } else if let Some(command) = line.strip_prefix("$ ") {
+                let command = command.split(" #").next().unwrap_or_default().trim().to_owned();
+                found.push(Example { line: number, command, expected: Vec::new() });
+            } else {
+                found.last_mut().expect("output stands below a command").expected.push(line.trim_end().to_owned());
+            }
+        } else {
+            inside = marked && line == "```console";
+            marked = line == "<!-- run -->";
+        }
+    }
+    found
+}
+
+/// Words that depend on the clock become one word: `1.9 Mrays/s`, `12.5 s`.
+fn masked(line: &str) -> String {
+    let words: Vec<&str> = line.trim_end().split(' ').collect();
+    let clock = |i: usize| {
+        let unit = words.get(i + 1).map(|word| word.trim_end_matches([',', '.']));
+        words[i].parse::<f64>().is_ok() && unit.is_some_and(|u| ["Mrays/s", "krays/s", "points/s", "s"].contains(&u))
+    };
+    // A rate of the simulated machine is exact; only `capture` tells one of this computer.
+    if !line.contains("bytes/ray") && !line.contains("points/s") {
+        return line.trim_end().to_owned();
+    }
+    let mask = |i: usize| if clock(i) { "N" } else { words[i] };
+    (0..words.len()).map(mask).collect::<Vec<_>>().join(" ").replace("krays/s", "Mrays/s")
+}
+
+/// Where `expected` and `actual` part, if they do; `...` stands for any number of lines.
+fn difference(expected: &[String], actual: &[String]) -> Option<String> {
+    let Some((first, rest)) = expected.split_first() else {
+        return actual.first().map(|line| format!("it prints more: {line}"));
+    };
+    if first == "..." {
+        // The nearest continuation that fits to the end.
+        let found = (0..=actual.len()).map(|skip| difference(rest, &actual[skip..])).find(Option::is_none);
+        return found.unwrap_or_else(|| Some(format!("nothing printed continues with {:?}", rest.first())));
+    }
+    match actual.split_first() {
+        None => Some(format!("it does not print: {first}")),
+        Some((line, after)) if masked(line) == masked(first) => difference(rest, after),
+        Some((line, _)) => Some(format!("\n  documented: {first}\n  printed:    {line}")),
+    }
+}
+
+/// Runs the examples of a document.
+fn check(document: &Path) -> usize {
+    let folder = tempfile::tempdir().unwrap();
+    let all = examples(&fs::read_to_string(document).unwrap());
+    for Example { line, command, expected } in &all {
+        let place = format!("{}:{line}: {command}", document.display());
+        let arguments = command.strip_prefix("rayreel ").unwrap_or_else(|| panic!("{place}: not a command of rayreel"));
+        let output = Command::new(env!("CARGO_BIN_EXE_rayreel"))
+            .args(arguments.split_whitespace())
+            .arg("--quiet")
+            .current_dir(folder.path())
+            .output()
+            .unwrap();
+        assert!(output.status.success(), "{place}: {}", String::from_utf8_lossy(&output.stderr));
+        let printed: Vec<String> =
+            String::from_utf8(output.stdout).unwrap().lines().map(|line| line.trim_end().to_owned()).collect();
+        if let Some(difference) = difference(expected, &printed) {
+            panic!("{place}: {difference}");
+        }
+    }
+    all.len()
+}
+
+#[test]
+fn commands_print_what_the_documents_say() {
+    let run: usize = documents().iter().map(|document| check(document)).sum();
+    assert!(run >= 5, "only {run} commands of the documents are run");
+}
+
+/// Anchors as the usual renderers make them of headings.
+fn anchors(text: &str) -> Vec<String> {
+    let plain = |heading: &str| {
+        let kept: String = heading.chars().filter(|c| c.is_alphanumeric() || " -_".contains(*c)).collect();
+        kept.trim().to_lowercase().replace(' ', "-")
+    };
+    text.lines().filter(|line| line.starts_with('#')).map(|line| plain(line.trim_start_matches('#'))).collect()
+}
+
+/// Targets of the links of a text, without those in code.
+fn links(text: &str) -> Vec<String> {
+    let mut prose = String::new();
+    let mut fenced = false;
+    for line in text.lines() {
+        fenced ^= line.starts_with("```");
+        if !fenced {
+            prose += line;
+            prose.push('\n');
+        }
+    }
+    let targets = prose.split("](").skip(1).filter_map(|rest| Some(rest.split_once(')')?.0.to_owned()));
+    targets.filter(|target| !target.starts_with("http")).collect()
+}
+
+#[test]
+fn links_lead_somewhere() {
+    let rules = ["formats/FORMAT.md", "machine/MODEL.md", "replay/POLICIES.md"].map(|name| root().join(name));
+    for document in documents().into_iter().chain(rules) {
+        let text = fs::read_to_string(&document).unwrap();
+        for link in links(&text) {
+            let (path, anchor) = link.split_once('#').unwrap_or((&link, ""));
+            let target = if path.is_empty() { document.clone() } else { document.parent().unwrap().join(path) };
+            assert!(target.exists(), "{}: a link to {link}, which is not there", document.display());
+            if !anchor.is_empty() {
+                let known = anchors(&fs::read_to_string(&target).unwrap());
+                assert!(known.iter().any(|a| a == anchor), "{}: no heading for {link}: {known:?}", document.display());
+            }
+        }
+    }
+}
+
+#[test]
+fn a_wrong_document_is_noticed() {
+    let lines = |text: &str| text.lines().map(str::to_owned).collect::<Vec<_>>();
+    let printed = lines("a: 1\nb: 2\nc: 3");
+    assert_eq!(difference(&lines("a: 1\n...\nc: 3"), &printed), None);
+    assert_eq!(difference(&lines("..."), &printed), None);
+    for wrong in ["a: 1\n...\nc: 4", "a: 1\nb: 2", "a: 1\nb: 2\nc: 3\nd: 4", "a: 2\n..."] {
+        assert!(difference(&lines(wrong), &printed).is_some(), "{wrong}");
+    }
+    let rate = |rate: &str| lines(&format!("x.rtrace: 5 bytes, 1.260 bytes/ray (paths 0.534), {rate}"));
+    assert_eq!(difference(&rate("2.1 Mrays/s"), &rate("350.61 krays/s")), None);
+    assert!(difference(&lines("rays 5, 2.1 Mrays/s"), &lines("rays 5, 2.2 Mrays/s")).is_some(), "a simulated rate");
+    let text = "<!-- run -->\n```console\n$ rayreel a   # why\nb\n$ rayreel c\n```\n```console\n$ rayreel d\n```\n";
+    let found = examples(text);
+    assert_eq!(found.len(), 2, "blocks without a mark are not run");
+    assert_eq!((found[0].line, found[0].command.as_str(), found[0].expected.len()), (3, "rayreel a", 1));
+}
