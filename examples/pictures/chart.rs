@@ -26,7 +26,12 @@ pub fn svg(rows: &[Row]) -> String {
     for tick in (0..=top as u32).step_by(2) {
         let at = y(f64::from(tick));
         let _ = writeln!(svg, "<line x1=\"{LEFT}\" x2=\"{WIDTH}\" y1=\"{at:.1}\" y2=\"{at:.1}\"/>");
-        let _ = writeln!(svg, "<text class=\"small\" x=\"{}\" y=\"{:.1}\" text-anchor=\"end\">{tick}×</text>", LEFT - 6.0, at + 4.0);
+        let _ = writeln!(
+            svg,
+            "<text class=\"small\" x=\"{}\" y=\"{:.1}\" text-anchor=\"end\">{tick}×</text>",
+            LEFT - 6.0,
+            at + 4.0
+        );
     }
     let _ = writeln!(svg, "<line class=\"one\" x1=\"{LEFT}\" x2=\"{WIDTH}\" y1=\"{0:.1}\" y2=\"{0:.1}\"/>", y(1.0));
     let slot = (WIDTH - LEFT) / (SCENES.len() + 1) as f64;
@@ -56,10 +61,22 @@ pub fn svg(rows: &[Row]) -> String {
             }
         }
     }
-    let _ = writeln!(svg, "<text class=\"small\" x=\"{}\" y=\"{}\" text-anchor=\"end\">dB</text>", LEFT - 6.0, BOTTOM + 34.0);
+    let _ = writeln!(
+        svg,
+        "<text class=\"small\" x=\"{}\" y=\"{}\" text-anchor=\"end\">dB</text>",
+        LEFT - 6.0,
+        BOTTOM + 34.0
+    );
     for (x, policy) in [(LEFT, "paper-ss"), (LEFT + 110.0, "multirate")] {
-        let _ = writeln!(svg, "<rect class=\"{policy}\" x=\"{x}\" y=\"10\" width=\"14\" height=\"14\"/><text x=\"{}\" y=\"22\">{policy}</text>", x + 20.0);
+        let _ = writeln!(
+            svg,
+            "<rect class=\"{policy}\" x=\"{x}\" y=\"10\" width=\"14\" height=\"14\"/><text x=\"{}\" y=\"22\">{policy}</text>",
+            x + 20.0
+        );
     }
-    let _ = writeln!(svg, "<text class=\"small\" x=\"{WIDTH}\" y=\"22\" text-anchor=\"end\">performance per watt over full sampling</text>");
+    let _ = writeln!(
+        svg,
+        "<text class=\"small\" x=\"{WIDTH}\" y=\"22\" text-anchor=\"end\">performance per watt over full sampling</text>"
+    );
     svg + "</svg>\n"
 }

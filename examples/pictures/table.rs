@@ -66,7 +66,9 @@ pub fn paper(scene: &str) -> (&'static str, &'static str) {
 
 /// The table of the README.
 pub fn markdown(rows: &[Row]) -> String {
-    let mut text = "| scene | policy | ray ratio | PSNR dB | FLIP | perf | power | perf/W | paper: perf/W | PSNR dB |\n".to_owned();
+    let mut text =
+        "| scene | policy | ray ratio | PSNR dB | FLIP | perf | power | perf/W | paper: perf/W | PSNR dB |\n"
+            .to_owned();
     text += "|---|---|---|---|---|---|---|---|---|---|\n";
     for row in rows {
         let Row { ray_ratio, psnr_db, flip, gain: [perf, power, watt], .. } = row;
