@@ -20,20 +20,16 @@
 //!
 //! let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../traces/v1_0_cornell.rtrace");
 //! let trace = Trace::open(path.as_ref(), Limits::default())?;
-//! let (mut hits, mut shadow_rays) = (0, 0);
 //! for recorded in trace.rays(trace.meta().first_frame, 0)? {
 //!     match recorded.end {
-//!         RayEnd::Sky => {}
-//!         RayEnd::Light { .. } => shadow_rays += 1,
+//!         RayEnd::Sky | RayEnd::Light { .. } => {}
 //!         RayEnd::Hit(hit) => {
-//!             hits += 1;
 //!             let corners = trace.bvh().corners(hit.triangle as usize);
 //!             let met = intersect(&recorded.ray, corners, f32::INFINITY).expect("the ray meets the triangle");
 //!             assert_eq!(met.t, hit.t, "the ray is the one that was traced");
 //!         }
 //!     }
 //! }
-//! assert!(hits > 0 && shadow_rays > 0);
 //! # Ok::<(), rayreel_formats::Error>(())
 //! ```
 
