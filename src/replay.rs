@@ -131,7 +131,7 @@ fn replay(
         bar.borrow_mut().set(done.get(), || format!("frame {}", replay.frame));
         counted.push(replay.stats);
         runs.extend(run);
-        Ok(())
+        Ok::<_, anyhow::Error>(())
     };
     let mut timeline = args.timeline.as_ref().zip(machine).map(|(_, machine)| Timeline::new(&machine.config));
     let watch = Watch::new(|now| bar.borrow_mut().set(done.get() + now, || format!("tile {now} of the frame")));

@@ -112,7 +112,7 @@ impl Execution<'_> {
             meter.close(Item::Point(job.index), job.weight);
             Ok::<_, PaperError>(())
         })?;
-        self.go_on()
+        self.check_stop()
     }
 
     /// What is missing on some captures: the longest first, so that none is left over at the end.
@@ -148,7 +148,7 @@ impl Execution<'_> {
             }
         };
         self.meter.close(item, weight);
-        self.go_on()?;
+        self.check_stop()?;
         let fingerprint = trace.fingerprint()?.to_string();
         if self.fingerprints.get(&capture.identity).as_ref() != Some(&fingerprint) {
             self.fingerprints.remember(&capture.identity, &fingerprint)?;
@@ -171,7 +171,7 @@ impl Execution<'_> {
             let frame = u64::from(capture.meta.first_frame) + part;
             self.meter.tell(item, weight, (part, of), &|| format!("{}, frame {frame}", scene.name));
         })?;
-        self.go_on()?;
+        self.check_stop()?;
         for (i, computed) in numbers.into_iter().zip(computed) {
             self.ledger.keep(i, computed)?;
         }
@@ -192,7 +192,7 @@ impl Execution<'_> {
     }
 
     /// Ends the experiment if that was asked for.
-    fn go_on(&self) -> Result<()> {
+    fn check_stop(&self) -> Result<()> {
         if self.pool.stop.is_requested() { Err(PaperError::interrupted()) } else { Ok(()) }
     }
 }

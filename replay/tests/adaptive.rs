@@ -36,7 +36,7 @@ fn assert_same<S: TileSource>(source: &S, frame: &FrameReplay, expected: &Outcom
                 SampleState::Partial => Origin::Partial,
             };
             assert_eq!(how, expected.how[i], "{what}: sample ({x}, {y})");
-            assert_eq!(frame.states.round(x, y), expected.waves[i], "{what}: wave of ({x}, {y})");
+            assert_eq!(frame.states.round(x, y), expected.rounds[i], "{what}: round of ({x}, {y})");
             resolver.add(x, y, expected.colours[i].into());
         }
     }
@@ -229,7 +229,7 @@ fn an_edge_by_hand() {
 }
 
 #[test]
-fn waves_stay_in_their_step() {
+fn rounds_stay_in_their_step() {
     let source = Synthetic::new(Look::Noise, (41, 37), 1, 24, 8);
     for (variant, levels) in policies().into_iter().zip([1, 1, 1, 1, 1, 1, 2, 2, 1, 1, 2, 2, 1, 1, 3, 3]) {
         let n = variant.block;

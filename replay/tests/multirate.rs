@@ -84,7 +84,7 @@ fn assert_same<S: TileSource>(
     let mut resolver = Resolver::new(source.meta().width, source.meta().height, source.meta().samples);
     for (i, (x, y)) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).enumerate() {
         let how = Origin::from(frame.states.state(x, y));
-        assert_eq!((how, frame.states.round(x, y)), (expected.how[i], expected.waves[i]), "{what}: ({x}, {y})");
+        assert_eq!((how, frame.states.round(x, y)), (expected.how[i], expected.rounds[i]), "{what}: ({x}, {y})");
         resolver.add(x, y, expected.colours[i].into());
     }
     let bits = |v: &[f32; 3]| v.map(f32::to_bits);

@@ -35,7 +35,7 @@ fn run(trace: &Trace, policy: &Policy) -> (FrameReplay, Vec<TileWork>) {
 /// A ray: sample, kind, bounces and triangle.
 type Ray = (u32, u32, RayKind, u32, u32);
 
-/// The rays of the traced hits of a tile, and those of them that no traced hit spawns, with the wave of their sample.
+/// The rays of the traced hits of a tile, and those of them that no traced hit spawns, with the round of their sample.
 fn expected(outcome: &Outcome, tile: &Tile) -> (Vec<Ray>, Vec<(u8, Ray)>) {
     let (mut rays, mut starts) = (Vec::new(), Vec::new());
     let rect = tile.rect;
@@ -57,7 +57,7 @@ fn expected(outcome: &Outcome, tile: &Tile) -> (Vec<Ray>, Vec<(u8, Ray)>) {
             rays.push(ray);
             (0..hit.shadows.count()).for_each(|_| rays.push((x, y, RayKind::Shadow, depth, NO_TRIANGLE)));
             if depth == 0 || !line[depth as usize - 1] {
-                starts.push((outcome.waves[at], ray));
+                starts.push((outcome.rounds[at], ray));
             }
         }
     }
@@ -84,8 +84,8 @@ fn assert_work(work: &TileWork, outcome: &Outcome, tile: &Tile, what: &str) -> u
     assert_eq!(sorted(found), sorted(rays.iter().map(key).collect()), "{what}: rays of tile {}", work.tile);
     let begun =
         (0u8..).zip(&work.rounds).flat_map(|(number, round)| round.starts.iter().map(move |&ray| (number, ray)));
-    let found = sorted(begun.clone().map(|(wave, ray)| (wave, key(&of(ray)))).collect());
-    assert_eq!(found, sorted(starts.iter().map(|(wave, ray)| (*wave, key(ray))).collect()), "{what}: starts");
+    let found = sorted(begun.clone().map(|(round, ray)| (round, key(&of(ray)))).collect());
+    assert_eq!(found, sorted(starts.iter().map(|(round, ray)| (*round, key(ray))).collect()), "{what}: starts");
     // Each ray is begun or spawned, once.
     let mut named = vec![0; work.rays.len()];
     begun.for_each(|(_, ray)| named[ray as usize] += 1);
@@ -156,7 +156,7 @@ fn machines_conserve_rays() {
         assert!(replayed.stats.counts.samples_partial > 0);
         let closest = || works.iter().flat_map(|w| &w.rays).filter(|ray| ray.kind != RayKind::Shadow);
         let number = |kind| works.iter().flat_map(|w| &w.rays).filter(|ray| ray.kind == kind).count() as u64;
-        let waves = || works.iter().flat_map(|work| &work.rounds);
+        let rounds = || works.iter().flat_map(|work| &work.rounds);
         for machine in ["sgrt-ti2", "hybrid-raster", "external-buffers", "no-direct-interface"] {
             let machine = NamedMachine::load(machine, &[]).unwrap();
             let mut replayer = Replayer::new(&trace, &policy.policy, Options::default()).unwrap();
@@ -170,7 +170,7 @@ fn machines_conserve_rays() {
             let items = |kernel: KernelId| -> u64 {
                 ran.stats.cores.iter().map(|core| core.srp.kernels[kernel as usize].items).sum()
             };
-            let starts: u64 = waves().map(|wave| wave.starts.len() as u64).sum();
+            let starts: u64 = rounds().map(|round| round.starts.len() as u64).sum();
             assert_eq!(items(KernelId::Raygen), starts - rastered, "{what}: rays begun");
             assert_eq!(items(KernelId::ShadowResult), number(RayKind::Shadow), "{what}: shadow rays");
             let hits = closest().filter(|ray| ray.triangle != NO_TRIANGLE).count() as u64;
@@ -179,8 +179,8 @@ fn machines_conserve_rays() {
             assert_eq!(rays.shadow, number(RayKind::Shadow), "{what}");
             assert_eq!(rays.reflection, number(RayKind::Reflection), "{what}");
             assert_eq!(rays.refraction, number(RayKind::Refraction), "{what}");
-            let tests: u64 = waves().map(|wave| u64::from(wave.tests)).sum();
-            let made: u64 = waves().map(|wave| u64::from(wave.interpolated)).sum();
+            let tests: u64 = rounds().map(|round| u64::from(round.tests)).sum();
+            let made: u64 = rounds().map(|round| u64::from(round.interpolated)).sum();
             assert_eq!((items(KernelId::Similarity), items(KernelId::Interpolate)), (tests, made), "{what}");
         }
     }

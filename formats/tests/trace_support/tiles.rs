@@ -108,25 +108,25 @@ fn paths(random: &mut Random, look: Look, tree: &Tree, bvh: &Bvh) -> Paths {
 }
 
 /// A path that some traversal of the tree could take.
-pub fn walk(random: &mut Random, bvh: &Bvh, any: bool) -> Vec<u8> {
+pub fn walk(random: &mut Random, bvh: &Bvh, any_hit: bool) -> Vec<u8> {
     let (mut steps, mut stack, mut hit) = (Vec::new(), Vec::new(), false);
     let mut current = Some(Child::inner(0));
     loop {
         let Some(child) = current.take() else {
             let Some(waiting) = stack.pop() else { return steps };
-            let visited = any || !hit || random.once_in(2);
+            let visited = any_hit || !hit || random.once_in(2);
             steps.push(if visited { step::POP } else { step::CULLED });
             current = visited.then_some(waiting);
             continue;
         };
         if child.is_leaf() {
             for triangle in child.triangles() {
-                let may_pass = bvh.material(triangle).may_pass(any);
+                let may_pass = bvh.material(triangle).may_pass(any_hit);
                 let outcomes = [step::MISS, step::MISS, step::HIT, step::PASS];
                 let outcome = outcomes[random.below(if may_pass { 4 } else { 3 }) as usize];
                 steps.push(outcome);
                 hit |= outcome == step::HIT;
-                if any && hit {
+                if any_hit && hit {
                     return steps;
                 }
             }

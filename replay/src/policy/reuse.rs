@@ -27,7 +27,7 @@ use rayreel_formats::math::Vec3;
 use super::interpolate::{interpolate_node, interpolate_tree};
 use super::similarity::{Compared, Tests};
 use super::tree::{Node, finish};
-use super::view::Tracer;
+use super::view::HitTracer;
 
 /// A sample between two others, to be built.
 pub struct Rebuild<'a, 't> {
@@ -36,7 +36,7 @@ pub struct Rebuild<'a, 't> {
     /// A primary hit may be interpolated although some of its children are traced.
     pub stand_in: bool,
     /// The recorded sample.
-    pub tracer: &'a mut Tracer<'t>,
+    pub tracer: &'a mut HitTracer<'t>,
     /// The tree that is built.
     pub out: &'a mut Vec<Node>,
     /// Samples from one end to the other.

@@ -60,7 +60,7 @@ fn kinds(work: &TileWork) -> RayCounts {
     }
 }
 
-/// Every ray hangs on exactly one other, or is a primary ray of exactly one wave.
+/// Every ray hangs on exactly one other, or is a primary ray of exactly one round.
 fn assert_linked(work: &TileWork) {
     let mut named = vec![0; work.rays.len()];
     for (i, ray) in work.rays.iter().enumerate() {
@@ -73,25 +73,25 @@ fn assert_linked(work: &TileWork) {
             assert_eq!((work.rays[shadow].kind, work.rays[shadow].depth), (RayKind::Shadow, ray.depth));
         }
     }
-    for &primary in work.rounds.iter().flat_map(|wave| &wave.starts) {
+    for &primary in work.rounds.iter().flat_map(|round| &round.starts) {
         named[primary as usize] += 1;
         assert_eq!(work.rays[primary as usize].kind, RayKind::Primary);
     }
     assert!(named.iter().all(|&n| n == 1), "a ray is named {named:?} times");
 }
 
-/// The samples of a tile's waves are those of the state map; gives how many were found outside the tile.
-fn assert_waves(work: &TileWork, frame: &FrameReplay) -> u32 {
+/// The samples of a tile's rounds are those of the state map; gives how many were found outside the tile.
+fn assert_rounds(work: &TileWork, frame: &FrameReplay) -> u32 {
     let rect = work.rect;
     let mut outside = 0;
-    for (number, wave) in work.rounds.iter().enumerate() {
+    for (number, round) in work.rounds.iter().enumerate() {
         let mut last = None;
-        for &primary in &wave.starts {
+        for &primary in &round.starts {
             let (x, y) = (work.rays[primary as usize].x, work.rays[primary as usize].y);
             assert_ne!(frame.states.state(x, y), SampleState::Interpolated);
             assert_eq!(usize::from(frame.states.round(x, y)), number);
             if x < rect.x + rect.width && y < rect.y + rect.height {
-                assert!(last < Some((y, x)) && outside_is_last(work, wave.starts.as_slice(), primary));
+                assert!(last < Some((y, x)) && outside_is_last(work, round.starts.as_slice(), primary));
                 last = Some((y, x));
             } else {
                 outside += 1;
@@ -111,7 +111,7 @@ fn outside_is_last(work: &TileWork, primaries: &[u32], last: u32) -> bool {
 }
 
 #[test]
-fn rays_and_waves_are_those_of_the_policy() {
+fn rays_and_rounds_are_those_of_the_policy() {
     for trace in traces() {
         for policy in policies() {
             let (frame, paths, works) = run(&trace, &policy).unwrap();
@@ -124,7 +124,7 @@ fn rays_and_waves_are_those_of_the_policy() {
                 assert_eq!(kinds(work), counts.rays_traced + counts.rays_apron, "{policy:?}");
                 assert_eq!(u64::from(work.apron_samples), counts.samples_apron);
                 assert_linked(work);
-                assert_eq!(assert_waves(work, &frame), work.apron_samples);
+                assert_eq!(assert_rounds(work, &frame), work.apron_samples);
                 interpolated += work.rounds.iter().map(|w| u64::from(w.interpolated)).sum::<u64>();
                 let primaries: u64 = work.rounds.iter().map(|w| w.starts.len() as u64).sum();
                 assert_eq!(primaries, counts.samples_traced + counts.samples_apron);
@@ -158,7 +158,7 @@ fn paths_are_the_recorded_ones() {
 
 /// Direct refinement tests each gap once, so the number of tests is known beforehand.
 #[test]
-fn tests_are_counted_by_wave() {
+fn tests_are_counted_by_round() {
     for trace in traces() {
         let (w, h) = trace.meta().grid();
         let (columns, rows) = trace.meta().tile_grid();
@@ -167,7 +167,7 @@ fn tests_are_counted_by_wave() {
         let gaps = |len: u32| lines(len).windows(2).filter(|pair| pair[1] - pair[0] >= 2).count() as u32;
         for apron in [Apron::Share, Apron::Retrace] {
             let (frame, _, works) = run(&trace, &policy(n, Refine::Direct, apron)).unwrap();
-            let tests = |wave: usize| works.iter().filter_map(|w| w.rounds.get(wave)).map(|w| w.tests).sum::<u32>();
+            let tests = |round: usize| works.iter().filter_map(|w| w.rounds.get(round)).map(|w| w.tests).sum::<u32>();
             let again = if apron == Apron::Retrace { (rows - 1) * gaps(w) } else { 0 };
             assert_eq!([tests(0), tests(1), tests(2)], [0, lines(h).len() as u32 * gaps(w) + again, w * gaps(h)]);
             assert!(works.iter().all(|w| w.rounds.len() <= 3));

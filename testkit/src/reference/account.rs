@@ -17,7 +17,7 @@ impl Maker<'_> {
         let mut outcome = Outcome {
             width,
             how: self.known.iter().map(|k| k.as_ref().expect("every sample is decided").how).collect(),
-            waves: self.known.iter().map(|k| k.as_ref().unwrap().wave).collect(),
+            rounds: self.known.iter().map(|k| k.as_ref().unwrap().round).collect(),
             colours: self.known.iter().map(|k| k.as_ref().unwrap().tree.colour).collect(),
             traced: Vec::new(),
             stand_ins: Vec::new(),

@@ -31,7 +31,7 @@ impl Area {
         (self.y0..self.y1).flat_map(move |y| (x0..x1).map(move |x| (x, y)))
     }
 
-    /// Waves of one step: one, or as often as the block can be halved.
+    /// Rounds of one step: one, or as often as the block can be halved.
     pub fn levels(&self, refine: Refine) -> u8 {
         let mut levels = 0;
         let mut gap = self.n;

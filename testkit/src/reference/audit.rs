@@ -1,7 +1,7 @@
 //! Audits: pixels drawn by chance, traced whole and compared as displayed.
 
 use super::area::Area;
-use super::maker::{Known, Maker};
+use super::maker::{KnownSample, Maker};
 use super::outcome::Origin;
 
 impl Maker<'_> {
@@ -18,9 +18,9 @@ impl Maker<'_> {
             let samples: Vec<usize> = (0..n * n).map(|i| (y + i / n) * width + x + i % n).collect();
             let before = self.display(&samples);
             for &at in &samples {
-                let Known { how, wave, .. } = *self.known[at].as_ref().unwrap();
+                let KnownSample { how, round, .. } = *self.known[at].as_ref().unwrap();
                 if how == Origin::Interpolated {
-                    self.whole(at, Origin::Traced, wave);
+                    self.whole(at, Origin::Traced, round);
                 }
             }
             let after = self.display(&samples);

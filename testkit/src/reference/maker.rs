@@ -9,26 +9,26 @@ use crate::rules::{Hit, Judge, between, difference, mix};
 
 /// What is known of a sample.
 #[derive(Clone)]
-pub struct Known {
+pub struct KnownSample {
     pub tree: Hit,
     pub how: Origin,
-    pub wave: u8,
+    pub round: u8,
 }
 
 /// A frame in the making.
 pub struct Maker<'a> {
     pub policy: &'a Adaptive,
     pub frame: &'a Frame,
-    pub known: Vec<Option<Known>>,
+    pub known: Vec<Option<KnownSample>>,
     pub traced: Vec<Vec<bool>>,
     pub stand_ins: Vec<(usize, Hit)>,
 }
 
 impl Maker<'_> {
     /// Traces a sample whole.
-    pub fn whole(&mut self, at: usize, how: Origin, wave: u8) {
+    pub fn whole(&mut self, at: usize, how: Origin, round: u8) {
         self.traced[at].fill(true);
-        self.known[at] = Some(Known { tree: self.frame.recorded[at].clone(), how, wave });
+        self.known[at] = Some(KnownSample { tree: self.frame.recorded[at].clone(), how, round });
     }
 
     pub fn tree(&self, at: usize) -> &Hit {
@@ -45,7 +45,7 @@ impl Maker<'_> {
     }
 
     /// Decides the inner samples of `line`, whose two ends are known.
-    pub fn fill(&mut self, area: &Area, line: &[usize], wave: u8, foreseen: f64) {
+    pub fn fill(&mut self, area: &Area, line: &[usize], round: u8, foreseen: f64) {
         let gap = line.len() - 1;
         if gap < 2 {
             return;
@@ -55,16 +55,16 @@ impl Maker<'_> {
             for (i, &at) in line.iter().enumerate().take(gap).skip(1) {
                 let (near, far, s) = nearer(&a, &b, i, gap);
                 let tree = between(near, far, s);
-                self.known[at] = Some(Known { tree, how: Origin::Interpolated, wave });
+                self.known[at] = Some(KnownSample { tree, how: Origin::Interpolated, round });
             }
             return;
         }
         if self.policy.sampling.refine == Refine::Direct {
-            (1..gap).for_each(|i| self.trace(area, (&a, &b), line, i, wave));
+            (1..gap).for_each(|i| self.trace(area, (&a, &b), line, i, round));
             return;
         }
         let m = gap / 2;
-        self.trace(area, (&a, &b), line, m, wave);
+        self.trace(area, (&a, &b), line, m, round);
         let mut foreseen = f64::INFINITY;
         let middle = self.known[line[m]].as_ref().unwrap();
         if self.policy.sampling.similarity.predict && middle.how == Origin::Traced {
@@ -72,14 +72,14 @@ impl Maker<'_> {
             let guess = mix(near.colour, far.colour, s);
             foreseen = difference((guess, middle.tree.colour), (guess, middle.tree.colour));
         }
-        self.fill(area, &line[..=m], wave + 1, foreseen);
-        self.fill(area, &line[m..], wave + 1, foreseen);
+        self.fill(area, &line[..=m], round + 1, foreseen);
+        self.fill(area, &line[m..], round + 1, foreseen);
     }
 
     /// Traces sample `i` of `line`, or what of it must be.
-    pub fn trace(&mut self, area: &Area, (a, b): (&Hit, &Hit), line: &[usize], i: usize, wave: u8) {
+    pub fn trace(&mut self, area: &Area, (a, b): (&Hit, &Hit), line: &[usize], i: usize, round: u8) {
         if !self.policy.sampling.secondary {
-            return self.whole(line[i], Origin::Traced, wave);
+            return self.whole(line[i], Origin::Traced, round);
         }
         let (near, far, s) = nearer(a, b, i, line.len() - 1);
         let judge = self.judge(area, line.len() - 1);
@@ -94,7 +94,7 @@ impl Maker<'_> {
             self.stand_ins.push((line[i], tree.clone()));
         }
         self.traced[line[i]] = traced;
-        self.known[line[i]] = Some(Known { tree, how, wave });
+        self.known[line[i]] = Some(KnownSample { tree, how, round });
     }
 
     /// Traces interpolated samples that a traced neighbour in the tile contradicts, pass by pass.
@@ -109,8 +109,8 @@ impl Maker<'_> {
                     found.push((x, y));
                 }
             }
-            let wave = 1 + 2 * area.levels(self.policy.sampling.refine) + pass;
-            found.iter().for_each(|&(x, y)| self.whole(y * self.frame.width + x, Origin::Traced, wave));
+            let round = 1 + 2 * area.levels(self.policy.sampling.refine) + pass;
+            found.iter().for_each(|&(x, y)| self.whole(y * self.frame.width + x, Origin::Traced, round));
             news = found;
         }
     }

@@ -36,7 +36,7 @@ pub struct Outcome {
     /// Origin each came to be known.
     pub how: Vec<Origin>,
     /// The round in which each was decided; 0 for R-samples.
-    pub waves: Vec<u8>,
+    pub rounds: Vec<u8>,
     /// Linear red, green and blue of each.
     pub colours: Vec<[f32; 3]>,
     /// Per sample and recorded hit whether its rays were traced.

@@ -1,6 +1,6 @@
 //! What a policy may see: the hits it has traced, and what was interpolated from them.
 //!
-//! The recorded samples of a tile are private to this module. The only ways to one are [`TileView::trace`] and [`Tracer`],
+//! The recorded samples of a tile are private to this module. The only ways to one are [`TileView::trace`] and [`HitTracer`],
 //! which mark the hits as traced and count their rays, so a policy cannot use a value that hardware would not have had.
 
 mod recorded;
@@ -59,12 +59,12 @@ pub struct TileView {
 }
 
 /// The recorded ray tree of one sample, of which hits may be traced one by one.
-pub struct Tracer<'a> {
+pub struct HitTracer<'a> {
     nodes: &'a [Node],
     traced: &'a mut [bool],
 }
 
-impl Tracer<'_> {
+impl HitTracer<'_> {
     /// Traces hit `node` and its shadow rays.
     pub fn hit(&mut self, node: usize) -> Node {
         self.traced[node] = true;
@@ -172,12 +172,18 @@ impl TileView {
     ///
     /// # Panics
     /// As [`TileView::trace`].
-    pub fn rebuild(&mut self, x: u32, y: u32, round: u8, build: impl FnOnce(&mut Tracer<'_>, &mut Vec<Node>) -> u32) {
+    pub fn rebuild(
+        &mut self,
+        x: u32,
+        y: u32,
+        round: u8,
+        build: impl FnOnce(&mut HitTracer<'_>, &mut Vec<Node>) -> u32,
+    ) {
         let i = self.offset(x, y);
         let range = self.recorded.range(i);
         let mut tree = Vec::with_capacity(range.len());
         let (nodes, traced) = (&self.recorded.nodes[range.clone()], &mut self.traced[range.clone()]);
-        let interpolated = build(&mut Tracer { nodes, traced }, &mut tree);
+        let interpolated = build(&mut HitTracer { nodes, traced }, &mut tree);
         let traced = self.traced[range.clone()].iter().filter(|t| **t).count();
         let state = match (traced, interpolated) {
             (0, _) => SampleState::Interpolated,
