@@ -14,7 +14,7 @@ use rayreel_machine::timeline::Timeline;
 use rayreel_replay::error::RequestError;
 use rayreel_replay::sequence::{FrameLoop, FrameResult, Simulator};
 use rayreel_replay::{NamedPolicy, Options, PathSource, ReplayError, Stop};
-use rayreel_study::files::write_whole;
+use rayreel_study::files::write_named;
 use rayreel_study::point::pictures::FramePictures;
 use rayreel_study::report::{Origin, Report};
 
@@ -74,7 +74,7 @@ pub fn run(args: &Args, quiet: bool) -> Result<Exit> {
     let report = replay(args, &trace, &policy, machine.as_ref(), quiet)?;
     let json = report.to_json()?;
     if let Some(out) = &args.out {
-        write_whole(&out.join("stats.json"), json.as_bytes())?;
+        write_named(&out.join("stats.json"), json.as_bytes())?;
     }
     print(&if args.json { json } else { report.to_string() })?;
     Ok(Exit::Done)
@@ -140,7 +140,7 @@ fn replay(
     let mut frame_loop = FrameLoop::new(trace, &policy.policy, Options::default(), &Stop::never())?;
     frame_loop.run(frames, simulator, &mut (timeline.as_mut(), watch), sink)?;
     if let (Some(file), Some(timeline)) = (&args.timeline, timeline) {
-        write_whole(file, timeline.to_json().as_bytes())?;
+        write_named(file, timeline.to_json().as_bytes())?;
     }
     let report = Report::new(&origin, policy, meta, &counted);
     let report = match machine {

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use anyhow::Result;
-use rayreel_study::files::write_whole;
+use rayreel_study::files::write_named;
 use rayreel_study::sweep::folder::Folder;
 use rayreel_study::sweep::merge::{Merged, merge};
 use rayreel_study::table::{csv, parquet};
@@ -76,8 +76,8 @@ fn write(folder: &Folder, merged: &Merged, partial: bool, (out, csv_out): (&Path
             return Ok(Exit::Incomplete);
         }
     }
-    write_whole(out, &parquet::encode(&merged.results)?)?;
-    write_whole(csv_out, &csv::encode(&merged.results)?)?;
+    write_named(out, &parquet::encode(&merged.results)?)?;
+    write_named(csv_out, &csv::encode(&merged.results)?)?;
     let failed = if merged.failed > 0 { format!(", {} of them failed", merged.failed) } else { String::new() };
     print(&format!(
         "{} rows{failed}, {} columns, {} duplicates dropped\n{}\n{}\n",

@@ -7,12 +7,20 @@ use rayreel_formats::durable;
 
 use crate::error::{Result, StudyError};
 
-/// Writes a file as a whole ([`durable::write_whole`]), and makes its folder if there is none.
+/// Writes a file as a whole ([`durable::write_whole`]) into a folder that is there: for files that users name.
+///
+/// # Errors
+/// When it cannot be written.
+pub fn write_named(path: &Path, bytes: &[u8]) -> Result<()> {
+    durable::write_whole(path, &[bytes]).map_err(|source| StudyError::io(path, "write", source))
+}
+
+/// The same for files of our own folders; makes the folder if there is none.
 ///
 /// # Errors
 /// When it cannot be written.
 pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<()> {
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
-    let made = folder.map_or(Ok(()), fs::create_dir_all);
-    made.and_then(|()| durable::write_whole(path, &[bytes])).map_err(|source| StudyError::io(path, "write", source))
+    folder.map_or(Ok(()), fs::create_dir_all).map_err(|source| StudyError::io(path, "write", source))?;
+    write_named(path, bytes)
 }

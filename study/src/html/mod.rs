@@ -21,7 +21,7 @@ pub use error::ReportError;
 pub use load::load;
 
 use crate::analysis::load as results;
-use crate::files::write_whole;
+use crate::files::write_named;
 use crate::schema::{FILE, Study};
 
 /// A page that was written.
@@ -57,6 +57,6 @@ pub fn write(folder: &Path, file: &Path) -> crate::Result<Written, ReportError> 
 pub fn write_study(study: &Study, folder: &Path, file: &Path) -> crate::Result<Written, ReportError> {
     let pictures = sections::viewer::Pictures::load(study, |name| load::picture(folder, name))?;
     let html = page::page(study, &pictures);
-    write_whole(file, html.as_bytes()).map_err(|e| ReportError::Write { source: Box::new(e) })?;
+    write_named(file, html.as_bytes()).map_err(|e| ReportError::Write { source: Box::new(e) })?;
     Ok(Written { bytes: html.len(), picture_bytes: pictures.bytes(), pictures: pictures.len() })
 }

@@ -15,7 +15,7 @@ mod view;
 
 use std::path::Path;
 
-use crate::files::write_whole;
+use crate::files::write_named;
 use crate::html::{ReportError, Written};
 use crate::table::Results;
 
@@ -25,7 +25,7 @@ use crate::table::Results;
 /// When `file` cannot be written.
 pub fn write(results: &Results, file: &Path) -> crate::Result<Written, ReportError> {
     let html = page::page(results);
-    write_whole(file, html.as_bytes()).map_err(|e| ReportError::Write { source: Box::new(e) })?;
+    write_named(file, html.as_bytes()).map_err(|e| ReportError::Write { source: Box::new(e) })?;
     Ok(Written { bytes: html.len(), picture_bytes: 0, pictures: 0 })
 }
 

@@ -41,7 +41,7 @@ mod tests {
     use crate::point::version::MODEL_VERSION;
     use crate::sweep::plan::axis::Axis;
     use crate::sweep::plan::locate::Text;
-    use crate::sweep::plan::{Base, LAYOUT};
+    use crate::sweep::plan::{Base, LAYOUT, TraceRef};
     use rayreel_machine::config::NamedMachine;
     use rayreel_replay::policy::NamedPolicy;
 
@@ -62,11 +62,20 @@ mod tests {
             values: vec![Some(0); axes.len()],
             key: String::new(),
         };
+        let trace = TraceRef {
+            name: "t".into(),
+            location: "t".into(),
+            fingerprint: "f".into(),
+            scene: "s".into(),
+            size: (1, 1),
+            samples: 1,
+            frames: (0, 1),
+        };
         let plan = Plan {
             layout: LAYOUT,
             model: MODEL_VERSION,
             name: String::new(),
-            traces: Vec::new(),
+            traces: vec![trace],
             machines: vec![Base { name: "sgrt-ti2".into(), toml: machine }],
             policies: vec![Base { name: "quality".into(), toml: policy }],
             axes,
