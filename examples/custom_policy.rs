@@ -7,7 +7,8 @@ impl Sampler for Pairs {
     fn begin_tile(&self, view: &mut TileView) {
         for (x, y) in view.samples().filter(|(x, _)| x % 2 == 0) {
             view.trace(x, y, SampleState::Reference, 0);
-            view.interpolate(x + 1, y, &view.tree(x, y).to_vec(), 1);
+            let left = view.tree(x, y).to_vec();
+            view.interpolate(x + 1, y, &left, 1);
         }
     }
 }
@@ -18,8 +19,7 @@ impl SamplePolicy for Pairs {
     fn sampler(&self, _: &Meta) -> Result<Box<dyn Sampler>> { Ok(Box::new(Pairs)) }
 }
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let golden = concat!(env!("CARGO_MANIFEST_DIR"), "/traces/v1_0_teapot.rtrace");
-    let trace = Trace::open(golden.as_ref(), Limits::default())?;
+    let trace = Trace::open("traces/v1_0_teapot.rtrace".as_ref(), Limits::default())?;
     for policy in [&NamedPolicy::load("paper-ss", &[])? as &dyn SamplePolicy, &Pairs] {
         let stats = replay(&trace, policy, trace.meta().frame_numbers(), Options::default())?.stats();
         let rays: u64 = stats.iter().map(|frame| frame.counts.rays_traced.total()).sum();

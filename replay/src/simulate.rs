@@ -61,7 +61,7 @@ impl MachineRun {
 /// Replays frame `frame` and runs its rays through a machine that starts with cold caches. `probe` may watch.
 ///
 /// # Errors
-/// As [`Replayer::frame_with`]; [`RequestError::MissingKernel`] if the machine cannot run the policy; [`ReplayError::Machine`] if
+/// As [`Replayer::frame_with`]; [`RequestError::MissingKernel`] if the machine cannot run the policy; [`ReplayError::Machine`](crate::ReplayError::Machine) if
 /// the machine stands still.
 pub fn simulate<S: PathSource + ?Sized, P: Probe>(
     replayer: &mut Replayer<'_, S>,

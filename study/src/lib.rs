@@ -2,7 +2,7 @@
 //!
 //! A [`Point`] is a trace, a machine, a policy and a run of frames. Its [`Row`] of figures is a pure function of its key, so it does
 //! not matter who computes it, when, or how often. A [`Plan`] makes many of them; [`run`](sweep::run::run) computes what is missing,
-//! on one machine or many, and [`merge`](sweep::merge::merge) puts the rows into one table.
+//! on one machine or many, and [`merge`] puts the rows into one table.
 //!
 //! ```
 //! use rayreel_formats::{Limits, trace::Trace};

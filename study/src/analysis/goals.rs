@@ -33,7 +33,7 @@ pub fn goal(name: &str) -> Goal {
     }
 }
 
-/// The results to show first: those of [`HEADLINES`] that vary, or else the first columns of results that do.
+/// The results to show first: those of `HEADLINES` that vary, or else the first columns of results that do.
 pub fn headlines(results: &Results) -> Vec<&str> {
     let first: Vec<&str> = HEADLINES.iter().copied().filter(|name| varies_within(results, name)).take(SHOWN).collect();
     if !first.is_empty() {

@@ -1,6 +1,6 @@
 //! The figures of a report, declared once: name, unit, meaning, which way is better, and how frames add up.
 //!
-//! A figure is one line of [`table`](self::table). From that line come the field of the report, its description in JSON, the
+//! A figure is one line of `table.rs`. From that line come the field of the report, its description in JSON, the
 //! columns of results, and the direction in which analyses and pages look for the best point. What the machine counts is declared
 //! beside the code that counts (`counters!` of the machine) and stands under `counters`.
 
