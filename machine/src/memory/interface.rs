@@ -11,7 +11,7 @@ use crate::time::TiCycle;
 /// next cycle at which a tick can bring a response or free a queue.
 pub trait Memory: Component<Report = MemoryStats> + for<'a> Tick<&'a mut Vec<Response>> {
     /// Takes a request at cycle `now`, or refuses it because a queue is full: then nothing changed, ask again later.
-    /// Of [`Route::Cached`] and [`Route::Read`] each accepted request gets exactly one response, at a later cycle.
+    /// Of `Route::Cached` and `Route::Read` each accepted request gets exactly one response, at a later cycle.
     fn request(&mut self, now: TiCycle, request: Request) -> bool;
 
     /// Whether nothing is under way: no request, and no write that still has to reach DRAM.

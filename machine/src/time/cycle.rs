@@ -7,7 +7,7 @@ use std::ops::{Add, AddAssign, Sub};
 pub trait ClockCycle: Copy + Ord + fmt::Debug + Add<u64, Output = Self> + Sub<Output = u64> {
     /// The first cycle.
     const START: Self;
-    /// After the last cycle: what [`When::NEVER`] is made of.
+    /// After the last cycle: what `When::NEVER` is made of.
     const END: Self;
 
     /// Cycle `number`, counted from 0.
