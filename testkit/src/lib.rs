@@ -1,7 +1,7 @@
 //! What the tests of several crates share. Never part of a build: members name it in `[dev-dependencies]` only.
 //!
 //! [`Random`] knows no other member. With the feature `frames` there are also `synthetic` frames, a slow second
-//! implementation of the adaptive policies (`reference`(mod@reference)), and a source that catches who reads what was not traced (`poison`).
+//! implementation of the adaptive policies (`reference`), and a source that catches who reads what was not traced (`poison`).
 
 mod random;
 
