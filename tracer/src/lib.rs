@@ -41,6 +41,7 @@ mod texture;
 mod trace;
 pub mod traverse;
 pub mod verify;
+mod waves;
 
 pub use accel::{BuildError, Built, build};
 pub use capture::{CaptureOutcome, CaptureOutput, CaptureProgress, Captured};

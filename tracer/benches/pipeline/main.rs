@@ -3,17 +3,16 @@
 //! ```text
 //! cargo bench -p rayreel-tracer --bench pipeline                    all scenes at 1024x512, 2x2 samples, depth 4
 //! cargo bench -p rayreel-tracer --bench pipeline -- --codecs        also the plain codec at zstd levels 1, 3 and 9
-//! cargo bench -p rayreel-tracer --bench pipeline -- --size 512x256 chess teapot
+//! cargo bench -p rayreel-tracer --bench pipeline -- --size 512x256 --rounds 9 chess teapot
 //! ```
 //!
-//! Scenes are the built-in ones and, where `../shared/scenes` is there, those of its `cameras.json`. Speeds are the
-//! best of several rounds of plain tracing, recording and capture in turn, so the ratios hold on a noisy machine.
-//! "plain" is tracing and shading without recording; "recorded" adds paths in memory; "capture" adds coding, without
-//! the disk.
+//! Scenes are the built-in ones and, where `../shared/scenes` is there, those of its `cameras.json`. Speeds are those of
+//! one thread, by the processor time that all threads took: the best of several rounds of plain tracing, recording and
+//! capture in turn, so the ratios hold on a busy machine. "plain" is tracing and shading without recording; "recorded"
+//! adds paths in memory; "capture" adds coding, without the disk.
 
+mod clock;
 mod scenes;
-
-use std::time::Instant;
 
 use rayon::prelude::*;
 use rayreel_formats::Limits;
@@ -23,16 +22,15 @@ use rayreel_formats::trace::{BvhTopology, Codec, Scratch, TileCodec};
 use rayreel_scenes::Scene;
 use rayreel_tracer::{SampleGrid, TraceSettings, Tracer, build, convert};
 
-const ROUNDS: usize = 3;
-
 struct Arguments {
     size: (u32, u32),
     codecs: bool,
+    rounds: usize,
     scenes: Vec<String>,
 }
 
 fn arguments() -> Arguments {
-    let mut parsed = Arguments { size: (1024, 512), codecs: false, scenes: Vec::new() };
+    let mut parsed = Arguments { size: (1024, 512), codecs: false, rounds: 4, scenes: Vec::new() };
     let mut given = std::env::args().skip(1);
     while let Some(argument) = given.next() {
         match argument.as_str() {
@@ -43,6 +41,7 @@ fn arguments() -> Arguments {
                 let pair = size.split_once('x').and_then(|(w, h)| Some((w.parse().ok()?, h.parse().ok()?)));
                 parsed.size = pair.expect("--size takes WxH");
             }
+            "--rounds" => parsed.rounds = given.next().and_then(|r| r.parse().ok()).expect("--rounds takes a number"),
             name => parsed.scenes.push(name.to_string()),
         }
     }
@@ -63,11 +62,11 @@ impl Frame<'_> {
     }
 
     fn plain(&self) -> f64 {
-        let start = Instant::now();
-        self.tiles().par_iter().for_each(|&t| {
-            std::hint::black_box(self.tracer.colours(&self.camera, self.meta.tile_rect(t)));
-        });
-        start.elapsed().as_secs_f64()
+        clock::spent(|| {
+            self.tiles().par_iter().for_each(|&t| {
+                std::hint::black_box(self.tracer.colours(&self.camera, self.meta.tile_rect(t)));
+            });
+        })
     }
 
     fn record(&self, tile: u32) -> Tile {
@@ -75,19 +74,19 @@ impl Frame<'_> {
     }
 
     fn recorded(&self) -> f64 {
-        let start = Instant::now();
-        self.tiles().par_iter().for_each(|&t| {
-            std::hint::black_box(self.record(t));
-        });
-        start.elapsed().as_secs_f64()
+        clock::spent(|| {
+            self.tiles().par_iter().for_each(|&t| {
+                std::hint::black_box(self.record(t));
+            });
+        })
     }
 
     fn capture(&self) -> f64 {
-        let start = Instant::now();
-        self.tiles().par_iter().for_each_init(Scratch::default, |scratch, &t| {
-            std::hint::black_box(self.codec.encode(&self.record(t), Codec::Context, scratch).expect("tile codes"));
-        });
-        start.elapsed().as_secs_f64()
+        clock::spent(|| {
+            self.tiles().par_iter().for_each_init(Scratch::default, |scratch, &t| {
+                std::hint::black_box(self.codec.encode(&self.record(t), Codec::Context, scratch).expect("tile codes"));
+            });
+        })
     }
 
     /// Coded bytes by column, rays, steps.
@@ -120,7 +119,7 @@ fn bench(name: &str, scene: &Scene, frame: usize, arguments: &Arguments) {
     let bvh = zstd::bulk::compress(&bvh, 9).expect("zstd").len() as f64;
 
     let (mut plain, mut recorded, mut capture) = (f64::MAX, f64::MAX, f64::MAX);
-    for _ in 0..ROUNDS {
+    for _ in 0..arguments.rounds {
         plain = plain.min(frame.plain());
         recorded = recorded.min(frame.recorded());
         capture = capture.min(frame.capture());
@@ -143,11 +142,10 @@ fn bench(name: &str, scene: &Scene, frame: usize, arguments: &Arguments) {
     );
     if arguments.codecs {
         for level in [1, 3, 9] {
-            let start = Instant::now();
-            let (bytes, ..) = frame.sizes(Codec::Plain(level));
+            let mut bytes = [0; 4];
+            let seconds = clock::spent(|| (bytes, ..) = frame.sizes(Codec::Plain(level)));
             let [tree, hits, radiance, paths] = bytes.map(|b| per_ray(b as f64));
             let sum = tree + hits + radiance + paths + per_ray(bvh);
-            let seconds = start.elapsed().as_secs_f64();
             println!(
                 "  plain, zstd {level:<2}  {:>37.2}  {tree:>6.3} {hits:>6.3} {radiance:>8.3} {paths:>6.3} {:>6} {sum:>6.3}",
                 plain / seconds,
@@ -161,7 +159,7 @@ fn main() {
     let arguments = arguments();
     let (w, h) = arguments.size;
     println!("{w}x{h} pixels, 2x2 samples, depth 4, {} threads; bytes a ray", rayon::current_num_threads());
-    println!("speed: Mrays/s of plain tracing; rec, cap: recording's and capture's speed over it\n");
+    println!("Mrays/s: plain tracing, one thread; rec, cap: recording's and capture's speed over it\n");
     println!(
         "{:<17} {:>9} {:>5} {:>7} {:>6} {:>6}  {:>6} {:>6} {:>8} {:>6} {:>6} {:>6}",
         "scene", "rays", "steps", "Mrays/s", "rec", "cap", "tree", "hits", "radiance", "paths", "bvh", "all"

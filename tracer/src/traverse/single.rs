@@ -1,80 +1,42 @@
-//! Traversal of two-child nodes: closest hit and any hit, with or without recording the path.
-//!
-//! One loop serves tracing, recording and verification, so they cannot disagree. SIMD is used element by element,
-//! never to sum or compare lanes: each lane is the scalar IEEE operation, so a path is the same on every machine.
+//! One ray on its way through the tree.
 
 use glam::{Vec4, Vec4Swizzles};
-use rayreel_formats::bvh::{Aabb, Bvh, Child, MAX_TREE_DEPTH};
+use rayreel_formats::bvh::{Aabb, Child, MAX_TREE_DEPTH};
 use rayreel_formats::intersect::intersect;
-use rayreel_formats::math::Vec3;
 use rayreel_formats::rays::Ray;
 use rayreel_formats::tile::step;
 
-/// Widening of a box's far distance: 16 units in the last place. Slab distances and triangle distances round
-/// differently, and a box must never be skipped when a triangle in it would be hit.
-const WIDEN: f32 = 1.0 + 1.0 / 524_288.0;
+use super::{PAD, RayHit, TINY, TraversalBvh, TwoBoxes, WIDEN};
 
-/// Boxes grow on every side by this fraction of the distance from the ray's origin to the far side of the scene, and
-/// by one unit in the last place of the origin. The intersection test accepts a ray that passes just outside an edge,
-/// by as much as its rounding; the box must accept that ray too. So must it a ray that lies in the plane of one of
-/// its sides.
-const PAD: f32 = 1.0 / 262_144.0;
+/// Children put aside, each with the distance at which its box is entered. No tree is deeper (`Bvh::new` checks).
+pub(super) type Stack = [(Child, f32); MAX_TREE_DEPTH];
 
-/// Smallest magnitude of a direction component in the slab test, so that its reciprocal stays finite and no NaN arises.
-const TINY: f32 = 1.0e-18;
-
-/// A node laid out for the two-box test: lanes are left minimum, right minimum, left maximum, right maximum.
-#[derive(Clone, Copy, Debug)]
-#[repr(align(64))]
-struct TwoBoxes {
-    x: Vec4,
-    y: Vec4,
-    z: Vec4,
-    children: [Child; 2],
-}
-
-/// A [`Bvh`] laid out for traversal.
-#[derive(Debug)]
-pub struct TraversalBvh {
-    nodes: Vec<TwoBoxes>,
-    bounds: Aabb,
-    corners: Vec<[Vec3; 3]>,
-}
-
-/// Where a ray hits a triangle.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct RayHit {
-    /// Triangle in leaf order.
-    pub triangle: u32,
-    /// Ray parameter.
-    pub t: f32,
-    /// Barycentric weight of the second corner.
-    pub u: f32,
-    /// Barycentric weight of the third corner.
-    pub v: f32,
+pub(super) fn empty_stack() -> Box<Stack> {
+    Box::new([(Child::leaf(0, 0), 0.0); MAX_TREE_DEPTH])
 }
 
 /// Memory of a traversal, reused from ray to ray.
 #[derive(Debug)]
 pub struct TraversalScratch {
-    stack: Box<[(Child, f32); MAX_TREE_DEPTH]>,
+    stack: Box<Stack>,
     /// Recorded steps; the caller takes what each ray appended.
     pub steps: Vec<u8>,
 }
 
 impl Default for TraversalScratch {
     fn default() -> Self {
-        Self { stack: Box::new([(Child::leaf(0, 0), 0.0); MAX_TREE_DEPTH]), steps: Vec::new() }
+        Self { stack: empty_stack(), steps: Vec::new() }
     }
 }
 
 /// A ray prepared for slab tests. Lanes as in [`TwoBoxes`].
-struct Slabs {
-    origin: [Vec4; 3],
-    inverse: [Vec4; 3],
+pub(super) struct Slabs {
+    pub origin: [Vec4; 3],
+    pub inverse: [Vec4; 3],
 }
 
 impl Slabs {
+    #[inline(always)]
     fn new(ray: &Ray, bounds: &Aabb) -> Self {
         let inverse = |d: f32| Vec4::splat(1.0 / if d.abs() < TINY { TINY.copysign(d) } else { d });
         let (o, d) = (ray.origin, ray.direction);
@@ -101,31 +63,14 @@ impl Slabs {
     }
 }
 
+/// How far a ray has come: where it ends for now, and what it hit there.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Progress {
+    pub t_max: f32,
+    pub best: Option<RayHit>,
+}
+
 impl TraversalBvh {
-    /// Lays out a tree.
-    pub fn new(bvh: &Bvh) -> Self {
-        let nodes = bvh
-            .nodes
-            .iter()
-            .map(|node| {
-                let [a, b] = node.bounds;
-                TwoBoxes {
-                    x: Vec4::new(a.min.x, b.min.x, a.max.x, b.max.x),
-                    y: Vec4::new(a.min.y, b.min.y, a.max.y, b.max.y),
-                    z: Vec4::new(a.min.z, b.min.z, a.max.z, b.max.z),
-                    children: node.children,
-                }
-            })
-            .collect();
-        Self { nodes, bounds: bvh.bounds(), corners: (0..bvh.triangles.len()).map(|t| bvh.corners(t)).collect() }
-    }
-
-    /// The corners of a triangle.
-    #[inline]
-    pub fn corners(&self, triangle: u32) -> [Vec3; 3] {
-        self.corners[triangle as usize]
-    }
-
     /// The closest hit. `pass(triangle, u, v)` says of a hit whether the ray goes on as if the triangle were not there.
     /// With `RECORD` the steps are appended to the scratch memory.
     #[inline]
@@ -154,21 +99,37 @@ impl TraversalBvh {
         &self,
         ray: &Ray,
         scratch: &mut TraversalScratch,
-        mut pass: impl FnMut(u32, f32, f32) -> bool,
+        pass: impl FnMut(u32, f32, f32) -> bool,
     ) -> Option<RayHit> {
         let slabs = Slabs::new(ray, &self.bounds);
         let TraversalScratch { stack, steps } = scratch;
-        let mut record = |s: u8| {
+        let record = |s: u8| {
             if RECORD {
                 steps.push(s);
             }
         };
-        let (mut best, mut t_max, mut top) = (None, ray.t_max, 0);
-        let mut current = Child::inner(0);
+        let start = Progress { t_max: ray.t_max, best: None };
+        self.walk_below::<ANY_HIT>(Child::inner(0), ray, &slabs, start, stack, record, pass).best
+    }
+
+    /// Walks the tree from `current` down.
+    #[inline(always)]
+    #[expect(clippy::too_many_arguments, reason = "in a packet the parts of a ray's state lie apart")]
+    pub(super) fn walk_below<const ANY_HIT: bool>(
+        &self,
+        mut current: Child,
+        ray: &Ray,
+        slabs: &Slabs,
+        mut progress: Progress,
+        stack: &mut Stack,
+        mut record: impl FnMut(u8),
+        mut pass: impl FnMut(u32, f32, f32) -> bool,
+    ) -> Progress {
+        let mut top = 0;
         loop {
             if current.is_leaf() {
                 for triangle in current.triangles() {
-                    let Some(hit) = intersect(ray, self.corners[triangle], t_max) else {
+                    let Some(hit) = intersect(ray, self.corners[triangle], progress.t_max) else {
                         record(step::MISS);
                         continue;
                     };
@@ -177,23 +138,22 @@ impl TraversalBvh {
                         continue;
                     }
                     record(step::HIT);
-                    t_max = hit.t;
-                    best = Some(RayHit { triangle: triangle as u32, t: hit.t, u: hit.u, v: hit.v });
+                    let best = RayHit { triangle: triangle as u32, t: hit.t, u: hit.u, v: hit.v };
+                    progress = Progress { t_max: hit.t, best: Some(best) };
                     if ANY_HIT {
-                        return best;
+                        return progress;
                     }
                 }
             } else {
                 let node = &self.nodes[current.node()];
                 let [left, right] = node.children;
-                let ([near_left, near_right], met) = slabs.test(node, t_max);
+                let ([near_left, near_right], met) = slabs.test(node, progress.t_max);
                 match met {
                     [true, true] => {
                         let left_first = near_left <= near_right;
                         let (first, second, near) =
                             if left_first { (left, right, near_right) } else { (right, left, near_left) };
                         record(if left_first { step::LEFT_FIRST } else { step::RIGHT_FIRST });
-                        // A tree is never deeper than the stack (`Bvh::new` checks).
                         stack[top] = (second, near);
                         top += 1;
                         current = first;
@@ -215,11 +175,11 @@ impl TraversalBvh {
             // Pop children until one starts before the closest hit so far.
             loop {
                 if top == 0 {
-                    return best;
+                    return progress;
                 }
                 top -= 1;
                 let (child, near) = stack[top];
-                if ANY_HIT || near <= t_max * WIDEN {
+                if ANY_HIT || near <= progress.t_max * WIDEN {
                     record(step::POP);
                     current = child;
                     break;
