@@ -27,8 +27,8 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! Invariants: shading uses only values as the trace stores them, quantised; one traversal loop serves rendering,
-//! recording and verification; no output depends on the number of threads.
+//! Invariants: shading uses only values as the trace stores them, quantised; rendering and recording share one traversal, of
+//! packets, and verification walks each ray alone; no output depends on the number of threads or the processor.
 
 pub mod accel;
 pub mod capture;

@@ -47,15 +47,18 @@ fn check<const ANY_HIT: bool>(name: &str, scene: &Scene) -> (u64, u64) {
     let built = build(scene).expect("bvh");
     let bvh = TraversalBvh::new(&built.bvh);
     let bounds = built.bvh.bounds();
-    let (mut packets, mut alone) = (PacketScratch::default(), TraversalScratch::default());
+    let (mut packets, mut other, mut alone) =
+        (PacketScratch::default(), PacketScratch::default(), TraversalScratch::default());
     let (mut steps, mut hits) = (0, 0);
     for seed in 0..PACKETS {
         let packet = random_packet(&mut Random(seed << 20), bounds.min, bounds.max);
         let found = bvh.packet::<true, ANY_HIT>(&packet, &mut packets, |_, t, u, v| passes(seed, t, u, v));
-        let silent =
-            bvh.packet::<false, ANY_HIT>(&packet, &mut PacketScratch::default(), |_, t, u, v| passes(seed, t, u, v));
+        let silent = bvh.packet::<false, ANY_HIT>(&packet, &mut other, |_, t, u, v| passes(seed, t, u, v));
+        let anywhere = bvh.packet_anywhere::<true, ANY_HIT>(&packet, &mut other, |_, t, u, v| passes(seed, t, u, v));
         for lane in 0..LANES {
             assert_eq!(bits(found[lane]), bits(silent[lane]), "{name}, packet {seed}, ray {lane}: recording");
+            assert_eq!(bits(found[lane]), bits(anywhere[lane]), "{name}, packet {seed}, ray {lane}: processor");
+            assert_eq!(packets.steps(lane), other.steps(lane), "{name}, packet {seed}, ray {lane}: processor");
             if packet.mask >> lane & 1 == 0 {
                 assert_eq!((found[lane], packets.steps(lane)), (None, &[][..]), "{name}, packet {seed}: no ray {lane}");
                 continue;

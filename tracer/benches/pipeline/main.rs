@@ -3,6 +3,7 @@
 //! ```text
 //! cargo bench -p rayreel-tracer --bench pipeline                    all scenes at 1024x512, 2x2 samples, depth 4
 //! cargo bench -p rayreel-tracer --bench pipeline -- --codecs        also the plain codec at zstd levels 1, 3 and 9
+//! cargo bench -p rayreel-tracer --bench pipeline -- --plain         plain tracing only
 //! cargo bench -p rayreel-tracer --bench pipeline -- --size 512x256 --rounds 9 chess teapot
 //! ```
 //!
@@ -25,17 +26,19 @@ use rayreel_tracer::{SampleGrid, TraceSettings, Tracer, build, convert};
 struct Arguments {
     size: (u32, u32),
     codecs: bool,
+    plain: bool,
     rounds: usize,
     scenes: Vec<String>,
 }
 
 fn arguments() -> Arguments {
-    let mut parsed = Arguments { size: (1024, 512), codecs: false, rounds: 4, scenes: Vec::new() };
+    let mut parsed = Arguments { size: (1024, 512), codecs: false, plain: false, rounds: 4, scenes: Vec::new() };
     let mut given = std::env::args().skip(1);
     while let Some(argument) = given.next() {
         match argument.as_str() {
             "--bench" => {}
             "--codecs" => parsed.codecs = true,
+            "--plain" => parsed.plain = true,
             "--size" => {
                 let size = given.next().unwrap_or_default();
                 let pair = size.split_once('x').and_then(|(w, h)| Some((w.parse().ok()?, h.parse().ok()?)));
@@ -118,6 +121,17 @@ fn bench(name: &str, scene: &Scene, frame: usize, arguments: &Arguments) {
     let bvh = built.bvh.to_payload().expect("bvh");
     let bvh = zstd::bulk::compress(&bvh, 9).expect("zstd").len() as f64;
 
+    if arguments.plain {
+        let rays: u64 = frame
+            .tiles()
+            .iter()
+            .map(|&t| tracer.tile::<false>(&camera, meta.tile_rect(t), 0, t))
+            .map(|t| t.tree.ray_count())
+            .sum();
+        let plain = (0..arguments.rounds).map(|_| frame.plain()).fold(f64::MAX, f64::min);
+        println!("{name:<17} {rays:>9} {:>5} {:>7.2}", "", rays as f64 / plain / 1e6);
+        return;
+    }
     let (mut plain, mut recorded, mut capture) = (f64::MAX, f64::MAX, f64::MAX);
     for _ in 0..arguments.rounds {
         plain = plain.min(frame.plain());

@@ -63,17 +63,6 @@ impl PathLog {
         }
     }
 
-    /// Adds a step to one lane.
-    #[inline(always)]
-    pub fn push_one(&mut self, lane: usize, step: u8) {
-        if self.longest == self.room {
-            self.grow();
-        }
-        self.longest += 1;
-        self.bytes[lane * self.room + self.lengths[lane]] = step;
-        self.lengths[lane] += 1;
-    }
-
     #[cold]
     fn grow(&mut self) {
         self.longest = self.lengths.into_iter().max().unwrap_or(0);

@@ -7,6 +7,8 @@
 //! SIMD is used element by element, never to sum or compare lanes: each lane is the scalar IEEE operation, so a path is
 //! the same on every machine.
 
+#[cfg(target_arch = "x86_64")]
+mod avx;
 mod lanes;
 mod log;
 mod packet;

@@ -12,13 +12,11 @@ use rayreel_formats::tile::step;
 
 use glam::Vec4;
 
-use super::lanes::{LANES, Lanes, Lanes3};
+#[cfg(target_arch = "x86_64")]
+use super::avx::Avx;
+use super::lanes::{Halves, LANES, Lanes, Lanes3};
 use super::log::{PathLog, steps};
-use super::single::{Progress, Slabs, Stack, empty_stack};
 use super::{PAD, RayHit, TINY, TraversalBvh, TwoBoxes, WIDEN};
-
-/// So few rays walk on alone: a packet's visit costs what two or three of theirs do.
-const ALONE: u32 = 2;
 
 /// The rays of a packet.
 #[derive(Clone, Copy, Debug)]
@@ -32,12 +30,17 @@ pub struct PacketRays {
 /// What the rays of a packet hit.
 pub type LaneHits = [Option<RayHit>; LANES];
 
+/// Eight numbers in memory.
+#[derive(Clone, Copy, Debug)]
+#[repr(align(32))]
+struct Distances([f32; LANES]);
+
 /// A child put aside. At most two are put aside at a node: one for the rays that want the left child first, one for
 /// the others.
 #[derive(Clone, Copy, Debug)]
 struct Waiting {
     /// Where the rays of `popped` enter its box.
-    near: Lanes,
+    near: Distances,
     child: Child,
     /// Rays that put it aside.
     popped: u8,
@@ -49,14 +52,13 @@ struct Waiting {
 #[derive(Debug)]
 pub struct PacketScratch {
     waiting: Box<[Waiting; 2 * MAX_TREE_DEPTH]>,
-    alone: Box<Stack>,
     log: PathLog,
 }
 
 impl Default for PacketScratch {
     fn default() -> Self {
-        let none = Waiting { near: Lanes::ZERO, child: Child::leaf(0, 0), popped: 0, direct: 0 };
-        Self { waiting: Box::new([none; 2 * MAX_TREE_DEPTH]), alone: empty_stack(), log: PathLog::default() }
+        let none = Waiting { near: Distances([0.0; LANES]), child: Child::leaf(0, 0), popped: 0, direct: 0 };
+        Self { waiting: Box::new([none; 2 * MAX_TREE_DEPTH]), log: PathLog::default() }
     }
 }
 
@@ -68,67 +70,61 @@ impl PacketScratch {
 }
 
 /// The rays of a packet, prepared for slab tests. The operations are those of a single ray, in their order.
-struct PacketSlabs {
+struct PacketSlabs<L> {
     /// Origins moved up, against minimum planes.
-    up: Lanes3,
+    up: Lanes3<L>,
     /// Origins moved down, against maximum planes.
-    down: Lanes3,
-    inverse: Lanes3,
+    down: Lanes3<L>,
+    inverse: Lanes3<L>,
 }
 
-impl PacketSlabs {
+impl<L: Lanes> PacketSlabs<L> {
     #[inline(always)]
-    fn new(origin: Lanes3, direction: Lanes3, bvh: &TraversalBvh) -> Self {
-        let one = Lanes::splat(1.0);
-        let inverse = |d: Lanes| one / d.away_from_zero(TINY);
-        let corner = |c: Vec3| (Lanes3::splat(c) - origin).max_abs();
-        let reach = corner(bvh.bounds.min).max(corner(bvh.bounds.max));
-        let pad = |o: Lanes| reach * Lanes::splat(PAD) + o.abs() * Lanes::splat(f32::EPSILON);
-        let pad = Lanes3 { x: pad(origin.x), y: pad(origin.y), z: pad(origin.z) };
-        let inverse = Lanes3 { x: inverse(direction.x), y: inverse(direction.y), z: inverse(direction.z) };
+    fn new(origin: Lanes3<L>, direction: Lanes3<L>, bvh: &TraversalBvh) -> Self {
+        let low = (Lanes3::splat(bvh.bounds.min) - origin).max_abs();
+        let reach = low.max((Lanes3::splat(bvh.bounds.max) - origin).max_abs()) * L::splat(PAD);
+        let epsilon = L::splat(f32::EPSILON);
+        let pad = Lanes3 {
+            x: reach + origin.x.abs() * epsilon,
+            y: reach + origin.y.abs() * epsilon,
+            z: reach + origin.z.abs() * epsilon,
+        };
+        let one = L::splat(1.0);
+        let inverse = Lanes3 {
+            x: one / direction.x.away_from_zero(TINY),
+            y: one / direction.y.away_from_zero(TINY),
+            z: one / direction.z.away_from_zero(TINY),
+        };
         Self { up: origin + pad, down: origin - pad, inverse }
     }
 
     /// Entry distances of the left (`SIDE` 0) or right box of a node, and the rays that meet it before `t_max`.
     #[inline(always)]
-    fn test<const SIDE: usize>(&self, node: &TwoBoxes, t_max: Lanes) -> (Lanes, u8) {
-        let slab = |planes: Vec4, up: Lanes, down: Lanes, inverse: Lanes| {
-            let planes = planes.to_array();
-            let (a, b) = (Lanes::splat(planes[SIDE]) - up, Lanes::splat(planes[SIDE + 2]) - down);
-            let (a, b) = (a * inverse, b * inverse);
-            (a.min(b), a.max(b))
-        };
-        let x = slab(node.x, self.up.x, self.down.x, self.inverse.x);
-        let y = slab(node.y, self.up.y, self.down.y, self.inverse.y);
-        let z = slab(node.z, self.up.z, self.down.z, self.inverse.z);
-        let near = x.0.max(y.0).max(z.0.max(Lanes::ZERO));
-        let far = x.1.min(y.1).min(z.1.min(t_max)) * Lanes::splat(WIDEN);
+    fn test<const SIDE: usize>(&self, node: &TwoBoxes, t_max: L) -> (L, u8) {
+        let x = slab::<L, SIDE>(node.x, self.up.x, self.down.x, self.inverse.x);
+        let y = slab::<L, SIDE>(node.y, self.up.y, self.down.y, self.inverse.y);
+        let z = slab::<L, SIDE>(node.z, self.up.z, self.down.z, self.inverse.z);
+        let near = x.0.max(y.0).max(z.0.max(L::splat(0.0)));
+        let far = x.1.min(y.1).min(z.1.min(t_max)) * L::splat(WIDEN);
         (near, near.le(far))
-    }
-
-    /// One of the rays, as it walks alone.
-    fn lane(&self, lane: usize) -> Slabs {
-        let of = |v: Lanes| v.to_array()[lane];
-        let origin = |up: Lanes, down: Lanes| {
-            let (up, down) = (of(up), of(down));
-            Vec4::new(up, up, down, down)
-        };
-        let inverse = |v: Lanes| Vec4::splat(of(v));
-        Slabs {
-            origin: [origin(self.up.x, self.down.x), origin(self.up.y, self.down.y), origin(self.up.z, self.down.z)],
-            inverse: [inverse(self.inverse.x), inverse(self.inverse.y), inverse(self.inverse.z)],
-        }
     }
 }
 
+/// Where rays enter and leave a slab between two planes.
+#[inline(always)]
+fn slab<L: Lanes, const SIDE: usize>(planes: Vec4, up: L, down: L, inverse: L) -> (L, L) {
+    let planes = planes.to_array();
+    let (a, b) = ((L::splat(planes[SIDE]) - up) * inverse, (L::splat(planes[SIDE + 2]) - down) * inverse);
+    (a.min(b), a.max(b))
+}
+
 /// A packet on its way.
-struct PacketWalk<'a, 's> {
+struct PacketWalk<'a, 's, L> {
     bvh: &'a TraversalBvh,
-    packet: &'a PacketRays,
     scratch: &'s mut PacketScratch,
-    origin: Lanes3,
-    direction: Lanes3,
-    slabs: PacketSlabs,
+    origin: Lanes3<L>,
+    direction: Lanes3<L>,
+    slabs: PacketSlabs<L>,
     t_max: [f32; LANES],
     hits: LaneHits,
     /// Rays that go on. A shadow ray ends at its first hit.
@@ -149,22 +145,60 @@ impl TraversalBvh {
         &self,
         packet: &PacketRays,
         scratch: &mut PacketScratch,
+        pass: impl FnMut(usize, u32, f32, f32) -> bool,
+    ) -> LaneHits {
+        #[cfg(target_arch = "x86_64")]
+        if std::arch::is_x86_feature_detected!("avx2") {
+            #[allow(unsafe_code, reason = "the one way to code that not every processor has")]
+            // SAFETY: the processor has what the function is compiled for.
+            return unsafe { self.packet_avx::<RECORD, ANY_HIT>(packet, scratch, pass) };
+        }
+        self.packet_anywhere::<RECORD, ANY_HIT>(packet, scratch, pass)
+    }
+
+    /// [`TraversalBvh::packet`] as machines do it that have nothing better.
+    pub fn packet_anywhere<const RECORD: bool, const ANY_HIT: bool>(
+        &self,
+        packet: &PacketRays,
+        scratch: &mut PacketScratch,
+        pass: impl FnMut(usize, u32, f32, f32) -> bool,
+    ) -> LaneHits {
+        self.packet_of::<Halves, RECORD, ANY_HIT>(packet, scratch, pass)
+    }
+
+    /// All that it calls is inlined, and so compiled for this processor: see `avx.rs`.
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx2")]
+    fn packet_avx<const RECORD: bool, const ANY_HIT: bool>(
+        &self,
+        packet: &PacketRays,
+        scratch: &mut PacketScratch,
+        pass: impl FnMut(usize, u32, f32, f32) -> bool,
+    ) -> LaneHits {
+        self.packet_of::<Avx, RECORD, ANY_HIT>(packet, scratch, pass)
+    }
+
+    #[inline(always)]
+    fn packet_of<L: Lanes, const RECORD: bool, const ANY_HIT: bool>(
+        &self,
+        packet: &PacketRays,
+        scratch: &mut PacketScratch,
         mut pass: impl FnMut(usize, u32, f32, f32) -> bool,
     ) -> LaneHits {
-        let (origin, direction) =
-            (Lanes3::new(packet.rays.map(|r| r.origin)), Lanes3::new(packet.rays.map(|r| r.direction)));
+        let rays = &packet.rays;
+        let (origin, direction) = (Lanes3::<L>::new(rays.map(|r| r.origin)), Lanes3::new(rays.map(|r| r.direction)));
         let slabs = PacketSlabs::new(origin, direction, self);
-        let t_max = packet.rays.map(|r| r.t_max);
+        let t_max = rays.map(|r| r.t_max);
         scratch.log.clear();
         let hits = [None; LANES];
         let alive = packet.mask;
-        let mut walk = PacketWalk { bvh: self, packet, scratch, origin, direction, slabs, t_max, hits, alive };
+        let mut walk = PacketWalk { bvh: self, scratch, origin, direction, slabs, t_max, hits, alive };
         walk.run::<RECORD, ANY_HIT>(&mut pass);
         walk.hits
     }
 }
 
-impl PacketWalk<'_, '_> {
+impl<L: Lanes> PacketWalk<'_, '_, L> {
     #[inline(always)]
     fn record<const RECORD: bool>(&mut self, mask: u8, steps: u64) {
         if RECORD {
@@ -176,20 +210,19 @@ impl PacketWalk<'_, '_> {
     fn run<const RECORD: bool, const ANY_HIT: bool>(&mut self, pass: &mut impl FnMut(usize, u32, f32, f32) -> bool) {
         let (mut current, mut active, mut top) = (Child::inner(0), self.alive, 0);
         loop {
-            let next = if active.count_ones() <= ALONE {
-                for lane in lanes_of(active) {
-                    self.alone::<RECORD, ANY_HIT>(lane, current, pass);
-                }
-                None
-            } else if current.is_leaf() {
+            let next = if current.is_leaf() {
                 self.leaf::<RECORD, ANY_HIT>(current, active, pass);
                 None
             } else {
                 self.node::<RECORD>(current, active, &mut top)
             };
-            let next = next.or_else(|| self.next_waiting::<RECORD, ANY_HIT>(&mut top));
-            let Some(next) = next else { return };
-            (current, active) = next;
+            (current, active) = match next {
+                Some(next) => next,
+                None => match self.next_waiting::<RECORD, ANY_HIT>(&mut top) {
+                    Some(next) => next,
+                    None => return,
+                },
+            };
         }
     }
 
@@ -198,7 +231,7 @@ impl PacketWalk<'_, '_> {
     fn node<const RECORD: bool>(&mut self, at: Child, active: u8, top: &mut usize) -> Option<(Child, u8)> {
         let node = &self.bvh.nodes[at.node()];
         let [left, right] = node.children;
-        let t_max = Lanes::new(self.t_max);
+        let t_max = L::new(self.t_max);
         let (near_left, met_left) = self.slabs.test::<0>(node, t_max);
         let (near_right, met_right) = self.slabs.test::<1>(node, t_max);
         let (met_left, met_right) = (met_left & active, met_right & active);
@@ -216,21 +249,28 @@ impl PacketWalk<'_, '_> {
                 return (met_right != 0).then_some((right, met_right));
             }
             if met_right != 0 {
-                waiting[*top] = Waiting { near: near_right, child: right, popped: both, direct: met_right & !both };
+                waiting[*top] = Waiting {
+                    near: Distances(near_right.to_array()),
+                    child: right,
+                    popped: both,
+                    direct: met_right & !both,
+                };
                 *top += 1;
             }
             return Some((left, met_left));
         }
         let left_only = met_left & !both;
         if left_first == 0 {
-            waiting[*top] = Waiting { near: near_left, child: left, popped: both, direct: left_only };
+            waiting[*top] =
+                Waiting { near: Distances(near_left.to_array()), child: left, popped: both, direct: left_only };
             *top += 1;
             return Some((right, met_right));
         }
         // Left for those that want it first, right for all, left for the rest.
-        waiting[*top] = Waiting { near: near_left, child: left, popped: right_first, direct: 0 };
+        waiting[*top] = Waiting { near: Distances(near_left.to_array()), child: left, popped: right_first, direct: 0 };
         let direct = met_right & !left_first;
-        waiting[*top + 1] = Waiting { near: near_right, child: right, popped: left_first, direct };
+        waiting[*top + 1] =
+            Waiting { near: Distances(near_right.to_array()), child: right, popped: left_first, direct };
         *top += 2;
         Some((left, left_only | left_first))
     }
@@ -242,7 +282,8 @@ impl PacketWalk<'_, '_> {
             *top -= 1;
             let Waiting { near, child, popped, direct } = self.scratch.waiting[*top];
             let (popped, direct) = (popped & self.alive, direct & self.alive);
-            let visited = if ANY_HIT { popped } else { popped & near.le(Lanes::new(self.t_max) * Lanes::splat(WIDEN)) };
+            let visited =
+                if ANY_HIT { popped } else { popped & L::new(near.0).le(L::new(self.t_max) * L::splat(WIDEN)) };
             if popped != 0 {
                 self.record::<RECORD>(popped, steps(visited, step::POP) | steps(popped & !visited, step::CULLED));
             }
@@ -292,12 +333,14 @@ impl PacketWalk<'_, '_> {
     /// [`intersect`] in eight lanes: the rays of `active` that hit, and their `t`, `u` and `v`.
     #[inline(always)]
     fn triangle(&self, corners: [Vec3; 3], active: u8) -> (u8, [f32; LANES], [f32; LANES], [f32; LANES]) {
-        let [a, b, c] = corners.map(|corner| Lanes3::splat(corner) - self.origin);
+        let [a, b, c] = corners;
+        let (a, b, c) = (Lanes3::splat(a), Lanes3::splat(b), Lanes3::splat(c));
+        let (a, b, c) = (a - self.origin, b - self.origin, c - self.origin);
         let (e0, e1, e2) = (c - a, a - b, b - c);
         let u = e0.cross(c + a).dot(self.direction);
         let v = e1.cross(a + b).dot(self.direction);
         let w = e2.cross(b + c).dot(self.direction);
-        let zero = Lanes::ZERO;
+        let zero = L::splat(0.0);
         let front = zero.le(u) & zero.le(v) & zero.le(w);
         let back = u.le(zero) & v.le(zero) & w.le(zero);
         let inside = (front | back) & active;
@@ -306,32 +349,8 @@ impl PacketWalk<'_, '_> {
         }
         let normal = e1.cross(e0);
         let t = a.dot(normal) / self.direction.dot(normal);
-        let met = inside & zero.lt(t) & t.lt(Lanes::new(self.t_max));
+        let met = inside & zero.lt(t) & t.lt(L::new(self.t_max));
         let sum = (u + v) + w;
         (met, t.to_array(), (u / sum).to_array(), (v / sum).to_array())
-    }
-
-    /// Walks one ray through the tree below `start`.
-    #[inline(never)]
-    fn alone<const RECORD: bool, const ANY_HIT: bool>(
-        &mut self,
-        lane: usize,
-        start: Child,
-        pass: &mut impl FnMut(usize, u32, f32, f32) -> bool,
-    ) {
-        let progress = Progress { t_max: self.t_max[lane], best: self.hits[lane] };
-        let PacketScratch { alone, log, .. } = &mut *self.scratch;
-        let record = |step: u8| {
-            if RECORD {
-                log.push_one(lane, step);
-            }
-        };
-        let pass = |triangle: u32, u: f32, v: f32| pass(lane, triangle, u, v);
-        let (ray, slabs) = (&self.packet.rays[lane], self.slabs.lane(lane));
-        let end = self.bvh.walk_below::<ANY_HIT>(start, ray, &slabs, progress, alone, record, pass);
-        (self.t_max[lane], self.hits[lane]) = (end.t_max, end.best);
-        if ANY_HIT && end.best.is_some() {
-            self.alive &= !(1 << lane);
-        }
     }
 }

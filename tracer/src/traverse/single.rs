@@ -8,35 +8,27 @@ use rayreel_formats::tile::step;
 
 use super::{PAD, RayHit, TINY, TraversalBvh, TwoBoxes, WIDEN};
 
-/// Children put aside, each with the distance at which its box is entered. No tree is deeper (`Bvh::new` checks).
-pub(super) type Stack = [(Child, f32); MAX_TREE_DEPTH];
-
-pub(super) fn empty_stack() -> Box<Stack> {
-    Box::new([(Child::leaf(0, 0), 0.0); MAX_TREE_DEPTH])
-}
-
 /// Memory of a traversal, reused from ray to ray.
 #[derive(Debug)]
 pub struct TraversalScratch {
-    stack: Box<Stack>,
+    stack: Box<[(Child, f32); MAX_TREE_DEPTH]>,
     /// Recorded steps; the caller takes what each ray appended.
     pub steps: Vec<u8>,
 }
 
 impl Default for TraversalScratch {
     fn default() -> Self {
-        Self { stack: empty_stack(), steps: Vec::new() }
+        Self { stack: Box::new([(Child::leaf(0, 0), 0.0); MAX_TREE_DEPTH]), steps: Vec::new() }
     }
 }
 
 /// A ray prepared for slab tests. Lanes as in [`TwoBoxes`].
-pub(super) struct Slabs {
-    pub origin: [Vec4; 3],
-    pub inverse: [Vec4; 3],
+struct Slabs {
+    origin: [Vec4; 3],
+    inverse: [Vec4; 3],
 }
 
 impl Slabs {
-    #[inline(always)]
     fn new(ray: &Ray, bounds: &Aabb) -> Self {
         let inverse = |d: f32| Vec4::splat(1.0 / if d.abs() < TINY { TINY.copysign(d) } else { d });
         let (o, d) = (ray.origin, ray.direction);
@@ -61,13 +53,6 @@ impl Slabs {
         let far = x.max(sx).min(y.max(sy)).min(z.max(sz).min(Vec4::splat(t_max))) * WIDEN;
         ([near.x, near.y], [near.x <= far.x, near.y <= far.y])
     }
-}
-
-/// How far a ray has come: where it ends for now, and what it hit there.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Progress {
-    pub t_max: f32,
-    pub best: Option<RayHit>,
 }
 
 impl TraversalBvh {
@@ -99,37 +84,21 @@ impl TraversalBvh {
         &self,
         ray: &Ray,
         scratch: &mut TraversalScratch,
-        pass: impl FnMut(u32, f32, f32) -> bool,
+        mut pass: impl FnMut(u32, f32, f32) -> bool,
     ) -> Option<RayHit> {
         let slabs = Slabs::new(ray, &self.bounds);
         let TraversalScratch { stack, steps } = scratch;
-        let record = |s: u8| {
+        let mut record = |s: u8| {
             if RECORD {
                 steps.push(s);
             }
         };
-        let start = Progress { t_max: ray.t_max, best: None };
-        self.walk_below::<ANY_HIT>(Child::inner(0), ray, &slabs, start, stack, record, pass).best
-    }
-
-    /// Walks the tree from `current` down.
-    #[inline(always)]
-    #[expect(clippy::too_many_arguments, reason = "in a packet the parts of a ray's state lie apart")]
-    pub(super) fn walk_below<const ANY_HIT: bool>(
-        &self,
-        mut current: Child,
-        ray: &Ray,
-        slabs: &Slabs,
-        mut progress: Progress,
-        stack: &mut Stack,
-        mut record: impl FnMut(u8),
-        mut pass: impl FnMut(u32, f32, f32) -> bool,
-    ) -> Progress {
-        let mut top = 0;
+        let (mut best, mut t_max, mut top) = (None, ray.t_max, 0);
+        let mut current = Child::inner(0);
         loop {
             if current.is_leaf() {
                 for triangle in current.triangles() {
-                    let Some(hit) = intersect(ray, self.corners[triangle], progress.t_max) else {
+                    let Some(hit) = intersect(ray, self.corners[triangle], t_max) else {
                         record(step::MISS);
                         continue;
                     };
@@ -138,22 +107,23 @@ impl TraversalBvh {
                         continue;
                     }
                     record(step::HIT);
-                    let best = RayHit { triangle: triangle as u32, t: hit.t, u: hit.u, v: hit.v };
-                    progress = Progress { t_max: hit.t, best: Some(best) };
+                    t_max = hit.t;
+                    best = Some(RayHit { triangle: triangle as u32, t: hit.t, u: hit.u, v: hit.v });
                     if ANY_HIT {
-                        return progress;
+                        return best;
                     }
                 }
             } else {
                 let node = &self.nodes[current.node()];
                 let [left, right] = node.children;
-                let ([near_left, near_right], met) = slabs.test(node, progress.t_max);
+                let ([near_left, near_right], met) = slabs.test(node, t_max);
                 match met {
                     [true, true] => {
                         let left_first = near_left <= near_right;
                         let (first, second, near) =
                             if left_first { (left, right, near_right) } else { (right, left, near_left) };
                         record(if left_first { step::LEFT_FIRST } else { step::RIGHT_FIRST });
+                        // A tree is never deeper than the stack (`Bvh::new` checks).
                         stack[top] = (second, near);
                         top += 1;
                         current = first;
@@ -175,11 +145,11 @@ impl TraversalBvh {
             // Pop children until one starts before the closest hit so far.
             loop {
                 if top == 0 {
-                    return progress;
+                    return best;
                 }
                 top -= 1;
                 let (child, near) = stack[top];
-                if ANY_HIT || near <= progress.t_max * WIDEN {
+                if ANY_HIT || near <= t_max * WIDEN {
                     record(step::POP);
                     current = child;
                     break;
