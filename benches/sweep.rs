@@ -16,6 +16,7 @@ use std::time::{Duration, Instant};
 use rayreel_formats::Limits;
 use rayreel_formats::trace::{Codec, Trace};
 use rayreel_machine::system::NoProbe;
+use rayreel_replay::Detail;
 use rayreel_replay::sequence::{FrameLoop, FrameResult, Simulator};
 use rayreel_replay::{Options, PathSource, Stop};
 use rayreel_study::point::segment::Writer;
@@ -89,7 +90,7 @@ fn bare(plan: &Plan) {
         let trace = open(&plan.traces[point.trace].location).unwrap();
         let machine = resolved.machine.clone().unwrap();
         let tree = trace.topology();
-        let simulator = Some(Simulator { machine: &machine, tree: &tree });
+        let simulator = Some(Simulator { machine: &machine, tree: &tree, detail: Detail::Full });
         let (mut counted, mut runs) = (Vec::new(), Vec::new());
         let mut frames = FrameLoop::new(&trace, &resolved.policy.policy, Options::default(), &Stop::never()).unwrap();
         let sink = |frame: FrameResult| {

@@ -11,6 +11,7 @@ use rayreel_machine::config::NamedMachine;
 use rayreel_machine::config::schema::is_machine_override;
 use rayreel_machine::probes::Watch;
 use rayreel_machine::timeline::Timeline;
+use rayreel_replay::Detail;
 use rayreel_replay::error::RequestError;
 use rayreel_replay::sequence::{FrameLoop, FrameResult, Simulator};
 use rayreel_replay::{NamedPolicy, Options, PathSource, ReplayError, Stop};
@@ -136,7 +137,7 @@ fn replay(
     let mut timeline = args.timeline.as_ref().zip(machine).map(|(_, machine)| Timeline::new(&machine.config));
     let watch = Watch::new(|now| bar.borrow_mut().set(done.get() + now, || format!("tile {now} of the frame")));
     let tree = machine.map(|_| trace.topology());
-    let simulator = machine.zip(tree.as_ref()).map(|(machine, tree)| Simulator { machine, tree });
+    let simulator = machine.zip(tree.as_ref()).map(|(machine, tree)| Simulator { machine, tree, detail: Detail::Full });
     let mut frame_loop = FrameLoop::new(trace, &policy.policy, Options::default(), &Stop::never())?;
     frame_loop.run(frames, simulator, &mut (timeline.as_mut(), watch), sink)?;
     if let (Some(file), Some(timeline)) = (&args.timeline, timeline) {

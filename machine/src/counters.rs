@@ -34,6 +34,13 @@ macro_rules! counters {
             }
         }
 
+        impl $name {
+            /// Calls `visit` with the place of each counter in the group, and the counter.
+            #[allow(dead_code, reason = "not every group is part of a run's list")]
+            pub(crate) fn each_mut(&mut self, mut visit: impl FnMut(usize, &mut u64)) {
+                [$(&mut self.$field,)*].into_iter().enumerate().for_each(|(place, counter)| visit(place, counter));
+            }
+        }
         impl std::ops::AddAssign for $name {
             fn add_assign(&mut self, other: Self) { $(self.$field += other.$field;)* }
         }

@@ -31,6 +31,7 @@ pub mod config;
 pub mod counters;
 pub mod energy;
 mod error;
+pub mod functional;
 pub mod link;
 pub mod memory;
 pub mod probes;

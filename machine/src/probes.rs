@@ -25,6 +25,10 @@ impl<F: FnMut(u64)> Probe for Watch<F> {
         self.due = When::at(TiCycle(0));
     }
 
+    fn passed(&mut self, tiles: u64) {
+        (self.tell)(tiles);
+    }
+
     fn due(&self) -> When {
         self.due
     }
@@ -39,6 +43,10 @@ impl<F: FnMut(u64)> Probe for Watch<F> {
 impl<P: Probe> Probe for Option<P> {
     fn begin(&mut self, frame: u32) {
         self.iter_mut().for_each(|probe| probe.begin(frame));
+    }
+
+    fn passed(&mut self, tiles: u64) {
+        self.iter_mut().for_each(|probe| probe.passed(tiles));
     }
 
     fn due(&self) -> When {
@@ -57,6 +65,11 @@ impl<A: Probe, B: Probe> Probe for (A, B) {
         self.1.begin(frame);
     }
 
+    fn passed(&mut self, tiles: u64) {
+        self.0.passed(tiles);
+        self.1.passed(tiles);
+    }
+
     fn due(&self) -> When {
         self.0.due().min(self.1.due())
     }
@@ -70,6 +83,10 @@ impl<A: Probe, B: Probe> Probe for (A, B) {
 impl<P: Probe> Probe for &mut P {
     fn begin(&mut self, frame: u32) {
         (**self).begin(frame);
+    }
+
+    fn passed(&mut self, tiles: u64) {
+        (**self).passed(tiles);
     }
 
     fn due(&self) -> When {

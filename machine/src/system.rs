@@ -8,6 +8,7 @@
 use crate::component::{Component, Tick};
 use crate::config::MachineConfig;
 use crate::error::{MachineError, Result};
+use crate::functional::Checkpoint;
 use crate::link::RayUnit;
 use crate::memory::{Memory, MemorySystem, Port, Response};
 use crate::srp::{FrameShape, Srp, SrpContext, SrpPorts, SrpReport};
@@ -81,10 +82,21 @@ impl Tiles for Srp {
     }
 }
 
+/// The machine in the middle of a run.
+#[derive(Clone, Debug)]
+pub struct Measure {
+    /// What was counted so far.
+    pub stats: Stats,
+    /// The tiles that are being worked on: tile number, and operations of its rays that are done.
+    pub in_work: Vec<(u32, u64)>,
+}
+
 /// Looks at the machine from time to time; see `timeline`.
 pub trait Probe {
     /// A frame begins; its time begins at cycle 0.
     fn begin(&mut self, _frame: u32) {}
+    /// So many tiles of the frame have passed; told where there is no machine to look at.
+    fn passed(&mut self, _tiles: u64) {}
     /// The next cycle at which it wants to look.
     fn due(&self) -> When;
     /// It is cycle `now`, the first at or after the one asked for at which anything happened. `bytes` went to or came from
@@ -107,6 +119,31 @@ impl<'a> System<'a, MemorySystem> {
     /// An empty machine for a frame of `shape`.
     pub fn new(config: &MachineConfig, tree: &'a Topology, shape: FrameShape) -> Self {
         Self::with_memory(config, tree, shape, MemorySystem::new(config))
+    }
+
+    /// A machine that goes on from a checkpoint: with its caches, and with what is left of its tiles. What was under way between
+    /// units is not there: rays of these tiles that were not traced begin at once.
+    pub fn resume(config: &MachineConfig, tree: &'a Topology, shape: FrameShape, from: &Checkpoint) -> Self {
+        let mut system = Self::new(config, tree, shape);
+        for (core, tags) in system.cores.iter_mut().zip(&from.warm.cores) {
+            core.ti.warm(&tags.trv, &tags.ist);
+            core.srp.warm(&tags.srp);
+        }
+        system.memory.warm(&from.warm.l2);
+        from.tiles.iter().for_each(|tile| system.give(tile.core, tile.work()));
+        system
+    }
+
+    /// What was counted before the cycle at hand. Operations that are certain to issue later are in it already.
+    pub fn measure(&self) -> Measure {
+        let core = |core: &Core| {
+            let SrpReport { stats, l1, cycles } = core.srp.report(self.now);
+            CoreStats { ti: core.ti.report(self.now), srp: stats, srp_l1: l1, srp_cycles: cycles }
+        };
+        let cores = self.cores.iter().map(core).collect();
+        let stats = Stats { cycles: self.now.0, tiles: self.tiles, cores, memory: self.memory.report() };
+        let in_work = self.cores.iter().flat_map(|core| core.srp.done_operations());
+        Measure { stats, in_work: in_work.map(|(work, done)| (work.tile, done)).collect() }
     }
 }
 
@@ -144,13 +181,28 @@ impl<'a, M: Memory> System<'a, M> {
     /// # Errors
     /// [`MachineError::Deadlock`] if the machine stands still.
     pub fn feed<P: Probe>(&mut self, work: TileWork, probe: &mut P) -> Result<()> {
+        let core = self.make_room(probe)?;
+        self.give(core, work);
+        Ok(())
+    }
+
+    /// Gives a tile to a core with a free slot.
+    fn give(&mut self, core: usize, work: TileWork) {
+        let core = &mut self.cores[core];
+        core.srp.give_tile(self.now, work);
+        core.srp_wake = When::at(self.now);
+        self.tiles += 1;
+        self.progress = self.now;
+    }
+
+    /// Runs until a core has a free tile slot, and says which: the first such core, at the first such cycle.
+    ///
+    /// # Errors
+    /// [`MachineError::Deadlock`] if the machine stands still.
+    pub fn make_room<P: Probe>(&mut self, probe: &mut P) -> Result<usize> {
         loop {
-            if let Some(core) = self.cores.iter_mut().find(|core| core.srp.wants_tile()) {
-                core.srp.give_tile(self.now, work);
-                core.srp_wake = When::at(self.now);
-                self.tiles += 1;
-                self.progress = self.now;
-                return Ok(());
+            if let Some(core) = self.cores.iter().position(|core| core.srp.wants_tile()) {
+                return Ok(core);
             }
             self.advance(true, probe)?;
         }

@@ -27,6 +27,7 @@
 //! ```
 
 pub mod counts;
+pub mod detail;
 pub mod error;
 pub mod frame;
 pub mod image;
@@ -36,8 +37,10 @@ pub mod sequence;
 pub mod simulate;
 pub mod source;
 pub mod stop;
+pub mod windows;
 mod work;
 
+pub use detail::Detail;
 pub use error::{ReplayError, Result};
 pub use frame::{FrameReplay, Options, Replayer};
 pub use policy::{NamedPolicy, Policy, SamplePolicy, Sampler};

@@ -5,12 +5,14 @@ use rayreel_machine::system::Probe;
 use rayreel_machine::work::topology::Topology;
 
 use crate::counts::FrameStats;
+use crate::detail::Detail;
 use crate::error::{ReplayError, RequestError, Result};
 use crate::frame::{FrameReplay, Options, Replayer};
 use crate::policy::SamplePolicy;
 use crate::simulate::{MachineFrame, MachineRun, simulate};
 use crate::source::{PathSource, TileSource};
 use crate::stop::Stop;
+use crate::windows::simulate_estimated;
 
 /// Replays frames of a source one after the other.
 pub struct FrameLoop<'a, S: ?Sized> {
@@ -33,6 +35,8 @@ pub struct Simulator<'a> {
     pub machine: &'a NamedMachine,
     /// The source's [`PathSource::topology`].
     pub tree: &'a Topology,
+    /// How much of a frame is simulated cycle by cycle.
+    pub detail: Detail,
 }
 
 impl<'a, S: TileSource + ?Sized> FrameLoop<'a, S> {
@@ -72,13 +76,18 @@ impl<S: PathSource + ?Sized> FrameLoop<'_, S> {
         simulator: Option<Simulator<'_>>,
         probe: &mut P,
     ) -> Result<FrameResult> {
-        let Some(Simulator { machine, tree }) = simulator else {
+        let Some(Simulator { machine, tree, detail }) = simulator else {
             return Ok(FrameResult { replay: self.replayer.frame(frame)?, run: None });
         };
         probe.begin(frame);
         let named = (machine.name.as_str(), &machine.config);
-        let MachineFrame { replay, stats, energy, paths } = simulate(&mut self.replayer, frame, tree, named, probe)?;
-        Ok(FrameResult { replay, run: Some(MachineRun { stats, energy, paths }) })
+        if detail != Detail::Full {
+            let (replay, mut runs) = simulate_estimated(&mut self.replayer, frame, tree, &[named], detail, probe)?;
+            return Ok(FrameResult { replay, run: runs.pop() });
+        }
+        let MachineFrame { replay, stats, energy, paths, estimate } =
+            simulate(&mut self.replayer, frame, tree, named, probe)?;
+        Ok(FrameResult { replay, run: Some(MachineRun { stats, energy, paths, estimate }) })
     }
 
     /// All of `frames`, each given to `sink`.

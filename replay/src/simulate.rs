@@ -14,6 +14,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+use crate::detail::Estimate;
 use crate::error::{RequestError, Result};
 use crate::frame::{FrameReplay, Replayer};
 use crate::source::PathSource;
@@ -36,6 +37,8 @@ pub struct MachineFrame {
     pub energy: EnergyReport,
     /// What the paths asked for, whatever machine does it.
     pub paths: PathCounts,
+    /// What is known of the figures, if not every cycle was simulated.
+    pub estimate: Option<Estimate>,
 }
 
 /// What a machine did with a frame, without its picture.
@@ -47,6 +50,8 @@ pub struct MachineRun {
     pub energy: EnergyReport,
     /// What the paths asked for, whatever machine does it.
     pub paths: PathCounts,
+    /// What is known of the figures, if not every cycle was simulated.
+    pub estimate: Option<Estimate>,
 }
 
 impl MachineRun {
@@ -55,6 +60,10 @@ impl MachineRun {
         self.stats.add(&other.stats);
         self.energy.add(&other.energy);
         self.paths += other.paths;
+        match (&mut self.estimate, &other.estimate) {
+            (Some(sum), Some(more)) => sum.add(more),
+            (sum, more) => *sum = sum.take().or_else(|| more.clone()),
+        }
     }
 }
 
@@ -84,5 +93,5 @@ pub fn simulate<S: PathSource + ?Sized, P: Probe>(
     })?;
     let (stats, _) = system.finish(probe)?;
     let energy = EnergyReport::new(config, &stats);
-    Ok(MachineFrame { replay, stats, energy, paths })
+    Ok(MachineFrame { replay, stats, energy, paths, estimate: None })
 }

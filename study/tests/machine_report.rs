@@ -8,6 +8,7 @@ use rayreel_formats::trace::Trace;
 use rayreel_machine::config::NamedMachine;
 use rayreel_machine::system::NoProbe;
 use rayreel_machine::timeline::Timeline;
+use rayreel_replay::Detail;
 use rayreel_replay::sequence::{FrameLoop, FrameResult, Simulator};
 use rayreel_replay::simulate::MachineRun;
 use rayreel_replay::{NamedPolicy, Options, PathSource, ReplayError, Stop};
@@ -29,7 +30,7 @@ fn run(machine: &str, overrides: &[&str], times: usize) -> (Value, String, Vec<M
     let machine = NamedMachine::load(machine, &overrides).unwrap();
     let policy = NamedPolicy::load(if machine.name.starts_with("raycore") { "full" } else { "adaptive" }, &[]).unwrap();
     let tree = trace.topology();
-    let simulator = Some(Simulator { machine: &machine, tree: &tree });
+    let simulator = Some(Simulator { machine: &machine, tree: &tree, detail: Detail::Full });
     let frames = std::iter::repeat_n(trace.meta().first_frame, times);
     let mut replays = FrameLoop::new(&trace, &policy.policy, Options::default(), &Stop::never()).unwrap();
     let (mut stats, mut runs, mut unwatched) = (Vec::new(), Vec::new(), Vec::new());

@@ -23,9 +23,9 @@ const ORDERS: [(&str, &str); 11] = [
     ("settings/src/lib.rs", "near units rule key declare source error schema family file chain loaded text"),
     (
         "machine/src/lib.rs",
-        "time component counters error config work link memory ti srp stats energy system run probes timeline",
+        "time component counters error config work link memory ti srp stats functional energy system run probes timeline",
     ),
-    ("replay/src/lib.rs", "error stop image counts source policy work frame maps simulate sequence"),
+    ("replay/src/lib.rs", "error stop image counts source policy work frame maps detail simulate windows sequence"),
     ("store/src/lib.rs", "traffic cache location options remote open"),
     ("scenes/src/lib.rs", "names warnings error scene validate camera mesh defaults modelling obj builtin file load"),
     ("tracer/src/lib.rs", "convert grid shading texture traverse verify accel materials waves trace capture render"),

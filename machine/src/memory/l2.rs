@@ -133,6 +133,11 @@ impl L2Cache {
         }
     }
 
+    /// Fills the empty cache.
+    pub(crate) fn warm(&mut self, tags: &Tags) {
+        self.tags.clone_from(tags);
+    }
+
     /// Queues a request, or refuses it because its bank's queue is full.
     #[inline]
     pub fn request(&mut self, port: Port, line: u64, region: Region) -> bool {

@@ -15,6 +15,7 @@ mod system;
 mod tags;
 mod traffic;
 
+pub(crate) use dram::AddressMap;
 pub use dram::ChannelCounters;
 pub use ideal::IdealMemory;
 pub use interface::Memory;
@@ -23,4 +24,5 @@ pub use l2::L2Counters;
 pub use request::{Port, Request, Response, Route};
 pub use stats::MemoryStats;
 pub use system::MemorySystem;
+pub(crate) use tags::Tags;
 pub use traffic::Traffic;

@@ -211,16 +211,24 @@ impl Array {
     /// Accounts for the SRP cycles before `now` in which the array had no batch.
     pub fn close_gap(&mut self, now: TiCycle) {
         let until = self.clock.srp(now);
-        if self.running.is_some() || until <= self.accounted {
-            return;
+        if self.running.is_none() && until > self.accounted {
+            self.counters = self.counters_before(now);
+            self.accounted = until;
         }
-        let activity = &mut self.counters.activity;
-        *match self.gap {
-            Gap::Idle => &mut activity.idle,
-            Gap::Unit => &mut activity.unit,
-            Gap::Transfer => &mut activity.transfer,
-        } += until - self.accounted;
-        self.accounted = until;
+    }
+
+    /// The counters with the SRP cycles before `now` in which the array had no batch.
+    pub fn counters_before(&self, now: TiCycle) -> ArrayCounters {
+        let (mut counters, until) = (self.counters, self.clock.srp(now));
+        if self.running.is_none() && until > self.accounted {
+            let activity = &mut counters.activity;
+            *match self.gap {
+                Gap::Idle => &mut activity.idle,
+                Gap::Unit => &mut activity.unit,
+                Gap::Transfer => &mut activity.transfer,
+            } += until - self.accounted;
+        }
+        counters
     }
 
     /// Notes what the array waits for from now on, if it runs no batch.

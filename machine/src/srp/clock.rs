@@ -1,7 +1,12 @@
 //! SRP time and T&I time, converted exactly.
 
 use crate::config::MachineConfig;
-use crate::time::{Crossing, SrpCycle, TiCycle};
+use crate::time::{ClockCycle, Crossing, SrpCycle, TiCycle};
+
+/// SRP cycles of a run that ends before T&I cycle `end`.
+pub fn srp_cycles(config: &MachineConfig, end: TiCycle) -> u64 {
+    Clock::new(config).srp(end) - SrpCycle::START
+}
 
 /// The ratio of the two clocks. SRP cycle `s` begins at T&I time `s * ti / srp`.
 #[derive(Clone, Copy, Debug)]

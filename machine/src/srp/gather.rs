@@ -27,13 +27,40 @@ struct Read {
     reader: u8,
 }
 
+/// The lines that a hit reads.
+#[derive(Clone, Copy, Debug)]
+pub struct ShadeReads {
+    layout: Layout,
+    texel_block_bytes: u64,
+    textures: bool,
+}
+
+impl ShadeReads {
+    /// Those of a machine.
+    pub fn new(config: &MachineConfig, layout: Layout) -> Self {
+        Self { layout, texel_block_bytes: 16 * u64::from(config.srp.texel_bytes), textures: config.srp.textures }
+    }
+
+    /// The lines of the hit of `ray`, in order.
+    pub fn lines(&self, ray: &RayWork) -> impl Iterator<Item = (u64, Region)> + use<> {
+        let attributes = self.layout.attribute(ray.triangle);
+        let texel = self.textures.then(|| (self.layout.lines(self.texel_address(ray), 1).first, Region::Texture));
+        (attributes.first..=attributes.last).map(|line| (line, Region::Attribute)).chain(texel)
+    }
+
+    /// 2^30 bytes a material, a quarter of them for each of four depths, blocks row by row, 4096 a row.
+    fn texel_address(&self, ray: &RayWork) -> u64 {
+        let block = u64::from(ray.y >> 2) << 12 | u64::from((ray.x >> 2) & 0xfff);
+        let plane = u64::from(ray.material & 0x3ff) << 30 | u64::from(ray.depth & 3) << 28;
+        Region::Texture.base() + plane + ((block * self.texel_block_bytes) & 0x0fff_ffff)
+    }
+}
+
 /// The gather engine with its L1.
 pub struct Gather {
     l1: L1Cache,
-    layout: Layout,
+    reads: ShadeReads,
     clock: Clock,
-    texel_block_bytes: u64,
-    textures: bool,
     latency_cycles: u64,
     mshrs: usize,
     queue: VecDeque<Read>,
@@ -50,10 +77,8 @@ impl Gather {
     pub fn new(config: &MachineConfig, layout: Layout, clock: Clock, port: Port) -> Self {
         Self {
             l1: L1Cache::new(&config.srp.l1, config.l2.line_bytes, port),
-            layout,
+            reads: ShadeReads::new(config, layout),
             clock,
-            texel_block_bytes: 16 * u64::from(config.srp.texel_bytes),
-            textures: config.srp.textures,
             latency_cycles: u64::from(config.srp.l1.latency_cycles.max(1)),
             mshrs: config.srp.l1.mshrs.max(1) as usize,
             queue: VecDeque::new(),
@@ -79,26 +104,14 @@ impl Gather {
     pub fn add(&mut self, reader: u8, ray: &RayWork) {
         self.missing[reader as usize] = 0;
         self.ready[reader as usize] = SrpCycle::START;
-        let attributes = self.layout.attribute(ray.triangle);
-        for line in attributes.first..=attributes.last {
-            self.push(line, Region::Attribute, reader);
-        }
-        if self.textures {
-            let line = self.layout.lines(self.texel_address(ray), 1).first;
-            self.push(line, Region::Texture, reader);
+        for (line, region) in self.reads.lines(ray) {
+            self.push(line, region, reader);
         }
     }
 
     fn push(&mut self, line: u64, region: Region, reader: u8) {
         self.queue.push_back(Read { line, region, reader });
         self.missing[reader as usize] += 1;
-    }
-
-    /// 2^30 bytes a material, a quarter of them for each of four depths, blocks row by row, 4096 a row.
-    fn texel_address(&self, ray: &RayWork) -> u64 {
-        let block = u64::from(ray.y >> 2) << 12 | u64::from((ray.x >> 2) & 0xfff);
-        let plane = u64::from(ray.material & 0x3ff) << 30 | u64::from(ray.depth & 3) << 28;
-        Region::Texture.base() + plane + ((block * self.texel_block_bytes) & 0x0fff_ffff)
     }
 
     /// The SRP cycle from which on item `reader` has its data; `None` while it waits.

@@ -45,21 +45,28 @@ mod tile;
 mod transfers;
 
 pub use batch::OUTPUT_RAYS;
+pub(crate) use batch::{sent_ray, taker};
+pub(crate) use clock::srp_cycles;
 pub use context::{SrpContext, SrpPorts};
+pub(crate) use gather::ShadeReads;
 pub use interface::UNWRITTEN_LINES;
+pub(crate) use kernels::Costs;
 pub use kernels::{KernelId, Needs, missing_kernels};
+pub(crate) use local::TileBuffer;
 pub use stats::{DmaCounters, InterfaceCounters, KernelCounters, LocalCounters, SrpActivity, SrpReport, SrpStats};
 pub use stream::FLUSH_CYCLES;
 pub use tile::FrameShape;
+pub(crate) use tile::framebuffer_rows;
 
 use array::Array;
 use slots::TileSlots;
+use stats::ArrayCounters;
 use transfers::Transfers;
 
 use crate::component::{Component, Tick};
 use crate::config::MachineConfig;
 use crate::link::RayUnit;
-use crate::memory::{L1Cache, Memory, Port, Response};
+use crate::memory::{L1Cache, Memory, Port, Response, Tags};
 use crate::time::{TiCycle, When};
 use crate::work::TileWork;
 use crate::work::layout::Layout;
@@ -148,7 +155,26 @@ impl Srp {
 
     /// All counters but those of the L1.
     pub fn stats(&self) -> SrpStats {
-        let array = self.array.counters();
+        self.stats_of(self.array.counters())
+    }
+
+    /// What was counted before cycle `end`.
+    pub fn report(&self, end: TiCycle) -> SrpReport {
+        let stats = self.stats_of(&self.array.counters_before(end));
+        SrpReport { stats, l1: *self.l1().counters(), cycles: self.cycles(end) }
+    }
+
+    /// What the operations done of each tile are, by slot; nothing for a free slot.
+    pub fn done_operations(&self) -> impl Iterator<Item = (&TileWork, u64)> {
+        self.tiles.all().iter().filter(|slot| !slot.is_free()).map(|slot| (&slot.work, slot.done_operations))
+    }
+
+    /// Fills the empty L1.
+    pub(crate) fn warm(&mut self, tags: &Tags) {
+        self.l1_mut().warm(tags);
+    }
+
+    fn stats_of(&self, array: &ArrayCounters) -> SrpStats {
         SrpStats {
             kernels: array.kernels,
             activity: array.activity,

@@ -99,6 +99,8 @@ impl TileSlots {
     #[inline]
     pub fn ray_returned(&mut self, ray: RayRef, sorts: bool) {
         self.rays_out -= 1;
+        let slot = &mut self.slots[ray.slot as usize];
+        slot.done_operations += u64::from(slot.work.rays[ray.ray as usize].ops_len);
         self.add_item(ray, sorts);
     }
 

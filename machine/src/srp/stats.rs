@@ -46,6 +46,19 @@ impl SrpActivity {
         raygen + shade + miss + shadow_result + similarity + interpolate + resolve + inspector
     }
 
+    /// Cycles in one kernel.
+    pub fn in_kernel(&self, kernel: KernelId) -> u64 {
+        match kernel {
+            KernelId::Raygen => self.raygen,
+            KernelId::Shade => self.shade,
+            KernelId::Miss => self.miss,
+            KernelId::ShadowResult => self.shadow_result,
+            KernelId::Similarity => self.similarity,
+            KernelId::Interpolate => self.interpolate,
+            KernelId::Resolve => self.resolve,
+        }
+    }
+
     pub(super) fn busy(&mut self, kernel: KernelId, cycles: u64) {
         *match kernel {
             KernelId::Raygen => &mut self.raygen,
@@ -98,7 +111,7 @@ counters! {
 
 impl DmaCounters {
     /// The counter of a region's traffic.
-    pub(super) fn of(&mut self, region: Region, read: bool) -> &mut u64 {
+    pub(crate) fn of(&mut self, region: Region, read: bool) -> &mut u64 {
         match (region, read) {
             (Region::Framebuffer, _) => &mut self.framebuffer_written,
             (Region::Border, false) => &mut self.border_written,

@@ -75,6 +75,8 @@ pub struct Slot {
     pub pending: u32,
     /// Rays that have not come back, primaries that the rasteriser has not delivered.
     pub rays_out: u32,
+    /// Operations of the rays that came back.
+    pub done_operations: u64,
     /// Item queues.
     pub queues: Queues,
     phase: Phase,
@@ -101,6 +103,7 @@ impl Slot {
             age: 0,
             pending: 0,
             rays_out: 0,
+            done_operations: 0,
             queues: Queues::default(),
             phase: Phase::Free,
             round: 0,
@@ -121,7 +124,7 @@ impl Slot {
     /// Takes a tile.
     pub fn give(&mut self, id: u8, age: u64, work: TileWork, context: &mut TileContext<'_>) {
         assert!(self.is_free(), "tile slot {id} is taken");
-        (self.work, self.age, self.round, self.written_bytes) = (work, age, 0, 0);
+        (self.work, self.age, self.round, self.written_bytes, self.done_operations) = (work, age, 0, 0, 0);
         self.begin_round(id, context);
     }
 
@@ -219,18 +222,22 @@ impl Slot {
     }
 
     fn store(&self, id: u8, context: &mut TileContext<'_>) {
-        let FrameShape { width_pixels, samples_per_axis, pixel_bytes } = context.shape;
-        let (rect, per_pixel) = (self.work.rect, samples_per_axis.max(1));
-        if rect.is_empty() {
-            return;
-        }
-        let (left, right) = (rect.x / per_pixel, (rect.x + rect.width).div_ceil(per_pixel));
-        let (top, bottom) = (rect.y / per_pixel, (rect.y + rect.height).div_ceil(per_pixel));
-        for y in top..bottom {
-            let pixel = u64::from(y) * u64::from(width_pixels) + u64::from(left);
-            let address = Region::Framebuffer.base() + pixel * u64::from(pixel_bytes);
-            let lines = context.layout.lines(address, u64::from(right - left) * u64::from(pixel_bytes));
-            context.dma.add(id, Region::Framebuffer, Route::Write, lines);
+        for (address, bytes) in framebuffer_rows(context.shape, self.work.rect) {
+            context.dma.add(id, Region::Framebuffer, Route::Write, context.layout.lines(address, bytes));
         }
     }
+}
+
+/// The rows of pixels of a tile in the framebuffer: address and bytes; none of an empty tile.
+pub fn framebuffer_rows(shape: FrameShape, rect: Rect) -> impl Iterator<Item = (u64, u64)> {
+    let FrameShape { width_pixels, samples_per_axis, pixel_bytes } = shape;
+    let per_pixel = samples_per_axis.max(1);
+    let (left, right) = (rect.x / per_pixel, (rect.x + rect.width).div_ceil(per_pixel));
+    let (top, bottom) = (rect.y / per_pixel, (rect.y + rect.height).div_ceil(per_pixel));
+    let rows = if rect.is_empty() { 0..0 } else { top..bottom };
+    rows.map(move |y| {
+        let pixel = u64::from(y) * u64::from(width_pixels) + u64::from(left);
+        let address = Region::Framebuffer.base() + pixel * u64::from(pixel_bytes);
+        (address, u64::from(right - left) * u64::from(pixel_bytes))
+    })
 }

@@ -8,7 +8,7 @@ use super::context::EventContext;
 use super::input_buffer::{InputBuffer, InputBufferCounters, Outcome};
 use super::stage::Candidate;
 use super::wheel::{Event, EventKind};
-use crate::memory::{CacheCounters, Memory};
+use crate::memory::{CacheCounters, Memory, Tags};
 use crate::time::TiCycle;
 use crate::work::layout::{Lines, Region};
 
@@ -98,6 +98,11 @@ impl FetchPort {
             }
         }
         None
+    }
+
+    /// Fills the empty L1.
+    pub fn warm(&mut self, tags: &Tags) {
+        self.buffer.l1_mut().warm(tags);
     }
 
     /// A line left an inclusive L2.

@@ -11,7 +11,7 @@ use super::stage::{Candidate, Idle, Stage};
 use super::wheel::{Event, EventKind, Wheel};
 use crate::config::MachineConfig;
 use crate::counters::{Activity, counters};
-use crate::memory::{CacheCounters, Memory, Port};
+use crate::memory::{CacheCounters, Memory, Port, Tags};
 use crate::time::TiCycle;
 use crate::work::layout::Region;
 
@@ -83,15 +83,20 @@ impl Ist {
         }
     }
 
+    /// Fills the empty L1.
+    pub fn warm(&mut self, tags: &Tags) {
+        self.port.warm(tags);
+    }
+
     /// A line left an inclusive L2.
     pub fn invalidate(&mut self, line: u64) {
         self.port.invalidate(line);
     }
 
-    /// Closes the accounts of a run that ends before cycle `end`.
-    pub fn finish(&mut self, end: TiCycle) -> IstStats {
+    /// What was counted before cycle `end`.
+    pub fn report(&self, end: TiCycle) -> IstStats {
         IstStats {
-            activity: self.stage.finish(end, &self.idle),
+            activity: self.stage.report(end, &self.idle),
             events: self.events,
             buffer: self.port.counters(),
             l1: self.port.l1_counters(),

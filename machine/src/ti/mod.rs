@@ -24,6 +24,7 @@ mod tests;
 pub use context::{TiContext, Tiles};
 pub use input_buffer::InputBufferCounters;
 pub use ist::{IstCounters, IstStats};
+pub(crate) use trv::stage_names;
 pub use trv::{TrvCounters, TrvStats};
 
 use std::collections::VecDeque;
@@ -38,7 +39,7 @@ use crate::component::{Component, Tick};
 use crate::config::MachineConfig;
 use crate::counters::{StageBusy, counters};
 use crate::link::{RayMessage, RayRef, RayUnit};
-use crate::memory::{Memory, Port};
+use crate::memory::{Memory, Port, Tags};
 use crate::time::{TiCycle, When};
 
 counters! {
@@ -127,6 +128,12 @@ impl TiUnit {
         }
     }
 
+    /// Fills the empty L1s.
+    pub(crate) fn warm(&mut self, trv: &[Tags], ist: &[Tags]) {
+        self.trv.iter_mut().zip(trv).for_each(|(unit, tags)| unit.warm(tags));
+        self.ist.iter_mut().zip(ist).for_each(|(unit, tags)| unit.warm(tags));
+    }
+
     /// A line left an inclusive L2.
     pub fn invalidate(&mut self, line: u64) {
         self.trv.iter_mut().for_each(|unit| unit.invalidate(line));
@@ -198,11 +205,26 @@ impl TiUnit {
 
     /// Accounts the cycles before `now`, in which nothing has changed.
     fn account(&mut self, now: TiCycle) {
-        let gap = now - self.accounted;
+        self.counters = self.counters_before(now);
         self.accounted = now;
-        self.counters.active += if self.inside > 0 { gap } else { 0 };
+    }
+
+    /// The counters with the cycles before `now`, in which nothing has changed.
+    fn counters_before(&self, now: TiCycle) -> DispatchCounters {
+        let (mut counters, gap) = (self.counters, now - self.accounted);
+        counters.active += if self.inside > 0 { gap } else { 0 };
         if !self.ray_buffer.is_empty() && self.trv.iter().all(|unit| unit.free() == 0) {
-            self.counters.full += gap;
+            counters.full += gap;
+        }
+        counters
+    }
+
+    /// What was counted before cycle `end`.
+    pub fn report(&self, end: TiCycle) -> TiStats {
+        TiStats {
+            dispatch: self.counters_before(end),
+            trv: self.trv.iter().map(|unit| unit.report(end)).collect(),
+            ist: self.ist.iter().map(|unit| unit.report(end)).collect(),
         }
     }
 }
@@ -221,12 +243,7 @@ impl Component for TiUnit {
     }
 
     fn finish(&mut self, end: TiCycle) -> TiStats {
-        self.account(end);
-        TiStats {
-            dispatch: self.counters,
-            trv: self.trv.iter_mut().map(|unit| unit.finish(end)).collect(),
-            ist: self.ist.iter_mut().map(|unit| unit.finish(end)).collect(),
-        }
+        self.report(end)
     }
 }
 

@@ -118,14 +118,14 @@ impl Stage {
         self.account[BUSY]
     }
 
-    /// Accounts the cycles before `end`, the end of the run, in which nothing issues any more.
-    pub fn finish(&mut self, end: TiCycle, idle: &Idle) -> Activity {
+    /// The account of the cycles before `end`: nothing more issues before it. An operation that issues later is in it already.
+    pub fn report(&self, end: TiCycle, idle: &Idle) -> Activity {
         let rest = end.since(self.free);
-        let idle = (idle.before(end) - self.idle_seen).min(rest);
-        self.account[IDLE] += idle;
-        self.account[STARVED] += rest - idle;
-        self.free = self.free.max(end);
-        let [busy, bypass, fetch, memory, mshr, blocked, starved, idle] = self.account;
+        let unused = (idle.before(end) - self.idle_seen).min(rest);
+        let mut account = self.account;
+        account[IDLE] += unused;
+        account[STARVED] += rest - unused;
+        let [busy, bypass, fetch, memory, mshr, blocked, starved, idle] = account;
         Activity { busy, bypass, fetch, memory, mshr, blocked, starved, idle }
     }
 }
@@ -154,7 +154,7 @@ mod tests {
         stage.issue(late, &idle);
         stage.issue(Candidate { ready: TiCycle(31), arrived: TiCycle(31), bypass: true, ..OP }, &idle);
         idle.begin(TiCycle(40));
-        let activity = stage.finish(TiCycle(50), &idle);
+        let activity = stage.report(TiCycle(50), &idle);
         let Activity { busy, bypass, fetch, memory, idle, starved, .. } = activity;
         // 4 idle and 6 starved before the first; 7 of others and 10 for which the second waited itself; 8 starved, 10 idle at the end.
         assert_eq!((busy, bypass, fetch, memory, idle, starved), (2, 1, 2, 17, 14, 14));

@@ -15,7 +15,7 @@ use super::wheel::{Event, EventKind, Wheel};
 use crate::config::{MachineConfig, Pipeline};
 use crate::counters::{Activity, counters};
 use crate::link::RayRef;
-use crate::memory::{CacheCounters, Memory, Port};
+use crate::memory::{CacheCounters, Memory, Port, Tags};
 use crate::time::TiCycle;
 use crate::work::layout::{Lines, Region};
 use crate::work::ops::OpKind;
@@ -55,6 +55,14 @@ pub struct TrvStats {
 const INNER: usize = 0;
 const LEAF: usize = 1;
 const STACK: usize = 2;
+
+/// The issue stages of a traversal unit.
+pub fn stage_names(pipeline: Pipeline) -> &'static [&'static str] {
+    match pipeline {
+        Pipeline::Parallel => &["inner", "leaf", "stack"],
+        Pipeline::Single | Pipeline::Unified => &["pipeline"],
+    }
+}
 
 /// A traversal unit.
 #[derive(Debug)]
@@ -158,6 +166,11 @@ impl Trv {
         }
     }
 
+    /// Fills the empty L1.
+    pub fn warm(&mut self, tags: &Tags) {
+        self.port.warm(tags);
+    }
+
     /// A line left an inclusive L2.
     pub fn invalidate(&mut self, line: u64) {
         self.port.invalidate(line);
@@ -183,10 +196,9 @@ impl Trv {
         self.port.book_retry(event, context);
     }
 
-    /// Closes the accounts of a run that ends before cycle `end`.
-    pub fn finish(&mut self, end: TiCycle) -> TrvStats {
-        let idle = self.idle;
-        let activities = self.stages.each_mut().map(|stage| stage.finish(end, &idle));
+    /// What was counted before cycle `end`.
+    pub fn report(&self, end: TiCycle) -> TrvStats {
+        let activities = self.stages.each_ref().map(|stage| stage.report(end, &self.idle));
         TrvStats {
             stages: self.names().iter().copied().zip(activities).collect(),
             events: self.events,
@@ -196,10 +208,7 @@ impl Trv {
     }
 
     fn names(&self) -> &'static [&'static str] {
-        match self.pipeline {
-            Pipeline::Parallel => &["inner", "leaf", "stack"],
-            Pipeline::Single | Pipeline::Unified => &["pipeline"],
-        }
+        stage_names(self.pipeline)
     }
 
     /// The stage that does the work of `stage`.

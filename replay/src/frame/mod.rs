@@ -9,4 +9,5 @@ mod replayer;
 pub mod states;
 
 pub use canvas::FrameReplay;
+pub(crate) use replayer::PassedFrame;
 pub use replayer::{Options, Replayer};

@@ -87,7 +87,7 @@ impl<'a, S: TileSource + ?Sized> Replayer<'a, S> {
             canvas.add(&closed.band.tiles, closed.stats);
             Ok(())
         })?;
-        self.finish(frame, canvas)
+        self.finish(PassedFrame { frame, canvas, paths: PathCounts::default() })
     }
 
     /// The camera of a frame that is about to begin.
@@ -105,7 +105,8 @@ impl<'a, S: TileSource + ?Sized> Replayer<'a, S> {
         })
     }
 
-    fn finish(&mut self, frame: u32, canvas: Canvas) -> Result<FrameReplay> {
+    /// Ends a frame.
+    pub(crate) fn finish(&mut self, PassedFrame { frame, canvas, .. }: PassedFrame) -> Result<FrameReplay> {
         self.sampler.end_frame(&canvas.tiles);
         let meta = self.source.meta();
         let blocks = (0..meta.tile_count()).map(|tile| self.sampler.block(tile)).collect();
@@ -125,8 +126,20 @@ impl<S: PathSource + ?Sized> Replayer<'_, S> {
         &mut self,
         frame: u32,
         tree: &Topology,
-        mut consume: impl FnMut(TileWork) -> Result<()>,
+        consume: impl FnMut(TileWork) -> Result<()>,
     ) -> Result<(FrameReplay, PathCounts)> {
+        let passed = self.pass(frame, tree, consume)?;
+        let paths = passed.paths;
+        Ok((self.finish(passed)?, paths))
+    }
+
+    /// As [`Replayer::frame_with`], without the end of the frame.
+    pub(crate) fn pass(
+        &mut self,
+        frame: u32,
+        tree: &Topology,
+        mut consume: impl FnMut(TileWork) -> Result<()>,
+    ) -> Result<PassedFrame> {
         let (source, camera) = (self.source, self.camera(frame)?);
         let mut canvas = Canvas::new(source.meta(), self.options.reference);
         let read = |index| source.tile_with_paths(frame, index);
@@ -148,8 +161,33 @@ impl<S: PathSource + ?Sized> Replayer<'_, S> {
             paths += tile.paths;
             consume(tile.work)
         })?;
-        Ok((self.finish(frame, canvas)?, paths))
+        Ok(PassedFrame { frame, canvas, paths })
     }
+
+    /// What the policy has learnt so far, to begin a frame again; nothing if it cannot be kept.
+    pub(crate) fn fork(&self) -> Option<Box<dyn Sampler>> {
+        self.sampler.fork()
+    }
+
+    /// Goes back to the beginning of a frame.
+    pub(crate) fn restore(&mut self, begin: &dyn Sampler) {
+        if let Some(begin) = begin.fork() {
+            self.sampler = begin;
+        }
+    }
+
+    /// What ends frames early.
+    pub(crate) fn stop(&self) -> &Stop {
+        &self.stop
+    }
+}
+
+/// A frame whose tiles are all through, but which has not ended.
+pub(crate) struct PassedFrame {
+    frame: u32,
+    canvas: Canvas,
+    /// What the paths of all tiles ask for.
+    pub paths: PathCounts,
 }
 
 /// A band whose samples are all decided.

@@ -41,6 +41,7 @@ impl SamplePolicy for NamedPolicy {
 }
 
 /// A [`Policy`] at work.
+#[derive(Clone)]
 struct BlockSampler {
     rules: Rules,
     control: RateController,
@@ -48,7 +49,7 @@ struct BlockSampler {
 }
 
 /// The frame at work.
-#[derive(Default)]
+#[derive(Clone, Default)]
 struct Now {
     frame: u32,
     camera: Option<Camera>,
@@ -70,6 +71,10 @@ impl BlockSampler {
 impl Sampler for BlockSampler {
     fn deep(&self) -> bool {
         self.rules.deep()
+    }
+
+    fn fork(&self) -> Option<Box<dyn Sampler>> {
+        Some(Box::new(self.clone()))
     }
 
     fn begin_frame(&mut self, frame: u32, camera: &Camera) {

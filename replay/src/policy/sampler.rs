@@ -127,6 +127,12 @@ pub trait Sampler: Send + Sync {
         1.0
     }
 
+    /// The same policy, having learnt the same: a frame can then be begun again. A policy that cannot be kept gives nothing, and
+    /// its frames are simulated whole.
+    fn fork(&self) -> Option<Box<dyn Sampler>> {
+        None
+    }
+
     /// Who pays for the samples that a tile reads of its neighbours.
     fn apron(&self) -> Apron {
         Apron::Share

@@ -40,6 +40,32 @@ pub struct DramAddress {
     pub row: u64,
 }
 
+/// Which lines lie where.
+#[derive(Clone, Copy, Debug)]
+pub struct AddressMap {
+    channels: u64,
+    banks: u64,
+    row_lines: u64,
+}
+
+impl AddressMap {
+    /// That of `config`, with lines of `line_bytes`.
+    pub fn new(config: &config::Dram, line_bytes: u32) -> Self {
+        Self {
+            channels: config.channels.into(),
+            banks: config.banks.into(),
+            row_lines: (config.row_bytes / line_bytes).into(),
+        }
+    }
+
+    /// Where a line lies.
+    #[inline]
+    pub fn address(&self, line: u64) -> DramAddress {
+        let (channel, row_number) = ((line % self.channels) as usize, line / self.channels / self.row_lines);
+        DramAddress { channel, bank: (row_number % self.banks) as u8, row: row_number / self.banks }
+    }
+}
+
 /// A line that is read, on its way there and back.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LineRead {
@@ -67,8 +93,7 @@ struct Lane {
 #[derive(Clone, Debug)]
 pub struct Dram {
     lanes: Vec<Lane>,
-    banks: u64,
-    row_lines: u64,
+    map: AddressMap,
     up: Crossing<TiCycle, DramCycle>,
     down: Crossing<DramCycle, TiCycle>,
     /// Controller cycles before the queue, and after the data.
@@ -101,8 +126,7 @@ impl Dram {
         let after_cycles = u64::from(config.controller_cycles) - before_cycles;
         Self {
             lanes: vec![lane; config.channels as usize],
-            banks: config.banks.into(),
-            row_lines: (config.row_bytes / line_bytes).into(),
+            map: AddressMap::new(config, line_bytes),
             up: Crossing::new(clock_mhz, config.clock_mhz, config.sync_cycles),
             down: Crossing::new(config.clock_mhz, clock_mhz, config.sync_cycles),
             before_cycles,
@@ -116,9 +140,7 @@ impl Dram {
     /// Where a line lies.
     #[inline]
     pub fn address(&self, line: u64) -> DramAddress {
-        let channels = self.lanes.len() as u64;
-        let (channel, row_number) = ((line % channels) as usize, line / channels / self.row_lines);
-        DramAddress { channel, bank: (row_number % self.banks) as u8, row: row_number / self.banks }
+        self.map.address(line)
     }
 
     /// Whether the channel of `line` takes a read. If not, its next event tells when it may.

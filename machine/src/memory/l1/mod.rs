@@ -74,6 +74,11 @@ impl L1Cache {
         Self { mshrs_max: self.mshrs_max.min(rows as usize), waiters_max: waiters, ..self }
     }
 
+    /// Fills the empty cache.
+    pub(crate) fn warm(&mut self, tags: &Tags) {
+        self.tags.clone_from(tags);
+    }
+
     /// Looks `line` up for `waiter` (0 to 127), who is told by [`L1Cache::fill`] when the line arrives.
     #[inline]
     pub fn access<M: Memory>(&mut self, now: TiCycle, line: u64, region: Region, waiter: u8, memory: &mut M) -> Access {

@@ -11,6 +11,7 @@ use crate::memory::interface::Memory;
 use crate::memory::l2::{L2Cache, L2Context, L2Counters};
 use crate::memory::request::{Port, Request, Response, Route};
 use crate::memory::stats::MemoryStats;
+use crate::memory::tags::Tags;
 use crate::memory::traffic::Traffic;
 use crate::time::{ClockCycle, TiCycle, When};
 
@@ -78,6 +79,20 @@ impl MemorySystem {
         }
         let (dram, traffic, arrived) = (&mut self.dram, &mut self.traffic, &mut self.arrived);
         self.l2.tick(now, L2Context { dram, traffic, arrived });
+    }
+
+    /// Fills the empty L2.
+    pub(crate) fn warm(&mut self, tags: &Tags) {
+        self.l2.warm(tags);
+    }
+
+    /// What was counted so far.
+    pub(crate) fn report(&self) -> MemoryStats {
+        MemoryStats {
+            l2: *self.l2.counters(),
+            channels: self.dram.counters().copied().collect(),
+            traffic: self.traffic,
+        }
     }
 
     /// What the L2 did.

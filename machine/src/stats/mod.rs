@@ -1,5 +1,10 @@
 //! What a run of the machine counted: everything, by unit, as integers. Ratios are made in the report.
 
+mod estimated;
+mod places;
+#[cfg(test)]
+mod tests;
+
 use crate::memory::{CacheCounters, MemoryStats};
 use crate::srp::SrpStats;
 use crate::ti::{IstStats, TiStats, TrvStats};

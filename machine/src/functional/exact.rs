@@ -1,0 +1,68 @@
+//! Which counters do not depend on time.
+
+use crate::config::{Interface, MachineConfig, PrimaryVisibility};
+use crate::srp::{DmaCounters, InterfaceCounters, LocalCounters};
+use crate::stats::Stats;
+use crate::ti::{IstCounters, TrvCounters};
+use crate::work::layout::Region;
+
+/// The counters whose sums over all units are the same whenever things happen are 1, all others 0.
+pub fn exact_counters(config: &MachineConfig) -> Stats {
+    let mut exact = Stats::shaped(config);
+    exact.tiles = 1;
+    for core in &mut exact.cores {
+        core.ti.dispatch.rays = 1;
+        for unit in &mut core.ti.trv {
+            unit.events = TrvCounters {
+                rays: 1,
+                node_visits: 1,
+                restart_visits: 1,
+                box_tests: 1,
+                leaves: 1,
+                triangle_tests: 1,
+                stack_operations: 1,
+                culled: 1,
+                pushes: 1,
+                restarts: 1,
+                bypasses: 0,
+                ray_cycles: 0,
+            };
+        }
+        for unit in &mut core.ti.ist {
+            unit.events = IstCounters { tasks: 1, triangle_tests: 1, bypasses: 0 };
+        }
+        for kernel in &mut core.srp.kernels {
+            (kernel.items, kernel.ops) = (1, 1);
+        }
+        core.srp.interface =
+            InterfaceCounters { rays: 1, hits: 1, ray_bytes: 1, hit_bytes: 1, ray_busy: 1, hit_busy: 1 };
+        core.srp.local = LocalCounters { reads: 1, writes: 1, spilled_samples: 1, tiles: 1 };
+        core.srp.dma = DmaCounters {
+            framebuffer_written: 1,
+            sample_written: 1,
+            sample_read: 1,
+            border_written: 1,
+            border_read: 1,
+            ..streams(config)
+        };
+        core.srp_l1.lookups = 1;
+    }
+    let traffic = &mut exact.memory.traffic;
+    for region in [Region::Framebuffer, Region::Sample, Region::Border] {
+        (traffic.read[region as usize], traffic.written[region as usize]) = (1, 1);
+    }
+    exact
+}
+
+/// Streams write lines that are not full after some time; where there is no stream their bytes are known to be none.
+fn streams(config: &MachineConfig) -> DmaCounters {
+    let rays = u64::from(config.gpu.interface == Interface::Direct);
+    let gbuffer = u64::from(config.gpu.primary_visibility != PrimaryVisibility::Raster);
+    DmaCounters {
+        gbuffer_written: gbuffer,
+        gbuffer_read: gbuffer,
+        ray_written: rays,
+        ray_read: rays,
+        ..DmaCounters::default()
+    }
+}

@@ -1,0 +1,54 @@
+//! What is characteristic of a tile: the sums that its time depends on.
+
+/// How many there are.
+pub const FEATURES: usize = 7;
+
+/// What is characteristic of a tile, of several, or of parts of them.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Features(pub [f64; FEATURES]);
+
+/// Places in [`Features`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Feature {
+    /// Node visits and one and a half for each triangle test: the size of a tile.
+    Cost,
+    TriangleTests,
+    TrvMisses,
+    IstMisses,
+    /// Lines to and from DRAM.
+    DramLines,
+    /// SRP cycles of items, without prologues.
+    SrpCycles,
+    Rays,
+}
+
+impl Features {
+    /// The size: node visits, and one and a half for each triangle test.
+    pub fn cost(&self) -> f64 {
+        self.0[Feature::Cost as usize]
+    }
+
+    pub(super) fn add_traversal(&mut self, visits: u64, tests: u64, rays: u64) {
+        self.0[Feature::Cost as usize] += visits as f64 + 1.5 * tests as f64;
+        self.0[Feature::TriangleTests as usize] += tests as f64;
+        self.0[Feature::Rays as usize] += rays as f64;
+    }
+
+    pub(super) fn add_misses(&mut self, trv: u64, ist: u64) {
+        self.0[Feature::TrvMisses as usize] += trv as f64;
+        self.0[Feature::IstMisses as usize] += ist as f64;
+    }
+
+    pub(super) fn add_lines(&mut self, lines: u64) {
+        self.0[Feature::DramLines as usize] += lines as f64;
+    }
+
+    pub(super) fn add_srp_cycles(&mut self, cycles: u64) {
+        self.0[Feature::SrpCycles as usize] += cycles as f64;
+    }
+
+    /// Adds `part` of `other`.
+    pub fn add_part(&mut self, other: &Self, part: f64) {
+        self.0.iter_mut().zip(other.0).for_each(|(sum, more)| *sum += part * more);
+    }
+}

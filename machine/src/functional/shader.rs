@@ -1,0 +1,184 @@
+//! The SRP without time: items of kernels, what `shade` reads, and the lines of transfers.
+
+use super::features::Features;
+use super::memory::TagMemory;
+use super::warm::CoreTags;
+use crate::config::{Interface, MachineConfig, PrimaryVisibility};
+use crate::memory::{Route, Tags};
+use crate::srp::{Costs, FrameShape, KernelId, ShadeReads, TileBuffer, framebuffer_rows, sent_ray, taker};
+use crate::stats::CoreStats;
+use crate::work::layout::{Layout, Region};
+use crate::work::{Round, TileWork};
+use rayreel_formats::tile::RayKind;
+
+/// What the SRP does with a tile.
+pub(super) struct Shader {
+    layout: Layout,
+    shape: FrameShape,
+    costs: Costs,
+    reads: ShadeReads,
+    buffer: TileBuffer,
+    rasters: bool,
+    gbuffer_bytes: u64,
+    direct: bool,
+    message_bytes: [u64; 2],
+    message_cycles: [u64; 2],
+    line_bytes: u64,
+}
+
+impl Shader {
+    pub fn new(config: &MachineConfig, shape: FrameShape) -> Self {
+        let (layout, gpu) = (Layout::new(config), &config.gpu);
+        let message_bytes = [gpu.ray_message_bytes, gpu.hit_message_bytes].map(u64::from);
+        let width = u64::from(gpu.interface_bytes_per_cycle.max(1));
+        Self {
+            layout,
+            shape,
+            costs: Costs::new(config),
+            reads: ShadeReads::new(config, layout),
+            buffer: TileBuffer::new(config),
+            rasters: gpu.primary_visibility == PrimaryVisibility::Raster,
+            gbuffer_bytes: config.raster.gbuffer_bytes.into(),
+            direct: gpu.interface == Interface::Direct,
+            message_bytes,
+            message_cycles: message_bytes.map(|bytes| bytes.div_ceil(width).max(1)),
+            line_bytes: config.l2.line_bytes.into(),
+        }
+    }
+
+    /// What is read and tested before anything of the round is traced.
+    pub fn begin_round(&self, round: &Round, counted: &mut CoreStats, memory: &mut TagMemory, features: &mut Features) {
+        self.transfer((Region::Sample, Route::Read), 0, self.buffer.round_read_bytes(round), counted, memory);
+        self.items(KernelId::Similarity, round.tests.into(), counted, features);
+        self.items(KernelId::Interpolate, round.interpolated.into(), counted, features);
+    }
+
+    /// Writes what a round has brought behind the `before` bytes of the rounds before it; gives the bytes.
+    pub fn end_round(&self, round: &Round, before: u64, counted: &mut CoreStats, memory: &mut TagMemory) -> u64 {
+        let bytes = self.buffer.round_written_bytes(round);
+        self.transfer((Region::Sample, Route::Write), before, bytes, counted, memory);
+        bytes
+    }
+
+    /// Sends the rays of a wave to the T&I unit. A rasteriser's primaries go to the front of the wave: gives how many of them
+    /// there are. `started` says that the SRP starts the rays, which are hits' otherwise.
+    pub fn send(
+        &self,
+        work: &TileWork,
+        wave: &mut [u32],
+        started: bool,
+        counted: &mut CoreStats,
+        memory: &mut TagMemory,
+    ) -> usize {
+        let mut seen = 0;
+        if started && self.rasters {
+            let primary = |ray: &u32| work.rays[*ray as usize].kind == RayKind::Primary;
+            wave.sort_by_key(|ray| !primary(ray));
+            seen = wave.iter().take_while(|ray| primary(ray)).count();
+        }
+        let traced = (wave.len() - seen) as u64;
+        if started {
+            let kernel = &mut counted.srp.kernels[KernelId::Raygen as usize];
+            kernel.items += traced;
+            kernel.ops += traced * self.costs.ops(KernelId::Raygen, 0);
+        }
+        let interface = &mut counted.srp.interface;
+        interface.rays += traced;
+        interface.hits += traced;
+        interface.ray_bytes += traced * self.message_bytes[0];
+        interface.hit_bytes += traced * self.message_bytes[1];
+        if self.direct {
+            interface.ray_busy += traced * self.message_cycles[0];
+            interface.hit_busy += traced * self.message_cycles[1];
+        }
+        if !self.direct {
+            let [rays, hits] = self.message_bytes;
+            self.stream((traced, rays), Region::Ray, counted, memory);
+            self.stream((traced, hits), Region::Ray, counted, memory);
+        }
+        self.stream((seen as u64, self.gbuffer_bytes), Region::GBuffer, counted, memory);
+        seen
+    }
+
+    /// Shades the hits of a wave; the rays that they send are the next one.
+    pub fn shade(
+        &self,
+        (work, wave, next): (&TileWork, &[u32], &mut Vec<u32>),
+        tags: &mut CoreTags,
+        (counted, l2, memory): (&mut CoreStats, &mut Tags, &mut TagMemory),
+        features: &mut Features,
+    ) {
+        let mut cycles = 0;
+        for &number in wave {
+            let ray = &work.rays[number as usize];
+            let kernel = taker(ray);
+            let shadows = if kernel == KernelId::Shade { ray.shadows } else { 0 };
+            let items = &mut counted.srp.kernels[kernel as usize];
+            items.items += 1;
+            items.ops += self.costs.ops(kernel, shadows);
+            cycles += self.costs.interval(kernel, shadows) + self.costs.inspector(kernel, 1);
+            self.buffer.count(kernel, ray.kind == RayKind::Primary, 1, &mut counted.srp.local);
+            if kernel == KernelId::Shade {
+                for (line, region) in self.reads.lines(ray) {
+                    memory.look_up((&mut tags.srp, l2), line, region, &mut counted.srp_l1);
+                }
+                next.extend((0..).map_while(|k| sent_ray(kernel, work, number, k)));
+            }
+        }
+        features.add_srp_cycles(cycles);
+    }
+
+    /// The end of a tile: borders, what did not fit, resolve and pixels.
+    pub fn end_tile(&self, work: &TileWork, counted: &mut CoreStats, memory: &mut TagMemory, features: &mut Features) {
+        let sample = self.buffer.sample_bytes();
+        let spilled = self.buffer.spilled_samples(work);
+        counted.srp.local.spilled_samples += spilled;
+        for route in [Route::Write, Route::Read] {
+            self.transfer((Region::Sample, route), 0, spilled * sample, counted, memory);
+            let border = u64::from(work.border_samples) * sample;
+            self.transfer((Region::Border, route), u64::from(work.tile) << 16, border, counted, memory);
+        }
+        self.items(KernelId::Resolve, work.rect.len() as u64, counted, features);
+        for (address, bytes) in framebuffer_rows(self.shape, work.rect) {
+            let at = (Region::Framebuffer, Route::Write);
+            self.transfer(at, address - Region::Framebuffer.base(), bytes, counted, memory);
+        }
+        counted.srp.local.tiles += 1;
+    }
+
+    /// Items that are no rays.
+    fn items(&self, kernel: KernelId, items: u64, counted: &mut CoreStats, features: &mut Features) {
+        let counters = &mut counted.srp.kernels[kernel as usize];
+        counters.items += items;
+        counters.ops += items * self.costs.ops(kernel, 0);
+        self.buffer.count(kernel, false, items, &mut counted.srp.local);
+        features.add_srp_cycles(items * self.costs.interval(kernel, 0) + self.costs.inspector(kernel, items));
+    }
+
+    /// Moves `bytes` from `offset` of a region on.
+    fn transfer(
+        &self,
+        (region, route): (Region, Route),
+        offset: u64,
+        bytes: u64,
+        counted: &mut CoreStats,
+        memory: &mut TagMemory,
+    ) {
+        if bytes == 0 {
+            return;
+        }
+        let lines = self.layout.lines(region.base() + offset, bytes);
+        memory.transfer_all(lines, region, route);
+        *counted.srp.dma.of(region, route == Route::Read) += (lines.last - lines.first + 1) * self.line_bytes;
+    }
+
+    /// Messages of so many bytes that go through memory, as densely as they can be packed.
+    fn stream(&self, (messages, bytes): (u64, u64), region: Region, counted: &mut CoreStats, memory: &mut TagMemory) {
+        let per_line = (self.line_bytes / bytes.max(1)).max(1);
+        let lines = messages.div_ceil(per_line) * bytes.div_ceil(self.line_bytes);
+        memory.stream(lines, region);
+        for read in [false, true] {
+            *counted.srp.dma.of(region, read) += lines * self.line_bytes;
+        }
+    }
+}

@@ -1,0 +1,105 @@
+use std::sync::Arc;
+
+use super::*;
+use crate::config::NamedMachine;
+use crate::system::{NoProbe, System};
+use crate::work::synthetic::{Random, balanced_topology, random_tile};
+
+const SHAPE: FrameShape = FrameShape { width_pixels: 128, samples_per_axis: 1, pixel_bytes: 4 };
+
+fn tiles(tree: &Topology, count: u32) -> Vec<Arc<TileWork>> {
+    let mut random = Random(7);
+    (0..count).map(|tile| Arc::new(random_tile(tree, tile, 64, 2, &mut random))).collect()
+}
+
+fn config(sets: &[&str]) -> MachineConfig {
+    let sets: Vec<String> = sets.iter().map(|set| (*set).to_owned()).collect();
+    NamedMachine::load("sgrt-ti2", &sets).unwrap().config
+}
+
+fn sum(stats: &Stats, of: impl Fn(&crate::ti::TrvStats) -> u64) -> u64 {
+    stats.trv().map(of).sum()
+}
+
+#[test]
+fn features_of_the_tiles_add_up_to_what_was_counted() {
+    let (tree, config) = (balanced_topology(8, 2), config(&[]));
+    let mut machine = FunctionalMachine::new(&config, &tree, SHAPE);
+    tiles(&tree, 20).into_iter().for_each(|tile| machine.feed(tile));
+    machine.finish();
+    let mut all = Features::default();
+    machine.features().iter().for_each(|tile| all.add_part(tile, 1.0));
+    let stats = machine.stats();
+    let tests: u64 = stats.ist().map(|unit| unit.events.triangle_tests).sum();
+    let visits = sum(&stats, |unit| unit.events.node_visits);
+    assert_eq!(all.cost(), visits as f64 + 1.5 * tests as f64);
+    let misses: u64 = stats.ist().map(|unit| unit.l1.misses).sum();
+    assert_eq!(all.0[1..4], [tests as f64, sum(&stats, |unit| unit.l1.misses) as f64, misses as f64]);
+    let dram = stats.memory.dram();
+    assert_eq!(all.0[4], (dram.read_lines + dram.write_lines) as f64);
+    assert_eq!(all.0[6], stats.rays() as f64);
+    assert_eq!(dram.row_hits + dram.activates, dram.read_lines + dram.write_lines);
+}
+
+#[test]
+fn caches_that_hold_everything_miss_each_line_once() {
+    let (tree, config) =
+        (balanced_topology(5, 1), config(&["ti.trv_l1.size=256KiB", "l2.size=4MiB", "ti.trv=1", "gpu.cores=1"]));
+    let mut machine = FunctionalMachine::new(&config, &tree, SHAPE);
+    let work = tiles(&tree, 4);
+    let mut lines = std::collections::BTreeSet::new();
+    let layout = crate::work::layout::Layout::new(&config);
+    for tile in work {
+        for op in &tile.ops {
+            if let crate::work::ops::OpKind::Visit { node, .. } = op.kind() {
+                lines.extend(layout.node(node).first..=layout.node(node).last);
+            }
+        }
+        machine.feed(tile);
+    }
+    machine.finish();
+    assert_eq!(sum(&machine.stats(), |unit| unit.l1.misses), lines.len() as u64);
+}
+
+#[test]
+fn what_is_done_and_what_is_left_at_a_checkpoint_is_all() {
+    let (tree, config) = (balanced_topology(8, 2), config(&["gpu.cores=2"]));
+    let work = tiles(&tree, 9);
+    let run = |tiles: &[Arc<TileWork>]| {
+        let mut machine = FunctionalMachine::new(&config, &tree, SHAPE);
+        tiles.iter().for_each(|tile| machine.feed(Arc::clone(tile)));
+        machine
+    };
+    let mut machine = run(&work);
+    machine.make_room();
+    let checkpoint = machine.checkpoint();
+    assert_eq!(checkpoint.tiles.len(), 3);
+    let before = machine.stats();
+    machine.finish();
+    let after = machine.stats();
+    let mut rest = System::resume(&config, &tree, SHAPE, &checkpoint);
+    rest.make_room(&mut NoProbe).unwrap();
+    let (rest, _) = rest.finish(&mut NoProbe).unwrap();
+    assert_eq!(before.rays() + rest.rays(), after.rays());
+    let visits = |stats: &Stats| sum(stats, |unit| unit.events.node_visits);
+    assert_eq!(visits(&before) + visits(&rest), visits(&after));
+    assert!(rest.tiles == 3 && visits(&rest) > 0 && visits(&before) > 0);
+}
+
+#[test]
+fn a_machine_that_begins_warm_misses_less() {
+    let (tree, config) = (balanced_topology(8, 2), config(&[]));
+    let work = tiles(&tree, 16);
+    let mut machine = FunctionalMachine::new(&config, &tree, SHAPE);
+    work.iter().for_each(|tile| machine.feed(Arc::clone(tile)));
+    machine.finish();
+    let warm = machine.checkpoint();
+    assert!(warm.tiles.is_empty());
+    let misses = |mut system: System<'_, crate::memory::MemorySystem>| {
+        work[..4].iter().for_each(|tile| system.feed(TileWork::clone(tile), &mut NoProbe).unwrap());
+        system.finish(&mut NoProbe).unwrap().0.memory.l2.misses
+    };
+    let cold = misses(System::new(&config, &tree, SHAPE));
+    let resumed = misses(System::resume(&config, &tree, SHAPE, &warm));
+    assert!(resumed < cold, "{resumed} of {cold}");
+}

@@ -1,0 +1,9 @@
+//! Frames of which not every cycle is simulated: what is asked for, and what is known of the figures.
+//!
+//! `mode` says how much, `estimate` how far the figures may be off.
+
+mod estimate;
+mod mode;
+
+pub use estimate::{Estimate, FLOOR, Replicate, half_width};
+pub use mode::{Detail, Share};

@@ -1,0 +1,243 @@
+//! Frames of which not every cycle is simulated: a functional pass over all tiles, and windows that are simulated beside it.
+//!
+//! ```text
+//! tiles of work -> functional machine (counts, warm caches) -> features of all tiles ---.
+//!             `--> windows, side by side (cycles) -> counters, features of windows ----> weights -> counters of the frame
+//! ```
+//!
+//! After SMARTS (Wunderlich et al., ISCA 2003): between the windows the machine's long-lived state, its caches, is kept warm by
+//! a pass without time. `blocks` chooses the windows, `window` simulates one, `pass` takes the tiles through, `calibrate` weighs
+//! windows and `extrapolate` makes the frame. Several machines share a pass.
+
+mod blocks;
+mod calibrate;
+mod extrapolate;
+mod pass;
+mod window;
+
+use std::sync::Arc;
+
+use rayreel_formats::scene::Meta;
+use rayreel_machine::config::MachineConfig;
+use rayreel_machine::energy::EnergyReport;
+use rayreel_machine::functional::Features;
+use rayreel_machine::srp::{FrameShape, Needs, missing_kernels};
+use rayreel_machine::stats::Stats;
+use rayreel_machine::system::{Probe, System};
+use rayreel_machine::work::TileWork;
+use rayreel_machine::work::check::PathCounts;
+use rayreel_machine::work::topology::Topology;
+
+use crate::detail::{Detail, Estimate, Replicate, Share};
+use crate::error::{RequestError, Result};
+use crate::frame::{FrameReplay, PassedFrame, Replayer};
+use crate::policy::Sampler;
+use crate::simulate::MachineRun;
+use crate::source::PathSource;
+use blocks::Blocks;
+use pass::{MachinePass, Passed, Room, Shared};
+
+/// A machine with its name.
+pub type Named<'a> = (&'a str, &'a MachineConfig);
+
+/// A tile that takes more than its machine's whole slots take in so many rounds decides about the end of the frame by itself: a
+/// frame with such a tile is simulated whole.
+const ROUNDS: f64 = 4.0;
+
+/// Passes after which the precision asked for is given up for a whole simulation.
+const PASSES: usize = 3;
+
+/// Replays a frame and runs its rays through machines, as `detail` says, in one pass for all of them.
+///
+/// # Errors
+/// As [`crate::simulate::simulate`].
+pub fn simulate_estimated<S: PathSource + ?Sized, P: Probe>(
+    replayer: &mut Replayer<'_, S>,
+    frame: u32,
+    tree: &Topology,
+    machines: &[Named<'_>],
+    detail: Detail,
+    probe: &mut P,
+) -> Result<(FrameReplay, Vec<MachineRun>)> {
+    let mut simulation = Simulation { replayer, frame, tree, detail, probe };
+    let Some(begin) = simulation.replayer.fork() else {
+        let (passed, runs) = simulation.whole(machines)?;
+        return Ok((simulation.replayer.finish(passed)?, runs));
+    };
+    let tiles = simulation.replayer.source().meta().tile_count() as usize;
+    let blocks: Vec<_> = machines.iter().map(|(_, config)| Blocks::of(detail, tiles, slots(config))).collect();
+    let (passed_frame, passed) = simulation.pass(machines, &blocks)?;
+    let mut runs = Vec::new();
+    for ((machine, blocks), passed) in machines.iter().zip(blocks).zip(passed) {
+        let mut run = simulation.conclude(*machine, blocks, passed, &*begin)?;
+        run.paths = passed_frame.paths;
+        runs.push(run);
+    }
+    Ok((simulation.replayer.finish(passed_frame)?, runs))
+}
+
+/// Tiles that a machine works on at a time.
+fn slots(config: &MachineConfig) -> usize {
+    (config.gpu.cores * config.gpu.tiles_in_flight.clamp(1, 255)) as usize
+}
+
+/// A frame under way.
+struct Simulation<'r, 'a, S: ?Sized, P> {
+    replayer: &'r mut Replayer<'a, S>,
+    frame: u32,
+    tree: &'r Topology,
+    detail: Detail,
+    probe: &'r mut P,
+}
+
+impl<S: PathSource + ?Sized, P: Probe> Simulation<'_, '_, S, P> {
+    /// One pass over the tiles, for all machines.
+    fn pass(&mut self, machines: &[Named<'_>], blocks: &[Option<Blocks>]) -> Result<(PassedFrame, Vec<Passed>)> {
+        let (tree, stop) = (self.tree, self.replayer.stop().clone());
+        // One for each thread and as many that wait: more would only take memory.
+        let room = Room::new(2 * rayon::current_num_threads());
+        let meta = self.replayer.source().meta();
+        let shape = |config: &MachineConfig| frame_shape(meta, config);
+        let mut passes: Vec<MachinePass<'_>> = machines
+            .iter()
+            .zip(blocks)
+            .map(|((_, config), blocks)| MachinePass::new(config, tree, shape(config), blocks.as_ref()))
+            .collect();
+        let shared = Shared { tree, stop: &stop, room: &room };
+        let (frame, probe) = (self.frame, &mut *self.probe);
+        let passed_frame = rayon::in_place_scope(|scope| {
+            let mut tiles = 0;
+            self.replayer.pass(frame, tree, |work| {
+                let work = Arc::new(work);
+                for ((name, config), pass) in machines.iter().zip(&mut passes) {
+                    check_kernels(name, config, &work)?;
+                    pass.take(&work, shape(config), shared, scope);
+                }
+                tiles += 1;
+                probe.passed(tiles);
+                Ok(())
+            })
+        })?;
+        let passed: Result<Vec<_>> = passes.into_iter().map(MachinePass::finish).collect();
+        Ok((passed_frame, passed?))
+    }
+
+    /// The run of a machine after a pass; more passes where one was not enough.
+    fn conclude(
+        &mut self,
+        machine: Named<'_>,
+        mut blocks: Option<Blocks>,
+        mut passed: Passed,
+        begin: &dyn Sampler,
+    ) -> Result<MachineRun> {
+        let config = machine.1;
+        if self.detail == Detail::Counts {
+            return Ok(counted(config, &passed));
+        }
+        for _ in 0..PASSES {
+            let Some(held) = blocks.filter(|_| !is_dominated(&passed.features, slots(config))) else { break };
+            let run = extrapolate::extrapolate(config, &held, &passed, self.detail);
+            let Detail::Precision(wanted) = self.detail else { return Ok(run) };
+            let width = widest(&run);
+            if width <= wanted.fraction() {
+                return Ok(run);
+            }
+            blocks = more(&held, &run, width, wanted, slots(config));
+            if blocks.is_some() {
+                self.replayer.restore(begin);
+                let again = std::slice::from_ref(&blocks);
+                let Some(next) = self.pass(&[machine], again)?.1.pop() else { break };
+                passed = next;
+            }
+        }
+        self.replayer.restore(begin);
+        let (_, mut runs) = self.whole(&[machine])?;
+        Ok(runs.pop().unwrap_or_default())
+    }
+
+    /// Every cycle of a frame whose tiles are too few, or too different.
+    fn whole(&mut self, machines: &[Named<'_>]) -> Result<(PassedFrame, Vec<MachineRun>)> {
+        let (tree, frame, probe) = (self.tree, self.frame, &mut *self.probe);
+        let meta = self.replayer.source().meta();
+        let mut systems: Vec<_> =
+            machines.iter().map(|(_, config)| System::new(config, tree, frame_shape(meta, config))).collect();
+        let passed = self.replayer.pass(frame, tree, |work| {
+            for ((name, config), system) in machines.iter().zip(&mut systems) {
+                check_kernels(name, config, &work)?;
+                system.feed(work.clone(), probe)?;
+            }
+            Ok(())
+        })?;
+        let all: Result<Vec<Stats>> = systems.into_iter().map(|system| Ok(system.finish(probe)?.0)).collect();
+        let runs = machines.iter().zip(all?).map(|((_, config), stats)| self.run_of_whole(config, stats, &passed));
+        let runs = runs.collect();
+        Ok((passed, runs))
+    }
+
+    fn run_of_whole(&self, config: &MachineConfig, stats: Stats, passed: &PassedFrame) -> MachineRun {
+        let tiles = u64::from(self.replayer.source().meta().tile_count());
+        let energy = EnergyReport::new(config, &stats);
+        let estimate = Estimate {
+            detail: self.detail,
+            tiles,
+            detailed_tiles: tiles,
+            windows: 0,
+            whole_frames: 1,
+            freedom: 0,
+            replicates: vec![Replicate { stats: stats.clone(), energy: energy.clone() }],
+        };
+        MachineRun { stats, energy, paths: passed.paths, estimate: Some(estimate) }
+    }
+}
+
+fn frame_shape(meta: &Meta, config: &MachineConfig) -> FrameShape {
+    FrameShape { width_pixels: meta.width, samples_per_axis: meta.samples, pixel_bytes: config.layout.pixel_bytes }
+}
+
+fn check_kernels(name: &str, config: &MachineConfig, work: &TileWork) -> Result<()> {
+    let missing = missing_kernels(config, &Needs::of(work));
+    if missing.is_empty() {
+        return Ok(());
+    }
+    Err(RequestError::MissingKernel { machine: name.into(), kernels: missing.join(" and ") }.into())
+}
+
+/// What is known without time.
+fn counted(config: &MachineConfig, passed: &Passed) -> MachineRun {
+    let stats = passed.counted.clone();
+    let energy = EnergyReport::new(config, &stats);
+    let estimate = Estimate {
+        detail: Detail::Counts,
+        tiles: passed.features.len() as u64,
+        detailed_tiles: 0,
+        windows: 0,
+        whole_frames: 0,
+        freedom: 0,
+        replicates: Vec::new(),
+    };
+    MachineRun { stats, energy, paths: PathCounts::default(), estimate: Some(estimate) }
+}
+
+/// Whether one tile takes so much of the frame that it decides about its time.
+fn is_dominated(tiles: &[Features], slots: usize) -> bool {
+    let total: f64 = tiles.iter().map(Features::cost).sum();
+    let largest = tiles.iter().map(Features::cost).fold(0.0, f64::max);
+    total <= 0.0 || largest * ROUNDS * slots as f64 > total
+}
+
+/// The wider of the intervals of cycles and energy, as a part of the value.
+fn widest(run: &MachineRun) -> f64 {
+    let Some(estimate) = &run.estimate else { return 0.0 };
+    let (cycles, energy) = (run.stats.cycles as f64, run.energy.gpu_fj() as f64);
+    let part = |value: f64, of: fn(&Replicate) -> f64| estimate.half_width(value, of) / value.max(1.0);
+    part(cycles, |replicate| replicate.stats.cycles as f64)
+        .max(part(energy, |replicate| replicate.energy.gpu_fj() as f64))
+}
+
+/// More windows, by as much as the width needs: it falls with the square root of their number. Nothing if that is too many.
+fn more(blocks: &Blocks, run: &MachineRun, width: f64, wanted: Share, slots: usize) -> Option<Blocks> {
+    let (windows, all) = blocks.middle();
+    let tiles = run.estimate.as_ref().map_or(0, |estimate| estimate.tiles as usize);
+    let factor = (width / wanted.fraction()).powi(2) * 1.3;
+    Blocks::new(tiles, slots, (factor * windows as f64 / all as f64).min(0.99))
+}

@@ -1,0 +1,90 @@
+//! Frames of which not every cycle is simulated, on the golden traces.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use rayreel_formats::Limits;
+use rayreel_formats::trace::Trace;
+use rayreel_machine::config::{NamedMachine, PRESETS};
+use rayreel_machine::functional::exact_counters;
+use rayreel_machine::stats::Stats;
+use rayreel_machine::system::NoProbe;
+use rayreel_replay::sequence::{FrameLoop, FrameResult, Simulator};
+use rayreel_replay::{Detail, NamedPolicy, Options, PathSource, Stop};
+
+fn trace(name: &str) -> Trace {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../traces").join(name);
+    Trace::open(&path, Limits::default()).unwrap()
+}
+
+fn run(trace: &Trace, policy: &str, machine: &NamedMachine, detail: &str) -> FrameResult {
+    let policy = NamedPolicy::load(policy, &[]).unwrap();
+    let mut frames = FrameLoop::new(trace, &policy.policy, Options::default(), &Stop::never()).unwrap();
+    let (tree, detail) = (trace.topology(), detail.parse::<Detail>().unwrap());
+    frames.step(trace.meta().first_frame, Some(Simulator { machine, tree: &tree, detail }), &mut NoProbe).unwrap()
+}
+
+/// The sums over units of the counters that `marks` marks.
+fn sums(stats: &Stats, marks: &Stats) -> BTreeMap<usize, u64> {
+    let mut marked = BTreeMap::new();
+    marks.clone().each_mut(|kind, mark| _ = marked.insert(kind, *mark > 0));
+    let mut sums = BTreeMap::new();
+    stats.clone().each_mut(|kind, counter| {
+        if marked[&kind] {
+            *sums.entry(kind).or_default() += *counter;
+        }
+    });
+    sums
+}
+
+#[test]
+fn the_functional_pass_counts_what_every_machine_counts() {
+    for file in ["v1_0_cornell.rtrace", "v1_0_teapot.rtrace"] {
+        let trace = trace(file);
+        for (name, _) in PRESETS {
+            let machine = NamedMachine::load(name, &[]).unwrap();
+            for policy in ["full", "paper-ss", "multirate", "quality"] {
+                if policy != "full" && machine.config.srp.kernels.similarity.ii_cycles == 0 {
+                    continue;
+                }
+                let [full, counts] = ["full", "counts"].map(|detail| run(&trace, policy, &machine, detail));
+                let (full, counts) = (full.run.unwrap(), counts.run.unwrap());
+                let exact = exact_counters(&machine.config);
+                assert_eq!(
+                    sums(&counts.stats, &exact),
+                    sums(&full.stats, &exact),
+                    "{file} under {policy} on {name}: kinds of counters by number, see Stats::each_mut"
+                );
+                assert_eq!((counts.stats.cycles, counts.paths), (0, full.paths));
+                assert!(counts.energy.components.iter().all(|component| component.leakage_fj == 0));
+            }
+        }
+    }
+}
+
+#[test]
+fn the_functional_pass_finds_about_the_misses_of_a_simulation() {
+    let (trace, machine) = (trace("v1_0_teapot.rtrace"), NamedMachine::load("sgrt-ti2", &[]).unwrap());
+    let [full, counts] = ["full", "counts"].map(|detail| run(&trace, "full", &machine, detail).run.unwrap().stats);
+    let misses = |stats: &Stats| stats.trv().map(|unit| unit.l1.misses).sum::<u64>() as f64;
+    let lines = |stats: &Stats| stats.memory.dram().read_lines as f64;
+    for of in [misses, lines] {
+        let ratio = of(&counts) / of(&full);
+        assert!((0.7..1.4).contains(&ratio), "{ratio}");
+    }
+}
+
+#[test]
+fn a_frame_of_few_tiles_is_simulated_whole_and_says_so() {
+    let (trace, machine) = (trace("v1_0_teapot.rtrace"), NamedMachine::load("sgrt-ti2", &[]).unwrap());
+    let full = run(&trace, "multirate", &machine, "full");
+    for detail in ["0.1", "all", "precision 0.01"] {
+        let whole = run(&trace, "multirate", &machine, detail);
+        assert_eq!(whole.replay, full.replay);
+        let (whole, full) = (whole.run.unwrap(), full.run.as_ref().unwrap());
+        assert_eq!((&whole.stats, &whole.energy, whole.paths), (&full.stats, &full.energy, full.paths));
+        let estimate = whole.estimate.unwrap();
+        assert_eq!((estimate.whole_frames, estimate.windows, estimate.fraction()), (1, 0, 1.0));
+        assert!(full.estimate.is_none());
+    }
+}
