@@ -150,7 +150,7 @@ impl TileJob<'_> {
         let tile = self.tracer.tile::<true>(camera, self.meta.tile_rect(index), frame, index);
         let limits = Limits::default();
         let codec = TileCodec { meta: self.meta, bvh: self.bvh, topology: &self.topology, camera, limits: &limits };
-        Ok((codec.encode(&tile, self.codec, scratch)?, tile.tree.ray_count()))
+        Ok((codec.encode_traced(&tile, self.codec, scratch)?, tile.tree.ray_count()))
     }
 }
 

@@ -70,13 +70,19 @@ impl HitModels {
     }
 }
 
-/// Codes the hits of a tile; `hits` holds one entry a node.
+/// Codes the hits of a tile; `hits` holds one entry a node. Where they are `computed`, every `t` and normal is known to
+/// be what follows from the ray, and the rays need not be rebuilt to see it.
 ///
 /// # Errors
 /// Says which triangle is not there.
-pub fn encode(order: &CodingOrder<'_>, hits: &[Hit], geometry: Geometry<'_>) -> Result<Vec<u8>, String> {
+pub fn encode(
+    order: &CodingOrder<'_>,
+    hits: &[Hit],
+    geometry: Geometry<'_>,
+    computed: bool,
+) -> Result<Vec<u8>, String> {
     let mut coder = Encoder::default();
-    code(&mut coder, order, hits, geometry)?;
+    code(&mut coder, order, hits, geometry, computed)?;
     Ok(coder.finish())
 }
 
@@ -85,7 +91,7 @@ pub fn encode(order: &CodingOrder<'_>, hits: &[Hit], geometry: Geometry<'_>) -> 
 /// # Errors
 /// Says which triangle is not there.
 pub fn decode(bytes: &[u8], order: &CodingOrder<'_>, geometry: Geometry<'_>) -> Result<Vec<Hit>, String> {
-    code(&mut Decoder::new(bytes), order, &[], geometry)
+    code(&mut Decoder::new(bytes), order, &[], geometry, false)
 }
 
 fn code<C: Coder>(
@@ -93,11 +99,12 @@ fn code<C: Coder>(
     order: &CodingOrder<'_>,
     hits: &[Hit],
     geometry: Geometry<'_>,
+    computed: bool,
 ) -> Result<Vec<Hit>, String> {
     let CodingOrder { tree, rect, classes } = order;
     let mut models = HitModels::new();
     let mut raster = Raster::new(*rect);
-    let mut rays = RayRebuilder::new(tree, *rect, geometry);
+    let mut rays = (!computed).then(|| RayRebuilder::new(tree, *rect, geometry));
     let mut out = vec![Hit::MISS; tree.nodes.len()];
     let mut last = 0;
     for ClassRays { class, rays: list } in classes {
@@ -113,16 +120,21 @@ fn code<C: Coder>(
             if triangle as usize >= geometry.bvh.triangles.len() {
                 return Err(format!("a hit on triangle {triangle} of {}", geometry.bvh.triangles.len()));
             }
-            let ray = rays.ray(sample, *class, node);
-            let corners = geometry.bvh.corners(triangle as usize);
-            let met = intersect(&ray, corners, f32::INFINITY);
-            let (t, u, v) = met.map_or((0.0, 0.0, 0.0), |hit| (hit.t, hit.u, hit.v));
+            let (t, normal) = match &mut rays {
+                None => (given.t, given.normal),
+                Some(rays) => {
+                    let ray = rays.ray(sample, *class, node);
+                    let corners = geometry.bvh.corners(triangle as usize);
+                    let met = intersect(&ray, corners, f32::INFINITY);
+                    let (t, u, v) = met.map_or((0.0, 0.0, 0.0), |hit| (hit.t, hit.u, hit.v));
+                    (t, geometry.bvh.shading_normal(triangle as usize, u, v))
+                }
+            };
             let t = models.t(coder, t, given.t);
-            let normal = geometry.bvh.shading_normal(triangle as usize, u, v);
             let normal = models.normal(coder, normal, given.normal);
             out[index] = Hit { triangle, t, normal };
             // Only children need the surface.
-            if tree.nodes[index].reflect || tree.nodes[index].refract {
+            if let Some(rays) = rays.as_mut().filter(|_| tree.nodes[index].reflect || tree.nodes[index].refract) {
                 rays.hit(node, &out[index]);
             }
             raster.set(sample, triangle);

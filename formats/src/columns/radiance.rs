@@ -49,10 +49,17 @@ impl RadianceModels {
     }
 }
 
-/// Codes the radiance of a tile; both slices hold one entry a node.
-pub fn encode(order: &CodingOrder<'_>, hits: &[Hit], radiance: &[Radiance], geometry: Geometry<'_>) -> Vec<u8> {
+/// Codes the radiance of a tile; both slices hold one entry a node. Where they are `computed`, every weight is known to be
+/// what follows from material and angle, and the rays need not be rebuilt to see it.
+pub fn encode(
+    order: &CodingOrder<'_>,
+    hits: &[Hit],
+    radiance: &[Radiance],
+    geometry: Geometry<'_>,
+    computed: bool,
+) -> Vec<u8> {
     let mut coder = Encoder::default();
-    code(&mut coder, order, hits, radiance, geometry);
+    code(&mut coder, order, hits, radiance, geometry, computed);
     coder.finish()
 }
 
@@ -66,7 +73,7 @@ pub fn decode(
     hits: &[Hit],
     geometry: Geometry<'_>,
 ) -> Result<Vec<Radiance>, String> {
-    let radiance = code(&mut Decoder::new(bytes), order, hits, &[], geometry);
+    let radiance = code(&mut Decoder::new(bytes), order, hits, &[], geometry, false);
     let valid = |r: &Radiance| r.local.is_valid() && r.reflect.is_valid() && r.refract.is_valid();
     if radiance.iter().all(valid) { Ok(radiance) } else { Err("a colour is negative or not finite".into()) }
 }
@@ -77,11 +84,13 @@ fn code<C: Coder>(
     hits: &[Hit],
     radiance: &[Radiance],
     geometry: Geometry<'_>,
+    computed: bool,
 ) -> Vec<Radiance> {
     let CodingOrder { tree, rect, classes } = order;
     let mut models = RadianceModels::new();
     let mut raster = Raster::new(*rect);
-    let mut rebuilt = RayRebuilder::new(tree, *rect, geometry);
+    let mut rebuilt = (!computed).then(|| RayRebuilder::new(tree, *rect, geometry));
+    let surfaces: Vec<_> = tree.nodes.iter().zip(hits).map(|(node, hit)| surface_of(geometry, node.hit, hit)).collect();
     let mut out = vec![Radiance::default(); tree.nodes.len()];
     // Per node the magnitude of its green residual: the activity that its neighbours will see.
     let mut sizes = vec![0u32; tree.nodes.len()];
@@ -91,7 +100,7 @@ fn code<C: Coder>(
             let index = node as usize;
             let given = if C::ENCODES { radiance[index] } else { Radiance::default() };
             let near = raster.neighbours(sample);
-            let prediction = predict(&near, index, tree, hits, geometry, &out, &sizes);
+            let prediction = predict(&near, index, tree, &surfaces, &out, &sizes);
             (out[index].local, sizes[index]) = colour(coder, &mut models, &prediction, given.local);
             raster.set(sample, node);
             let shape = &tree.nodes[index];
@@ -99,17 +108,21 @@ fn code<C: Coder>(
             if !(shape.reflect || shape.refract) {
                 continue;
             }
-            let ray = rebuilt.ray(sample, *class, node);
-            let surface = rebuilt.hit(node, &hits[index]);
-            let material = geometry.bvh.material(hits[index].triangle as usize);
-            let weights = surface.map(|s| children(&s, ray.direction, material)).unwrap_or_default();
+            let (reflect, refract) = match &mut rebuilt {
+                None => (given.reflect, given.refract),
+                Some(rebuilt) => {
+                    let ray = rebuilt.ray(sample, *class, node);
+                    let surface = rebuilt.hit(node, &hits[index]);
+                    let material = geometry.bvh.material(hits[index].triangle as usize);
+                    let weights = surface.map(|s| children(&s, ray.direction, material)).unwrap_or_default();
+                    (weights.reflect.unwrap_or_default(), weights.refract.unwrap_or_default())
+                }
+            };
             if shape.reflect {
-                let predicted = weights.reflect.unwrap_or_default();
-                out[index].reflect = models.weight(coder, 0, predicted, given.reflect);
+                out[index].reflect = models.weight(coder, 0, reflect, given.reflect);
             }
             if shape.refract {
-                let predicted = weights.refract.unwrap_or_default();
-                out[index].refract = models.weight(coder, 1, predicted, given.refract);
+                out[index].refract = models.weight(coder, 1, refract, given.refract);
             }
         }
     }
@@ -127,15 +140,13 @@ fn predict(
     near: &Neighbours,
     index: usize,
     tree: &Tree,
-    hits: &[Hit],
-    geometry: Geometry<'_>,
+    surfaces: &[(u32, u32)],
     out: &[Radiance],
     sizes: &[u32],
 ) -> Prediction {
-    let object = |n: usize| if tree.nodes[n].hit { surface_of(geometry, &hits[n]) } else { (u32::MAX, 0) };
-    let here = object(index);
+    let here = surfaces[index];
     let alike = |n: Option<u32>| {
-        n.map(|n| n as usize).filter(|&n| object(n) == here && tree.nodes[n].shadows == tree.nodes[index].shadows)
+        n.map(|n| n as usize).filter(|&n| surfaces[n] == here && tree.nodes[n].shadows == tree.nodes[index].shadows)
     };
     let values = |n: usize| out[n].local.0.map(i32::from);
     let (w, n, nw, ne) = (alike(near.w), alike(near.n), alike(near.nw), alike(near.ne));
@@ -159,7 +170,11 @@ fn predict(
     Prediction { colour, trust, activity }
 }
 
-fn surface_of(geometry: Geometry<'_>, hit: &Hit) -> (u32, u32) {
+/// Object and material of what a node hit; the sky counts as one.
+fn surface_of(geometry: Geometry<'_>, is_hit: bool, hit: &Hit) -> (u32, u32) {
+    if !is_hit {
+        return (u32::MAX, 0);
+    }
     let triangle = geometry.bvh.triangles[hit.triangle as usize];
     (triangle.object, triangle.material)
 }

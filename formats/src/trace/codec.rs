@@ -83,8 +83,24 @@ impl TileCodec<'_> {
     /// # Errors
     /// When a column does not fit the tile's tree or the BVH, zstd or the container refuses.
     pub fn encode(&self, tile: &Tile, codec: Codec, scratch: &mut Scratch) -> Result<EncodedChunk> {
+        self.encode_columns(tile, codec, scratch, false)
+    }
+
+    /// [`TileCodec::encode`] of a tile that a tracer has just made: distances, normals and weights are what the functions
+    /// in [`rays`](crate::rays) and [`intersect`](crate::intersect) gave, and are not computed again to see it. The bytes
+    /// are the same, if that is true; a debug build checks it.
+    ///
+    /// # Errors
+    /// As [`TileCodec::encode`].
+    pub fn encode_traced(&self, tile: &Tile, codec: Codec, scratch: &mut Scratch) -> Result<EncodedChunk> {
+        let chunk = self.encode_columns(tile, codec, scratch, true)?;
+        debug_assert_eq!(Ok(&chunk), self.encode(tile, codec, scratch).as_ref().map_err(|_| ()), "it was not traced");
+        Ok(chunk)
+    }
+
+    fn encode_columns(&self, tile: &Tile, codec: Codec, scratch: &mut Scratch, traced: bool) -> Result<EncodedChunk> {
         let order = CodingOrder::new(&tile.tree, tile.rect);
-        let mut code = |column| self.column(tile, &order, column, codec, scratch);
+        let mut code = |column| self.column(tile, &order, column, codec, scratch, traced);
         let columns: Vec<ColumnEntry> = Column::ALL.into_iter().map(&mut code).collect::<Result<_>>()?;
         EncodedChunk::tile(ChunkId::tile(tile.frame, tile.index), &columns)
     }
@@ -97,9 +113,10 @@ impl TileCodec<'_> {
         column: Column,
         codec: Codec,
         scratch: &mut Scratch,
+        traced: bool,
     ) -> Result<ColumnEntry> {
         named(column, check_size(tile, column))
-            .and_then(|()| self.code_column(tile, order, column, codec, scratch))
+            .and_then(|()| self.code_column(tile, order, column, codec, scratch, traced))
             .map_err(|error| error.in_tile(tile.frame, tile.index))
     }
 
@@ -110,6 +127,7 @@ impl TileCodec<'_> {
         column: Column,
         codec: Codec,
         scratch: &mut Scratch,
+        traced: bool,
     ) -> Result<ColumnEntry> {
         let (code, raw_len, packed) = match codec {
             Codec::Plain(level) => {
@@ -117,7 +135,7 @@ impl TileCodec<'_> {
                 (Codec::PLAIN, raw.len() as u64, compress(&raw, level)?)
             }
             Codec::Context => {
-                let packed = named(column, self.context(tile, order, column, scratch))?;
+                let packed = named(column, self.context(tile, order, column, scratch, traced))?;
                 (Codec::CONTEXT, canonical::length(tile, column), packed)
             }
         };
@@ -129,7 +147,7 @@ impl TileCodec<'_> {
     /// # Errors
     /// As [`TileCodec::encode`].
     pub fn column_bytes(&self, tile: &Tile, column: Column, codec: Codec, scratch: &mut Scratch) -> Result<usize> {
-        self.column(tile, &CodingOrder::new(&tile.tree, tile.rect), column, codec, scratch)
+        self.column(tile, &CodingOrder::new(&tile.tree, tile.rect), column, codec, scratch, false)
             .map(|entry| entry.packed.len())
     }
 
@@ -140,11 +158,12 @@ impl TileCodec<'_> {
         order: &CodingOrder<'_>,
         column: Column,
         scratch: &mut Scratch,
+        traced: bool,
     ) -> std::result::Result<Vec<u8>, String> {
         match column {
             Column::Tree => Ok(tree::encode(order, self.lights())),
-            Column::Hits => hits::encode(order, &tile.hits, self.geometry()),
-            Column::Radiance => Ok(radiance::encode(order, &tile.hits, &tile.radiance, self.geometry())),
+            Column::Hits => hits::encode(order, &tile.hits, self.geometry(), traced),
+            Column::Radiance => Ok(radiance::encode(order, &tile.hits, &tile.radiance, self.geometry(), traced)),
             Column::Paths => paths::encode(&tile.paths, order, self.lights(), self.topology, &mut scratch.paths),
         }
     }

@@ -87,7 +87,9 @@ impl Frame<'_> {
     fn capture(&self) -> f64 {
         clock::spent(|| {
             self.tiles().par_iter().for_each_init(Scratch::default, |scratch, &t| {
-                std::hint::black_box(self.codec.encode(&self.record(t), Codec::Context, scratch).expect("tile codes"));
+                std::hint::black_box(
+                    self.codec.encode_traced(&self.record(t), Codec::Context, scratch).expect("tile codes"),
+                );
             });
         })
     }
