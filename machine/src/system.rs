@@ -52,9 +52,12 @@ pub struct System<'a, M> {
 
 impl Core {
     fn tick_srp<M: Memory>(&mut self, now: TiCycle, memory: &mut M) {
+        let inside = self.ti.rays_inside();
         self.srp.tick(now, SrpContext { unit: &mut self.ti, memory });
         self.srp_wake = self.srp.next_event(now);
-        self.ti_wake = self.ti_wake.min(self.ti.next_event(now));
+        if self.ti.rays_inside() != inside {
+            self.ti_wake = self.ti_wake.min(self.ti.next_event(now));
+        }
     }
 
     /// Returns whether a ray has finished.

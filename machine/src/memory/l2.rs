@@ -50,6 +50,13 @@ struct Bank {
     blocked: Option<TiCycle>,
 }
 
+/// Buckets of lines that are on their way.
+const BUCKETS: usize = 256;
+
+fn bucket(line: u64) -> usize {
+    (line ^ line >> 8) as usize % BUCKETS
+}
+
 /// Ports waiting for a line: a list in a pool, in order of request.
 #[derive(Clone, Copy, Debug)]
 struct Waiter {
@@ -89,7 +96,10 @@ pub struct L2Cache {
     mshr_lines: Vec<u64>,
     /// Who waits for each MSHR.
     mshr_waiters: Vec<WaiterList>,
-    mshrs_free: usize,
+    /// MSHRs without a line.
+    mshrs_free: Vec<u32>,
+    /// Lines of MSHRs by bucket: most that are not on their way are known by it, without a search.
+    on_their_way: [u16; BUCKETS],
     waiters: Vec<Waiter>,
     waiters_free: u32,
     hits: VecDeque<(TiCycle, Response)>,
@@ -119,7 +129,8 @@ impl L2Cache {
             latency_cycles: config.latency_cycles.into(),
             mshr_lines: vec![NONE; config.mshrs as usize],
             mshr_waiters: vec![NOBODY; config.mshrs as usize],
-            mshrs_free: config.mshrs as usize,
+            mshrs_free: (0..config.mshrs).collect(),
+            on_their_way: [0; BUCKETS],
             waiters: Vec::new(),
             waiters_free: END,
             hits: VecDeque::new(),
@@ -155,7 +166,8 @@ impl L2Cache {
     pub fn fill(&mut self, mshr: u32, arrived: &mut Vec<Response>) {
         let mshr = mshr as usize;
         let line = std::mem::replace(&mut self.mshr_lines[mshr], NONE);
-        self.mshrs_free += 1;
+        self.mshrs_free.push(mshr as u32);
+        self.on_their_way[bucket(line)] -= 1;
         self.counters.fills += 1;
         if let Some(evicted) = self.tags.fill(line) {
             self.counters.evictions += 1;
@@ -210,7 +222,7 @@ impl L2Cache {
             self.hits.push_back((now + self.latency_cycles, Response { port, line }));
             self.counters.hits += 1;
             self.hits_by_region[region as usize] += 1;
-        } else if let Some(mshr) = self.mshr_lines.iter().position(|&other| other == line) {
+        } else if let Some(mshr) = self.mshr(line) {
             self.wait(mshr, port);
             self.counters.merges += 1;
         } else {
@@ -221,17 +233,27 @@ impl L2Cache {
         true
     }
 
+    /// The MSHR of `line`.
+    #[inline]
+    fn mshr(&self, line: u64) -> Option<usize> {
+        if self.on_their_way[bucket(line)] == 0 {
+            return None;
+        }
+        self.mshr_lines.iter().position(|&other| other == line)
+    }
+
     /// Fetches a line; `false` if there is no MSHR or the memory's queue is full.
     fn miss(&mut self, now: TiCycle, head: Queued, context: &mut L2Context<'_>) -> bool {
         let Queued { port, region, line } = head;
-        if self.mshrs_free == 0 || !context.dram.has_read_room(line) {
+        let Some(&free) = self.mshrs_free.last() else { return false };
+        if !context.dram.has_read_room(line) {
             return false;
         }
-        let mshr = self.mshr_lines.iter().position(|&other| other == NONE).expect("an MSHR is free");
-        let read = LineRead { line, token: mshr as u32 };
+        let (mshr, read) = (free as usize, LineRead { line, token: free });
         let taken = context.dram.read(now, now + self.latency_cycles, read);
         debug_assert!(taken, "the memory had room");
-        self.mshrs_free -= 1;
+        self.mshrs_free.pop();
+        self.on_their_way[bucket(line)] += 1;
         self.mshr_lines[mshr] = line;
         self.mshr_waiters[mshr] = NOBODY;
         self.wait(mshr, port);
@@ -315,7 +337,7 @@ impl Tick<L2Context<'_>> for L2Cache {
             self.hits.pop_front();
             context.arrived.push(response);
         }
-        if self.ready_banks == 0 && self.mshrs_free == 0 {
+        if self.ready_banks == 0 && self.mshrs_free.is_empty() {
             return;
         }
         let banks = self.banks.len();

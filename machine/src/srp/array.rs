@@ -25,6 +25,17 @@ enum Gap {
     Transfer,
 }
 
+impl Gap {
+    /// The cycles that were lost to it.
+    fn of(self, counters: &mut ArrayCounters) -> &mut u64 {
+        match self {
+            Self::Idle => &mut counters.activity.idle,
+            Self::Unit => &mut counters.activity.unit,
+            Self::Transfer => &mut counters.activity.transfer,
+        }
+    }
+}
+
 /// The array with its output queue and its reads.
 pub struct Array {
     clock: Clock,
@@ -92,6 +103,7 @@ impl Array {
     }
 
     /// When something happens here by itself. A batch that waits for reads or for room has no event.
+    #[inline]
     pub fn next_event(&self, now: TiCycle) -> When {
         let item = match self.running {
             Some(Progress::At(at)) => When::at(at),
@@ -209,10 +221,14 @@ impl Array {
     }
 
     /// Accounts for the SRP cycles before `now` in which the array had no batch.
+    #[inline]
     pub fn close_gap(&mut self, now: TiCycle) {
+        if self.running.is_some() {
+            return;
+        }
         let until = self.clock.srp(now);
-        if self.running.is_none() && until > self.accounted {
-            self.counters = self.counters_before(now);
+        if until > self.accounted {
+            *self.gap.of(&mut self.counters) += until - self.accounted;
             self.accounted = until;
         }
     }
@@ -221,17 +237,13 @@ impl Array {
     pub fn counters_before(&self, now: TiCycle) -> ArrayCounters {
         let (mut counters, until) = (self.counters, self.clock.srp(now));
         if self.running.is_none() && until > self.accounted {
-            let activity = &mut counters.activity;
-            *match self.gap {
-                Gap::Idle => &mut activity.idle,
-                Gap::Unit => &mut activity.unit,
-                Gap::Transfer => &mut activity.transfer,
-            } += until - self.accounted;
+            *self.gap.of(&mut counters) += until - self.accounted;
         }
         counters
     }
 
     /// Notes what the array waits for from now on, if it runs no batch.
+    #[inline]
     pub fn open_gap(&mut self, tiles: &TileSlots) {
         self.gap = match () {
             () if tiles.rays_out() > 0 => Gap::Unit,

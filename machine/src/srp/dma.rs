@@ -98,6 +98,7 @@ impl Dma {
 impl Component for Dma {
     type Report = DmaCounters;
 
+    #[inline]
     fn next_event(&self, now: TiCycle) -> When {
         let Some(head) = self.transfers.front() else { return When::NEVER };
         let waits = self.refused || (head.route != Route::Write && self.reads.len() >= READS);
@@ -111,6 +112,7 @@ impl Component for Dma {
 
 impl<M: Memory> Tick<&mut M> for Dma {
     /// Moves one line.
+    #[inline]
     fn tick(&mut self, now: TiCycle, memory: &mut M) {
         self.refused = false;
         let Some(head) = self.transfers.front_mut() else { return };

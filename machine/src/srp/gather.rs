@@ -121,11 +121,13 @@ impl Gather {
     }
 
     /// Looks up as many lines as SRP cycles begin in this T&I cycle; whether a lookup hit.
+    #[inline]
     pub fn look_up<M: Memory>(&mut self, now: TiCycle, memory: &mut M) -> bool {
         self.refused = false;
-        if self.queue.is_empty() {
-            return false;
-        }
+        !self.queue.is_empty() && self.outstanding < self.mshrs && self.look_up_queued(now, memory)
+    }
+
+    fn look_up_queued<M: Memory>(&mut self, now: TiCycle, memory: &mut M) -> bool {
         let mut hit = false;
         let (first, cycles) = (self.clock.srp(now), self.clock.srp_cycles_of(now));
         let looked_up = self.looked_up.used(now);

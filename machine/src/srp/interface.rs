@@ -34,6 +34,7 @@ struct Lane {
 }
 
 impl Lane {
+    #[inline]
     fn start(&mut self, at: TiCycle, ray: RayRef) {
         let start = at.max(self.free_at);
         self.free_at = start + self.message_cycles;
@@ -41,10 +42,12 @@ impl Lane {
     }
 
     /// When the first message is there.
+    #[inline]
     fn next(&self) -> When {
         When::from(self.messages.front().map(|message| message.at))
     }
 
+    #[inline]
     fn arrived(&self, now: TiCycle) -> bool {
         self.next().is_due(now)
     }
@@ -91,6 +94,7 @@ impl Interface {
     }
 
     /// The next hit that has reached the SRP.
+    #[inline]
     pub fn take_hit(&mut self, now: TiCycle) -> Option<RayRef> {
         match &mut self.way {
             Way::Ideal { hits } => hits.pop_front(),
@@ -105,6 +109,7 @@ impl Interface {
     }
 
     /// Puts a ray that has reached the unit into it, one a cycle.
+    #[inline]
     pub fn enter<U: RayUnit>(&mut self, now: TiCycle, unit: &mut U) {
         let waiting = match &self.way {
             Way::Ideal { .. } => false,
@@ -131,6 +136,7 @@ impl Interface {
     }
 
     /// Starts messages of the SRP's output queue. Returns whether the queue has drained.
+    #[inline]
     pub fn send<U: RayUnit>(&mut self, now: TiCycle, output: &mut VecDeque<RayRef>, unit: &mut U) -> bool {
         let before = output.len();
         while !output.is_empty() && self.can_send(now, unit) {
@@ -149,6 +155,7 @@ impl Interface {
         before != output.len()
     }
 
+    #[inline]
     fn can_send<U: RayUnit>(&mut self, now: TiCycle, unit: &U) -> bool {
         match &self.way {
             Way::Ideal { .. } => {
@@ -193,6 +200,7 @@ impl Interface {
     }
 
     /// When a ray of the SRP's output queue can start.
+    #[inline]
     pub fn next_send(&self, now: TiCycle) -> When {
         match &self.way {
             Way::Direct { rays, .. } if !rays.arrived(now) => When::at(rays.free_at).after(now),
@@ -201,6 +209,7 @@ impl Interface {
     }
 
     /// Takes the unit's results that are due.
+    #[inline]
     fn take_results<U: RayUnit>(&mut self, now: TiCycle, unit: &mut U) {
         let results = unit.results();
         while results.front().is_some_and(|result| result.at <= now) {
@@ -223,6 +232,7 @@ impl Component for Interface {
     type Report = InterfaceCounters;
 
     /// Rays that wait in the SRP's output queue have an event of their own: [`Interface::next_send`].
+    #[inline]
     fn next_event(&self, now: TiCycle) -> When {
         match &self.way {
             Way::Ideal { .. } => When::NEVER,

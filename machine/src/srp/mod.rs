@@ -96,6 +96,7 @@ impl Srp {
     }
 
     /// Whether a tile slot is free.
+    #[inline]
     pub fn wants_tile(&self) -> bool {
         self.tiles.wants_tile()
     }
@@ -133,6 +134,7 @@ impl Srp {
     }
 
     /// Whether no slot has a tile and nothing is under way.
+    #[inline]
     pub fn is_done(&self) -> bool {
         !self.array.is_running()
             && self.tiles.taken() == 0
@@ -231,6 +233,7 @@ impl Srp {
     }
 
     /// What the next cycles are, and when something happens again.
+    #[inline]
     fn plan<U: RayUnit>(&mut self, now: TiCycle, unit: &mut U) {
         let Self { array, tiles, transfers, .. } = self;
         array.open_gap(tiles);
@@ -246,6 +249,7 @@ impl Srp {
 impl Component for Srp {
     type Report = SrpReport;
 
+    #[inline]
     fn next_event(&self, now: TiCycle) -> When {
         self.next.after(now)
     }

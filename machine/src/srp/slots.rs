@@ -16,6 +16,8 @@ use crate::work::layout::Layout;
 /// The tile slots of a core.
 pub struct TileSlots {
     slots: Vec<Slot>,
+    /// Slots without a tile.
+    free: usize,
     given: u64,
     /// Rays of the core that are out, primaries of a rasteriser not.
     rays_out: usize,
@@ -32,6 +34,7 @@ impl TileSlots {
         let slots = config.gpu.tiles_in_flight.clamp(1, 255) as usize;
         Self {
             slots: vec![Slot::new(); slots],
+            free: slots,
             given: 0,
             rays_out: 0,
             buffer: TileBuffer::new(config),
@@ -67,14 +70,15 @@ impl TileSlots {
     }
 
     /// Slots that hold a tile.
+    #[inline]
     pub fn taken(&self) -> usize {
-        self.slots.iter().filter(|slot| !slot.is_free()).count()
+        self.slots.len() - self.free
     }
 
     /// Whether a slot is free.
     #[inline]
     pub fn wants_tile(&self) -> bool {
-        self.slots.iter().any(Slot::is_free)
+        self.free > 0
     }
 
     /// What was counted so far.
@@ -89,6 +93,7 @@ impl TileSlots {
     pub fn give(&mut self, work: TileWork, transfers: &mut Transfers) {
         let free = self.slots.iter().position(Slot::is_free);
         let id = free.expect("a tile is given only to an SRP that wants one");
+        self.free -= 1;
         self.given += 1;
         let age = self.given;
         let (slot, mut context) = self.with_context(id, transfers);
@@ -120,7 +125,13 @@ impl TileSlots {
     }
 
     /// Takes every step of every tile that is due. Returns whether there was one.
+    #[inline]
     pub fn advance(&mut self, transfers: &mut Transfers) -> bool {
+        // Mostly every tile has something pending.
+        self.slots.iter().any(|slot| slot.pending == 0 && !slot.is_free()) && self.advance_idle(transfers)
+    }
+
+    fn advance_idle(&mut self, transfers: &mut Transfers) -> bool {
         let mut stepped = false;
         for id in 0..self.slots.len() {
             if self.slots[id].is_free() || self.slots[id].pending > 0 {
@@ -130,14 +141,16 @@ impl TileSlots {
             while slot.advance(id as u8, &mut context) {
                 stepped = true;
             }
+            self.free += usize::from(self.slots[id].is_free());
         }
         stepped
     }
 
     /// Whether a tile can take a step: a write of it was the last thing that it waited for.
+    #[inline]
     pub fn can_advance(&self, transfers: &Transfers) -> bool {
         let steps =
-            |(id, slot): (usize, &Slot)| !slot.is_free() && slot.pending == 0 && transfers.dma.pending(id as u8) == 0;
+            |(id, slot): (usize, &Slot)| slot.pending == 0 && !slot.is_free() && transfers.dma.pending(id as u8) == 0;
         self.slots.iter().enumerate().any(steps)
     }
 

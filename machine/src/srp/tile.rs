@@ -112,6 +112,7 @@ impl Slot {
     }
 
     /// Whether there is no tile.
+    #[inline]
     pub fn is_free(&self) -> bool {
         self.phase == Phase::Free
     }

@@ -42,11 +42,13 @@ impl Transfers {
     }
 
     /// The next primary that the rasteriser delivers.
+    #[inline]
     pub fn take_primary(&mut self, now: TiCycle) -> Option<RayRef> {
         self.raster.as_mut()?.take(now)
     }
 
     /// Moves lines of the G-buffer.
+    #[inline]
     pub fn tick_raster<M: Memory>(&mut self, now: TiCycle, memory: &mut M) {
         if let Some(raster) = &mut self.raster {
             raster.tick(now, memory);
@@ -61,6 +63,7 @@ impl Transfers {
     }
 
     /// Whether memory refused a request of an engine.
+    #[inline]
     pub fn refused(&self) -> bool {
         self.interface.refused() || self.dma.refused() || self.raster.as_ref().is_some_and(Raster::refused)
     }

@@ -36,7 +36,7 @@ impl FetchPort {
     }
 
     /// The operation in `slot` needs `lines`.
-    #[inline]
+    #[inline(always)]
     pub fn fetch<T, M: Memory>(
         &mut self,
         slot: u8,
@@ -55,7 +55,7 @@ impl FetchPort {
         self.route(slot, outcome, context)
     }
 
-    #[inline]
+    #[inline(always)]
     fn route<T, M>(&self, slot: u8, outcome: Outcome, context: &mut EventContext<'_, T, M>) -> Option<Candidate> {
         match outcome {
             Outcome::Ready(op) => return Some(op),

@@ -15,6 +15,7 @@
 //! even if the cache evicts the line before it issues.
 
 use std::collections::VecDeque;
+use std::num::NonZeroU32;
 
 use super::stage::{Candidate, Wait};
 use crate::config::{self, MissHandling};
@@ -45,30 +46,49 @@ pub enum Outcome {
     Waits,
 }
 
+/// An operation. Its lines are bits by place: at most 256 bytes in lines of at least 16 are [`LINES_MAX`].
 #[derive(Clone, Copy, Debug)]
 struct Op {
     first: u64,
     arrived: TiCycle,
+    /// Lines that are kept for it (`retry`).
+    kept: u32,
+    /// Lines that it was the first to ask for, or joined: with `retry` ever, otherwise those that are still to come.
+    asked: u32,
+    /// The age of the L1 at which its one line was refused.
+    refused_at: Option<NonZeroU32>,
     region: Region,
     /// Lines, and how many of them were looked up.
     lines: u8,
     done: u8,
-    /// Lines that are kept for it, by place (`retry`). At most 256 bytes in lines of at least 16 are 17 lines.
-    kept: u64,
-    /// Lines that missed and are still to come.
-    outstanding: u8,
-    missed: bool,
-    refused: bool,
-    others_wait: bool,
+    /// [`MISSED`], [`REFUSED`] and [`OTHERS_WAIT`].
+    state: u8,
 }
+
+/// Most lines of an operation.
+const LINES_MAX: usize = 17;
+
+/// A lookup did not find its line.
+const MISSED: u8 = 1;
+/// A lookup was refused, and is tried again.
+const REFUSED: u8 = 2;
+/// Other operations waited for lines when it arrived.
+const OTHERS_WAIT: u8 = 4;
 
 /// The input buffer of a pipeline, with its L1.
 #[derive(Debug)]
 pub struct InputBuffer {
     mode: MissHandling,
     latency_cycles: u64,
-    lines_per_cycle: u64,
     l1: L1Cache,
+    /// Whether an operation that has read its lines never reads them again.
+    once: bool,
+    /// Whether an MSHR takes more waiters than there are slots, so that it never turns one away.
+    roomy: bool,
+    /// Whether operations never stay here: `retry`, and MSHRs are roomy.
+    passes: bool,
+    /// Cycles of the data port by number of lines.
+    reads: [u64; LINES_MAX + 1],
     ops: Vec<Op>,
     /// Operations whose lookups are held up, the one that holds them up first.
     held_up: VecDeque<u8>,
@@ -92,30 +112,38 @@ impl InputBuffer {
         let none = Op {
             first: 0,
             arrived: TiCycle::default(),
+            kept: 0,
+            asked: 0,
+            refused_at: None,
             region: Region::Node,
             lines: 0,
             done: 0,
-            kept: 0,
-            outstanding: 0,
-            missed: false,
-            refused: false,
-            others_wait: false,
+            state: 0,
         };
         let mut cache = L1Cache::new(l1, line_bytes, port);
         if ti.miss_handling == MissHandling::Accumulate {
             cache = cache.with_rows(ti.accumulate_rows, ti.accumulate_rays_per_row);
         }
+        let roomy = entries < L1Cache::WAITERS && ti.miss_handling != MissHandling::Accumulate;
         Self {
             mode: ti.miss_handling,
             latency_cycles: l1.latency_cycles.into(),
-            lines_per_cycle: lines_per_cycle.into(),
             l1: cache,
+            once: true,
+            roomy,
+            passes: roomy && ti.miss_handling == MissHandling::Retry,
+            reads: std::array::from_fn(|lines| (lines as u64).div_ceil(lines_per_cycle.into())),
             ops: vec![none; entries as usize],
             held_up: VecDeque::with_capacity(entries as usize),
             port_free: TiCycle::default(),
             waiting: 0,
             counters: InputBufferCounters::default(),
         }
+    }
+
+    /// The same for operations that come back after they read their lines.
+    pub fn with_second_reads(self) -> Self {
+        Self { once: false, ..self }
     }
 
     /// The cache.
@@ -129,33 +157,108 @@ impl InputBuffer {
     }
 
     /// An operation arrives.
-    #[inline]
+    #[inline(always)]
     pub fn push<M: Memory>(&mut self, now: TiCycle, slot: u8, lines: Lines, region: Region, memory: &mut M) -> Outcome {
+        // Most operations are done here, and nothing is written down of them.
+        if self.once && lines.first == lines.last && self.held_up.is_empty() && self.l1.hit(lines.first) {
+            return Outcome::Ready(self.read_one(now));
+        }
+        self.push_slowly(now, slot, lines, region, memory)
+    }
+
+    #[inline(never)]
+    fn push_slowly<M: Memory>(
+        &mut self,
+        now: TiCycle,
+        slot: u8,
+        lines: Lines,
+        region: Region,
+        memory: &mut M,
+    ) -> Outcome {
+        let state = self.others_wait();
         self.ops[slot as usize] = Op {
             first: lines.first,
             arrived: now,
+            kept: 0,
+            asked: 0,
+            refused_at: None,
             region,
             lines: (lines.last - lines.first) as u8 + 1,
             done: 0,
-            kept: 0,
-            outstanding: 0,
-            missed: false,
-            refused: false,
-            others_wait: self.waiting > 0,
+            state,
         };
-        self.arrive(now, slot, memory)
+        if self.passes { Outcome::Ready(self.pass(now, slot, memory)) } else { self.arrive(now, slot, memory) }
     }
 
     /// An operation comes back after a bypass, or for its second box.
     #[inline]
     pub fn push_again<M: Memory>(&mut self, now: TiCycle, slot: u8, memory: &mut M) -> Outcome {
-        let others_wait = self.waiting > 0;
+        if self.passes {
+            return Outcome::Ready(self.pass(now, slot, memory));
+        }
+        let state = self.others_wait();
         let op = &mut self.ops[slot as usize];
-        (op.arrived, op.done, op.missed, op.refused, op.others_wait) = (now, 0, false, false, others_wait);
+        (op.arrived, op.done, op.state) = (now, 0, state);
         self.arrive(now, slot, memory)
     }
 
+    /// An operation passes the buffer, whatever its lookups find.
     #[inline]
+    fn pass<M: Memory>(&mut self, now: TiCycle, slot: u8, memory: &mut M) -> Candidate {
+        let op = &mut self.ops[slot as usize];
+        let mut bypass = false;
+        if op.lines == 1 && op.asked > op.kept {
+            // Most that come back wait for their one line still.
+            self.l1.ask_again();
+            bypass = true;
+        } else {
+            for place in 0..op.lines {
+                let bit = 1 << place;
+                if op.kept & bit != 0 {
+                    self.counters.late_reads += 1;
+                    continue;
+                }
+                let access = if op.asked & bit != 0 {
+                    self.l1.ask_again()
+                } else if op.refused_at == Some(self.l1.age()) {
+                    self.l1.ask_unchanged(now, op.first, op.region, slot, memory)
+                } else {
+                    self.l1.access(now, op.first + u64::from(place), op.region, slot, memory)
+                };
+                match access {
+                    Access::Hit => continue,
+                    Access::Miss | Access::Merged => op.asked |= bit,
+                    Access::Rejected => op.refused_at = if op.lines == 1 { Some(self.l1.age()) } else { None },
+                }
+                bypass = true;
+            }
+        }
+        self.counters.record_writes += 1;
+        self.counters.record_reads += 1;
+        let reads = self.reads[op.lines as usize];
+        let begin = self.port_free.max(now);
+        self.port_free = begin + reads;
+        let ready = begin + (reads - 1) + self.latency_cycles;
+        Candidate { arrived: now, ready, wait: Wait::Fetch, bypass, others_wait: false }
+    }
+
+    /// An operation passes the buffer whose one line is here.
+    #[inline(always)]
+    fn read_one(&mut self, now: TiCycle) -> Candidate {
+        self.counters.record_writes += 1;
+        self.counters.record_reads += 1;
+        let begin = self.port_free.max(now);
+        self.port_free = begin + 1;
+        let (ready, others_wait) = (begin + self.latency_cycles, self.waiting > 0);
+        Candidate { arrived: now, ready, wait: Wait::Fetch, bypass: false, others_wait }
+    }
+
+    #[inline]
+    fn others_wait(&self) -> u8 {
+        if self.waiting > 0 { OTHERS_WAIT } else { 0 }
+    }
+
+    #[inline(never)]
     fn arrive<M: Memory>(&mut self, now: TiCycle, slot: u8, memory: &mut M) -> Outcome {
         self.counters.record_writes += 1;
         if self.held_up.is_empty() && self.look_up(now, slot, memory) {
@@ -193,13 +296,14 @@ impl InputBuffer {
     #[inline]
     pub fn filled(&mut self, now: TiCycle, slot: u8, line: u64) -> Option<Candidate> {
         let op = &mut self.ops[slot as usize];
+        let bit = 1 << (line - op.first);
         if self.mode == MissHandling::Retry {
-            op.kept |= 1 << (line - op.first);
+            op.kept |= bit;
             return None;
         }
-        op.outstanding -= 1;
+        op.asked &= !bit;
         self.counters.late_reads += 1;
-        if op.outstanding > 0 || op.done < op.lines {
+        if op.asked != 0 || op.done < op.lines {
             return None;
         }
         self.waiting -= 1;
@@ -212,22 +316,35 @@ impl InputBuffer {
     #[inline]
     fn look_up<M: Memory>(&mut self, now: TiCycle, slot: u8, memory: &mut M) -> bool {
         let op = &mut self.ops[slot as usize];
+        let retry = self.mode == MissHandling::Retry;
         while op.done < op.lines {
-            if op.kept >> op.done & 1 == 1 {
+            let bit = 1 << op.done;
+            if op.kept & bit != 0 {
                 self.counters.late_reads += 1;
                 op.done += 1;
                 continue;
             }
-            match self.l1.access(now, op.first + u64::from(op.done), op.region, slot, memory) {
+            let access = if op.asked & bit != 0 && self.roomy {
+                // It was not told of the line: nothing has changed.
+                self.l1.ask_again()
+            } else if op.refused_at == Some(self.l1.age()) {
+                self.l1.ask_unchanged(now, op.first, op.region, slot, memory)
+            } else {
+                self.l1.access(now, op.first + u64::from(op.done), op.region, slot, memory)
+            };
+            match access {
                 Access::Hit => {}
-                Access::Rejected if self.mode != MissHandling::Retry => {
-                    op.refused = true;
-                    return false;
+                Access::Rejected => {
+                    op.refused_at = if op.lines == 1 && self.roomy { Some(self.l1.age()) } else { None };
+                    if !retry {
+                        op.state |= REFUSED;
+                        return false;
+                    }
+                    op.state |= MISSED;
                 }
-                Access::Rejected => op.missed = true,
                 Access::Miss | Access::Merged => {
-                    op.missed = true;
-                    op.outstanding += 1;
+                    op.state |= MISSED;
+                    op.asked |= bit;
                     match self.mode {
                         MissHandling::Retry => {}
                         MissHandling::Accumulate => self.counters.parked += 1,
@@ -245,23 +362,24 @@ impl InputBuffer {
     fn looked_up(&mut self, now: TiCycle, slot: u8) -> Outcome {
         let op = self.ops[slot as usize];
         let retry = self.mode == MissHandling::Retry;
-        if !retry && op.outstanding > 0 {
+        if !retry && op.asked != 0 {
             self.waiting += 1;
             return Outcome::Waits;
         }
         self.counters.record_reads += 1;
         let begin = self.port_free.max(now);
-        let reads = if op.lines == 1 { 1 } else { u64::from(op.lines).div_ceil(self.lines_per_cycle) };
+        let reads = self.reads[op.lines as usize];
         self.port_free = begin + reads;
-        let wait = match (op.refused, op.missed && !retry) {
+        let missed = op.state & MISSED != 0;
+        let wait = match (op.state & REFUSED != 0, missed && !retry) {
             (true, _) => Wait::Refused,
             (false, true) => Wait::Memory,
             (false, false) => Wait::Fetch,
         };
-        Outcome::Ready(candidate(&op, begin + (reads - 1) + self.latency_cycles, wait, retry && op.missed))
+        Outcome::Ready(candidate(&op, begin + (reads - 1) + self.latency_cycles, wait, retry && missed))
     }
 }
 
 fn candidate(op: &Op, ready: TiCycle, wait: Wait, bypass: bool) -> Candidate {
-    Candidate { arrived: op.arrived, ready, wait, bypass, others_wait: op.others_wait }
+    Candidate { arrived: op.arrived, ready, wait, bypass, others_wait: op.state & OTHERS_WAIT != 0 }
 }

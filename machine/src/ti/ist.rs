@@ -125,6 +125,7 @@ impl Ist {
     }
 
     /// A triangle left the pipeline without work, because its data had missed.
+    #[inline]
     pub(super) fn retry<T, M: Memory>(&mut self, slot: u8, context: &mut EventContext<'_, T, M>) {
         if let Some(op) = self.port.fetch_again(slot, context) {
             self.issue(slot, op, context.wheel);

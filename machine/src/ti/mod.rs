@@ -32,7 +32,7 @@ use std::collections::VecDeque;
 use context::EventContext;
 use crossbar::LeafCrossbar;
 use ist::Ist;
-use trv::Trv;
+use trv::{Step, Trv};
 use wheel::{Event, EventKind, Wheel};
 
 use crate::component::{Component, Tick};
@@ -74,12 +74,13 @@ pub struct TiUnit {
     first_port: u16,
     results: VecDeque<RayMessage>,
     inside: usize,
+    /// Free places of all traversal units.
+    places: usize,
     wheel: Wheel,
     /// Cycles before this one are in the counters.
     accounted: TiCycle,
     counters: DispatchCounters,
     done: Vec<RayRef>,
-    events: Vec<Event>,
 }
 
 /// How far ahead a unit books events: its deepest pipeline, and one operation of every ray before it.
@@ -105,11 +106,11 @@ impl TiUnit {
             first_port: first_port.0,
             results: VecDeque::new(),
             inside: 0,
+            places: (ti.trv * ti.rays_per_trv) as usize,
             wheel: Wheel::new(reach(config)),
             accounted: TiCycle::default(),
             counters: DispatchCounters::default(),
             done: Vec::new(),
-            events: Vec::new(),
         }
     }
 
@@ -143,28 +144,43 @@ impl TiUnit {
     /// The events of cycle `now`.
     fn handle<T: Tiles, M: Memory>(&mut self, now: TiCycle, with: TiContext<'_, T, M>) {
         let TiContext { tree, layout, tiles, memory } = with;
-        let mut events = std::mem::take(&mut self.events);
-        while self.wheel.take(now, &mut events) {
-            let (crossbar, wheel, done) = (&mut self.crossbar, &mut self.wheel, &mut self.done);
-            let mut context = EventContext { now, tree, layout, tiles, memory: &mut *memory, crossbar, wheel, done };
-            for &event in &events {
-                let (unit, slot) = (event.unit as usize, event.slot);
-                match event.kind {
-                    EventKind::Setup | EventKind::Returned => self.trv[unit].issue_next(slot, &mut context),
-                    EventKind::Inner => self.trv[unit].inner_done(slot, &mut context),
-                    EventKind::InnerBypass => self.trv[unit].retry(slot, &mut context),
-                    EventKind::Leaf => self.trv[unit].leaf_done(slot, event.extra, &mut context),
-                    EventKind::Stack => self.trv[unit].stack_done(slot, &mut context),
-                    EventKind::RetryLookup => self.trv[unit].retry_lookup(event, &mut context),
-                    EventKind::Task => self.ist[unit].accept(&mut context),
-                    EventKind::NextTriangle => self.ist[unit].fetch(slot, &mut context),
-                    EventKind::LastTriangle => self.ist[unit].task_done(slot, &mut context),
-                    EventKind::TriangleBypass => self.ist[unit].retry(slot, &mut context),
-                    EventKind::RetryTriangleLookup => self.ist[unit].retry_lookup(event, &mut context),
+        let (crossbar, wheel, done) = (&mut self.crossbar, &mut self.wheel, &mut self.done);
+        let mut context = EventContext { now, tree, layout, tiles, memory, crossbar, wheel, done };
+        while let Some(event) = context.wheel.take(now) {
+            let (unit, slot) = (event.unit as usize, event.slot);
+            let step = match event.kind {
+                EventKind::Setup | EventKind::Returned => Step::Next,
+                EventKind::Inner => self.trv[unit].inner_done(slot, &mut context),
+                EventKind::Stack => self.trv[unit].stack_done(slot, &mut context),
+                EventKind::Leaf => self.trv[unit].leaf_done(slot, event.extra, &mut context),
+                _ => {
+                    Self::handle_rarer(&mut self.trv, &mut self.ist, event, &mut context);
+                    continue;
                 }
-            }
+            };
+            self.trv[unit].go_on(step, slot, &mut context);
         }
-        self.events = events;
+    }
+
+    /// Events that move no ray along.
+    #[inline]
+    fn handle_rarer<T, M: Memory>(
+        trv: &mut [Trv],
+        ist: &mut [Ist],
+        event: Event,
+        context: &mut EventContext<'_, T, M>,
+    ) {
+        let (unit, slot) = (event.unit as usize, event.slot);
+        match event.kind {
+            EventKind::InnerBypass => trv[unit].retry(slot, context),
+            EventKind::Task => ist[unit].accept(context),
+            EventKind::NextTriangle => ist[unit].fetch(slot, context),
+            EventKind::LastTriangle => ist[unit].task_done(slot, context),
+            EventKind::TriangleBypass => ist[unit].retry(slot, context),
+            EventKind::RetryLookup => trv[unit].retry_lookup(event, context),
+            EventKind::RetryTriangleLookup => ist[unit].retry_lookup(event, context),
+            EventKind::Setup | EventKind::Returned | EventKind::Inner | EventKind::Stack | EventKind::Leaf => {}
+        }
     }
 
     /// Busy cycles of each issue stage so far, for a timeline.
@@ -186,7 +202,7 @@ impl TiUnit {
     /// Gives the first ray of the buffer to a traversal unit.
     fn dispatch<T: Tiles>(&mut self, now: TiCycle, tiles: &T) {
         let Some(&RayMessage { at, ray }) = self.ray_buffer.front() else { return };
-        if at > now {
+        if at > now || self.places == 0 {
             return;
         }
         let mut best = 0;
@@ -195,10 +211,8 @@ impl TiUnit {
                 best = i;
             }
         }
-        if self.trv[best].free() == 0 {
-            return;
-        }
         self.ray_buffer.pop_front();
+        self.places -= 1;
         self.trv[best].enter(now, ray, tiles, &mut self.wheel);
         self.counters.rays += 1;
     }
@@ -213,7 +227,7 @@ impl TiUnit {
     fn counters_before(&self, now: TiCycle) -> DispatchCounters {
         let (mut counters, gap) = (self.counters, now - self.accounted);
         counters.active += if self.inside > 0 { gap } else { 0 };
-        if !self.ray_buffer.is_empty() && self.trv.iter().all(|unit| unit.free() == 0) {
+        if !self.ray_buffer.is_empty() && self.places == 0 {
             counters.full += gap;
         }
         counters
@@ -232,12 +246,11 @@ impl TiUnit {
 impl Component for TiUnit {
     type Report = TiStats;
 
+    #[inline]
     fn next_event(&self, now: TiCycle) -> When {
         let next = self.wheel.next_event();
         match self.ray_buffer.front() {
-            Some(&RayMessage { at, .. }) if self.trv.iter().any(|unit| unit.free() > 0) => {
-                next.min(When::at(at).after(now))
-            }
+            Some(&RayMessage { at, .. }) if self.places > 0 => next.min(When::at(at).after(now)),
             _ => next,
         }
     }
@@ -253,12 +266,11 @@ impl<T: Tiles, M: Memory> Tick<TiContext<'_, T, M>> for TiUnit {
         self.account(now);
         self.wheel.advance(now);
         self.dispatch(now, context.tiles);
-        if self.wheel.next_event().is_due(now) {
-            self.handle(now, context);
-        }
+        self.handle(now, context);
         for ray in self.done.drain(..) {
             self.results.push_back(RayMessage { at: now, ray });
             self.inside -= 1;
+            self.places += 1;
         }
         while let Some(grant) = self.crossbar.grant() {
             self.trv[grant.request.trv as usize].leaf_granted(now + 1, grant, &mut self.wheel);
@@ -267,6 +279,7 @@ impl<T: Tiles, M: Memory> Tick<TiContext<'_, T, M>> for TiUnit {
 }
 
 impl RayUnit for TiUnit {
+    #[inline]
     fn has_room(&self) -> bool {
         self.ray_buffer.len() < self.entries
     }
@@ -278,10 +291,12 @@ impl RayUnit for TiUnit {
         self.inside += 1;
     }
 
+    #[inline]
     fn results(&mut self) -> &mut VecDeque<RayMessage> {
         &mut self.results
     }
 
+    #[inline]
     fn rays_inside(&self) -> usize {
         self.inside
     }

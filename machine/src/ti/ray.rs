@@ -10,31 +10,38 @@ use crate::work::ops::{Op, OpKind};
 use crate::work::topology::Topology;
 use crate::work::{RayWork, TileWork};
 
-/// The place of a ray in a traversal unit.
-#[derive(Clone, Debug)]
+/// No node.
+const NONE: u32 = u32::MAX;
+
+/// The place of a ray in a traversal unit. A core has hundreds of them: it is small.
+#[derive(Clone, Copy, Debug)]
 pub struct RaySlot {
     /// The ray.
     pub ray: RayRef,
-    /// Next operation and end, in the operations of the tile.
+    /// The next operation, and the end, in the operations of the tile.
     at: u32,
     end: u32,
+    /// The next operation, read ahead: it was written by another thread, or is far away by now.
+    next: Op,
+    /// The next triangle of the leaf at hand; or of the stack operation at hand the node that deferred the child, [`NONE`] where
+    /// the stack is empty.
+    target: u32,
     /// Deferred children.
     deferred: u8,
     /// Uppermost deferred children that the short stack holds.
     held: u8,
     /// The node visit at hand defers a child.
     defers: bool,
+    /// It walks down again.
+    restarting: bool,
     /// Passes left of the node visit at hand, for one box a cycle.
     pub passes: u8,
     /// Triangles of the leaf at hand still to be tested.
     pub tests: u8,
-    /// The next of them.
-    pub triangle: u32,
-    /// The stack operation at hand: the node that deferred the child; `None` where the stack is empty.
-    popped: Option<u32>,
-    /// Nodes still to be visited on a walk down again, the next one last; empty otherwise.
-    trail: Vec<u32>,
 }
+
+/// Nodes still to be visited on a walk down again, the next one last; empty otherwise.
+pub type Trail = Vec<u32>;
 
 /// What a stack operation found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -43,8 +50,8 @@ pub enum Popped {
     Empty,
     /// The child that was deferred last.
     Held,
-    /// The short stack has lost it: this node, the root, is visited first.
-    Lost(u32),
+    /// The short stack has lost it: the walk down again begins at the root.
+    Lost,
 }
 
 impl Default for RaySlot {
@@ -53,14 +60,14 @@ impl Default for RaySlot {
             ray: RayRef { slot: 0, ray: 0 },
             at: 0,
             end: 0,
+            next: Op::END,
+            target: NONE,
             deferred: 0,
             held: 0,
             defers: false,
+            restarting: false,
             passes: 0,
             tests: 0,
-            triangle: 0,
-            popped: None,
-            trail: Vec::new(),
         }
     }
 }
@@ -76,6 +83,7 @@ impl RaySlot {
         // overlap, instead of one after the other when the ray gets there.
         let path = &work.ops[self.at as usize..self.end as usize];
         std::hint::black_box(path.iter().step_by(16).fold(0, |all, op| all ^ op.bits()));
+        self.next = path.first().copied().unwrap_or(Op::END);
     }
 
     /// The next operation, which becomes the one at hand; `None` when the ray is done.
@@ -84,22 +92,36 @@ impl RaySlot {
         if self.at == self.end {
             return None;
         }
-        let op: Op = work.ops[self.at as usize];
+        let kind = self.next.kind();
         self.at += 1;
-        let kind = op.kind();
+        // Behind the last operation of a ray lie those of another: nobody looks at them.
+        self.next = work.ops.get(self.at as usize).copied().unwrap_or(Op::END);
         match kind {
             OpKind::Visit { defers, .. } => self.defers = defers,
-            OpKind::Leaf { triangle, tests } => (self.triangle, self.tests) = (triangle, tests),
-            OpKind::Pop { node } | OpKind::Cull { node } => self.popped = Some(node),
-            OpKind::End => self.popped = None,
+            OpKind::Leaf { triangle, tests } => (self.target, self.tests) = (triangle, tests),
+            OpKind::Pop { node } | OpKind::Cull { node } => self.target = node,
+            OpKind::End => self.target = NONE,
         }
         Some(kind)
+    }
+
+    /// The triangle of the leaf at hand that is tested next.
+    #[inline]
+    pub fn triangle(&self) -> u32 {
+        self.target
+    }
+
+    /// A triangle of the leaf at hand was tested.
+    #[inline]
+    pub fn tested(&mut self) {
+        self.tests -= 1;
+        self.target += 1;
     }
 
     /// Whether the visit at hand is one of a walk down again.
     #[inline]
     pub fn restarting(&self) -> bool {
-        !self.trail.is_empty()
+        self.restarting
     }
 
     /// A node visit is complete; returns whether it pushed a child. The short stack holds `short` of them.
@@ -114,12 +136,13 @@ impl RaySlot {
 
     /// A node of a walk down again is visited. `Ok` is the next node of the walk; at its end, `Err` says how many children
     /// were pushed again on the way.
-    pub fn visited_again(&mut self, short: u8) -> Result<u32, u8> {
-        self.trail.pop();
-        if let Some(&next) = self.trail.last() {
+    pub fn visited_again(&mut self, trail: &mut Trail, short: u8) -> Result<u32, u8> {
+        trail.pop();
+        if let Some(&next) = trail.last() {
             return Ok(next);
         }
         // The lost child stands uppermost, and this visit leads to it without a pop.
+        self.restarting = false;
         self.deferred -= 1;
         self.held = self.deferred.min(short);
         Err(self.deferred)
@@ -127,23 +150,28 @@ impl RaySlot {
 
     /// A stack operation is complete.
     #[inline]
-    pub fn popped(&mut self, tree: &Topology) -> Popped {
-        let Some(node) = self.popped else { return Popped::Empty };
+    pub fn popped(&mut self) -> Popped {
+        if self.target == NONE {
+            return Popped::Empty;
+        }
         if self.held == 0 {
-            return self.lost(node, tree);
+            return Popped::Lost;
         }
         self.held -= 1;
         self.deferred -= 1;
         Popped::Held
     }
 
+    /// Begins the walk down again to the child that was lost, along `trail`; gives the first node of it.
     #[cold]
-    fn lost(&mut self, mut node: u32, tree: &Topology) -> Popped {
-        self.trail.push(node);
+    pub fn restart(&mut self, trail: &mut Trail, tree: &Topology) -> u32 {
+        let mut node = self.target;
+        self.restarting = true;
+        trail.push(node);
         while node != 0 {
             node = tree.parents[node as usize];
-            self.trail.push(node);
+            trail.push(node);
         }
-        Popped::Lost(node)
+        node
     }
 }

@@ -9,7 +9,7 @@ use super::context::{EventContext, Tiles};
 use super::crossbar::{LeafGrant, LeafRequest, LeafTask};
 use super::fetch_port::FetchPort;
 use super::input_buffer::{InputBuffer, InputBufferCounters};
-use super::ray::{Popped, RaySlot};
+use super::ray::{Popped, RaySlot, Trail};
 use super::stage::{Candidate, Idle, Stage, Wait};
 use super::wheel::{Event, EventKind, Wheel};
 use crate::config::{MachineConfig, Pipeline};
@@ -64,6 +64,19 @@ pub fn stage_names(pipeline: Pipeline) -> &'static [&'static str] {
     }
 }
 
+/// What a ray does next.
+#[derive(Clone, Copy, Debug)]
+pub enum Step {
+    /// Its next operation.
+    Next,
+    /// A visit of this node, on a walk down again.
+    Visit(u32),
+    /// Its hit is known.
+    Leave,
+    /// Nothing yet: it is somewhere else.
+    Waits,
+}
+
 /// A traversal unit.
 #[derive(Debug)]
 pub struct Trv {
@@ -73,6 +86,8 @@ pub struct Trv {
     passes: u8,
     boxes_per_pass: u8,
     rays: Vec<RaySlot>,
+    /// Of each ray the way that it walks down again.
+    trails: Vec<Trail>,
     free: Vec<u8>,
     entered: Vec<TiCycle>,
     idle: Idle,
@@ -98,6 +113,7 @@ impl Trv {
         let slots = ti.rays_per_trv as usize;
         let l1 = (&ti.trv_l1, ti.trv_lines_per_cycle);
         let buffer = InputBuffer::new(ti, l1, config.l2.line_bytes, port, ti.rays_per_trv);
+        let buffer = if ti.aabbs_per_cycle == 2 { buffer } else { buffer.with_second_reads() };
         Self {
             index,
             pipeline: ti.pipeline,
@@ -105,6 +121,7 @@ impl Trv {
             passes: (2 / ti.aabbs_per_cycle) as u8,
             boxes_per_pass: ti.aabbs_per_cycle as u8,
             rays: vec![RaySlot::default(); slots],
+            trails: vec![Trail::new(); slots],
             free: (0..slots as u8).rev().collect(),
             entered: vec![TiCycle::default(); slots],
             idle: Idle::new(),
@@ -177,13 +194,15 @@ impl Trv {
     }
 
     /// An operation left the stack pipeline.
-    pub(super) fn stack_done<T: Tiles, M: Memory>(&mut self, slot: u8, context: &mut EventContext<'_, T, M>) {
-        match self.rays[slot as usize].popped(context.tree) {
-            Popped::Empty => self.leave(slot, context),
-            Popped::Held => self.issue_next(slot, context),
-            Popped::Lost(root) => {
+    #[inline]
+    pub(super) fn stack_done<T, M>(&mut self, slot: u8, context: &mut EventContext<'_, T, M>) -> Step {
+        let ray = &mut self.rays[slot as usize];
+        match ray.popped() {
+            Popped::Held => Step::Next,
+            Popped::Empty => Step::Leave,
+            Popped::Lost => {
                 self.events.restarts += 1;
-                self.visit(slot, root, context);
+                Step::Visit(ray.restart(&mut self.trails[slot as usize], context.tree))
             }
         }
     }
@@ -219,98 +238,117 @@ impl Trv {
 
     /// An operation left the inner-node pipeline.
     #[inline]
-    pub(super) fn inner_done<T: Tiles, M: Memory>(&mut self, slot: u8, context: &mut EventContext<'_, T, M>) {
+    pub(super) fn inner_done<T, M: Memory>(&mut self, slot: u8, context: &mut EventContext<'_, T, M>) -> Step {
         let ray = &mut self.rays[slot as usize];
         if ray.tests > 0 {
-            // Unified pipeline: a triangle.
-            ray.tests -= 1;
-            ray.triangle += 1;
-            if ray.tests == 0 {
-                return self.issue_next(slot, context);
-            }
-            let triangle = ray.triangle;
-            return self.fetch(slot, context.layout.triangle(triangle), Region::Triangle, context);
+            return self.triangle_done(slot, context);
         }
         if ray.passes > 1 {
             ray.passes -= 1;
-            return self.retry(slot, context);
+            self.retry(slot, context);
+            return Step::Waits;
         }
         self.events.node_visits += 1;
         if ray.restarting() {
-            self.events.restart_visits += 1;
-            match ray.visited_again(self.short) {
-                Ok(next) => return self.visit(slot, next, context),
-                Err(pushes) => self.events.pushes += u64::from(pushes),
-            }
-        } else {
-            self.events.pushes += u64::from(ray.visited(self.short));
+            return self.visited_again(slot);
         }
-        self.issue_next(slot, context);
+        self.events.pushes += u64::from(ray.visited(self.short));
+        Step::Next
+    }
+
+    /// A triangle left the unified pipeline.
+    fn triangle_done<T, M: Memory>(&mut self, slot: u8, context: &mut EventContext<'_, T, M>) -> Step {
+        let ray = &mut self.rays[slot as usize];
+        ray.tested();
+        if ray.tests == 0 {
+            return Step::Next;
+        }
+        let triangle = ray.triangle();
+        self.fetch(slot, context.layout.triangle(triangle), Region::Triangle, context);
+        Step::Waits
+    }
+
+    /// A node of a walk down again left the inner-node pipeline.
+    #[cold]
+    fn visited_again(&mut self, slot: u8) -> Step {
+        self.events.restart_visits += 1;
+        match self.rays[slot as usize].visited_again(&mut self.trails[slot as usize], self.short) {
+            Ok(next) => Step::Visit(next),
+            Err(pushes) => {
+                self.events.pushes += u64::from(pushes);
+                Step::Next
+            }
+        }
     }
 
     /// An operation left the leaf pipeline: its task goes to the entry that was reserved in unit `ist`.
-    pub(super) fn leaf_done<T: Tiles, M: Memory>(&mut self, slot: u8, ist: u8, context: &mut EventContext<'_, T, M>) {
+    #[inline]
+    pub(super) fn leaf_done<T, M>(&mut self, slot: u8, ist: u8, context: &mut EventContext<'_, T, M>) -> Step {
         let ray = &mut self.rays[slot as usize];
-        let (tests, triangle) = (std::mem::take(&mut ray.tests), ray.triangle);
+        let (tests, triangle) = (std::mem::take(&mut ray.tests), ray.triangle());
         if tests == 0 {
             context.crossbar.release(ist);
-            self.issue_next(slot, context);
-        } else {
-            let task = LeafTask { trv: self.index, slot, triangle, tests };
-            context.crossbar.send(context.now, ist, task, context.wheel);
+            return Step::Next;
         }
+        let task = LeafTask { trv: self.index, slot, triangle, tests };
+        context.crossbar.send(context.now, ist, task, context.wheel);
+        Step::Waits
     }
 
-    /// Puts the ray's next operation where it belongs.
-    #[inline]
-    pub(super) fn issue_next<T: Tiles, M: Memory>(&mut self, slot: u8, context: &mut EventContext<'_, T, M>) {
-        let ray = &mut self.rays[slot as usize];
-        match ray.next(context.tiles.work(ray.ray.slot)) {
-            Some(OpKind::Visit { node, .. }) => self.visit(slot, node, context),
-            Some(OpKind::Leaf { triangle, tests }) => self.enter_leaf(slot, triangle, tests, context),
-            Some(kind) => {
-                self.events.culled += u64::from(matches!(kind, OpKind::Cull { .. }));
-                self.events.stack_operations += 1;
-                let (arrived, stage) = (context.now, self.stage(STACK));
-                let op = Candidate { arrived, ready: arrived, wait: Wait::Fetch, bypass: false, others_wait: false };
-                let at = self.stages[stage].issue(op, &self.idle);
-                context.wheel.push(at + self.stack_cycles, Event::new(EventKind::Stack, self.index, slot));
-            }
-            None => self.leave(slot, context),
-        }
-    }
-
-    /// The ray comes to a leaf.
-    fn enter_leaf<T: Tiles, M: Memory>(
+    /// The ray takes its step. Nearly all of a unit's work comes through here, so it stands in one place of the program.
+    #[inline(always)]
+    pub(super) fn go_on<T: Tiles, M: Memory>(
         &mut self,
+        mut step: Step,
         slot: u8,
-        triangle: u32,
-        tests: u8,
         context: &mut EventContext<'_, T, M>,
     ) {
-        self.events.leaves += 1;
-        if self.pipeline != Pipeline::Unified {
-            let request = LeafRequest { trv: self.index, slot, arrived: context.now };
-            if let Some(grant) = context.crossbar.reserve_or_wait(request) {
-                self.leaf_granted(context.now, grant, context.wheel);
+        let ray = &mut self.rays[slot as usize];
+        let node = loop {
+            match step {
+                Step::Waits => return,
+                Step::Leave => return self.leave(slot, context),
+                Step::Visit(node) => break node,
+                Step::Next => {}
             }
-        } else if tests > 0 {
-            self.fetch(slot, context.layout.triangle(triangle), Region::Triangle, context);
-        } else {
-            // An empty leaf: there is nothing to read and nothing to test.
-            self.issue_next(slot, context);
-        }
-    }
-
-    /// The ray comes to an inner node.
-    #[inline]
-    fn visit<T: Tiles, M: Memory>(&mut self, slot: u8, node: u32, context: &mut EventContext<'_, T, M>) {
-        self.rays[slot as usize].passes = self.passes;
+            match ray.next(context.tiles.work(ray.ray.slot)) {
+                Some(OpKind::Visit { node, .. }) => break node,
+                // An empty leaf of the unified pipeline: there is nothing to read and nothing to test.
+                Some(OpKind::Leaf { tests: 0, .. }) if self.pipeline == Pipeline::Unified => self.events.leaves += 1,
+                Some(OpKind::Leaf { triangle, .. }) => return self.enter_leaf(slot, triangle, context),
+                Some(kind) => return self.enter_stack(slot, kind, context),
+                None => step = Step::Leave,
+            }
+        };
+        ray.passes = self.passes;
         self.fetch(slot, context.layout.node(node), Region::Node, context);
     }
 
-    /// The operation at hand comes to the input buffer.
+    /// The ray comes to the stack.
     #[inline]
+    fn enter_stack<T, M>(&mut self, slot: u8, kind: OpKind, context: &mut EventContext<'_, T, M>) {
+        self.events.culled += u64::from(matches!(kind, OpKind::Cull { .. }));
+        self.events.stack_operations += 1;
+        let (arrived, stage) = (context.now, self.stage(STACK));
+        let op = Candidate { arrived, ready: arrived, wait: Wait::Fetch, bypass: false, others_wait: false };
+        let at = self.stages[stage].issue(op, &self.idle);
+        context.wheel.push(at + self.stack_cycles, Event::new(EventKind::Stack, self.index, slot));
+    }
+
+    /// The ray comes to a leaf.
+    fn enter_leaf<T, M: Memory>(&mut self, slot: u8, triangle: u32, context: &mut EventContext<'_, T, M>) {
+        self.events.leaves += 1;
+        if self.pipeline == Pipeline::Unified {
+            return self.fetch(slot, context.layout.triangle(triangle), Region::Triangle, context);
+        }
+        let request = LeafRequest { trv: self.index, slot, arrived: context.now };
+        if let Some(grant) = context.crossbar.reserve_or_wait(request) {
+            self.leaf_granted(context.now, grant, context.wheel);
+        }
+    }
+
+    /// The operation at hand comes to the input buffer.
+    #[inline(always)]
     fn fetch<T, M: Memory>(&mut self, slot: u8, lines: Lines, region: Region, context: &mut EventContext<'_, T, M>) {
         if let Some(op) = self.port.fetch(slot, lines, region, context) {
             self.issue(slot, op, context.wheel);
@@ -318,6 +356,7 @@ impl Trv {
     }
 
     /// The operation at hand comes to the input buffer again: after a bypass, or for its second box.
+    #[inline]
     pub(super) fn retry<T, M: Memory>(&mut self, slot: u8, context: &mut EventContext<'_, T, M>) {
         if let Some(op) = self.port.fetch_again(slot, context) {
             self.issue(slot, op, context.wheel);
@@ -325,7 +364,7 @@ impl Trv {
     }
 
     /// Issues an operation that has its data in sight.
-    #[inline]
+    #[inline(always)]
     fn issue(&mut self, slot: u8, op: Candidate, wheel: &mut Wheel) {
         let at = self.stages[INNER].issue(op, &self.idle);
         let kind = if op.bypass {

@@ -56,12 +56,26 @@ impl Event {
     }
 }
 
-/// The events of a unit, a ring of cycles.
-#[derive(Debug)]
+/// No place in the pool.
+const NONE: u16 = u16::MAX;
+
+/// An event, and the place of the one that follows it in its cycle; the last one is followed by the first.
+#[derive(Clone, Copy, Debug)]
+struct Booked {
+    event: Event,
+    next: u16,
+}
+
+/// The events of a unit, a ring of cycles. Events lie in a pool whose places are used again at once, and a cycle is two bytes: a
+/// unit comes through its whole ring again and again, and that should fit a cache of the host.
+#[derive(Clone, Debug)]
 pub struct Wheel {
-    /// Per cycle its events.
-    slots: Vec<Vec<Event>>,
-    /// One bit a slot: it holds events.
+    /// Per cycle its last event, as a place in the pool.
+    last: Vec<u16>,
+    pool: Vec<Booked>,
+    /// The first of the places that are free; each is followed by the next of them.
+    free: u16,
+    /// One bit a cycle: it has events.
     used: Vec<u64>,
     /// Cycles before this one are over.
     now: TiCycle,
@@ -71,11 +85,18 @@ pub struct Wheel {
 impl Wheel {
     /// A wheel for events up to `reach` cycles ahead.
     pub fn new(reach: u32) -> Self {
-        let slots = (reach as usize + 2).next_power_of_two().max(64);
-        Self { slots: vec![Vec::new(); slots], used: vec![0; slots / 64], now: TiCycle::START, mask: slots as u64 - 1 }
+        let cycles = (reach as usize + 2).next_power_of_two().max(64);
+        Self {
+            last: vec![NONE; cycles],
+            pool: Vec::new(),
+            free: NONE,
+            used: vec![0; cycles / 64],
+            now: TiCycle::START,
+            mask: cycles as u64 - 1,
+        }
     }
 
-    /// The slot of a cycle.
+    /// The place of a cycle.
     #[inline]
     fn place(&self, at: TiCycle) -> usize {
         (at.0 & self.mask) as usize
@@ -89,50 +110,70 @@ impl Wheel {
     }
 
     /// Books an event at cycle `at`.
-    #[inline]
+    #[inline(always)]
     pub fn push(&mut self, at: TiCycle, event: Event) {
         debug_assert!(at >= self.now && at - self.now <= self.mask, "an event beyond the wheel");
-        let slot = self.place(at);
-        self.used[slot / 64] |= 1 << (slot % 64);
-        self.slots[slot].push(event);
+        if self.free == NONE {
+            self.grow();
+        }
+        let (cycle, new) = (self.place(at), self.free);
+        let last = std::mem::replace(&mut self.last[cycle], new);
+        let next = if last == NONE {
+            self.used[cycle / 64] |= 1 << (cycle % 64);
+            new
+        } else {
+            std::mem::replace(&mut self.pool[last as usize].next, new)
+        };
+        self.free = std::mem::replace(&mut self.pool[new as usize], Booked { event, next }).next;
     }
 
-    /// The next events of cycle `now`, those of earlier cycles having been taken; false when there are none. `events` is
-    /// emptied first. To be called until it is false: events may be booked for the same cycle meanwhile.
-    #[inline]
-    pub fn take(&mut self, now: TiCycle, events: &mut Vec<Event>) -> bool {
-        self.advance(now);
-        events.clear();
-        let slot = self.place(now);
-        std::mem::swap(&mut self.slots[slot], events);
-        self.used[slot / 64] &= !(1 << (slot % 64));
-        !events.is_empty()
+    /// A new place, which is free.
+    #[cold]
+    fn grow(&mut self) {
+        assert!(self.pool.len() < NONE as usize, "a unit has less to do at a time than the pool has places");
+        self.free = self.pool.len() as u16;
+        self.pool.push(Booked { event: Event::new(EventKind::Setup, 0, 0), next: NONE });
+    }
+
+    /// The next event of cycle `now`, if there is one; those of earlier cycles were taken. Events that are booked for the same
+    /// cycle meanwhile follow.
+    #[inline(always)]
+    pub fn take(&mut self, now: TiCycle) -> Option<Event> {
+        let cycle = self.place(now);
+        let last = self.last[cycle];
+        if last == NONE {
+            return None;
+        }
+        let first = self.pool[last as usize].next;
+        let taken = &mut self.pool[first as usize];
+        let (event, next) = (taken.event, std::mem::replace(&mut taken.next, self.free));
+        self.free = first;
+        if first == last {
+            self.last[cycle] = NONE;
+            self.used[cycle / 64] &= !(1 << (cycle % 64));
+        } else {
+            self.pool[last as usize].next = next;
+        }
+        Some(event)
     }
 
     /// The cycle of the next event; never, if there is none.
     #[inline]
     pub fn next_event(&self) -> When {
-        // Mostly it is this cycle or the next.
-        for at in [self.now, self.now + 1] {
-            if !self.slots[self.place(at)].is_empty() {
-                return When::at(at);
-            }
-        }
         let first = self.place(self.now);
-        let words = self.used.len();
         let (word, bit) = (first / 64, first % 64);
-        // The word of the current slot is looked at twice: its later slots first, its earlier ones, a round ahead, last.
-        for i in 0..=words {
-            let w = (word + i) % words;
-            let mask = match i {
-                0 => !0 << bit,
-                _ if i == words => !(!0 << bit),
-                _ => !0,
-            };
-            let bits = self.used[w] & mask;
+        let near = self.used[word] >> bit;
+        if near != 0 { When::at(self.now + u64::from(near.trailing_zeros())) } else { self.later_event(word, bit) }
+    }
+
+    /// The next event, if it does not lie in the rest of the word of this cycle.
+    fn later_event(&self, word: usize, bit: usize) -> When {
+        let words = self.used.len();
+        // The last word that is looked at is that of this cycle again: what is a round ahead there.
+        for ahead in 1..=words {
+            let bits = self.used[(word + ahead) % words];
             if bits != 0 {
-                let slot = (w * 64) as u64 + u64::from(bits.trailing_zeros());
-                return When::at(self.now + (slot.wrapping_sub(first as u64) & self.mask));
+                return When::at(self.now + (ahead * 64 - bit) as u64 + u64::from(bits.trailing_zeros()));
             }
         }
         When::NEVER
@@ -155,10 +196,11 @@ mod tests {
         for (i, distance) in [3, 100, 3, 64, 1, 127].into_iter().enumerate() {
             wheel.push(TiCycle(distance), at(i as u8));
         }
-        let mut events = Vec::new();
         while let Some(now) = wheel.next_event().cycle() {
-            assert!(wheel.take(now, &mut events));
-            seen.extend(events.iter().map(|e| (now.0, e.slot)));
+            wheel.advance(now);
+            while let Some(event) = wheel.take(now) {
+                seen.push((now.0, event.slot));
+            }
             if now == 64 {
                 wheel.push(now + 127, at(9));
             }
@@ -170,13 +212,27 @@ mod tests {
 
     #[test]
     fn an_event_of_the_same_cycle_is_not_lost() {
-        let (mut wheel, mut events, now) = (Wheel::new(10), Vec::new(), TiCycle(5));
+        let (mut wheel, now) = (Wheel::new(10), TiCycle(5));
+        wheel.advance(now);
         wheel.push(now, at(1));
-        assert!(wheel.take(now, &mut events));
         wheel.push(now, at(2));
-        assert!(wheel.take(now, &mut events));
-        assert_eq!(events, [at(2)]);
-        assert!(!wheel.take(now, &mut events));
+        assert_eq!(wheel.take(now), Some(at(1)));
+        wheel.push(now, at(3));
+        assert_eq!([wheel.take(now), wheel.take(now), wheel.take(now)], [Some(at(2)), Some(at(3)), None]);
         assert!(wheel.next_event().is_never());
+        wheel.push(now, at(4));
+        assert_eq!((wheel.next_event(), wheel.take(now)), (When::at(now), Some(at(4))));
+    }
+
+    #[test]
+    fn places_are_used_again() {
+        let mut wheel = Wheel::new(100);
+        for now in (0..1000).map(TiCycle) {
+            wheel.advance(now);
+            assert_eq!(wheel.take(now).is_some(), now.0 >= 64);
+            assert_eq!(wheel.take(now), None);
+            wheel.push(now + 64, at(0));
+        }
+        assert_eq!(wheel.pool.len(), 64);
     }
 }

@@ -42,6 +42,9 @@ impl Region {
         Self::Framebuffer,
     ];
 
+    /// The byte after the last region.
+    pub const END: u64 = (Self::ALL.len() as u64 + 1) << 40;
+
     /// The name, as reports print it.
     pub fn name(self) -> &'static str {
         match self {

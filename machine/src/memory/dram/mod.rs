@@ -83,6 +83,11 @@ struct Lane {
     arriving: VecDeque<(TiCycle, LineRead)>,
     /// Someone waits for a queue entry of this channel.
     watched: bool,
+}
+
+/// When something happens in a lane.
+#[derive(Clone, Copy, Debug)]
+struct Ahead {
     /// The next event that concerns the requesters.
     next: When,
     /// When the channel has something to do.
@@ -93,6 +98,8 @@ struct Lane {
 #[derive(Clone, Debug)]
 pub struct Dram {
     lanes: Vec<Lane>,
+    /// The same of each lane, together: they are looked at all the time.
+    ahead: Vec<Ahead>,
     map: AddressMap,
     up: Crossing<TiCycle, DramCycle>,
     down: Crossing<DramCycle, TiCycle>,
@@ -114,18 +121,14 @@ impl Dram {
     pub fn new(config: &config::Dram, clock_mhz: u32, line_bytes: u32) -> Self {
         assert!(config.channels > 0 && (1..=BANKS_MAX).contains(&config.banks) && config.row_bytes >= line_bytes);
         let channel = Channel::new(config, line_bytes);
-        let lane = Lane {
-            channel,
-            arriving: VecDeque::new(),
-            watched: false,
-            next: When::NEVER,
-            due: When::at(TiCycle::START),
-        };
+        let lane = Lane { channel, arriving: VecDeque::new(), watched: false };
+        let ahead = Ahead { next: When::NEVER, due: When::at(TiCycle::START) };
         let timing = timing::Timing::new(config, line_bytes);
         let before_cycles = u64::from(config.controller_cycles / 2);
         let after_cycles = u64::from(config.controller_cycles) - before_cycles;
         Self {
             lanes: vec![lane; config.channels as usize],
+            ahead: vec![ahead; config.channels as usize],
             map: AddressMap::new(config, line_bytes),
             up: Crossing::new(clock_mhz, config.clock_mhz, config.sync_cycles),
             down: Crossing::new(config.clock_mhz, clock_mhz, config.sync_cycles),
@@ -183,10 +186,10 @@ impl Dram {
     fn run_lanes(&mut self, now: TiCycle) {
         let limit = self.up.floor(now);
         for index in 0..self.lanes.len() {
-            let Lane { channel, arriving, watched, due, .. } = &mut self.lanes[index];
-            if !due.is_due(now) {
+            if !self.ahead[index].due.is_due(now) {
                 continue;
             }
+            let Lane { channel, arriving, watched } = &mut self.lanes[index];
             let taken = channel.taken();
             channel.run(limit, |end, entry| {
                 let ready = self.down.arrive(end + self.after_cycles);
@@ -200,6 +203,9 @@ impl Dram {
     /// The next line that has arrived by T&I cycle `now`, channel by channel.
     pub fn take(&mut self, now: TiCycle) -> Option<LineRead> {
         for index in 0..self.lanes.len() {
+            if !self.ahead[index].next.is_due(now) {
+                continue;
+            }
             let lane = &mut self.lanes[index];
             if let Some(&(ready, read)) = lane.arriving.front()
                 && ready <= now
@@ -226,10 +232,11 @@ impl Dram {
             Some(&(ready, _)) => When::at(ready),
             None => When::from(step.cycle().map(|step| self.down.arrive(step + self.read_cycles))),
         };
-        lane.due = self.down.ceil_when(lane.channel.wake());
-        lane.next = if lane.watched && !step.is_never() { data.min(lane.due) } else { data };
+        let due = self.down.ceil_when(lane.channel.wake());
+        let next = if lane.watched && !step.is_never() { data.min(due) } else { data };
+        self.ahead[index] = Ahead { next, due };
         (self.next, self.due) = (When::NEVER, When::NEVER);
-        for lane in &self.lanes {
+        for lane in &self.ahead {
             self.next = self.next.min(lane.next);
             self.due = self.due.min(lane.due);
         }

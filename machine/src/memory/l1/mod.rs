@@ -1,6 +1,8 @@
 //! A first-level cache: tags and miss status registers (MSHRs). It only reads, and it never blocks: a miss waits in its MSHR while
 //! other accesses go on.
 
+use std::num::NonZeroU32;
+
 use crate::config;
 use crate::counters::counters;
 use crate::memory::interface::Memory;
@@ -37,9 +39,9 @@ pub enum Access {
     Rejected,
 }
 
+/// A line that is on its way.
 #[derive(Clone, Copy, Debug)]
 struct Mshr {
-    line: u64,
     waiters: u128,
     keep: bool,
 }
@@ -48,22 +50,30 @@ struct Mshr {
 #[derive(Clone, Debug)]
 pub struct L1Cache {
     tags: Tags,
+    /// The lines of the MSHRs, apart from the rest of them: they are searched.
+    lines: Vec<u64>,
     mshrs: Vec<Mshr>,
     mshrs_max: usize,
     waiters_max: u32,
     port: Port,
+    age: NonZeroU32,
     counters: CacheCounters,
 }
 
 impl L1Cache {
+    /// Waiters that can be told apart.
+    pub const WAITERS: u32 = u128::BITS;
+
     /// A cache that asks through `port`.
     pub fn new(config: &config::L1, line_bytes: u32, port: Port) -> Self {
         Self {
             tags: Tags::new(config.size.0, config.ways, line_bytes, config.replacement),
+            lines: Vec::with_capacity(config.mshrs as usize),
             mshrs: Vec::with_capacity(config.mshrs as usize),
             mshrs_max: config.mshrs as usize,
-            waiters_max: u128::BITS,
+            waiters_max: Self::WAITERS,
             port,
+            age: NonZeroU32::MIN,
             counters: CacheCounters::default(),
         }
     }
@@ -93,34 +103,91 @@ impl L1Cache {
 
     #[inline]
     fn look_up<M: Memory>(&mut self, now: TiCycle, line: u64, region: Region, waiters: u128, memory: &mut M) -> Access {
-        if self.tags.touch(line) {
-            self.counters.lookups += 1;
-            self.counters.hits += 1;
-            return Access::Hit;
-        }
-        self.miss(now, line, region, waiters, memory)
+        if self.hit(line) { Access::Hit } else { self.miss(now, line, region, waiters, memory) }
+    }
+
+    /// Looks `line` up if it is here; otherwise nothing has happened.
+    #[inline]
+    pub fn hit(&mut self, line: u64) -> bool {
+        let hit = self.tags.touch(line);
+        self.counters.lookups += u64::from(hit);
+        self.counters.hits += u64::from(hit);
+        hit
     }
 
     fn miss<M: Memory>(&mut self, now: TiCycle, line: u64, region: Region, waiters: u128, memory: &mut M) -> Access {
-        if let Some(mshr) = self.mshrs.iter_mut().find(|mshr| mshr.line == line) {
+        if let Some(at) = self.mshr(line) {
+            let mshr = &mut self.mshrs[at];
             if mshr.waiters.count_ones() >= self.waiters_max {
                 self.counters.full += 1;
                 return Access::Rejected;
             }
             mshr.waiters |= waiters;
-            self.counters.lookups += 1;
-            self.counters.merges += 1;
+            self.count_merge();
             return Access::Merged;
         }
+        self.ask(now, line, region, waiters, memory)
+    }
+
+    /// Asks for a line that is neither here nor on its way.
+    #[inline]
+    fn ask<M: Memory>(&mut self, now: TiCycle, line: u64, region: Region, waiters: u128, memory: &mut M) -> Access {
         let request = Request { port: self.port, line, region, route: Route::Cached };
         if self.mshrs.len() == self.mshrs_max || !memory.request(now, request) {
             self.counters.full += 1;
             return Access::Rejected;
         }
-        self.mshrs.push(Mshr { line, waiters, keep: true });
+        self.lines.push(line);
+        self.mshrs.push(Mshr { waiters, keep: true });
+        self.change();
         self.counters.lookups += 1;
         self.counters.misses += 1;
         Access::Miss
+    }
+
+    #[inline]
+    fn change(&mut self) {
+        self.age = self.age.checked_add(1).unwrap_or(NonZeroU32::MIN);
+    }
+
+    /// The MSHR of `line`.
+    #[inline]
+    fn mshr(&self, line: u64) -> Option<usize> {
+        self.lines.iter().position(|&other| other == line)
+    }
+
+    #[inline]
+    fn count_merge(&mut self) {
+        self.counters.lookups += 1;
+        self.counters.merges += 1;
+    }
+
+    /// As [`L1Cache::access`] by someone who asked for the line before and has not been told of it: it is on its way still. There
+    /// must be fewer than [`L1Cache::WAITERS`] of them, or they may all wait for it, and then it takes no more.
+    #[inline]
+    pub fn ask_again(&mut self) -> Access {
+        self.count_merge();
+        Access::Merged
+    }
+
+    /// As [`L1Cache::access`] of a line that was refused when the [`L1Cache::age`] was the same, and not because its MSHR was full:
+    /// it is neither here nor on its way.
+    #[inline]
+    pub fn ask_unchanged<M: Memory>(
+        &mut self,
+        now: TiCycle,
+        line: u64,
+        region: Region,
+        waiter: u8,
+        memory: &mut M,
+    ) -> Access {
+        self.ask(now, line, region, 1 << waiter, memory)
+    }
+
+    /// A number that is another one after a line came, went or was asked for.
+    #[inline]
+    pub fn age(&self) -> NonZeroU32 {
+        self.age
     }
 
     /// Takes `line` in, frees its MSHR and returns who waited for it, bit `w` for waiter `w`.
@@ -128,8 +195,10 @@ impl L1Cache {
     /// # Panics
     /// When nobody asked for the line.
     pub fn fill(&mut self, line: u64) -> u128 {
-        let at = self.mshrs.iter().position(|mshr| mshr.line == line);
-        let mshr = self.mshrs.swap_remove(at.expect("a line arrives only when it was asked for"));
+        let at = self.mshr(line).expect("a line arrives only when it was asked for");
+        self.lines.swap_remove(at);
+        let mshr = self.mshrs.swap_remove(at);
+        self.change();
         if mshr.keep {
             self.counters.fills += 1;
             self.counters.evictions += u64::from(self.tags.fill(line).is_some());
@@ -142,8 +211,9 @@ impl L1Cache {
     /// Drops `line`, which left an inclusive L2. If it is still on its way here, it will be handed to its waiters, but not kept.
     pub fn invalidate(&mut self, line: u64) {
         self.counters.invalidations += u64::from(self.tags.invalidate(line));
-        if let Some(mshr) = self.mshrs.iter_mut().find(|mshr| mshr.line == line) {
-            mshr.keep = false;
+        self.change();
+        if let Some(at) = self.mshr(line) {
+            self.mshrs[at].keep = false;
         }
     }
 

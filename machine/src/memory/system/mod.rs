@@ -52,9 +52,12 @@ impl MemorySystem {
     /// Runs up to and including `now`, from event to event.
     #[inline]
     fn advance(&mut self, now: TiCycle) {
-        if now <= self.now {
-            return;
+        if now > self.now {
+            self.run(now);
         }
+    }
+
+    fn run(&mut self, now: TiCycle) {
         while let Some(next) = self.next_due().due(now) {
             self.step(next);
         }

@@ -1,24 +1,39 @@
 //! The tags of a set-associative cache, and which line of a set makes room.
 //!
-//! Every way has a stamp: when it was last used (LRU) or filled (FIFO). The lowest of the set is the next to go; a free way has
-//! stamp 0. With random replacement the stamps only say which ways are free.
+//! The oldest line of a set is the next to go: the one that was used (LRU) or filled (FIFO) longest ago, and before it any free
+//! way.
+
+mod sets;
 
 use crate::config::Replacement;
-
-/// A way without a line. No address reaches this line number.
-const FREE: u64 = u64::MAX;
+use crate::work::layout::Region;
+use sets::{Sets, Tag};
 
 /// Seed of random replacement: the same for every cache, so that a run is reproducible.
 const SEED: u64 = 0x9e37_79b9_7f4a_7c15;
 
+/// Tags of as many bits as are needed. A tag is a line number without the bits that are the number of its set.
+#[derive(Clone, Debug)]
+enum Width {
+    Narrow(Sets<u32>),
+    Wide(Sets<u64>),
+}
+
+macro_rules! in_width {
+    ($sets:expr, $name:ident => $what:expr) => {
+        match $sets {
+            Width::Narrow($name) => $what,
+            Width::Wide($name) => $what,
+        }
+    };
+}
+
 /// A tag array.
 #[derive(Clone, Debug)]
 pub struct Tags {
-    tags: Vec<u64>,
-    stamps: Vec<u64>,
-    clock: u64,
+    sets: Width,
     ways: usize,
-    set_mask: u64,
+    set_bits: u32,
     replacement: Replacement,
     random: u64,
 }
@@ -33,42 +48,36 @@ impl Tags {
         assert!(set_bytes > 0 && bytes.is_multiple_of(set_bytes), "{bytes} B is not a whole number of sets");
         let sets = bytes / set_bytes;
         assert!(sets.is_power_of_two(), "the number of sets must be a power of two, not {sets}");
-        let lines = (sets * u64::from(ways)) as usize;
-        Self {
-            tags: vec![FREE; lines],
-            stamps: vec![0; lines],
-            clock: 0,
-            ways: ways as usize,
-            set_mask: sets - 1,
-            replacement,
-            random: SEED,
-        }
+        let (set_bits, ways) = (sets.trailing_zeros(), ways as usize);
+        let last_tag = (Region::END / u64::from(line_bytes)) >> set_bits;
+        let sets = if last_tag < u64::from(u32::FREE) {
+            Width::Narrow(Sets::new(sets as usize, ways))
+        } else {
+            Width::Wide(Sets::new(sets as usize, ways))
+        };
+        Self { sets, ways, set_bits, replacement, random: SEED }
+    }
+    /// The number of a line's set, and its tag.
+    #[inline]
+    fn place(&self, line: u64) -> (usize, u64) {
+        ((line & ((1 << self.set_bits) - 1)) as usize, line >> self.set_bits)
     }
 
     /// Whether `line` is here; a hit refreshes it (LRU).
     #[inline]
     pub fn touch(&mut self, line: u64) -> bool {
-        let Some(way) = self.find(line) else { return false };
-        if self.replacement == Replacement::Lru {
-            self.clock += 1;
-            self.stamps[way] = self.clock;
+        if self.replacement != Replacement::Lru {
+            return self.contains(line);
         }
-        true
-    }
-
-    /// The place of `line`. All ways are compared: a loop that stops early costs more in mispredictions.
-    #[inline]
-    fn find(&self, line: u64) -> Option<usize> {
-        let first = self.first(line);
-        let set = &self.tags[first..first + self.ways];
-        let found = set.iter().enumerate().fold(usize::MAX, |found, (way, &tag)| if tag == line { way } else { found });
-        (found != usize::MAX).then(|| first + found)
+        let (set, tag) = self.place(line);
+        in_width!(&mut self.sets, sets => sets.touch(set, Tag::new(tag)))
     }
 
     /// Whether `line` is here. Changes nothing.
     #[inline]
     pub fn contains(&self, line: u64) -> bool {
-        self.find(line).is_some()
+        let (set, tag) = self.place(line);
+        in_width!(&self.sets, sets => sets.contains(set, Tag::new(tag)))
     }
 
     /// Puts `line` in and returns the line that had to leave. A line that is already here counts as used again.
@@ -76,39 +85,32 @@ impl Tags {
         if self.touch(line) {
             return None;
         }
-        let victim = self.victim(line);
-        let evicted = std::mem::replace(&mut self.tags[victim], line);
-        self.clock += 1;
-        self.stamps[victim] = self.clock;
-        (evicted != FREE).then_some(evicted)
+        let (set, tag) = self.place(line);
+        let way = if self.replacement == Replacement::Random { Some(self.random_way(set)) } else { None };
+        let evicted = in_width!(&mut self.sets, sets => match way {
+            Some(way) => sets.put(set, way, Tag::new(tag)).tag(),
+            None => sets.push(set, Tag::new(tag)).tag(),
+        });
+        evicted.map(|tag| tag << self.set_bits | set as u64)
     }
 
     /// Drops `line`; whether it was here.
     pub fn invalidate(&mut self, line: u64) -> bool {
-        let Some(way) = self.find(line) else { return false };
-        (self.tags[way], self.stamps[way]) = (FREE, 0);
-        true
+        let (set, tag) = self.place(line);
+        let ordered = self.replacement != Replacement::Random;
+        in_width!(&mut self.sets, sets => sets.remove(set, Tag::new(tag), ordered))
     }
 
-    /// The way that makes room for `line`: a free one, or the one with the lowest stamp, or a random one. The generator moves
-    /// only when it decides.
-    fn victim(&mut self, line: u64) -> usize {
-        let first = self.first(line);
-        let set = first..first + self.ways;
-        let oldest = set.min_by_key(|&way| self.stamps[way]).unwrap_or(first);
-        if self.replacement != Replacement::Random || self.tags[oldest] == FREE {
-            return oldest;
+    /// The first free way of `set`, or a random one. The generator moves only when it decides.
+    fn random_way(&mut self, set: usize) -> usize {
+        if let Some(free) = in_width!(&self.sets, sets => sets.free_way(set)) {
+            return free;
         }
         // xorshift64: full period, and its high bits are good enough to choose a way.
         self.random ^= self.random << 13;
         self.random ^= self.random >> 7;
         self.random ^= self.random << 17;
-        first + (((self.random >> 32) * self.ways as u64) >> 32) as usize
-    }
-
-    #[inline]
-    fn first(&self, line: u64) -> usize {
-        (line & self.set_mask) as usize * self.ways
+        (((self.random >> 32) * self.ways as u64) >> 32) as usize
     }
 }
 
