@@ -12,8 +12,10 @@ use crate::detail::Detail;
 const FEWEST_WINDOWS: usize = 12;
 /// More of the tiles than this, warm-up included, are not worth a sample: the frame is simulated whole.
 const WORTH: f64 = 0.75;
-/// Tiles of a block in slots of the machine, where all blocks are simulated: warm-up is then a small part.
-const LONG_BLOCK: usize = 8;
+/// Where all blocks are simulated: at most so many blocks, of at least so many tiles for each slot of the machine. Each seam
+/// between two blocks costs accuracy, and the warm-up of each costs time.
+const LONG_BLOCKS: usize = 16;
+const LONG_BLOCK: usize = 16;
 
 /// The blocks of a frame.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -32,7 +34,8 @@ impl Blocks {
     /// whole. `share` is the part of the tiles to be measured, or 1 for all of them.
     pub fn new(tiles: usize, slots: usize, share: f64) -> Option<Self> {
         let (slots, all) = (slots.max(4), share >= 1.0);
-        let length = if all { slots * LONG_BLOCK } else { slots };
+        let length = if all { (slots * LONG_BLOCK).max(tiles.div_ceil(LONG_BLOCKS)) } else { slots };
+        let warm_up = if all { 2 * slots } else { slots };
         let blocks = tiles / length;
         if blocks < if all { 2 } else { FEWEST_WINDOWS + 2 } {
             return None;
@@ -47,7 +50,7 @@ impl Blocks {
         (chosen[0], chosen[blocks - 1]) = (true, true);
         // In the middle of equal parts.
         (0..windows).for_each(|i| chosen[1 + (2 * i + 1) * middle / (2 * windows)] = true);
-        Some(Self { tiles, length, warm_up: slots, chosen })
+        Some(Self { tiles, length, warm_up, chosen })
     }
 
     /// The blocks of what a frame is to be simulated with, as [`Blocks::new`].
@@ -108,7 +111,8 @@ mod tests {
             let held: Vec<usize> = (0..blocks.len()).flat_map(|block| blocks.tiles(block)).collect();
             assert_eq!(held, (0..tiles).collect::<Vec<_>>());
             assert!((0..tiles).all(|tile| blocks.tiles(blocks.block_of(tile)).contains(&tile)));
-            assert!((1..blocks.len()).all(|block| blocks.warm_up(block) == blocks.tiles(block).start - 8));
+            let warm_up = if share < 1.0 { 8 } else { 16 };
+            assert!((1..blocks.len()).all(|block| blocks.warm_up(block) == blocks.tiles(block).start - warm_up));
         }
     }
 
@@ -134,6 +138,6 @@ mod tests {
     fn where_all_is_simulated_every_block_is_a_window() {
         let blocks = Blocks::new(2048, 8, 1.0).unwrap();
         assert!((0..blocks.len()).all(|block| blocks.is_chosen(block)));
-        assert_eq!(blocks.middle(), (30, 30));
+        assert_eq!(blocks.middle(), (14, 14));
     }
 }

@@ -6,7 +6,7 @@ use rayreel_machine::functional::{Features, exact_counters};
 use rayreel_machine::stats::Stats;
 
 use super::blocks::Blocks;
-use super::calibrate::weights;
+use super::calibrate::{rates_used, weights};
 use super::pass::Passed;
 use super::window::Measured;
 use crate::detail::{Detail, Estimate, Replicate};
@@ -34,6 +34,8 @@ struct Frame<'a> {
     /// The windows between, and what they stand for.
     windows: Vec<Sum>,
     rest: Features,
+    /// Every block is a window.
+    all: bool,
     is_exact: Stats,
 }
 
@@ -86,7 +88,8 @@ impl<'a> Frame<'a> {
         let certain = certain.unwrap_or(nothing);
         let mut rest = total;
         rest.add_part(&certain.features, -1.0);
-        Self { config, passed, certain, windows, rest, is_exact: exact_counters(config) }
+        let all = passed.windows.len() == blocks.len();
+        Self { config, passed, certain, windows, rest, all, is_exact: exact_counters(config) }
     }
 
     /// All counters, estimated from those windows that are kept.
@@ -95,7 +98,10 @@ impl<'a> Frame<'a> {
             self.windows.iter().zip(kept).filter_map(|(window, kept)| kept.then_some(window)).collect();
         let features: Vec<Features> = windows.iter().map(|window| window.features).collect();
         let mut sum = self.certain.clone();
-        for (window, weight) in windows.iter().zip(weights(&features, &self.rest)) {
+        // Where every block is a window, only what crossed between them is missing, or there twice.
+        let used = if self.all { 0 } else { rates_used(self.windows.len()) };
+        let weights = weights(&features, &self.rest, used);
+        for (window, weight) in windows.iter().zip(weights) {
             sum.add(window, weight);
         }
         sum.counters
