@@ -45,6 +45,8 @@ impl Child {
 
     /// Largest number of triangles and of nodes that a reference can address.
     pub const MAX_INDEX: u32 = 1 << Self::FIRST_BITS;
+    /// The root, an inner node.
+    pub const ROOT: Self = Self(0);
 
     /// The inner node `index`.
     pub fn inner(index: u32) -> Self {

@@ -152,6 +152,13 @@ impl Shadows {
         (0..MAX_LIGHTS).filter(move |light| self.0 >> (2 * light) & 3 != 0)
     }
 
+    /// The place of the ray to light `light` among the shadow rays; `None` if none was cast.
+    #[inline]
+    pub fn rank(self, light: usize) -> Option<u32> {
+        let below = Self(self.0 & ((1 << (2 * light)) - 1));
+        (self.0 >> (2 * light) & 3 != 0).then(|| below.count())
+    }
+
     /// Number of shadow rays.
     #[inline]
     pub fn count(self) -> u32 {

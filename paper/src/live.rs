@@ -3,14 +3,17 @@
 //! A trace is worth its making when it is read often. The whole animation is read once, by all its policies at a time: coding
 //! and decoding it would take longer than tracing it, and a disk would have to hold it.
 
-use std::sync::{PoisonError, RwLock};
+use std::sync::{Arc, PoisonError, RwLock};
 
 use rayon::prelude::*;
 use rayreel_formats::bvh::Bvh;
 use rayreel_formats::scene::{Camera, Meta};
 use rayreel_formats::tile::Tile;
+use rayreel_formats::trace::PackedColumn;
 use rayreel_formats::{Error, Result};
+use rayreel_machine::work::recorded::TilePaths;
 use rayreel_machine::work::topology::Topology;
+use rayreel_replay::source::PackedTile;
 use rayreel_replay::{PathSource, ReplayError, Stop, TileSource};
 use rayreel_scenes::Scene;
 use rayreel_tracer::accel::Built;
@@ -79,7 +82,7 @@ pub struct FrameHolder<'a, S> {
 /// All tiles of a frame.
 pub struct WholeFrame {
     number: u32,
-    tiles: Vec<Tile>,
+    tiles: Vec<Arc<Tile>>,
 }
 
 impl<'a, S: PathSource> FrameHolder<'a, S> {
@@ -97,7 +100,7 @@ impl<'a, S: PathSource> FrameHolder<'a, S> {
             stop.check()?;
             let unreadable =
                 |e| ReplayError::Trace { what: format!("tile {index}"), frame: number, source: Box::new(e) };
-            self.source.tile(number, index).map_err(unreadable)
+            self.source.shared_tile(number, index).map_err(unreadable)
         };
         let tiles = (0..self.source.meta().tile_count()).into_par_iter().map(read);
         Ok(WholeFrame { number, tiles: tiles.collect::<rayreel_replay::Result<_>>()? })
@@ -123,11 +126,15 @@ impl<S: PathSource> TileSource for FrameHolder<'_, S> {
     }
 
     fn tile(&self, frame: u32, index: u32) -> Result<Tile> {
+        self.shared_tile(frame, index).map(Arc::unwrap_or_clone)
+    }
+
+    fn shared_tile(&self, frame: u32, index: u32) -> Result<Arc<Tile>> {
         match &*self.frame.read().unwrap_or_else(PoisonError::into_inner) {
             Some(held) if held.number == frame => {
                 held.tiles.get(index as usize).cloned().ok_or_else(|| Error::usage("no such tile"))
             }
-            _ => self.source.tile(frame, index),
+            _ => self.source.shared_tile(frame, index),
         }
     }
 }
@@ -143,5 +150,13 @@ impl<S: PathSource> PathSource for FrameHolder<'_, S> {
 
     fn tile_with_paths(&self, frame: u32, index: u32) -> Result<Tile> {
         self.source.tile_with_paths(frame, index)
+    }
+
+    fn packed_tile(&self, frame: u32, index: u32) -> Result<PackedTile> {
+        self.source.packed_tile(frame, index)
+    }
+
+    fn paths(&self, tile: &Tile, packed: &PackedColumn) -> Result<TilePaths> {
+        self.source.paths(tile, packed)
     }
 }

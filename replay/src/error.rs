@@ -76,6 +76,11 @@ pub enum ReplayError {
 }
 
 impl ReplayError {
+    /// [`ReplayError::Trace`], of a tile of a frame.
+    pub(crate) fn tile((frame, index): (u32, u32), source: rayreel_formats::Error) -> Self {
+        Self::Trace { what: format!("tile {index}"), frame, source: Box::new(source) }
+    }
+
     /// [`ReplayError::Output`].
     pub(crate) fn output(path: &std::path::Path, action: &'static str, source: io::Error) -> Self {
         Self::Output { path: path.to_path_buf(), action, source }

@@ -42,7 +42,7 @@ mod work;
 
 pub use detail::Detail;
 pub use error::{ReplayError, Result};
-pub use frame::{FrameReplay, Options, Replayer};
+pub use frame::{FrameReplay, Options, Replayer, Replayers};
 pub use policy::{NamedPolicy, Policy, SamplePolicy, Sampler};
 pub use sequence::{FrameLoop, Replay, replay};
 pub use source::{PathSource, TileSource};

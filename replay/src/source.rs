@@ -1,9 +1,13 @@
 //! Where a replay reads from: a trace, or a synthetic frame of a test.
 
+use std::cell::RefCell;
+use std::sync::Arc;
+
+use rayreel_formats::Error;
 use rayreel_formats::scene::{Camera, Meta};
 use rayreel_formats::tile::{Column, Tile};
-use rayreel_formats::trace::Trace;
-
+use rayreel_formats::trace::{Codec, PackedColumn, Scratch, Trace};
+use rayreel_machine::work::recorded::{PathRecorder, TilePaths};
 use rayreel_machine::work::topology::Topology;
 
 /// A recorded frame sequence. Every call may come from any thread.
@@ -25,6 +29,23 @@ pub trait TileSource: Sync {
     /// # Errors
     /// When the source cannot be read or does not hold the tile.
     fn tile(&self, frame: u32, index: u32) -> rayreel_formats::Result<Tile>;
+
+    /// As [`TileSource::tile`]. A source that keeps tiles hands out the one that it has.
+    ///
+    /// # Errors
+    /// As there.
+    fn shared_tile(&self, frame: u32, index: u32) -> rayreel_formats::Result<Arc<Tile>> {
+        self.tile(frame, index).map(Arc::new)
+    }
+}
+
+/// A tile with its paths: as steps in [`Tile::paths`], which nobody has checked, or as bytes.
+#[derive(Clone, Debug)]
+pub struct PackedTile {
+    /// The tile.
+    pub tile: Arc<Tile>,
+    /// What [`PathSource::paths`] makes its paths of; `None` if the tile has them.
+    pub packed: Option<Arc<PackedColumn>>,
 }
 
 /// A source that also holds traversal paths: what the machine needs beside the policy.
@@ -40,6 +61,22 @@ pub trait PathSource: TileSource {
     /// # Errors
     /// As there.
     fn tile_with_paths(&self, frame: u32, index: u32) -> rayreel_formats::Result<Tile>;
+
+    /// As [`TileSource::tile`], with the traversal paths for later: packed they are a hundredth of what is made of them.
+    ///
+    /// # Errors
+    /// As there.
+    fn packed_tile(&self, frame: u32, index: u32) -> rayreel_formats::Result<PackedTile> {
+        Ok(PackedTile { tile: Arc::new(self.tile_with_paths(frame, index)?), packed: None })
+    }
+
+    /// The paths of a tile as operations, from the bytes that came with it. They are known to lead through the tree.
+    ///
+    /// # Errors
+    /// When they are damaged; when this source does not pack paths.
+    fn paths(&self, tile: &Tile, _packed: &PackedColumn) -> rayreel_formats::Result<TilePaths> {
+        Err(Error::usage(format!("the source of tile {} packs no paths", tile.index)))
+    }
 }
 
 /// What a policy reads of a trace: everything but the traversal paths.
@@ -59,7 +96,7 @@ impl TileSource for Trace {
     }
 
     fn tile(&self, frame: u32, index: u32) -> rayreel_formats::Result<Tile> {
-        Self::tile(self, frame, index, COLUMNS)
+        SCRATCH.with_borrow_mut(|scratch| self.tile_with(frame, index, COLUMNS, scratch))
     }
 }
 
@@ -75,4 +112,24 @@ impl PathSource for Trace {
     fn tile_with_paths(&self, frame: u32, index: u32) -> rayreel_formats::Result<Tile> {
         Self::tile(self, frame, index, &Column::ALL)
     }
+    fn packed_tile(&self, frame: u32, index: u32) -> rayreel_formats::Result<PackedTile> {
+        let (mut tile, packed) = Self::packed_tile(self, frame, index)?;
+        if packed.codec == Codec::CONTEXT {
+            return Ok(PackedTile { tile: Arc::new(tile), packed: Some(Arc::new(packed)) });
+        }
+        tile.paths = SCRATCH.with_borrow_mut(|scratch| Self::paths(self, &tile, &packed, scratch))?;
+        Ok(PackedTile { tile: Arc::new(tile), packed: None })
+    }
+
+    fn paths(&self, tile: &Tile, packed: &PackedColumn) -> rayreel_formats::Result<TilePaths> {
+        let mut recorder = PathRecorder::default();
+        let decode = |scratch: &mut Scratch| self.paths_to(tile, packed, scratch, &mut recorder);
+        let shared = SCRATCH.with_borrow_mut(decode)?;
+        Ok(recorder.finish(shared))
+    }
+}
+
+thread_local! {
+    /// Memory of decoders, kept from tile to tile.
+    static SCRATCH: RefCell<Scratch> = RefCell::default();
 }

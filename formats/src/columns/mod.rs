@@ -3,6 +3,8 @@
 pub mod classes;
 pub mod coder;
 pub mod hits;
+pub mod numbers;
 pub mod paths;
 pub mod radiance;
+pub mod rows;
 pub mod tree;

@@ -5,11 +5,14 @@
 //! shading that scales all channels moves the patterns alike. So red and blue are predicted to differ from their
 //! neighbours as green did.
 
-use super::classes::{ClassRays, CodingOrder, Neighbours, Raster};
-use super::coder::{Bit, Coder, Decoder, Encoder, Number};
+use super::classes::{ClassRays, CodingOrder};
+use super::coder::{Bit, Coder, Decoder, Encoder};
+use super::numbers::Number;
+use super::rows::{Around, Rows};
+use crate::bvh::Bvh;
 use crate::half::Half3;
-use crate::rays::{Geometry, RayRebuilder, children};
-use crate::tile::{Hit, Radiance, Tree};
+use crate::rays::{RayRebuilder, children};
+use crate::tile::{Hit, Radiance, RayNode};
 
 /// Number of contexts by activity: how large the residuals of the neighbours were, as a number of bits.
 const ACTIVITIES: usize = 14;
@@ -38,7 +41,7 @@ impl RadianceModels {
             return 0;
         }
         let sign = &mut self.sign[channel][(other.signum() + 1) as usize];
-        if coder.bit(sign, value < 0) { -magnitude } else { magnitude }
+        if coder.doubtful_bit(sign, value < 0) { -magnitude } else { magnitude }
     }
 
     fn weight<C: Coder>(&mut self, coder: &mut C, child: usize, predicted: Half3, weight: Half3) -> Half3 {
@@ -49,17 +52,17 @@ impl RadianceModels {
     }
 }
 
-/// Codes the radiance of a tile; both slices hold one entry a node. Where they are `computed`, every weight is known to be
-/// what follows from material and angle, and the rays need not be rebuilt to see it.
+/// Codes the radiance of a tile; both slices hold one entry a node. `rays` knows all hits that rays hang on; without it every
+/// weight is known to be what follows from material and angle.
 pub fn encode(
     order: &CodingOrder<'_>,
     hits: &[Hit],
     radiance: &[Radiance],
-    geometry: Geometry<'_>,
-    computed: bool,
+    bvh: &Bvh,
+    rays: Option<&RayRebuilder<'_>>,
 ) -> Vec<u8> {
     let mut coder = Encoder::default();
-    code(&mut coder, order, hits, radiance, geometry, computed);
+    code(&mut coder, order, hits, radiance, (bvh, rays));
     coder.finish()
 }
 
@@ -71,9 +74,9 @@ pub fn decode(
     bytes: &[u8],
     order: &CodingOrder<'_>,
     hits: &[Hit],
-    geometry: Geometry<'_>,
+    rays: &RayRebuilder<'_>,
 ) -> Result<Vec<Radiance>, String> {
-    let radiance = code(&mut Decoder::new(bytes), order, hits, &[], geometry, false);
+    let radiance = code(&mut Decoder::new(bytes), order, hits, &[], (rays.geometry().bvh, Some(rays)));
     let valid = |r: &Radiance| r.local.is_valid() && r.reflect.is_valid() && r.refract.is_valid();
     if radiance.iter().all(valid) { Ok(radiance) } else { Err("a colour is negative or not finite".into()) }
 }
@@ -83,38 +86,32 @@ fn code<C: Coder>(
     order: &CodingOrder<'_>,
     hits: &[Hit],
     radiance: &[Radiance],
-    geometry: Geometry<'_>,
-    computed: bool,
+    (bvh, rays): (&Bvh, Option<&RayRebuilder<'_>>),
 ) -> Vec<Radiance> {
     let CodingOrder { tree, rect, classes } = order;
-    let mut models = RadianceModels::new();
-    let mut raster = Raster::new(*rect);
-    let mut rebuilt = (!computed).then(|| RayRebuilder::new(tree, *rect, geometry));
-    let surfaces: Vec<_> = tree.nodes.iter().zip(hits).map(|(node, hit)| surface_of(geometry, node.hit, hit)).collect();
+    let (mut models, mut rows) = (RadianceModels::new(), Rows::new(*rect));
     let mut out = vec![Radiance::default(); tree.nodes.len()];
-    // Per node the magnitude of its green residual: the activity that its neighbours will see.
-    let mut sizes = vec![0u32; tree.nodes.len()];
-    for ClassRays { class, rays } in classes {
-        raster.clear();
-        for &(sample, node) in rays {
+    for ClassRays { rays: list, .. } in classes {
+        rows.restart(*rect);
+        for &(sample, node) in list {
             let index = node as usize;
             let given = if C::ENCODES { radiance[index] } else { Radiance::default() };
-            let near = raster.neighbours(sample);
-            let prediction = predict(&near, index, tree, &surfaces, &out, &sizes);
-            (out[index].local, sizes[index]) = colour(coder, &mut models, &prediction, given.local);
-            raster.set(sample, node);
-            let shape = &tree.nodes[index];
-            // Only rays with children have weights, and weights need the ray.
+            let (x, shape) = (rows.go_to(sample), &tree.nodes[index]);
+            let mut here = Near::new(bvh, shape, &hits[index]);
+            let prediction = predict(&rows.around(x), &here);
+            (here.colour, here.size) = colour(coder, &mut models, &prediction, given.local);
+            out[index].local = here.colour;
+            rows.set(x, here);
+            // Only rays with children have weights.
             if !(shape.reflect || shape.refract) {
                 continue;
             }
-            let (reflect, refract) = match &mut rebuilt {
+            let (reflect, refract) = match rays {
                 None => (given.reflect, given.refract),
-                Some(rebuilt) => {
-                    let ray = rebuilt.ray(sample, *class, node);
-                    let surface = rebuilt.hit(node, &hits[index]);
-                    let material = geometry.bvh.material(hits[index].triangle as usize);
-                    let weights = surface.map(|s| children(&s, ray.direction, material)).unwrap_or_default();
+                Some(rays) => {
+                    let known = rays.known(node).map(|known| (known, bvh.material(known.triangle as usize)));
+                    let weights = known.map(|(hit, material)| children(&hit.surface, hit.direction, material));
+                    let weights = weights.unwrap_or_default();
                     (weights.reflect.unwrap_or_default(), weights.refract.unwrap_or_default())
                 }
             };
@@ -129,6 +126,42 @@ fn code<C: Coder>(
     out
 }
 
+/// What a neighbour's ray met, and its colour.
+#[derive(Clone, Copy, Default)]
+struct Near {
+    /// There is one.
+    there: bool,
+    object: u32,
+    material: u32,
+    shadows: u32,
+    colour: Half3,
+    /// The magnitude of its green residual: the activity that its neighbours see.
+    size: u32,
+}
+
+impl Near {
+    /// The colour is still to come.
+    #[inline(always)]
+    fn new(bvh: &Bvh, node: &RayNode, hit: &Hit) -> Self {
+        let (mut object, mut material) = (u32::MAX, 0);
+        if node.hit {
+            let triangle = &bvh.triangles[hit.triangle as usize];
+            (object, material) = (triangle.object, triangle.material);
+        }
+        Self { there: true, object, material, shadows: node.shadows.0, ..Self::default() }
+    }
+
+    #[inline(always)]
+    fn is_like(&self, other: &Self) -> bool {
+        self.there && (self.object, self.material, self.shadows) == (other.object, other.material, other.shadows)
+    }
+
+    #[inline(always)]
+    fn values(&self) -> [i32; 3] {
+        self.colour.0.map(i32::from)
+    }
+}
+
 /// A colour to expect, how far to trust it (2 most), and the activity around.
 struct Prediction {
     colour: [i32; 3],
@@ -136,47 +169,30 @@ struct Prediction {
     activity: usize,
 }
 
-fn predict(
-    near: &Neighbours,
-    index: usize,
-    tree: &Tree,
-    surfaces: &[(u32, u32)],
-    out: &[Radiance],
-    sizes: &[u32],
-) -> Prediction {
-    let here = surfaces[index];
-    let alike = |n: Option<u32>| {
-        n.map(|n| n as usize).filter(|&n| surfaces[n] == here && tree.nodes[n].shadows == tree.nodes[index].shadows)
-    };
-    let values = |n: usize| out[n].local.0.map(i32::from);
-    let (w, n, nw, ne) = (alike(near.w), alike(near.n), alike(near.nw), alike(near.ne));
-    let sum: u32 = [w, n].into_iter().flatten().map(|n| sizes[n]).sum();
-    let activity = (32 - sum.leading_zeros()) as usize;
-    let activity = activity.min(ACTIVITIES - 1);
-    let (colour, trust) = match (w, n, nw) {
-        (Some(w), Some(n), Some(nw)) => {
-            let (w, n, nw) = (values(w), values(n), values(nw));
+#[inline(always)]
+fn predict(around: &Around<Near>, here: &Near) -> Prediction {
+    let Around { w, n, nw, ne } = around;
+    let [alike_w, alike_n, alike_nw] = [w, n, nw].map(|near| near.is_like(here));
+    let sum = if alike_w { w.size } else { 0 } + if alike_n { n.size } else { 0 };
+    let activity = ((32 - sum.leading_zeros()) as usize).min(ACTIVITIES - 1);
+    let (colour, trust) = match (alike_w, alike_n, alike_nw) {
+        (true, true, true) => {
+            let (w, n, nw) = (w.values(), n.values(), nw.values());
             (std::array::from_fn(|c| median_edge(w[c], n[c], nw[c])), 2)
         }
-        (Some(w), Some(n), None) => {
-            let (w, n) = (values(w), values(n));
+        (true, true, false) => {
+            let (w, n) = (w.values(), n.values());
             (std::array::from_fn(|c| (w[c] + n[c]) / 2), 2)
         }
-        _ => match w.or(n).or(nw).or(ne) {
-            Some(n) => (values(n), 1),
-            None => (near.w.or(near.n).map_or([0; 3], |n| values(n as usize)), 0),
-        },
+        (true, ..) => (w.values(), 1),
+        (_, true, _) => (n.values(), 1),
+        (.., true) => (nw.values(), 1),
+        _ if ne.is_like(here) => (ne.values(), 1),
+        _ if w.there => (w.values(), 0),
+        _ if n.there => (n.values(), 0),
+        _ => ([0; 3], 0),
     };
     Prediction { colour, trust, activity }
-}
-
-/// Object and material of what a node hit; the sky counts as one.
-fn surface_of(geometry: Geometry<'_>, is_hit: bool, hit: &Hit) -> (u32, u32) {
-    if !is_hit {
-        return (u32::MAX, 0);
-    }
-    let triangle = geometry.bvh.triangles[hit.triangle as usize];
-    (triangle.object, triangle.material)
 }
 
 /// The predictor of LOCO-I: the plane through the three, held between west and north.

@@ -13,5 +13,5 @@ mod rebuild;
 mod walk;
 
 pub use formulas::{Children, Ray, Surface, children, primary, reflection, refraction, shadow, surface, to_light};
-pub use rebuild::{Geometry, RayRebuilder};
+pub use rebuild::{Geometry, KnownHit, RayRebuilder};
 pub use walk::{RayEnd, RecordedRay, TileRays};

@@ -2,14 +2,14 @@
 
 use crate::bvh::Bvh;
 use crate::columns::classes::CodingOrder;
-use crate::columns::paths::{BvhTopology, PathScratch};
+use crate::columns::paths::{BvhTopology, PathScratch, PathSink, SharedPaths};
 use crate::columns::{hits, paths, radiance, tree};
 use crate::container::{ColumnEntry, EncodedChunk, compress, decompress};
 use crate::error::{Error, Result, check_limit};
 use crate::id::{ChunkId, NONE};
 use crate::limits::Limits;
 use crate::payload::canonical;
-use crate::rays::Geometry;
+use crate::rays::{Geometry, RayRebuilder};
 use crate::scene::{Camera, Meta, Rect};
 use crate::tile::{Column, Hit, Paths, Radiance, Tile, Tree};
 
@@ -163,7 +163,10 @@ impl TileCodec<'_> {
         match column {
             Column::Tree => Ok(tree::encode(order, self.lights())),
             Column::Hits => hits::encode(order, &tile.hits, self.geometry(), traced),
-            Column::Radiance => Ok(radiance::encode(order, &tile.hits, &tile.radiance, self.geometry(), traced)),
+            Column::Radiance => {
+                let rays = (!traced).then(|| RayRebuilder::of(order.tree, order.rect, self.geometry(), &tile.hits));
+                Ok(radiance::encode(order, &tile.hits, &tile.radiance, self.bvh, rays.as_ref()))
+            }
             Column::Paths => paths::encode(&tile.paths, order, self.lights(), self.topology, &mut scratch.paths),
         }
     }
@@ -186,30 +189,46 @@ impl TileCodec<'_> {
         Ok(tree)
     }
 
-    /// Decodes the hits column of a tile whose tree is there.
+    /// Decodes the hits column, and rebuilds the rays that others hang on.
     ///
     /// # Errors
     /// When it is damaged.
-    pub fn decode_hits(&self, tile: &Tile, packed: &PackedColumn) -> Result<Vec<Hit>> {
+    pub(super) fn decode_hits(
+        &self,
+        order: &CodingOrder<'_>,
+        packed: &PackedColumn,
+    ) -> Result<(Vec<Hit>, RayRebuilder<'_>)> {
         let decoded = decode(
             packed,
-            |bytes| hits::decode(bytes, &CodingOrder::new(&tile.tree, tile.rect), self.geometry()),
-            |bytes| canonical::parse_hits(bytes, &tile.tree, self.bvh.triangles.len()),
-            |_| canonical::hits_length(&tile.tree),
+            |bytes| {
+                let mut rays = RayRebuilder::new(order.tree, order.rect, self.geometry());
+                Ok((hits::decode(bytes, order, &mut rays)?, rays))
+            },
+            |bytes| {
+                let hits = canonical::parse_hits(bytes, order.tree, self.bvh.triangles.len())?;
+                let rays = RayRebuilder::of(order.tree, order.rect, self.geometry(), &hits);
+                Ok((hits, rays))
+            },
+            |_| canonical::hits_length(order.tree),
         );
         named(Column::Hits, decoded)
     }
 
-    /// Decodes the radiance column of a tile whose tree and hits are there.
+    /// Decodes the radiance column; hits and rays are those of the hits column.
     ///
     /// # Errors
     /// When it is damaged.
-    pub fn decode_radiance(&self, tile: &Tile, packed: &PackedColumn) -> Result<Vec<Radiance>> {
+    pub(super) fn decode_radiance(
+        &self,
+        order: &CodingOrder<'_>,
+        (hits, rays): (&[Hit], &RayRebuilder<'_>),
+        packed: &PackedColumn,
+    ) -> Result<Vec<Radiance>> {
         let decoded = decode(
             packed,
-            |bytes| radiance::decode(bytes, &CodingOrder::new(&tile.tree, tile.rect), &tile.hits, self.geometry()),
-            |bytes| canonical::parse_radiance(bytes, &tile.tree),
-            |_| canonical::radiance_length(&tile.tree),
+            |bytes| radiance::decode(bytes, order, hits, rays),
+            |bytes| canonical::parse_radiance(bytes, order.tree),
+            |_| canonical::radiance_length(order.tree),
         );
         named(Column::Radiance, decoded)
     }
@@ -230,6 +249,33 @@ impl TileCodec<'_> {
         let paths = named(Column::Paths, decoded)?;
         check_limit("path steps per tile", paths.steps.len() as u64, self.limits.max_path_steps_per_tile)?;
         Ok(paths)
+    }
+}
+
+impl TileCodec<'_> {
+    /// As [`TileCodec::decode_paths`], but the paths go to `sink`, each once. Only paths by the column codec are known to
+    /// lead through the tree; others go to no sink.
+    ///
+    /// # Errors
+    /// As there; some paths have gone to `sink` then.
+    pub fn decode_paths_to<S: PathSink>(
+        &self,
+        tile: &Tile,
+        packed: &PackedColumn,
+        scratch: &mut Scratch,
+        sink: &mut S,
+    ) -> Result<SharedPaths> {
+        let (order, lights, scratch) = (CodingOrder::new(&tile.tree, tile.rect), self.lights(), &mut scratch.paths);
+        let decoded = decode(
+            packed,
+            |bytes| paths::decode_to(bytes, &order, lights, self.topology, self.limits, scratch, sink),
+            |_| Err("plain paths are not known to lead through the tree".into()),
+            |paths| paths.rays.iter().map(|&path| 4 + u64::from(paths.steps[path as usize])).sum(),
+        );
+        let shared = named(Column::Paths, decoded)?;
+        let steps = shared.steps.iter().map(|&steps| u64::from(steps)).sum();
+        check_limit("path steps per tile", steps, self.limits.max_path_steps_per_tile)?;
+        Ok(shared)
     }
 }
 

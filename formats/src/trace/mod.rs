@@ -7,7 +7,7 @@ mod fingerprint;
 mod reader;
 mod writer;
 
-pub use crate::columns::paths::BvhTopology;
+pub use crate::columns::paths::{BvhTopology, LeafTests, PathSink, SharedPaths};
 pub use codec::{Codec, PackedColumn, Scratch, TileCodec};
 pub use compare::{Difference, compare};
 pub use digest::{Digest, digest};

@@ -5,7 +5,8 @@ use std::sync::OnceLock;
 
 use super::codec::{PackedColumn, Scratch, TileCodec};
 use crate::bvh::Bvh;
-use crate::columns::paths::BvhTopology;
+use crate::columns::classes::CodingOrder;
+use crate::columns::paths::{BvhTopology, PathSink, SharedPaths};
 use crate::container::{ChunkRecord, ColumnTotals, Reader, Source, TileDirectory, TilePayload};
 use crate::error::{Error, Result};
 use crate::id::{ChunkId, ChunkKind};
@@ -162,8 +163,58 @@ impl Trace {
         let wanted: Vec<Column> =
             Column::ALL.into_iter().filter(|&column| column == Column::Tree || wanted(column)).collect();
         let source = self.columns(&record, &wanted)?;
-        let decoded = self.decode(&record, &source, &wanted, &self.codec(&camera), scratch);
-        decoded.map_err(|error| error.in_tile(frame, index))
+        let mut decode = || {
+            let codec = self.codec(&camera);
+            let mut tile = self.decode(&record, &source, &wanted, &codec)?;
+            if wanted.contains(&Column::Paths) {
+                let packed = self.column(&record, &source, Column::Paths)?;
+                tile.paths = codec.decode_paths(&tile, &packed, scratch)?;
+            }
+            Ok(tile)
+        };
+        decode().map_err(|error: Error| error.in_tile(frame, index))
+    }
+
+    /// A tile with the bytes of its paths, to be decoded when they are needed: they take many times as much memory.
+    ///
+    /// # Errors
+    /// As [`Trace::tile`].
+    pub fn packed_tile(&self, frame: u32, index: u32) -> Result<(Tile, PackedColumn)> {
+        let record = *self.reader.require(ChunkId::tile(frame, index))?;
+        let camera = self.camera(frame)?;
+        let source = self.columns(&record, &Column::ALL)?;
+        let decode = || {
+            let tile = self.decode(&record, &source, &Column::ALL, &self.codec(&camera))?;
+            Ok((tile, self.column(&record, &source, Column::Paths)?))
+        };
+        decode().map_err(|error: Error| error.in_tile(frame, index))
+    }
+
+    /// The paths of a tile from the bytes that [`Trace::packed_tile`] gave.
+    ///
+    /// # Errors
+    /// When they are damaged.
+    pub fn paths(&self, tile: &Tile, packed: &PackedColumn, scratch: &mut Scratch) -> Result<Paths> {
+        let camera = self.camera(tile.frame)?;
+        let decoded = self.codec(&camera).decode_paths(tile, packed, scratch);
+        decoded.map_err(|error| error.in_tile(tile.frame, tile.index))
+    }
+
+    /// As [`Trace::paths`], but the paths go to `sink`, each once. Only paths by [`Codec::Context`](super::Codec::Context) do: of others nobody
+    /// knows that they lead through the tree.
+    ///
+    /// # Errors
+    /// As there; some paths may have gone to `sink` then.
+    pub fn paths_to<S: PathSink>(
+        &self,
+        tile: &Tile,
+        packed: &PackedColumn,
+        scratch: &mut Scratch,
+        sink: &mut S,
+    ) -> Result<SharedPaths> {
+        let camera = self.camera(tile.frame)?;
+        let decoded = self.codec(&camera).decode_paths_to(tile, packed, scratch, sink);
+        decoded.map_err(|error| error.in_tile(tile.frame, tile.index))
     }
 
     /// All rays of a tile, rebuilt, with what each met.
@@ -187,28 +238,28 @@ impl Trace {
         Ok(ColumnSource::Single(directory))
     }
 
+    /// All wanted columns but the paths.
     fn decode(
         &self,
         record: &ChunkRecord,
         source: &ColumnSource,
         wanted: &[Column],
         codec: &TileCodec<'_>,
-        scratch: &mut Scratch,
     ) -> Result<Tile> {
         let ChunkId { frame, tile: index, .. } = record.id;
         let read = |column: Column| self.column(record, source, column);
         let rect = self.meta.tile_rect(index);
         let tree = codec.decode_tree(rect, &read(Column::Tree)?)?;
-        let mut tile = Tile { frame, index, rect, tree, hits: vec![], radiance: vec![], paths: Paths::default() };
+        let (mut hits, mut radiance) = (Vec::new(), Vec::new());
         if wanted.contains(&Column::Hits) {
-            tile.hits = codec.decode_hits(&tile, &read(Column::Hits)?)?;
+            let order = CodingOrder::new(&tree, rect);
+            let rays;
+            (hits, rays) = codec.decode_hits(&order, &read(Column::Hits)?)?;
+            if wanted.contains(&Column::Radiance) {
+                radiance = codec.decode_radiance(&order, (&hits, &rays), &read(Column::Radiance)?)?;
+            }
         }
-        if wanted.contains(&Column::Radiance) {
-            tile.radiance = codec.decode_radiance(&tile, &read(Column::Radiance)?)?;
-        }
-        if wanted.contains(&Column::Paths) {
-            tile.paths = codec.decode_paths(&tile, &read(Column::Paths)?, scratch)?;
-        }
+        let tile = Tile { frame, index, rect, tree, hits, radiance, paths: Paths::default() };
         Ok(tile)
     }
 

@@ -25,6 +25,31 @@ counters! {
     }
 }
 
+impl PathCounts {
+    /// What the operations of one ray ask for, all but the hits: operations do not tell of them.
+    pub fn of_ops(ops: &[Op]) -> Self {
+        // Without branches, so that the compiler counts several at a time.
+        let [mut visits, mut tests, mut pushes, mut pops, mut culled] = [0u32; 5];
+        for op in ops {
+            let found = op.tally();
+            visits += found.visits;
+            tests += found.tests;
+            pushes += found.pushes;
+            pops += found.pops;
+            culled += found.culled;
+        }
+        Self {
+            rays: 1,
+            node_visits: visits.into(),
+            triangle_tests: tests.into(),
+            pushes: pushes.into(),
+            pops: pops.into(),
+            culled: culled.into(),
+            hits: 0,
+        }
+    }
+}
+
 /// What a path does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Walked {

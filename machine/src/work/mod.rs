@@ -8,6 +8,7 @@
 pub mod check;
 pub mod layout;
 pub mod ops;
+pub mod recorded;
 pub mod synthetic;
 pub mod topology;
 
@@ -77,13 +78,18 @@ pub struct TileWork {
     pub secondary_hits: u32,
     /// The traced rays: each sample's in ray order (closest-hit ray, its shadow rays, then its children's subtrees).
     pub rays: Vec<RayWork>,
-    /// The operations of all rays: every ray's are a valid path through the tree.
+    /// The operations of all rays: every ray's are a valid path through the tree. Rays of one path may share them.
     pub ops: Vec<Op>,
     /// The rounds, in order.
     pub rounds: Vec<Round>,
 }
 
 impl TileWork {
+    /// Number of operations that its rays do, whether they share them or not.
+    pub fn operations(&self) -> u64 {
+        self.rays.iter().map(|ray| u64::from(ray.ops_len)).sum()
+    }
+
     /// The operations of ray `ray`.
     #[inline]
     pub fn path(&self, ray: u32) -> &[Op] {

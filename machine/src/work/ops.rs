@@ -12,6 +12,21 @@
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub struct Op(u32);
 
+/// What an operation adds to the counts of its ray.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Tally {
+    /// 1 for a node visit.
+    pub visits: u32,
+    /// Triangles tested.
+    pub tests: u32,
+    /// 1 where a child goes on the stack.
+    pub pushes: u32,
+    /// 1 where a child is taken from the stack and visited.
+    pub pops: u32,
+    /// 1 where a child is taken from the stack and dropped.
+    pub culled: u32,
+}
+
 /// What an operation is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum OpKind {
@@ -81,6 +96,21 @@ impl Op {
         self.0
     }
 
+    /// What it adds to the counts of its ray.
+    #[inline(always)]
+    pub(crate) fn tally(self) -> Tally {
+        let kind = self.0 >> 28;
+        let is = |first: u32, last: u32| u32::from(kind >= first && kind <= last);
+        let [visit, defers, pop, cull, leaf] = [0, DEFERS, POP, CULL, LEAF].map(|bits| bits >> 28);
+        Tally {
+            visits: is(visit, defers),
+            tests: is(leaf, 15) * (kind & 7),
+            pushes: is(defers, defers),
+            pops: is(pop, pop),
+            culled: is(cull, cull),
+        }
+    }
+
     /// What it is.
     #[inline]
     pub fn kind(self) -> OpKind {
@@ -119,6 +149,16 @@ mod tests {
             (Op::pop(0, true), OpKind::Cull { node: 0 }),
             (Op::END, OpKind::End),
         ];
-        kinds.into_iter().for_each(|(op, kind)| assert_eq!(op.kind(), kind));
+        for (op, kind) in kinds {
+            assert_eq!(op.kind(), kind);
+            let [visits, tests, pushes, pops, culled] = match kind {
+                OpKind::Visit { defers, .. } => [1, 0, u32::from(defers), 0, 0],
+                OpKind::Leaf { tests, .. } => [0, u32::from(tests), 0, 0, 0],
+                OpKind::Pop { .. } => [0, 0, 0, 1, 0],
+                OpKind::Cull { .. } => [0, 0, 0, 0, 1],
+                OpKind::End => [0; 5],
+            };
+            assert_eq!(op.tally(), Tally { visits, tests, pushes, pops, culled });
+        }
     }
 }

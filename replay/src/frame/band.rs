@@ -5,22 +5,22 @@
 
 use rayon::prelude::*;
 use rayreel_formats::scene::{Camera, Rect};
-use rayreel_formats::tile::Tile;
 
 use crate::counts::{Counts, RayCounts, TileStats};
 use crate::error::{ReplayError, Result};
 use crate::policy::tree::Forest;
 use crate::policy::view::{SampleState, TileView};
 use crate::policy::{Apron, Sampler};
-use crate::source::{PathSource, TileSource};
+use crate::source::{PackedTile, PathSource, TileSource};
 use crate::stop::Stop;
 use crate::work::build::{Builder, Built, Part};
+use crate::work::recorded::RecordedTile;
 
 /// The tiles of one row, left to right.
 pub(super) struct Band {
     pub tiles: Vec<TileView>,
     /// What was recorded of each tile, if a machine wants its paths; else empty.
-    recorded: Vec<Tile>,
+    recorded: Vec<RecordedTile>,
 }
 
 /// A source of tiles, with or without paths.
@@ -44,26 +44,22 @@ pub(super) struct AdjacentBands<'a> {
 }
 
 /// A tile that has begun: its view, what it shares with the tile to its left, and what was recorded of it if that is kept.
-type Begun = (TileView, Option<Forest>, Option<Tile>);
+type Begun = (TileView, Option<Forest>, Option<RecordedTile>);
 
 impl<S, R> Reader<'_, S, R>
 where
     S: TileSource + ?Sized,
-    R: Fn(u32) -> rayreel_formats::Result<Tile> + Sync,
+    R: Fn(u32) -> rayreel_formats::Result<PackedTile> + Sync,
 {
     /// Reads tile `index` and lets the sampler begin it.
     fn begin(&self, sampler: &dyn Sampler, index: u32) -> Result<Begun> {
         self.stop.check()?;
-        let tile = (self.read)(index).map_err(|e| ReplayError::Trace {
-            what: format!("tile {index}"),
-            frame: self.frame,
-            source: Box::new(e),
-        })?;
-        let mut view = TileView::new(self.source, self.camera, (self.frame, index), &tile, sampler.deep())?;
+        let read = (self.read)(index).map_err(|e| ReplayError::tile((self.frame, index), e))?;
+        let mut view = TileView::new(self.source, self.camera, (self.frame, index), &read.tile, sampler.deep())?;
         sampler.begin_tile(&mut view);
         let (rows, x) = (sampler.shared_rows(&view), view.rect().x);
         let shared = (!rows.is_empty()).then(|| forest(&view, rows.into_iter().map(|y| (x, y))));
-        Ok((view, shared, self.keep.then_some(tile)))
+        Ok((view, shared, self.keep.then(|| RecordedTile::new(read))))
     }
 }
 
@@ -72,7 +68,7 @@ impl Band {
     pub fn open<S, R>(reader: &Reader<'_, S, R>, sampler: &dyn Sampler, row: u32) -> Result<Self>
     where
         S: TileSource + ?Sized,
-        R: Fn(u32) -> rayreel_formats::Result<Tile> + Sync,
+        R: Fn(u32) -> rayreel_formats::Result<PackedTile> + Sync,
     {
         let columns = reader.source.meta().tile_grid().0;
         // Collected one by one before errors are looked at, so that the first tile's error is reported on any machine.
@@ -168,9 +164,11 @@ impl Band {
         S: PathSource + ?Sized,
     {
         let build = |i: usize| {
-            let (view, tile) = (&self.tiles[i], &self.recorded[i]);
+            let (view, recorded) = (&self.tiles[i], &self.recorded[i]);
             let border = border_samples(sampler, view, (i > 0, adjacent.above));
-            builder.tile(view, tile)?.join(self.apron_part(builder, sampler, adjacent.below, i)?, tile, border)
+            let keep = sampler.apron() == Apron::Retrace;
+            let part = recorded.with_paths(builder.source, keep, |paths| builder.tile(view, &recorded.tile, paths))?;
+            part.join(self.apron_part(builder, sampler, adjacent.below, i)?, &recorded.tile, border)
         };
         let (count, group) = (self.recorded.len(), rayon::current_num_threads());
         for first in (0..count).step_by(group) {
@@ -194,7 +192,11 @@ impl Band {
         let mut part = Part::default();
         if sampler.apron() == Apron::Retrace {
             for OutsideSamples { band, tile, samples } in self.outside(sampler, below, i) {
-                builder.apron(&mut part, &band.tiles[tile], &band.recorded[tile], &samples)?;
+                let (view, recorded) = (&band.tiles[tile], &band.recorded[tile]);
+                // It is one of the tiles that several others read, and is work itself.
+                recorded.with_paths(builder.source, true, |paths| {
+                    builder.apron(&mut part, view, &recorded.tile, paths, &samples)
+                })?;
             }
             if let Some(band) = below.filter(|_| sampler.shares_first_row()) {
                 part.count(band.tiles[i].first_row_rounds());

@@ -9,6 +9,7 @@ use crate::image::Image;
 use crate::image::compare::Comparer;
 use crate::image::flip::FlipMap;
 use crate::image::resolve::Resolver;
+use crate::policy::tree::Node;
 use crate::policy::view::TileView;
 
 /// A replayed frame.
@@ -30,10 +31,20 @@ pub struct FrameReplay {
     pub stats: FrameStats,
 }
 
+/// The picture of `full`.
+enum Reference {
+    /// It is not wanted.
+    Not,
+    /// It is made here too.
+    Made(Resolver),
+    /// It was made elsewhere.
+    Given(Image),
+}
+
 /// A frame that is being put together.
 pub(super) struct Canvas {
     image: Resolver,
-    reference: Option<Resolver>,
+    reference: Reference,
     states: StateMap,
     /// What the tiles cost that are in, in order.
     pub tiles: Vec<TileStats>,
@@ -45,7 +56,7 @@ impl Canvas {
         let resolver = || Resolver::new(meta.width, meta.height, meta.samples);
         Self {
             image: resolver(),
-            reference: reference.then(resolver),
+            reference: if reference { Reference::Made(resolver()) } else { Reference::Not },
             states: StateMap::new(meta.grid()),
             tiles: Vec::new(),
         }
@@ -54,30 +65,40 @@ impl Canvas {
     /// Takes over a row of decided tiles; rows come top to bottom.
     pub fn add(&mut self, tiles: &[TileView], stats: Vec<TileStats>) {
         let rows = tiles.first().map_or(0..0, |t| t.rect().y..t.rect().y + t.rect().height);
-        for y in rows {
-            for view in tiles {
-                let rect = view.rect();
-                for x in rect.x..rect.x + rect.width {
-                    self.image.add(x, y, view.tree(x, y)[0].colour);
-                    if let Some(state) = view.state(x, y) {
-                        self.states.set(x, y, state);
-                    }
-                }
-                if let Some(reference) = &mut self.reference {
-                    (rect.x..).zip(view.recorded_row(y)).for_each(|(x, colour)| reference.add(x, y, colour));
-                }
-            }
+        let known = |y, add: &mut dyn FnMut(&[Node])| tiles.iter().for_each(|view| view.row(y, |tree, _| add(tree)));
+        self.image.add_rows(rows.clone(), |y, add| known(y, &mut |tree| add(tree[0].colour)));
+        if let Reference::Made(reference) = &mut self.reference {
+            reference.add_rows(rows.clone(), |y, add| {
+                tiles.iter().for_each(|view| view.recorded_row(y).for_each(&mut *add))
+            });
         }
+        self.states.set_rows(rows, |y, set| tiles.iter().for_each(|view| view.row(y, |_, state| set(state))));
         self.tiles.extend(stats);
+    }
+
+    /// The picture of `full`, once all rows are in; the canvas is without it then.
+    pub fn take_reference(&mut self) -> Option<Image> {
+        match std::mem::replace(&mut self.reference, Reference::Not) {
+            Reference::Not => None,
+            Reference::Made(made) => Some(made.finish()),
+            Reference::Given(image) => Some(image),
+        }
+    }
+
+    /// The canvas with this picture of `full`, of the same frame.
+    #[must_use]
+    pub fn with_reference(mut self, reference: Option<&Image>) -> Self {
+        self.reference = reference.map_or(Reference::Not, |image| Reference::Given(image.clone()));
+        self
     }
 
     /// The frame, once all rows are in.
     ///
     /// # Errors
     /// Never for pictures of this canvas: they have the same size.
-    pub fn finish(self, frame: u32, blocks: Blocks, comparer: &mut Comparer) -> Result<FrameReplay> {
+    pub fn finish(mut self, frame: u32, blocks: Blocks, comparer: &mut Comparer) -> Result<FrameReplay> {
+        let reference = self.take_reference();
         let image = self.image.finish();
-        let reference = self.reference.map(Resolver::finish);
         let compared = reference.as_ref().map(|full| comparer.compare(frame, &image, full)).transpose()?;
         let counts = self.tiles.iter().map(|t| t.counts).sum();
         let (quality, tile_errors, flip) = match compared {

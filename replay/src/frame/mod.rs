@@ -6,8 +6,10 @@
 mod band;
 mod canvas;
 mod replayer;
+mod several;
 pub mod states;
 
 pub use canvas::FrameReplay;
 pub(crate) use replayer::PassedFrame;
 pub use replayer::{Options, Replayer};
+pub use several::Replayers;

@@ -1,7 +1,6 @@
 //! One frame after the other under a policy, with or without a machine that takes the tiles as work.
 
 use rayreel_formats::scene::Camera;
-use rayreel_formats::tile::Tile;
 use rayreel_machine::work::TileWork;
 use rayreel_machine::work::check::PathCounts;
 use rayreel_machine::work::topology::Topology;
@@ -13,7 +12,7 @@ use crate::counts::TileStats;
 use crate::error::{ReplayError, RequestError, Result};
 use crate::image::compare::Comparer;
 use crate::policy::{SamplePolicy, Sampler};
-use crate::source::{PathSource, TileSource};
+use crate::source::{PackedTile, PathSource, TileSource};
 use crate::stop::Stop;
 use crate::work::build::{Builder, Built};
 use crate::work::stream::{Output, ahead};
@@ -40,7 +39,7 @@ impl Default for Options {
 /// Replays one frame after the other. Policies may learn from the frame before, so frames are best given in order.
 pub struct Replayer<'a, S: ?Sized> {
     source: &'a S,
-    sampler: Box<dyn Sampler>,
+    pub(super) sampler: Box<dyn Sampler>,
     options: Options,
     comparer: Comparer,
     stop: Stop,
@@ -80,18 +79,23 @@ impl<'a, S: TileSource + ?Sized> Replayer<'a, S> {
     /// A frame that the trace does not hold, or that cannot be read; [`ReplayError::Interrupted`].
     pub fn frame(&mut self, frame: u32) -> Result<FrameReplay> {
         let (source, camera) = (self.source, self.camera(frame)?);
-        let mut canvas = Canvas::new(source.meta(), self.options.reference);
-        let read = |index| source.tile(frame, index);
+        let mut canvas = self.canvas(true);
+        let read = |index| Ok(PackedTile { tile: source.shared_tile(frame, index)?, packed: None });
         let reader = Reader { source, camera: &camera, frame, read, keep: false, stop: &self.stop };
         bands(&reader, &mut *self.sampler, |closed| {
             canvas.add(&closed.band.tiles, closed.stats);
             Ok(())
         })?;
-        self.finish(PassedFrame { frame, canvas, paths: PathCounts::default() })
+        self.finish(PassedFrame::new(frame, canvas, PathCounts::default()))
+    }
+
+    /// What a frame is put together on; `first` of those who share one picture of `full`, if it is wanted.
+    pub(super) fn canvas(&self, first: bool) -> Canvas {
+        Canvas::new(self.source.meta(), self.options.reference && first)
     }
 
     /// The camera of a frame that is about to begin.
-    fn camera(&self, frame: u32) -> Result<Camera> {
+    pub(super) fn camera(&self, frame: u32) -> Result<Camera> {
         self.stop.check()?;
         let meta = self.source.meta();
         if !meta.frame_numbers().contains(&frame) {
@@ -141,8 +145,8 @@ impl<S: PathSource + ?Sized> Replayer<'_, S> {
         mut consume: impl FnMut(TileWork) -> Result<()>,
     ) -> Result<PassedFrame> {
         let (source, camera) = (self.source, self.camera(frame)?);
-        let mut canvas = Canvas::new(source.meta(), self.options.reference);
-        let read = |index| source.tile_with_paths(frame, index);
+        let mut canvas = self.canvas(true);
+        let read = |index| source.packed_tile(frame, index);
         let (stop, sampler) = (&self.stop, &mut *self.sampler);
         let reader = Reader { source, camera: &camera, frame, read, keep: true, stop };
         let builder = Builder { source, tree };
@@ -161,7 +165,7 @@ impl<S: PathSource + ?Sized> Replayer<'_, S> {
             paths += tile.paths;
             consume(tile.work)
         })?;
-        Ok(PassedFrame { frame, canvas, paths })
+        Ok(PassedFrame::new(frame, canvas, paths))
     }
 
     /// What the policy has learnt so far, to begin a frame again; nothing if it cannot be kept.
@@ -190,13 +194,28 @@ pub(crate) struct PassedFrame {
     pub paths: PathCounts,
 }
 
+impl PassedFrame {
+    /// A frame on its canvas, and what the paths of its tiles ask for.
+    pub(super) fn new(frame: u32, canvas: Canvas, paths: PathCounts) -> Self {
+        Self { frame, canvas, paths }
+    }
+}
+
 /// A band whose samples are all decided.
-struct Closed<'a> {
-    sampler: &'a dyn Sampler,
-    band: Band,
-    stats: Vec<TileStats>,
+pub(super) struct Closed<'a> {
+    pub sampler: &'a dyn Sampler,
+    pub band: Band,
+    pub stats: Vec<TileStats>,
     /// The next band, already open.
-    below: Option<&'a Band>,
+    pub below: Option<&'a Band>,
+}
+
+/// What comes after a row of tiles.
+pub(super) enum Row {
+    /// This row.
+    Next(u32),
+    /// The end of the frame.
+    End,
 }
 
 /// Opens the bands of a frame top to bottom, closes each as soon as the one below it is open, and gives it to `give`. What a
@@ -208,21 +227,34 @@ fn bands<S, R>(
 ) -> Result<()>
 where
     S: TileSource + ?Sized,
-    R: Fn(u32) -> rayreel_formats::Result<Tile> + Sync,
+    R: Fn(u32) -> rayreel_formats::Result<PackedTile> + Sync,
 {
-    let mut close = |sampler: &mut dyn Sampler, mut band: Band, below: Option<&Band>| {
-        let stats = band.close(sampler, reader.frame, below)?;
-        sampler.end_row(&stats);
-        give(Closed { sampler, band, stats, below })
-    };
     sampler.begin_frame(reader.frame, reader.camera);
     let mut above: Option<Band> = None;
-    for row in 0..reader.source.meta().tile_grid().1 {
-        let band = Band::open(reader, sampler, row)?;
-        if let Some(above) = above.take() {
-            close(sampler, above, Some(&band))?;
-        }
-        above = Some(band);
-    }
-    above.map_or(Ok(()), |last| close(sampler, last, None))
+    let rows = (0..reader.source.meta().tile_grid().1).map(Row::Next);
+    rows.chain([Row::End]).try_for_each(|row| next_row(reader, sampler, &mut above, row, &mut give))
+}
+
+/// One step of [`bands`]: opens the next row, if there is one, and closes the row above it.
+pub(super) fn next_row<S, R>(
+    reader: &Reader<'_, S, R>,
+    sampler: &mut dyn Sampler,
+    above: &mut Option<Band>,
+    row: Row,
+    give: &mut impl FnMut(Closed<'_>) -> Result<()>,
+) -> Result<()>
+where
+    S: TileSource + ?Sized,
+    R: Fn(u32) -> rayreel_formats::Result<PackedTile> + Sync,
+{
+    let open = match row {
+        Row::Next(row) => Some(Band::open(reader, sampler, row)?),
+        Row::End => None,
+    };
+    let closing = std::mem::replace(above, open);
+    let Some(mut band) = closing else { return Ok(()) };
+    let below = above.as_ref();
+    let stats = band.close(sampler, reader.frame, below)?;
+    sampler.end_row(&stats);
+    give(Closed { sampler, band, stats, below })
 }

@@ -1,5 +1,8 @@
 //! What became of each sample of a frame.
 
+use std::ops::Range;
+
+use rayon::prelude::*;
 use rayreel_formats::scene::Meta;
 
 use crate::policy::view::SampleState;
@@ -39,10 +42,27 @@ impl StateMap {
         self.rounds[self.offset(x, y)]
     }
 
-    pub(super) fn set(&mut self, x: u32, y: u32, (state, round): (SampleState, u8)) {
-        let i = self.offset(x, y);
-        self.states[i] = state;
-        self.rounds[i] = round;
+    /// Sets whole rows: `states` is asked for each of them and gives its states, left to right.
+    pub(super) fn set_rows(
+        &mut self,
+        rows: Range<u32>,
+        states: impl Fn(u32, &mut dyn FnMut(Option<(SampleState, u8)>)) + Sync,
+    ) {
+        let width = self.width as usize;
+        if rows.is_empty() || width == 0 {
+            return;
+        }
+        let range = rows.start as usize * width..rows.end as usize * width;
+        let lines = self.states[range.clone()].par_chunks_exact_mut(width);
+        let lines = lines.zip(self.rounds[range].par_chunks_exact_mut(width)).zip(rows);
+        lines.for_each(|((line, rounds), y)| {
+            let mut samples = line.iter_mut().zip(rounds);
+            states(y, &mut |state| {
+                if let (Some((to, round)), Some(state)) = (samples.next(), state) {
+                    (*to, *round) = state;
+                }
+            });
+        });
     }
 
     fn offset(&self, x: u32, y: u32) -> usize {

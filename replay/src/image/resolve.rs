@@ -1,5 +1,8 @@
 //! Samples to pixels: the mean of the sub-samples of each pixel, in linear space.
 
+use std::ops::Range;
+
+use rayon::prelude::*;
 use rayreel_formats::math::Vec3;
 
 use super::Image;
@@ -31,6 +34,34 @@ impl Resolver {
         }
     }
 
+    /// Adds whole rows of samples: `colours` is asked for each of them and gives its colours, left to right.
+    ///
+    /// # Panics
+    /// When there are more than the picture has room for.
+    pub fn add_rows(&mut self, rows: Range<u32>, colours: impl Fn(u32, &mut dyn FnMut(Vec3)) + Sync) {
+        let (width, samples) = (self.image.width as usize, self.samples);
+        if rows.is_empty() || width == 0 {
+            return;
+        }
+        // A row of pixels is one task: its sums are made in the order of the samples whatever thread does it.
+        let lines = rows.start / samples..rows.end.div_ceil(samples);
+        let pixels = &mut self.image.pixels[lines.start as usize * width..lines.end as usize * width];
+        pixels.par_chunks_exact_mut(width).zip(lines).for_each(|(pixels, line)| {
+            for y in rows.start.max(line * samples)..rows.end.min((line + 1) * samples) {
+                let (mut x, mut left) = (0, samples);
+                colours(y, &mut |colour| {
+                    for (sum, value) in pixels[x].iter_mut().zip(colour.to_array()) {
+                        *sum += value;
+                    }
+                    left -= 1;
+                    if left == 0 {
+                        (x, left) = (x + 1, samples);
+                    }
+                });
+            }
+        });
+    }
+
     /// The picture, once all samples are in.
     pub fn finish(mut self) -> Image {
         let samples = (self.samples * self.samples) as f32;
@@ -48,8 +79,10 @@ mod tests {
     #[test]
     fn a_pixel_is_the_mean_of_its_samples() {
         let mut resolver = Resolver::new(2, 1, 2);
-        for (i, (x, y)) in [(0, 0), (1, 0), (2, 0), (3, 0), (0, 1), (1, 1), (2, 1), (3, 1)].into_iter().enumerate() {
-            resolver.add(x, y, Vec3::splat(i as f32));
+        let colour = |x, y| Vec3::splat((y * 4 + x) as f32);
+        // Rows may come in parts, and a part may end within a pixel.
+        for rows in [0..1, 1..2] {
+            resolver.add_rows(rows, |y, add| (0..4).for_each(|x| add(colour(x, y))));
         }
         assert_eq!(resolver.finish().pixels, [[2.5; 3], [4.5; 3]]);
     }

@@ -15,7 +15,7 @@ use super::rate::TileRate;
 use super::reuse::Rebuild;
 use super::similarity::{Compared, Tests};
 use super::tree::{Forest, Node};
-use super::view::{SampleState, TileView};
+use super::view::{KnownTrees, SampleState, TileView};
 use super::{Apron, Policy, Refine, Sampling};
 use crate::error::Result;
 
@@ -158,7 +158,7 @@ struct Line<'a> {
     far: Option<&'a [Node]>,
 }
 
-impl Line<'_> {
+impl<'a> Line<'a> {
     /// Decides the samples between two known ones. One of the two may have been traced just now, as the middle of a wider gap:
     /// `foreseen` is how far its colour was off the one that interpolation would have given it, else infinite.
     fn decide(&mut self, a: u32, b: u32, foreseen: f64) {
@@ -188,17 +188,18 @@ impl Line<'_> {
     fn interpolate(&mut self, a: u32, b: u32, i: u32) {
         let (swap, s) = nearer(i - a, b - a);
         let (near, far) = if swap { (b, a) } else { (a, b) };
-        let mut tree = Vec::new();
-        match self.axis {
-            Axis::X(_) => interpolate_tree(self.tree(near), self.tree(far), s, &mut tree),
-            // No further sample is interpolated from this one, so its primary hit is enough.
-            Axis::Y(_) => {
-                let alone = |tree: &[Node]| Node { reflect: None, refract: None, len: 1, ..tree[0] };
-                interpolate_tree(&[alone(self.tree(near))], &[alone(self.tree(far))], s, &mut tree);
+        let ends = self.ends();
+        self.view.interpolate_from(ends.axis.at(i), self.round, |known, out| {
+            let (near, far) = (ends.tree(known, near), ends.tree(known, far));
+            match ends.axis {
+                Axis::X(_) => interpolate_tree(near, far, s, out),
+                // No further sample is interpolated from this one, so its primary hit is enough.
+                Axis::Y(_) => {
+                    let alone = |tree: &[Node]| Node { reflect: None, refract: None, len: 1, ..tree[0] };
+                    interpolate_tree(&[alone(near)], &[alone(far)], s, out);
+                }
             }
-        }
-        let (x, y) = self.at(i);
-        self.view.interpolate(x, y, &tree, self.round);
+        });
     }
 
     /// Traces sample `i` between `a` and `b`: whole, or what of it cannot be interpolated.
@@ -209,14 +210,13 @@ impl Line<'_> {
         }
         let (swap, s) = nearer(i - a, b - a);
         let (near, far) = if swap { (b, a) } else { (a, b) };
-        let (near, far) = (self.tree(near).to_vec(), self.tree(far).to_vec());
-        let totals = (near[0].colour, far[0].colour);
         let (tests, gap, mut pairs) = (&self.rules.tests, b - a, 0);
-        let stand_in = self.rules.rules.sampling.stand_in;
-        self.view.rebuild(x, y, self.round, |tracer, out| {
-            let compared = Compared::default();
+        let (stand_in, ends) = (self.rules.rules.sampling.stand_in, self.ends());
+        self.view.rebuild(x, y, self.round, |tracer, known, out| {
+            let (near, far) = (ends.tree(known, near), ends.tree(known, far));
+            let (totals, compared) = ((near[0].colour, far[0].colour), Compared::default());
             let mut rebuild = Rebuild { tests, stand_in, tracer, out, gap, s, totals, compared, interpolated: 0 };
-            rebuild.build(&near, &far);
+            rebuild.build(near, far);
             pairs = rebuild.compared.pairs;
             rebuild.interpolated
         });
@@ -242,13 +242,9 @@ impl Line<'_> {
 
     /// The tree of sample `i` of the line.
     fn tree(&self, i: u32) -> &[Node] {
-        let rect = self.view.rect();
-        let end = match self.axis {
-            Axis::X(_) => rect.x + rect.width,
-            Axis::Y(_) => rect.y + rect.height,
-        };
-        match self.far {
-            Some(far) if i == end => far,
+        let ends = self.ends();
+        match ends.far {
+            Some(far) if i == ends.end => far,
             _ => {
                 let (x, y) = self.at(i);
                 self.view.tree(x, y)
@@ -257,9 +253,50 @@ impl Line<'_> {
     }
 
     fn at(&self, i: u32) -> (u32, u32) {
-        match self.axis {
-            Axis::X(y) => (i, y),
-            Axis::Y(x) => (x, i),
+        self.axis.at(i)
+    }
+
+    fn ends(&self) -> Ends<'a> {
+        let rect = self.view.rect();
+        let end = match self.axis {
+            Axis::X(_) => rect.x + rect.width,
+            Axis::Y(_) => rect.y + rect.height,
+        };
+        Ends { axis: self.axis, far: self.far, end }
+    }
+}
+
+/// Where the samples of a line stand.
+#[derive(Clone, Copy)]
+struct Ends<'a> {
+    axis: Axis,
+    /// The sample past the end of the tile, and its place in the line.
+    far: Option<&'a [Node]>,
+    end: u32,
+}
+
+impl<'a> Ends<'a> {
+    /// The tree of sample `i` of the line, if that is known.
+    fn tree<'b>(&self, known: KnownTrees<'b>, i: u32) -> &'b [Node]
+    where
+        'a: 'b,
+    {
+        match self.far {
+            Some(far) if i == self.end => far,
+            _ => {
+                let (x, y) = self.axis.at(i);
+                known.tree(x, y)
+            }
+        }
+    }
+}
+
+impl Axis {
+    /// Column and row of sample `i` of the line.
+    fn at(self, i: u32) -> (u32, u32) {
+        match self {
+            Self::X(y) => (i, y),
+            Self::Y(x) => (x, i),
         }
     }
 }

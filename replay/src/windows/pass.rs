@@ -121,7 +121,7 @@ impl<'a> MachinePass<'a> {
         self.open_blocks(number);
         self.open.iter_mut().for_each(|open| open.tiles.push(Arc::clone(tile)));
         self.functional.feed(Arc::clone(tile));
-        self.sizes.push(tile.ops.len() as f64);
+        self.sizes.push(tile.operations() as f64);
         let Some(blocks) = self.blocks else { return };
         while self.open.front().is_some_and(|open| blocks.tiles(open.block).end == number + 1) {
             let Some(open) = self.open.pop_front() else { break };

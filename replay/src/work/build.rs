@@ -1,15 +1,16 @@
 //! A decided tile as work for the machine: the rays of its traced samples, round by round.
 //!
-//! Every path is checked against the tree while it is turned into operations. What a tile traces of its neighbours
+//! Every path is known to lead through the tree, or checked while it is turned into operations. What a tile traces of its neighbours
 //! (`Apron::Retrace`) stands behind its own rays.
 
 use rayreel_formats::tile::{RayKind, RayNode, Tile};
 
+use super::recorded::PathsOf;
 use super::stream::Weigh;
 use crate::error::{RayStep, ReplayError, Result};
 use crate::policy::view::{RoundCounts, SampleState, TileView};
 use crate::source::PathSource;
-use rayreel_machine::work::check::{PathCounts, walk};
+use rayreel_machine::work::check::{Fault, PathCounts, walk};
 use rayreel_machine::work::ops::Op;
 use rayreel_machine::work::topology::Topology;
 use rayreel_machine::work::{NO_RAY, NO_TRIANGLE, RayWork, Round, TileWork};
@@ -52,17 +53,24 @@ const DEPTHS: usize = 16;
 
 impl<S: PathSource + ?Sized> Builder<'_, S> {
     /// All that a tile traces, tests and interpolates itself.
-    pub fn tile(&self, view: &TileView, tile: &Tile) -> Result<Part> {
+    pub fn tile(&self, view: &TileView, tile: &Tile, paths: PathsOf<'_>) -> Result<Part> {
         let mut part = Part::default();
-        self.samples(&mut part, view, tile, view.samples())?;
+        self.samples(&mut part, view, &mut Recorded::new(tile, paths)?, view.samples())?;
         part.count(view.rounds());
         part.secondary_hits = view.secondary_hits();
         Ok(part)
     }
 
     /// Those of `samples` that were traced.
-    pub fn apron(&self, part: &mut Part, view: &TileView, tile: &Tile, samples: &[(u32, u32)]) -> Result<()> {
-        self.samples(part, view, tile, samples.iter().copied())
+    pub fn apron(
+        &self,
+        part: &mut Part,
+        view: &TileView,
+        tile: &Tile,
+        paths: PathsOf<'_>,
+        samples: &[(u32, u32)],
+    ) -> Result<()> {
+        self.samples(part, view, &mut Recorded::new(tile, paths)?, samples.iter().copied())
     }
 
     /// Appends the rays of those of `samples` that were traced.
@@ -70,15 +78,10 @@ impl<S: PathSource + ?Sized> Builder<'_, S> {
         &self,
         part: &mut Part,
         view: &TileView,
-        tile: &Tile,
+        recorded: &mut Recorded<'_>,
         samples: impl Iterator<Item = (u32, u32)>,
     ) -> Result<()> {
         let rect = view.rect();
-        let index = tile.tree.ray_index();
-        if index.last().is_none_or(|&rays| rays as usize != tile.paths.spans.len()) {
-            let detail = format!("{} paths where {} rays belong", tile.paths.spans.len(), tile.tree.ray_count());
-            return Err(bad(tile, detail));
-        }
         for (x, y) in samples {
             let Some((state, round)) = view.state(x, y) else { continue };
             if state == SampleState::Interpolated {
@@ -87,7 +90,7 @@ impl<S: PathSource + ?Sized> Builder<'_, S> {
             let sample = (y - rect.y) as usize * rect.width as usize + (x - rect.x) as usize;
             part.samples += 1;
             let traces = |node| view.traces_hit(sample, node);
-            self.sample(part, tile, &index, (sample, round, traces), (x, y))?;
+            self.sample(part, recorded, (sample, round, traces), (x, y))?;
         }
         Ok(())
     }
@@ -97,13 +100,12 @@ impl<S: PathSource + ?Sized> Builder<'_, S> {
     fn sample(
         &self,
         part: &mut Part,
-        tile: &Tile,
-        index: &[u32],
+        recorded: &mut Recorded<'_>,
         (sample, round, traces): (usize, u8, impl Fn(usize) -> bool),
         at: (u32, u32),
     ) -> Result<()> {
         // Per depth the last hit: its ray if it was traced, what it is, and whether its children were announced.
-        let mut ancestors = Ancestors { above: [None; DEPTHS] };
+        let (mut ancestors, tile) = (Ancestors { above: [None; DEPTHS] }, recorded.tile);
         let nodes = tile.tree.sample(sample);
         for (i, node) in nodes.clone().enumerate() {
             let hit = &tile.tree.nodes[node];
@@ -115,7 +117,7 @@ impl<S: PathSource + ?Sized> Builder<'_, S> {
                     Some(up) => up.refract = ray,
                     None => part.round(round).starts.push(ray),
                 }
-                self.rays(part, tile, node, index[node], at)?;
+                self.rays(part, recorded, node, at)?;
             }
             ancestors.note(hit, ray).map_err(|()| lacking(tile, at))?;
         }
@@ -123,7 +125,8 @@ impl<S: PathSource + ?Sized> Builder<'_, S> {
     }
 
     /// Appends the ray of a node and the shadow rays of its hit.
-    fn rays(&self, part: &mut Part, tile: &Tile, node: usize, number: u32, (x, y): (u32, u32)) -> Result<()> {
+    fn rays(&self, part: &mut Part, recorded: &mut Recorded<'_>, node: usize, (x, y): (u32, u32)) -> Result<()> {
+        let (tile, number) = (recorded.tile, recorded.index[node]);
         let hit = &tile.tree.nodes[node];
         let triangle = tile.hits[node].triangle;
         let shadows = hit.shadows.count();
@@ -143,35 +146,96 @@ impl<S: PathSource + ?Sized> Builder<'_, S> {
             y,
             depth: hit.class.depth() as u8,
         };
-        self.ray(part, tile, number, ray)?;
+        self.ray(part, recorded, number, ray)?;
         // Shadow rays have the place of the ray they hang on, and no surface of their own.
         (ray.kind, ray.shadows, ray.triangle, ray.material) = (RayKind::Shadow, 0, NO_TRIANGLE, 0);
-        (1..=shadows).try_for_each(|shadow| self.ray(part, tile, number + shadow, ray))
+        (1..=shadows).try_for_each(|shadow| self.ray(part, recorded, number + shadow, ray))
     }
 
-    /// Checks the path of a ray and appends it.
-    fn ray(&self, part: &mut Part, tile: &Tile, number: u32, ray: RayWork) -> Result<()> {
-        let (start, len) = tile.paths.spans[number as usize];
-        let ops_start = part.ops.len() as u32;
-        let shadow = ray.kind == RayKind::Shadow;
+    /// Appends a ray with its path.
+    fn ray(&self, part: &mut Part, recorded: &mut Recorded<'_>, number: u32, ray: RayWork) -> Result<()> {
+        let tile = recorded.tile;
         let broken = |step, detail: &str| ReplayError::Corrupt {
             frame: tile.frame,
             tile: tile.index,
             ray: Some(RayStep { x: ray.x, y: ray.y, ray: number, step }),
             detail: detail.into(),
         };
-        let steps = tile.paths.steps.get(start as usize..).and_then(|rest| rest.get(..len as usize));
-        let steps = steps.ok_or_else(|| broken(0, "its steps are not in the tile"))?;
-        let walked =
-            walk(self.tree, steps, shadow, &mut part.ops, &mut part.paths).map_err(|f| broken(f.step, f.detail))?;
+        let shadow = ray.kind == RayKind::Shadow;
+        let added = recorded.add(self.tree, part, number, shadow).map_err(|f| broken(f.step, f.detail))?;
         if u32::try_from(part.ops.len()).is_err() {
             return Err(bad(tile, format!("{} operations are more than a tile can have", part.ops.len())));
         }
-        if !shadow && walked.hit != ray.triangle {
-            return Err(broken(len, "the path ends at another triangle than the recorded hit"));
+        if !shadow && added.hit != ray.triangle {
+            return Err(broken(added.steps, "the path ends at another triangle than the recorded hit"));
         }
-        part.rays.push(RayWork { ops_start, ops_len: part.ops.len() as u32 - ops_start, ..ray });
+        part.rays.push(RayWork { ops_start: added.ops_start, ops_len: added.ops_len, ..ray });
         Ok(())
+    }
+}
+
+/// A tile whose rays are appended to a part.
+struct Recorded<'a> {
+    tile: &'a Tile,
+    paths: PathsOf<'a>,
+    /// Per node its first ray.
+    index: Vec<u32>,
+    /// Per path where its operations begin in the part; rays of one path share them.
+    copied: Vec<u32>,
+}
+
+/// Not in the part yet.
+const NOT_COPIED: u32 = u32::MAX;
+
+/// A path that is in the part.
+struct Added {
+    ops_start: u32,
+    ops_len: u32,
+    steps: u32,
+    hit: u32,
+}
+
+impl<'a> Recorded<'a> {
+    fn new(tile: &'a Tile, paths: PathsOf<'a>) -> Result<Self> {
+        let index = tile.tree.ray_index();
+        let found = paths.rays();
+        if index.last().is_none_or(|&rays| rays as usize != found) {
+            return Err(bad(tile, format!("{found} paths where {} rays belong", tile.tree.ray_count())));
+        }
+        let copied = match paths {
+            PathsOf::Known(paths) => vec![NOT_COPIED; paths.paths()],
+            PathsOf::Steps(_) => Vec::new(),
+        };
+        Ok(Self { tile, paths, index, copied })
+    }
+
+    /// Adds the path of a ray to `part`.
+    ///
+    /// # Errors
+    /// What is wrong with it.
+    #[inline]
+    fn add(&mut self, tree: &Topology, part: &mut Part, ray: u32, shadow: bool) -> Result<Added, Fault> {
+        const NOT_THERE: Fault = Fault { step: 0, detail: "its steps are not in the tile" };
+        match self.paths {
+            PathsOf::Known(paths) => {
+                let path = paths.of_ray(ray).ok_or(NOT_THERE)?;
+                let (known, ops) = paths.path(path);
+                let copied = &mut self.copied[path as usize];
+                if *copied == NOT_COPIED {
+                    *copied = part.ops.len() as u32;
+                    part.ops.extend_from_slice(ops);
+                }
+                part.paths += known.counts;
+                Ok(Added { ops_start: *copied, ops_len: ops.len() as u32, steps: known.steps, hit: known.hit })
+            }
+            PathsOf::Steps(paths) => {
+                let (start, steps) = paths.spans[ray as usize];
+                let found = paths.steps.get(start as usize..).and_then(|rest| rest.get(..steps as usize));
+                let ops_start = part.ops.len() as u32;
+                let hit = walk(tree, found.ok_or(NOT_THERE)?, shadow, &mut part.ops, &mut part.paths)?.hit;
+                Ok(Added { ops_start, ops_len: part.ops.len() as u32 - ops_start, steps, hit })
+            }
+        }
     }
 }
 

@@ -1,4 +1,5 @@
 //! Decided tiles as work for the machine.
 
 pub mod build;
+pub(crate) mod recorded;
 pub(crate) mod stream;

@@ -1,20 +1,22 @@
 //! Tiles that several points read, decoded once.
 
-use std::sync::OnceLock;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Arc, OnceLock};
 
 use rayreel_formats::scene::{Camera, Meta};
 use rayreel_formats::tile::Tile;
-use rayreel_formats::trace::Trace;
+use rayreel_formats::trace::{PackedColumn, Trace};
 
+use rayreel_machine::work::recorded::TilePaths;
 use rayreel_machine::work::topology::Topology;
-use rayreel_replay::source::{PathSource, TileSource};
+use rayreel_replay::source::{PackedTile, PathSource, TileSource};
 
-/// A trace with the tiles that were read before, as far as memory is allowed. What does not fit is decoded each time.
+/// A trace with the tiles that were read before, as far as memory is allowed, their paths packed. What does not fit is decoded
+/// each time.
 pub struct TileCache {
     trace: Trace,
     /// By frame and tile.
-    tiles: Vec<OnceLock<Tile>>,
+    tiles: Vec<OnceLock<PackedTile>>,
     bytes: AtomicUsize,
     limit: usize,
 }
@@ -25,19 +27,19 @@ impl TileCache {
         let meta = trace.meta();
         // A trace whose table of tiles alone is over the limit keeps none.
         let count = meta.frames as usize * meta.tile_count() as usize;
-        let count = if count.saturating_mul(size_of::<OnceLock<Tile>>()) <= limit { count } else { 0 };
+        let count = if count.saturating_mul(size_of::<OnceLock<PackedTile>>()) <= limit { count } else { 0 };
         let tiles = std::iter::repeat_with(OnceLock::new).take(count).collect();
         Self { trace, tiles, bytes: AtomicUsize::new(0), limit }
     }
 
-    fn read(&self, frame: u32, index: u32) -> rayreel_formats::Result<Tile> {
+    fn read(&self, frame: u32, index: u32) -> rayreel_formats::Result<PackedTile> {
         let meta = self.trace.meta();
         let at = (frame.wrapping_sub(meta.first_frame)) as usize * meta.tile_count() as usize + index as usize;
         let slot = self.tiles.get(at);
         if let Some(tile) = slot.and_then(OnceLock::get) {
             return Ok(tile.clone());
         }
-        let tile = PathSource::tile_with_paths(&self.trace, frame, index)?;
+        let tile = PathSource::packed_tile(&self.trace, frame, index)?;
         if let Some(slot) = slot {
             let bytes = weight(&tile);
             // Both may be over the limit for a moment; the one that is gives its share back.
@@ -63,7 +65,11 @@ impl TileSource for TileCache {
     }
 
     fn tile(&self, frame: u32, index: u32) -> rayreel_formats::Result<Tile> {
-        self.read(frame, index)
+        self.shared_tile(frame, index).map(Arc::unwrap_or_clone)
+    }
+
+    fn shared_tile(&self, frame: u32, index: u32) -> rayreel_formats::Result<Arc<Tile>> {
+        Ok(self.read(frame, index)?.tile)
     }
 }
 
@@ -77,12 +83,20 @@ impl PathSource for TileCache {
     }
 
     fn tile_with_paths(&self, frame: u32, index: u32) -> rayreel_formats::Result<Tile> {
+        PathSource::tile_with_paths(&self.trace, frame, index)
+    }
+
+    fn packed_tile(&self, frame: u32, index: u32) -> rayreel_formats::Result<PackedTile> {
         self.read(frame, index)
+    }
+
+    fn paths(&self, tile: &Tile, packed: &PackedColumn) -> rayreel_formats::Result<TilePaths> {
+        PathSource::paths(&self.trace, tile, packed)
     }
 }
 
 /// Bytes that a tile takes in memory.
-fn weight(tile: &Tile) -> usize {
+fn weight(PackedTile { tile, packed }: &PackedTile) -> usize {
     size_of::<Tile>()
         + size_of_val(&tile.tree.first[..])
         + size_of_val(&tile.tree.nodes[..])
@@ -90,4 +104,5 @@ fn weight(tile: &Tile) -> usize {
         + size_of_val(&tile.radiance[..])
         + size_of_val(&tile.paths.steps[..])
         + size_of_val(&tile.paths.spans[..])
+        + packed.as_ref().map_or(0, |packed| size_of::<PackedColumn>() + packed.bytes.len())
 }

@@ -32,8 +32,8 @@ pub(super) fn put(mut label: u8, out: &mut Vec<u8>) {
     }
 }
 
-/// True when one of the tests is a hit.
+/// The upper bit of each test that is a hit.
 #[inline(always)]
-pub(super) fn has_hit(label: u8) -> bool {
-    label & !(label << 1) & 0xaa != 0
+pub(super) fn hits(label: u8) -> u8 {
+    label & !(label << 1) & 0xaa
 }

@@ -11,44 +11,46 @@
 
 mod labels;
 mod leaf;
+mod met;
 mod models;
-mod rows;
 mod runs;
+mod sink;
 mod steps;
 mod topology;
+mod walk;
 
 use super::classes::{ClassRays, CodingOrder};
 use super::coder::{Decoder, Encoder};
 use crate::limits::Limits;
-use crate::scene::Rect;
 use crate::tile::Paths;
 use runs::{RunDecoder, RunEncoder};
-use steps::{PathCoder, RUNS, RayPosition};
+use sink::Steps;
+use steps::{PathCoder, RUNS};
+use walk::{Coded, RayPlace};
 
+pub use sink::{LeafTests, PathSink};
 pub(crate) use steps::PathScratch;
 pub use topology::BvhTopology;
 
-/// The streams of a tile: whether any hit ends their rays (shadow rays), and per ray its sample and its number.
-fn streams(order: &CodingOrder<'_>, lights: usize) -> Vec<(bool, Vec<(u32, u32)>)> {
-    let tree = order.tree;
-    let index = tree.ray_index();
-    let mut streams = Vec::new();
-    for ClassRays { rays, .. } in &order.classes {
-        let mut shadows = vec![Vec::new(); lights];
-        for &(sample, node) in rays {
-            let cast = tree.nodes[node as usize].shadows.cast();
-            for (rank, light) in cast.enumerate() {
-                shadows[light].push((sample, index[node as usize] + 1 + rank as u32));
-            }
-        }
-        streams.push((false, rays.iter().map(|&(sample, node)| (sample, index[node as usize])).collect()));
-        streams.extend(shadows.into_iter().filter(|s| !s.is_empty()).map(|s| (true, s)));
-    }
-    streams
-}
-
-fn position(rect: Rect, sample: u32, any_hit: bool) -> RayPosition {
-    RayPosition { x: (sample % rect.width) as usize + 1, y: sample / rect.width, any_hit }
+/// The streams of a tile, each as its rays: of each class, then of its shadow rays, light by light.
+/// `index` is the tree's [`ray_index`](crate::tile::Tree::ray_index).
+fn streams<'a>(
+    order: &'a CodingOrder<'_>,
+    index: &'a [u32],
+    lights: usize,
+) -> impl Iterator<Item = impl Iterator<Item = RayPlace> + 'a> + 'a {
+    let kinds = move || std::iter::once(None).chain((0..lights).map(Some));
+    let streams = order.classes.iter().flat_map(move |class| kinds().map(move |light| (class, light)));
+    streams.map(move |(ClassRays { rays, .. }, light)| {
+        rays.iter().filter_map(move |&(sample, node)| {
+            let first = index[node as usize];
+            let ray = match light {
+                None => first,
+                Some(light) => first + 1 + order.tree.nodes[node as usize].shadows.rank(light)?,
+            };
+            Some(RayPlace { sample, ray, any_hit: light.is_some() })
+        })
+    })
 }
 
 /// Codes the paths of a tile: the runs' streams, each behind its length (u32), then the main stream.
@@ -64,24 +66,23 @@ pub fn encode(
 ) -> Result<Vec<u8>, String> {
     let runs: [RunEncoder; RUNS] = Default::default();
     let mut coder = PathCoder::new(Encoder::default(), runs, topology, scratch, u64::MAX);
-    let mut none = Vec::new();
-    for (any_hit, rays) in streams(order, lights) {
-        coder.scratch.rows.clear(order.rect.width as usize);
-        for (sample, ray) in rays {
-            let given = paths.ray(ray as usize);
+    for rays in streams(order, &order.tree.ray_index(), lights) {
+        coder.scratch.rows.restart(order.rect);
+        for place in rays {
+            let (ray, given) = (place.ray, paths.ray(place.ray as usize));
             let equals = |other: u32| paths.ray(other as usize) == given;
             coder
-                .ray(position(order.rect, sample, any_hit), ray, given, equals, &mut none)
+                .ray(place, given, equals, &mut ())
                 .map_err(|why| format!("the path of ray {ray} does not fit the tree: {why}"))?;
         }
     }
     let mut out = Vec::new();
-    for run in coder.runs {
+    for run in coder.code.runs {
         let bytes = run.finish();
         out.extend_from_slice(&(bytes.len() as u32).to_le_bytes());
         out.extend_from_slice(&bytes);
     }
-    out.extend_from_slice(&coder.coder.finish());
+    out.extend_from_slice(&coder.code.coder.finish());
     Ok(out)
 }
 
@@ -90,13 +91,41 @@ pub fn encode(
 /// # Errors
 /// Says so when a step is impossible or there are more than `limits` allow.
 pub fn decode(
-    mut bytes: &[u8],
+    bytes: &[u8],
     order: &CodingOrder<'_>,
     lights: usize,
     topology: &BvhTopology,
     limits: &Limits,
     scratch: &mut PathScratch,
 ) -> Result<Paths, String> {
+    let mut sink = Steps::default();
+    let rays = decode_to(bytes, order, lights, topology, limits, scratch, &mut sink)?.rays;
+    let spans = rays.into_iter().map(|path| sink.spans[path as usize]).collect();
+    Ok(Paths { steps: sink.steps, spans })
+}
+
+/// Which path each ray of a tile has. Rays may share one.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct SharedPaths {
+    /// Per ray, in ray order, its path, counted from 0 as they were decoded.
+    pub rays: Vec<u32>,
+    /// Per path the number of its steps.
+    pub steps: Vec<u32>,
+}
+
+/// Decodes the paths of a tile to `sink`, which is given each path once, however many rays have it.
+///
+/// # Errors
+/// As [`decode`].
+pub fn decode_to<S: PathSink>(
+    mut bytes: &[u8],
+    order: &CodingOrder<'_>,
+    lights: usize,
+    topology: &BvhTopology,
+    limits: &Limits,
+    scratch: &mut PathScratch,
+    sink: &mut S,
+) -> Result<SharedPaths, String> {
     let mut runs = Vec::with_capacity(RUNS);
     for _ in 0..RUNS {
         let (length, rest) = bytes.split_first_chunk::<4>().ok_or("the paths end within a length")?;
@@ -107,16 +136,17 @@ pub fn decode(
     }
     let runs: [RunDecoder<'_>; RUNS] = runs.try_into().map_err(|_| "the paths lack a run")?;
     let mut coder = PathCoder::new(Decoder::new(bytes), runs, topology, scratch, limits.max_path_steps_per_tile);
-    let mut out = Paths { steps: Vec::new(), spans: vec![(0, 0); order.tree.ray_count() as usize] };
-    let Paths { steps, spans } = &mut out;
-    for (any_hit, rays) in streams(order, lights) {
-        coder.scratch.rows.clear(order.rect.width as usize);
-        for (sample, ray) in rays {
-            let start = steps.len();
-            let shared = coder.ray(position(order.rect, sample, any_hit), ray, &[], |_| false, steps)?;
-            spans[ray as usize] = match shared {
-                Some(other) => spans[other as usize],
-                None => (start as u32, (steps.len() - start) as u32),
+    let index = order.tree.ray_index();
+    let mut out = SharedPaths { rays: vec![0; index.last().map_or(0, |&rays| rays as usize)], steps: Vec::new() };
+    for rays in streams(order, &index, lights) {
+        coder.scratch.rows.restart(order.rect);
+        for place in rays {
+            out.rays[place.ray as usize] = match coder.ray(place, &[], |_| false, sink)? {
+                Coded::Like(other) => out.rays[other as usize],
+                Coded::Steps(steps) => {
+                    out.steps.push(steps);
+                    out.steps.len() as u32 - 1
+                }
             };
         }
     }

@@ -1,7 +1,7 @@
 //! The models of a path's steps, and which of them the neighbours' labels select.
 
-use super::labels::NeighbourLabels;
-use crate::columns::coder::{Bit, Symbol};
+use crate::columns::coder::Bit;
+use crate::columns::numbers::Symbol;
 
 /// Neighbour labels of an inner node: not visited, or one of five outcomes; three bits each.
 const OUTCOME_CONTEXTS: usize = 8 * 8 * 8 * 8;
@@ -51,13 +51,6 @@ pub(super) fn surprise_level(register: u8) -> usize {
     ((register & 0b111).count_ones() as usize).min(SURPRISES - 1)
 }
 
-/// The neighbours' outcomes in one number, 3 bits each, west lowest.
-#[inline(always)]
-pub(super) fn outcome_context(around: &NeighbourLabels) -> usize {
-    let of = |label: u8| usize::from(label & 7);
-    of(around.ne) << 9 | of(around.nw) << 6 | of(around.n) << 3 | of(around.w)
-}
-
 /// Index into [`PathModels::outcome`].
 #[inline(always)]
 pub(super) fn outcome_model(context: usize, surprises: usize) -> usize {
@@ -74,13 +67,6 @@ pub(super) fn pop_model(context: usize, surprises: usize) -> usize {
 #[inline(always)]
 pub(super) fn test_model(context: usize, surprises: usize) -> usize {
     surprises * TEST_CONTEXTS + context
-}
-
-/// The neighbours' pops in one number, 2 bits each, west lowest.
-#[inline(always)]
-pub(super) fn pop_context(around: &NeighbourLabels) -> usize {
-    let of = |label: u8| usize::from(label >> 3 & 3);
-    of(around.ne) << 6 | of(around.nw) << 4 | of(around.n) << 2 | of(around.w)
 }
 
 /// The label to expect, given those of the neighbours; 0 stands for no label. Where the label changes between

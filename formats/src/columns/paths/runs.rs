@@ -4,7 +4,8 @@
 //! tracing it did. So they are only counted, and each surprise is coded as one number: how many expected events came
 //! before it.
 
-use crate::columns::coder::{Decoder, Encoder, Number};
+use crate::columns::coder::{Decoder, Encoder};
+use crate::columns::numbers::Number;
 
 /// One sequence of near-certain events.
 pub(super) trait Run {

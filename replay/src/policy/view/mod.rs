@@ -3,17 +3,20 @@
 //! The recorded samples of a tile are private to this module. The only ways to one are [`TileView::trace`] and [`HitTracer`],
 //! which mark the hits as traced and count their rays, so a policy cannot use a value that hardware would not have had.
 
+mod known;
 mod recorded;
 
 use rayreel_formats::math::Vec3;
 use rayreel_formats::scene::{Camera, Rect};
 use rayreel_formats::tile::Tile;
 
-use super::tree::{Forest, Node};
+use super::tree::Node;
 use crate::counts::RayCounts;
 use crate::error::{ReplayError, Result};
 use crate::image::psnr::SquaredError;
 use crate::source::TileSource;
+use known::Known;
+pub use known::KnownTrees;
 use recorded::Recorded;
 
 /// What became of a sample.
@@ -47,7 +50,9 @@ pub struct TileView {
     recorded: Recorded,
     /// Per recorded hit whether its rays were traced.
     traced: Vec<bool>,
-    known: Forest,
+    known: Known,
+    /// Memory for the tree that is being made.
+    made: Vec<Node>,
     /// State and round of the samples that are known.
     states: Vec<Option<(SampleState, u8)>>,
     /// Per round what was done beside tracing.
@@ -111,8 +116,9 @@ impl TileView {
             detail,
         })?;
         let (traced, states) = (vec![false; recorded.nodes.len()], vec![None; rect.len()]);
-        let (known, rounds, first_row, audited) = (Forest::new(rect.len()), vec![], vec![], SquaredError::default());
-        Ok(Self { index, rect, deep, recorded, traced, known, states, rounds, first_row, audited })
+        let (known, made) = (Known::new(rect.len()), Vec::new());
+        let (rounds, first_row, audited) = (vec![], vec![], SquaredError::default());
+        Ok(Self { index, rect, deep, recorded, traced, known, made, states, rounds, first_row, audited })
     }
 
     /// Tile number in the frame.
@@ -140,7 +146,7 @@ impl TileView {
         let i = self.decide(x, y, state, round);
         let range = self.recorded.range(i);
         self.traced[range.clone()].fill(true);
-        self.known.set(i, &self.recorded.nodes[range]);
+        self.known.trace(i, range);
     }
 
     /// Traces a sample that was interpolated after all.
@@ -163,12 +169,26 @@ impl TileView {
     /// As [`TileView::trace`].
     pub fn interpolate(&mut self, x: u32, y: u32, tree: &[Node], round: u8) {
         let i = self.decide(x, y, SampleState::Interpolated, round);
-        self.known.set(i, tree);
+        self.known.make(i, tree);
         self.count(y, round, |counts| counts.interpolated += 1);
     }
 
+    /// As [`TileView::interpolate`] with a tree that `build` appends, from what is known of the tile.
+    pub(crate) fn interpolate_from(
+        &mut self,
+        (x, y): (u32, u32),
+        round: u8,
+        build: impl FnOnce(KnownTrees<'_>, &mut Vec<Node>),
+    ) {
+        let mut tree = std::mem::take(&mut self.made);
+        tree.clear();
+        build(self.trees(), &mut tree);
+        self.interpolate(x, y, &tree, round);
+        self.made = tree;
+    }
+
     /// Builds sample (`x`, `y`) from hits that are traced and hits that are interpolated: `build` appends its tree, hit by
-    /// hit, and gives the number of interpolated hits.
+    /// hit, and gives the number of interpolated hits. It may read what is known of the tile.
     ///
     /// # Panics
     /// As [`TileView::trace`].
@@ -177,13 +197,15 @@ impl TileView {
         x: u32,
         y: u32,
         round: u8,
-        build: impl FnOnce(&mut HitTracer<'_>, &mut Vec<Node>) -> u32,
+        build: impl FnOnce(&mut HitTracer<'_>, KnownTrees<'_>, &mut Vec<Node>) -> u32,
     ) {
         let i = self.offset(x, y);
         let range = self.recorded.range(i);
-        let mut tree = Vec::with_capacity(range.len());
+        let mut tree = std::mem::take(&mut self.made);
+        tree.clear();
+        let known = KnownTrees { rect: self.rect, known: &self.known, recorded: &self.recorded };
         let (nodes, traced) = (&self.recorded.nodes[range.clone()], &mut self.traced[range.clone()]);
-        let interpolated = build(&mut HitTracer { nodes, traced }, &mut tree);
+        let interpolated = build(&mut HitTracer { nodes, traced }, known, &mut tree);
         let traced = self.traced[range.clone()].iter().filter(|t| **t).count();
         let state = match (traced, interpolated) {
             (0, _) => SampleState::Interpolated,
@@ -191,7 +213,8 @@ impl TileView {
             _ => SampleState::Partial,
         };
         let i = self.decide(x, y, state, round);
-        self.known.set(i, &tree);
+        self.known.make(i, &tree);
+        self.made = tree;
         self.count(y, round, |counts| counts.interpolated += interpolated);
     }
 
@@ -225,9 +248,12 @@ impl TileView {
     /// # Panics
     /// When the sample is outside the tile, or not known yet.
     pub fn tree(&self, x: u32, y: u32) -> &[Node] {
-        let i = self.offset(x, y);
-        assert!(self.states[i].is_some(), "a policy read sample ({x}, {y}) before it was known");
-        self.known.tree(i)
+        self.trees().tree(x, y)
+    }
+
+    /// What is known of the tile.
+    fn trees(&self) -> KnownTrees<'_> {
+        KnownTrees { rect: self.rect, known: &self.known, recorded: &self.recorded }
     }
 
     /// State of a sample and the round that brought it; `None` while it is not known.
@@ -270,6 +296,13 @@ impl TileView {
         first.iter().map(|&node| self.recorded.nodes[node as usize].colour)
     }
 
+    /// Tree and state of the samples of row `y`, left to right; all must be known.
+    #[inline]
+    pub(crate) fn row(&self, y: u32, mut each: impl FnMut(&[Node], Option<(SampleState, u8)>)) {
+        let (start, trees) = (self.offset(self.rect.x, y), self.trees());
+        (start..start + self.rect.width as usize).for_each(|i| each(trees.of(i), self.states[i]));
+    }
+
     fn count(&mut self, y: u32, round: u8, add: impl Fn(&mut RoundCounts)) {
         let round = usize::from(round);
         let add_to = |rounds: &mut Vec<RoundCounts>| {
@@ -293,9 +326,6 @@ impl TileView {
     }
 
     fn offset(&self, x: u32, y: u32) -> usize {
-        let Rect { x: left, y: top, width, height } = self.rect;
-        let inside = (left..left + width).contains(&x) && (top..top + height).contains(&y);
-        assert!(inside, "sample ({x}, {y}) is outside tile {}", self.index);
-        (y - top) as usize * width as usize + (x - left) as usize
+        known::offset(self.rect, x, y)
     }
 }
