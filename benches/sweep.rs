@@ -16,9 +16,8 @@ use std::time::{Duration, Instant};
 use rayreel_formats::Limits;
 use rayreel_formats::trace::{Codec, Trace};
 use rayreel_machine::system::NoProbe;
-use rayreel_replay::Detail;
 use rayreel_replay::sequence::{FrameLoop, FrameResult, Simulator};
-use rayreel_replay::{Options, PathSource, Stop};
+use rayreel_replay::{Detail, Options, PathSource, Stop};
 use rayreel_study::point::segment::Writer;
 use rayreel_study::report::{Origin, Report};
 use rayreel_study::sweep::folder::Folder;
@@ -139,7 +138,9 @@ fn main() {
     );
     let text = format!("traces = [{:?}]\n{PLAN}", file.canonicalize().unwrap().display().to_string());
     let text = Text { name: "bench", text: &text };
-    let plan = Plan::new(&Sources { text, folder: Path::new(""), traces: None, stem: "bench", open: &open }).unwrap();
+    let plan =
+        Plan::new(&Sources { text, folder: Path::new(""), traces: None, detail: None, stem: "bench", open: &open })
+            .unwrap();
     let points = plan.points.len() as f64;
     let mut all = [Best(f64::MAX, f64::MAX); 3];
     for _ in 0..ROUNDS {

@@ -3,6 +3,7 @@
 mod capture;
 mod common;
 mod compare;
+mod detail;
 mod diff;
 mod digest;
 mod exit;

@@ -2,12 +2,14 @@
 
 use std::path::PathBuf;
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 use rayreel_paper::{Finished, Folders, Machines, SIZE, SIZE_FULL, Setup};
+use rayreel_replay::Detail;
 use rayreel_scenes::Scene;
 use rayreel_study::html;
 
 use crate::common::{TOOL, load_scene, print};
+use crate::detail::DetailArgs;
 use crate::exit::Exit;
 use crate::progress::{self, Progress};
 
@@ -32,6 +34,8 @@ pub struct Args {
     /// Machine preset or file (.toml); none replays for pictures and ray counts only.
     #[arg(long, default_value = "sgrt-ti2", value_name = "NAME|FILE")]
     machine: String,
+    #[command(flatten)]
+    detail: DetailArgs,
     /// Folder for traces and results.
     #[arg(long, default_value = "rayreel-cache", value_name = "DIR")]
     cache: PathBuf,
@@ -53,9 +57,16 @@ pub fn run(args: &Args, quiet: bool) -> Result<Exit> {
     }
     let stop = progress::stop_on_signal();
     let size = args.size.unwrap_or(if args.full { SIZE_FULL } else { SIZE });
+    let detail = args.detail.asked().unwrap_or_else(rayreel_paper::detail);
+    if detail == Detail::Counts {
+        bail!(
+            "--detail counts gives no time, and the experiment is about performance; take all, or a share such as 5%"
+        );
+    }
     let setup = Setup {
         size,
         full: args.full,
+        detail,
         command: command(args, size),
         tool: TOOL.into(),
         ..Setup::new(scenes(args)?, machines)?
@@ -110,6 +121,11 @@ fn command(args: &Args, (w, h): (u32, u32)) -> String {
     args.scenes.iter().for_each(|name| text += &format!(" --scene {name}"));
     if args.machine != "sgrt-ti2" {
         text += &format!(" --machine {}", args.machine);
+    }
+    match args.detail.asked() {
+        None => {}
+        Some(Detail::Precision(share)) => text += &format!(" --precision {share}"),
+        Some(detail) => text += &format!(" --detail {detail}"),
     }
     text
 }

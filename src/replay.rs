@@ -11,15 +11,15 @@ use rayreel_machine::config::NamedMachine;
 use rayreel_machine::config::schema::is_machine_override;
 use rayreel_machine::probes::Watch;
 use rayreel_machine::timeline::Timeline;
-use rayreel_replay::Detail;
 use rayreel_replay::error::RequestError;
 use rayreel_replay::sequence::{FrameLoop, FrameResult, Simulator};
-use rayreel_replay::{NamedPolicy, Options, PathSource, ReplayError, Stop};
+use rayreel_replay::{Detail, NamedPolicy, Options, PathSource, ReplayError, Stop};
 use rayreel_study::files::write_named;
 use rayreel_study::point::pictures::FramePictures;
 use rayreel_study::report::{Origin, Report};
 
 use crate::common::{frames, print};
+use crate::detail::DetailArgs;
 use crate::exit::Exit;
 use crate::progress::Progress;
 use crate::traces::TraceArgs;
@@ -55,10 +55,12 @@ pub struct Args {
     /// Folder for pictures and stats.json; none are written without it.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Write how busy each unit was over time, as a Chrome trace: open it in ui.perfetto.dev.
+    #[command(flatten)]
+    detail: DetailArgs,
+    /// Write how busy each unit was over time, as a Chrome trace: open it in ui.perfetto.dev. Needs --detail full.
     #[arg(long, value_name = "FILE")]
     timeline: Option<PathBuf>,
-    /// Print JSON: the bytes depend on trace, policy and machine only.
+    /// Print JSON: the bytes depend on trace, policy, machine and detail only.
     #[arg(long)]
     json: bool,
 }
@@ -68,11 +70,12 @@ pub fn run(args: &Args, quiet: bool) -> Result<Exit> {
         args.overrides.iter().cloned().partition(|text| is_machine_override(text));
     let policy = NamedPolicy::load(&args.policy, &policy)?;
     let machine = load_machine(args, &machine)?;
+    let detail = detail(args)?;
     let trace = args.trace.open()?;
     if let Some(out) = &args.out {
         std::fs::create_dir_all(out).with_context(|| format!("cannot create folder {}", out.display()))?;
     }
-    let report = replay(args, &trace, &policy, machine.as_ref(), quiet)?;
+    let report = replay(args, &trace, &policy, (machine.as_ref(), detail), quiet)?;
     let json = report.to_json()?;
     if let Some(out) = &args.out {
         write_named(&out.join("stats.json"), json.as_bytes())?;
@@ -95,6 +98,20 @@ fn load_machine(args: &Args, overrides: &[String]) -> Result<Option<NamedMachine
     Ok(None)
 }
 
+/// How much is simulated: every cycle if nothing else is asked for.
+fn detail(args: &Args) -> Result<Detail> {
+    let asked = args.detail.asked();
+    match asked {
+        Some(detail) if args.machine == "none" => {
+            bail!("--detail {detail} is for a machine, and --machine none has none; name a machine or leave it out")
+        }
+        Some(detail) if detail != Detail::Full && args.timeline.is_some() => {
+            bail!("--timeline shows every cycle, and --detail {detail} does not simulate them all; take --detail full")
+        }
+        _ => Ok(asked.unwrap_or_default()),
+    }
+}
+
 /// The frames asked for, all of them in the trace.
 fn chosen(args: &Args, meta: &Meta) -> Result<Range<u32>> {
     let all = meta.frame_numbers();
@@ -113,7 +130,7 @@ fn replay(
     args: &Args,
     trace: &Trace,
     policy: &NamedPolicy,
-    machine: Option<&NamedMachine>,
+    (machine, detail): (Option<&NamedMachine>, Detail),
     quiet: bool,
 ) -> Result<Report> {
     let meta = trace.meta();
@@ -137,7 +154,7 @@ fn replay(
     let mut timeline = args.timeline.as_ref().zip(machine).map(|(_, machine)| Timeline::new(&machine.config));
     let watch = Watch::new(|now| bar.borrow_mut().set(done.get() + now, || format!("tile {now} of the frame")));
     let tree = machine.map(|_| trace.topology());
-    let simulator = machine.zip(tree.as_ref()).map(|(machine, tree)| Simulator { machine, tree, detail: Detail::Full });
+    let simulator = machine.zip(tree.as_ref()).map(|(machine, tree)| Simulator { machine, tree, detail });
     let mut frame_loop = FrameLoop::new(trace, &policy.policy, Options::default(), &Stop::never())?;
     frame_loop.run(frames, simulator, &mut (timeline.as_mut(), watch), sink)?;
     if let (Some(file), Some(timeline)) = (&args.timeline, timeline) {

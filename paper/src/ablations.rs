@@ -154,7 +154,8 @@ pub fn plan(setup: &Setup, plan: &mut Plan<'_>) -> Result<Vec<Planned>> {
         for &scene in &scenes {
             let grid = Grid { scene, size: size(setup), samples: MODES[0].samples, tile: variant.tile, frames: (0, 1) };
             let (policy, machine) = (Arc::clone(&policy), machine.clone());
-            let point = Point { source: String::new(), frames: (0, 1), machine, policy, wanted: Wanted::default() };
+            let (source, detail, wanted) = (String::new(), setup.detail, Wanted::default());
+            let point = Point { source, frames: (0, 1), machine, policy, detail, wanted };
             let capture = plan.capture(&grid, false);
             planned.push(Planned { variant: number, scene, point: plan.point(capture, point, Vec::new()) });
         }
@@ -182,9 +183,18 @@ fn needs_machine(group: &str) -> bool {
 
 /// The ablations with what their results hold.
 pub fn ablations(setup: &Setup, planned: &[Planned], results: &Results) -> Vec<Ablation> {
+    // The unchanged one of its group and scene.
+    let base = |p: &Planned| {
+        let same = |b: &&Planned| {
+            let (variant, base) = (&VARIANTS[p.variant], &VARIANTS[b.variant]);
+            base.base && base.group == variant.group && b.scene == p.scene
+        };
+        planned.iter().find(same).map(|b| results.frame(b.point))
+    };
     let row = |p: &Planned| {
         let (variant, frame) = (&VARIANTS[p.variant], results.frame(p.point));
         let cost = frame.gpu();
+        let gain = base(p).filter(|_| !variant.base).and_then(|base| frame.gpu_gain(base));
         Ablation {
             group: variant.group.into(),
             name: variant.name.into(),
@@ -198,6 +208,8 @@ pub fn ablations(setup: &Setup, planned: &[Planned], results: &Results) -> Vec<A
             cycles: cost.map(|c| c.cycles),
             power_w: cost.map(|c| c.power_w),
             perf_per_watt: cost.map(|c| c.perf_per_watt),
+            interval: cost.and_then(|c| c.interval),
+            gain_interval: gain.and_then(|g| g.interval),
             psnr_db: frame.quality().and_then(|q| q.psnr_db),
         }
     };

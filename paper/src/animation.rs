@@ -105,7 +105,8 @@ pub fn plan(setup: &Setup, plan: &mut Plan<'_>) -> Option<Planned> {
             let figures = Figures::Frames { compared: Compared::Valued, simulated };
             let wanted = Wanted { figures, views: Views { tiles: false, pictures } };
             let machine = setup.machines.as_ref().map(|machines| Arc::clone(&machines.alone));
-            let point = Point { source: String::new(), frames, machine, policy: Arc::clone(named), wanted };
+            let (source, named, detail) = (String::new(), Arc::clone(named), setup.detail);
+            let point = Point { source, frames, machine, policy: named, detail, wanted };
             let point = plan.point(capture, point, files);
             match tracks.iter_mut().find(|(known, _)| *known == policy) {
                 Some((_, points)) => points.push(point),
@@ -218,6 +219,7 @@ fn track_frame(frame: &FrameOf<'_>) -> TrackFrame {
         power_w: cost.map(|c| c.power_w),
         time_ms: cost.map(|c| c.time_ms),
         energy_mj: cost.map(|c| c.energy_mj),
+        interval: cost.and_then(|c| c.interval),
         psnr_db: view.quality().and_then(|q| q.psnr_db),
         mean_rate: view.mean_rate(),
         similarity_ratio: view.similarity_ratio(),

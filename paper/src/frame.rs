@@ -8,8 +8,11 @@ use rayreel_machine::energy::EnergyReport;
 use rayreel_machine::srp::{KernelId, SrpStats};
 use rayreel_machine::stats::Stats;
 use rayreel_study::point::details::TileFigures as TileDetails;
+use rayreel_study::point::estimates::RowEstimates;
 use rayreel_study::point::figures::RowFigures;
-use rayreel_study::schema::{Component, Cost, Kernel, Quality, StateShare, TileFigures, Unit};
+use rayreel_study::schema::{
+    Component, Cost, CostInterval, Gain, GainInterval, Kernel, Quality, StateShare, TileFigures, Unit,
+};
 use serde_json::{Map, Value};
 
 /// Figures of one frame.
@@ -115,12 +118,60 @@ impl<'a> FrameView<'a> {
     /// A cost; nothing where nothing was done in no time.
     fn cost(self, group: &str) -> Option<Cost> {
         let number = |name: &str| self.figures.number(&format!("{group}{name}"));
+        let interval = self.interval(group);
         Some(Cost {
+            interval,
             cycles: self.figures.count("cycles")?,
             time_ms: self.figures.number("time_ms")?,
             power_w: number("power_w")?,
             energy_mj: number("energy_mj")?,
             perf_per_watt: number("perf_per_watt")?,
+        })
+    }
+
+    /// How far a cost may be off; nothing if it is exact.
+    fn interval(self, group: &str) -> Option<CostInterval> {
+        let estimates = self.estimates();
+        let of = |name: &str| estimates.interval(&format!("{group}{name}"));
+        let interval = CostInterval {
+            cycles: estimates.interval("cycles"),
+            power_w: of("power_w"),
+            energy_mj: of("energy_mj"),
+            perf_per_watt: of("perf_per_watt"),
+        };
+        (interval != CostInterval::default()).then_some(interval)
+    }
+
+    /// What is known of its estimates.
+    fn estimates(self) -> RowEstimates {
+        RowEstimates::of_row(self.figures.0)
+    }
+
+    /// The T&I units relative to those of another frame.
+    pub fn ti_gain(self, over: Self) -> Option<Gain> {
+        self.gain(over, "")
+    }
+
+    /// The whole GPU relative to that of another frame.
+    pub fn gpu_gain(self, over: Self) -> Option<Gain> {
+        self.gain(over, "gpu_")
+    }
+
+    /// Factors over another frame.
+    fn gain(self, over: Self, group: &str) -> Option<Gain> {
+        let (cost, reference) = (self.cost(group)?, over.cost(group)?);
+        let [estimates, of_reference] = [self, over].map(Self::estimates);
+        let of = |name: &str| estimates.interval_of_ratio(&of_reference, name);
+        let interval = GainInterval {
+            performance: of("cycles"),
+            power: of(&format!("{group}power_w")),
+            perf_per_watt: of(&format!("{group}perf_per_watt")),
+        };
+        Some(Gain {
+            performance: reference.time_ms / cost.time_ms,
+            power: cost.power_w / reference.power_w,
+            perf_per_watt: cost.perf_per_watt / reference.perf_per_watt,
+            interval: (cost.interval.is_some() || reference.interval.is_some()).then_some(interval),
         })
     }
 

@@ -24,6 +24,7 @@
 mod ablations;
 mod animation;
 mod error;
+mod estimates;
 mod execute;
 mod experiment;
 mod frame;
@@ -49,5 +50,5 @@ pub use ledger::PointCounts;
 pub use meter::Progress;
 pub use reference::scenes;
 pub use rows::rows;
-pub use setup::{Folders, Machines, SIZE, SIZE_FULL, Setup};
+pub use setup::{Folders, Machines, SIZE, SIZE_FULL, Setup, detail};
 pub use table::table;

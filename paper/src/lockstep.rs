@@ -90,6 +90,7 @@ mod tests {
     use std::sync::Arc;
 
     use rayreel_machine::config::NamedMachine;
+    use rayreel_replay::Detail;
     use rayreel_study::point::compute::compute;
     use rayreel_study::point::wanted::{Compared, Figures, Kind, PictureWanted, Views, Wanted};
     use rayreel_tracer::{SampleGrid, TraceSettings, accel};
@@ -112,7 +113,7 @@ mod tests {
             let figures = Figures::Frames { compared, simulated: if i < 2 { vec![4] } else { Vec::new() } };
             let views = Views { tiles: i % 2 == 1, pictures: vec![picture; i % 2] };
             let (machine, wanted) = (Some(Arc::clone(&machine)), Wanted { figures, views });
-            Point { source: "test".into(), frames: (3, 3), machine, policy, wanted }
+            Point { source: "test".into(), frames: (3, 3), machine, policy, detail: Detail::Full, wanted }
         };
         let named = policies::load().unwrap().into_iter().map(|(_, policy)| policy);
         let points: Vec<Point> = named.enumerate().map(point).collect();

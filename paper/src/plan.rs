@@ -168,6 +168,7 @@ mod tests {
             frames: (0, 1),
             machine: None,
             policy: Arc::clone(&policy),
+            detail: setup.detail,
             wanted: Wanted { views: Views { tiles: false, pictures: pictures.to_vec() }, ..Wanted::default() },
         };
         let picture = PictureWanted { frame: 0, kind: Kind::Result, shrink: 1 };

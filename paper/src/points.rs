@@ -6,7 +6,7 @@ use rayreel_machine::config::NamedMachine;
 use rayreel_replay::{NamedPolicy, Policy};
 use rayreel_study::point::key::Point as StudyPoint;
 use rayreel_study::point::wanted::{Kind, PictureWanted, Views, Wanted};
-use rayreel_study::schema::{Cost, Gain, Point, ViewerImages, ViewerSet};
+use rayreel_study::schema::{Point, ViewerImages, ViewerSet};
 
 use crate::frame::{FrameView, tile};
 use crate::plan::{Grid, Plan, TILE};
@@ -79,7 +79,9 @@ fn simulations(
         let views = Views { tiles: !pictures.is_empty(), pictures };
         let wanted = Wanted { views, ..Wanted::default() };
         let (machine, policy) = (machine.cloned(), Arc::clone(policy));
-        plan.point(capture, StudyPoint { source: String::new(), frames: (0, 1), machine, policy, wanted }, files)
+        let detail = setup.detail;
+        let point = StudyPoint { source: String::new(), frames: (0, 1), machine, policy, detail, wanted };
+        plan.point(capture, point, files)
     };
     let Some(machines) = &setup.machines else { return (point(None, shown), None, None) };
     if !whole {
@@ -122,16 +124,12 @@ fn pictures(setup: &Setup, scene: usize, mode: usize, policy: usize) -> (Picture
 
 /// The points with what their results hold.
 pub fn points(setup: &Setup, planned: &[Planned], results: &Results) -> Vec<Point> {
-    let cost = |point: &Planned| {
-        let alone = point.alone.and_then(|point| results.frame(point).ti());
-        let whole = point.gpu.and_then(|point| results.frame(point).gpu());
-        (alone, whole)
-    };
+    let frames = |point: &Planned| [point.alone, point.gpu].map(|point| point.map(|point| results.frame(point)));
     let full = |scene: usize, mode: usize| {
-        planned.iter().find(|p| (p.scene, p.mode, p.policy) == (scene, mode, 0)).map_or((None, None), &cost)
+        planned.iter().find(|p| (p.scene, p.mode, p.policy) == (scene, mode, 0)).map_or([None; 2], frames)
     };
     let one = |p: &Planned| {
-        let ((ti, gpu), (full_ti, full_gpu), (fsaa, _)) = (cost(p), full(p.scene, p.mode), full(p.scene, 0));
+        let ([ti, gpu], [full_ti, full_gpu], [fsaa, _]) = (frames(p), full(p.scene, p.mode), full(p.scene, 0));
         let named = &setup.policies[p.policy].1;
         Point {
             scene: setup.stages[p.scene].name.clone(),
@@ -140,11 +138,11 @@ pub fn points(setup: &Setup, planned: &[Planned], results: &Results) -> Vec<Poin
             machine: setup.machines.as_ref().map(|m| m.whole.name.clone()),
             block: block(&named.policy),
             kind: named.policy.kind().into(),
-            ti,
-            gpu,
-            ti_gain: gain(ti, full_ti),
-            gpu_gain: gain(gpu, full_gpu),
-            fsaa_gain: gain(ti, fsaa),
+            ti: ti.and_then(FrameView::ti),
+            gpu: gpu.and_then(FrameView::gpu),
+            ti_gain: ti.zip(full_ti).and_then(|(own, full)| own.ti_gain(full)),
+            gpu_gain: gpu.zip(full_gpu).and_then(|(own, full)| own.gpu_gain(full)),
+            fsaa_gain: ti.zip(fsaa).and_then(|(own, full)| own.ti_gain(full)),
             ..figures(results.frame(p.picture), p.gpu.map(|point| results.frame(point)))
         }
     };
@@ -173,16 +171,6 @@ fn block(policy: &Policy) -> Option<u32> {
         Policy::Adaptive(rules) => Some(rules.block),
         _ => None,
     }
-}
-
-/// Factors over a reference.
-fn gain(cost: Option<Cost>, reference: Option<Cost>) -> Option<Gain> {
-    let (cost, reference) = (cost?, reference?);
-    Some(Gain {
-        performance: reference.time_ms / cost.time_ms,
-        power: cost.power_w / reference.power_w,
-        perf_per_watt: cost.perf_per_watt / reference.perf_per_watt,
-    })
 }
 
 /// The pictures of the points that have some.

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use rayreel_machine::config::NamedMachine;
-use rayreel_replay::NamedPolicy;
+use rayreel_replay::{Detail, NamedPolicy};
 use rayreel_scenes::Scene;
 
 use crate::error::Result;
@@ -15,6 +15,11 @@ pub const SIZE: (u32, u32) = (128, 64);
 
 /// The paper's.
 pub const SIZE_FULL: (u32, u32) = (2048, 1024);
+
+/// How much is simulated cycle by cycle if nothing else is asked for, whatever the size: small frames are simulated whole.
+pub fn detail() -> Detail {
+    Detail::Full
+}
 
 /// Scenes, policies, machines and sizes of an experiment.
 pub struct Setup {
@@ -28,6 +33,8 @@ pub struct Setup {
     pub size: (u32, u32),
     /// Whether everything is done, at any cost.
     pub full: bool,
+    /// How much is simulated cycle by cycle.
+    pub detail: Detail,
     /// The command line that repeats it.
     pub command: String,
     /// Name and version of the program, as captures record it.
@@ -97,7 +104,7 @@ impl Setup {
         }
         let policies = policies::load()?;
         let tool = concat!("rayreel ", env!("CARGO_PKG_VERSION")).to_owned();
-        Ok(Self { stages, policies, machines, size: SIZE, full: false, command: String::new(), tool })
+        Ok(Self { stages, policies, machines, size: SIZE, full: false, detail: detail(), command: String::new(), tool })
     }
 
     /// Whether a policy has rates that vary over the picture.

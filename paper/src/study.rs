@@ -12,7 +12,7 @@ use crate::error::Result;
 use crate::policies::{Contender, MODES};
 use crate::results::Results;
 use crate::setup::{SIZE_FULL, Setup};
-use crate::{ablations, animation, points, reference};
+use crate::{ablations, animation, estimates, points, reference};
 
 /// What is planned.
 pub(crate) struct Experiment {
@@ -34,20 +34,24 @@ impl Experiment {
 /// Never for policies that were loaded.
 pub fn study(setup: &Setup, experiment: &Experiment, results: &Results) -> Result<Study> {
     let animation = experiment.animation.as_ref();
+    let points = points::points(setup, &experiment.points, results);
+    let mut notes = notes(setup, experiment);
+    notes.extend(estimates::note(setup, &points));
     Ok(Study {
         schema: SCHEMA,
         tool: setup.tool.clone(),
         title: "Adaptive multi-rate ray sampling, after Lee et al. 2016".into(),
         command: setup.command.clone(),
         machine: setup.machines.as_ref().map(|m| m.whole.name.clone()),
+        detail: setup.machines.as_ref().map(|_| setup.detail.to_string()),
         width: setup.size.0,
         height: setup.size.1,
-        notes: notes(setup, experiment),
+        notes,
         // Named beforehand: the best of several after the fact would flatter.
         headline_policy: Some("multirate".into()),
         scenes: (0..setup.stages.len()).map(|scene| scene_of(setup, experiment, results, scene)).collect(),
         policies: policies(setup)?,
-        points: points::points(setup, &experiment.points, results),
+        points,
         references: reference::references(),
         maps: animation.map(|animation| animation.maps(setup, results)).unwrap_or_default(),
         tracks: animation.map(|animation| animation.tracks(setup, results)).unwrap_or_default(),

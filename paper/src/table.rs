@@ -75,18 +75,38 @@ fn quality(study: &Study) -> String {
 }
 
 fn factors(gain: Option<Gain>) -> [String; 3] {
-    [gain.map(|g| g.performance), gain.map(|g| g.power), gain.map(|g| g.perf_per_watt)].map(|v| or_dash(v, 2))
+    [or_dash(gain.map(|g| g.performance), 2), or_dash(gain.map(|g| g.power), 2), perf_per_watt(gain)]
+}
+
+/// The factor of performance per watt; of an estimate with half the width of its interval behind it.
+fn perf_per_watt(gain: Option<Gain>) -> String {
+    let within = gain.and_then(|g| g.interval).map_or_else(String::new, |i| plus_minus(i.perf_per_watt));
+    or_dash(gain.map(|g| g.perf_per_watt), 2) + &within
+}
+
+fn plus_minus(part: f64) -> String {
+    format!(" ±{:.1}%", 100.0 * part)
+}
+
+/// Whether any gain is an estimate: then columns of them are wider.
+fn is_estimated(study: &Study) -> bool {
+    study.points.iter().flat_map(|p| [p.ti_gain, p.gpu_gain]).flatten().any(|gain| gain.interval.is_some())
 }
 
 /// The paper's policies relative to full.
 fn gains(study: &Study, machine: &str) -> String {
     let mut text =
         format!("\nrelative to full on {machine}; T&I alone is as in the paper's Figure 7: its SRP takes no time\n\n");
-    let _ =
-        writeln!(text, "{:<25} {:-^34}   {:-^20}   {:-^19}", "", " T&I units alone ", " whole GPU ", " % of SRP busy ");
+    let [of_alone, of_gpu] = if is_estimated(study) { [12, 12] } else { [7, 6] };
+    let (alone, gpu) = (27 + of_alone, 14 + of_gpu);
     let _ = writeln!(
         text,
-        "{:<10} {:<14} {:>6} {:>6} {:>7} {:>12}   {:>6} {:>6} {:>6}   {:>9} {:>9}",
+        "{:<25} {:-^alone$}   {:-^gpu$}   {:-^19}",
+        "", " T&I units alone ", " whole GPU ", " % of SRP busy "
+    );
+    let _ = writeln!(
+        text,
+        "{:<10} {:<14} {:>6} {:>6} {:>of_alone$} {:>12}   {:>6} {:>6} {:>of_gpu$}   {:>9} {:>9}",
         "scene", "mode", "perf", "power", "perf/W", "paper", "perf", "power", "perf/W", "similar.", "interp."
     );
     for p in evaluated(study) {
@@ -99,7 +119,7 @@ fn gains(study: &Study, machine: &str) -> String {
         let share = |name: &str| p.srp.iter().find(|k| k.kernel == name).map(|k| k.share * 100.0);
         let _ = writeln!(
             text,
-            "{:<10} {:<14} {:>6} {:>6} {:>7} {paper:>12}   {:>6} {:>6} {:>6}   {:>9} {:>9}",
+            "{:<10} {:<14} {:>6} {:>6} {:>of_alone$} {paper:>12}   {:>6} {:>6} {:>of_gpu$}   {:>9} {:>9}",
             p.scene,
             word(&p.mode),
             alone[0],
@@ -115,7 +135,7 @@ fn gains(study: &Study, machine: &str) -> String {
     let paper = |name: &str| study.references.srp.iter().find(|k| k.kernel == name).map(|k| k.share * 100.0);
     let _ = writeln!(
         text,
-        "{:<25} {:>6} {:>6} {:>7} {:>12}   {:>6} {:>6} {:>6}   {:>9} {:>9}",
+        "{:<25} {:>6} {:>6} {:>of_alone$} {:>12}   {:>6} {:>6} {:>of_gpu$}   {:>9} {:>9}",
         "the paper, mean",
         "",
         or_dash(study.references.power, 2),
@@ -133,6 +153,7 @@ fn gains(study: &Study, machine: &str) -> String {
 /// All policies in both modes.
 fn all(study: &Study) -> String {
     let mut text = String::new();
+    let wide = if is_estimated(study) { 12 } else { 10 };
     for mode in &MODES {
         let _ = writeln!(
             text,
@@ -143,7 +164,7 @@ fn all(study: &Study) -> String {
         );
         let _ = writeln!(
             text,
-            "{:<12} {:<10} {:>9} {:>8} {:>7} {:>7} {:>9} {:>7}  {:>10} {:>10} {:>10}",
+            "{:<12} {:<10} {:>9} {:>8} {:>7} {:>7} {:>9} {:>7}  {:>wide$} {:>wide$} {:>wide$}",
             "policy",
             "scene",
             "ray ratio",
@@ -159,20 +180,19 @@ fn all(study: &Study) -> String {
         for policy in study.policies.iter().filter(|p| p.name != "full") {
             let points: Vec<&Point> =
                 study.points.iter().filter(|p| p.mode == mode.name && p.policy == policy.name).collect();
-            points.iter().for_each(|point| text += &line(point, mode.samples == 1));
+            points.iter().for_each(|point| text += &line(point, mode.samples == 1, wide));
             if points.len() > 1 {
-                text += &mean(&policy.name, &points, mode.samples == 1);
+                text += &mean(&policy.name, &points, mode.samples == 1, wide);
             }
         }
     }
     text
 }
 
-fn line(p: &Point, over: bool) -> String {
-    let watt = |gain: Option<Gain>| or_dash(gain.map(|g| g.perf_per_watt), 2);
+fn line(p: &Point, over: bool, wide: usize) -> String {
     let quality = p.quality.unwrap_or_default();
     format!(
-        "{:<12} {:<10} {:>9.2} {:>8} {:>7} {:>7} {:>9} {:>7.1}  {:>10} {:>10} {:>10}\n",
+        "{:<12} {:<10} {:>9.2} {:>8} {:>7} {:>7} {:>9} {:>7.1}  {:>wide$} {:>wide$} {:>wide$}\n",
         p.policy,
         p.scene,
         ray_ratio(p),
@@ -181,20 +201,20 @@ fn line(p: &Point, over: bool) -> String {
         or_dash(quality.flip, 4),
         or_dash(quality.worst_tile_psnr_db, 2),
         p.mean_rate * 100.0,
-        watt(p.ti_gain),
-        watt(p.gpu_gain),
-        if over { watt(p.fsaa_gain) } else { String::new() }
+        perf_per_watt(p.ti_gain),
+        perf_per_watt(p.gpu_gain),
+        if over { perf_per_watt(p.fsaa_gain) } else { String::new() }
     )
 }
 
 /// Geometric means over the scenes.
-fn mean(policy: &str, points: &[&Point], over: bool) -> String {
+fn mean(policy: &str, points: &[&Point], over: bool, wide: usize) -> String {
     let mean = |values: Vec<Option<f64>>| or_dash(geometric_mean(values), 2);
     let watt = |gain: fn(&Point) -> Option<Gain>| {
         mean(points.iter().map(|point| gain(point).map(|g| g.perf_per_watt)).collect())
     };
     format!(
-        "{policy:<12} {:<10} {:>9} {:>8} {:>7} {:>7} {:>9} {:>7}  {:>10} {:>10} {:>10}\n",
+        "{policy:<12} {:<10} {:>9} {:>8} {:>7} {:>7} {:>9} {:>7}  {:>wide$} {:>wide$} {:>wide$}\n",
         "(geo mean)",
         mean(points.iter().map(|point| Some(ray_ratio(point))).collect()),
         "",

@@ -2,21 +2,24 @@
 
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 use rayreel_formats::trace::Trace;
 use rayreel_store::Location;
 use rayreel_study::sweep::folder::{Created, Folder};
 use rayreel_study::sweep::plan::Plan;
 use rayreel_study::sweep::plan::locate::Text;
 
+use crate::detail::DetailArgs;
 use crate::traces::CacheArgs;
 
-/// Where the folder of a sweep is.
+/// Where the folder of a sweep is, and what a plan file does not say.
 #[derive(Debug, Clone, clap::Args)]
 pub struct FolderArgs {
     /// Folder of the sweep; NAME.sweep in the current folder for a plan file NAME.toml.
     #[arg(long = "out", short = 'o', value_name = "SWEEP")]
     pub out: Option<PathBuf>,
+    #[command(flatten)]
+    pub detail: DetailArgs,
 }
 
 impl FolderArgs {
@@ -45,7 +48,7 @@ fn located(location: &str, traces: Option<&str>) -> String {
 }
 
 /// All points of a plan file; relative traces are in `traces`, or beside it.
-pub fn read(file: &Path, traces: Option<&str>, cache: &CacheArgs) -> Result<Plan> {
+pub fn read(file: &Path, place: &FolderArgs, traces: Option<&str>, cache: &CacheArgs) -> Result<Plan> {
     let text = std::fs::read_to_string(file).with_context(|| format!("cannot read the plan {}", file.display()))?;
     let name = file.display().to_string();
     let folder = file.parent().unwrap_or(Path::new(""));
@@ -53,6 +56,7 @@ pub fn read(file: &Path, traces: Option<&str>, cache: &CacheArgs) -> Result<Plan
         text: Text { name: &name, text: &text },
         folder,
         traces,
+        detail: place.detail.asked(),
         stem: &stem(file),
         open: &opener(cache, None),
     };
@@ -61,7 +65,7 @@ pub fn read(file: &Path, traces: Option<&str>, cache: &CacheArgs) -> Result<Plan
 
 /// Puts the plan of a file into its folder, or finds it there.
 pub fn make(file: &Path, place: &FolderArgs, traces: Option<&str>, cache: &CacheArgs) -> Result<Folder> {
-    let (folder, created) = Folder::create(&place.folder(file), read(file, traces, cache)?)?;
+    let (folder, created) = Folder::create(&place.folder(file), read(file, place, traces, cache)?)?;
     if created == Created::Known {
         eprintln!("{}: going on with plan {}", folder.path().display(), folder.id());
     }
@@ -70,7 +74,20 @@ pub fn make(file: &Path, place: &FolderArgs, traces: Option<&str>, cache: &Cache
 
 /// The folder of a sweep, or that of a plan file.
 pub fn find(sweep: &Path, place: &FolderArgs, traces: Option<&str>, cache: &CacheArgs) -> Result<Folder> {
-    if sweep.is_file() { make(sweep, place, traces, cache) } else { Ok(Folder::open(sweep)?) }
+    if sweep.is_file() {
+        return make(sweep, place, traces, cache);
+    }
+    let folder = Folder::open(sweep)?;
+    if let Some(asked) = place.detail.asked() {
+        let planned = &folder.plan().details;
+        if *planned != [asked.to_string()] {
+            let (sweep, planned) = (sweep.display(), planned.join(", "));
+            bail!(
+                "--detail {asked}: the plan in {sweep} was made for {planned}; make another from the plan file, in another folder"
+            );
+        }
+    }
+    Ok(folder)
 }
 
 /// The folder as tasks on other machines find it.

@@ -57,7 +57,7 @@ pub fn duration(text: &str) -> Result<f64, String> {
 }
 
 pub fn run(args: &Args) -> Result<Exit> {
-    let plan = read(&args.plan, args.traces.as_deref(), &args.cache)?;
+    let plan = read(&args.plan, &args.place, args.traces.as_deref(), &args.cache)?;
     let seconds = if args.no_estimate { None } else { estimate::core_seconds(&plan, &opener(&args.cache, None)) };
     let shards = seconds.map(|s| shards(s, args.shard_time, plan.points.len()));
     let path = args.place.folder(&args.plan);
@@ -67,7 +67,7 @@ pub fn run(args: &Args) -> Result<Exit> {
         let points: Vec<String> = (0..plan.points.len().min(args.show)).map(|i| plan.describe(i)).collect();
         print_json(&json!({
             "plan": plan.id(), "name": plan.name, "points": plan.points.len(), "distinct": distinct(&plan),
-            "traces": plan.traces, "first": points, "core_seconds": seconds, "shards": shards, "folder": written,
+            "traces": plan.traces, "detail": plan.details, "first": points, "core_seconds": seconds, "shards": shards, "folder": written,
         }))?;
         return Ok(Exit::Done);
     }
@@ -81,6 +81,9 @@ pub fn run(args: &Args) -> Result<Exit> {
         let (w, h) = trace.size;
         let n = trace.samples;
         text += &format!("trace    {} ({}, {w}x{h}, {n}x{n}, {} frames)\n", trace.name, trace.scene, trace.frames.1);
+    }
+    if plan.details != ["full"] {
+        text += &format!("detail   {}\n", plan.details.join(", "));
     }
     let names = |bases: &[rayreel_study::sweep::plan::Base]| {
         bases.iter().map(|base| base.name.as_str()).collect::<Vec<_>>().join(", ")

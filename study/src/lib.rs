@@ -17,7 +17,7 @@
 //!     machines = ["none"] # rays and pictures only
 //!     policies = ["full", "adaptive"]
 //! "# };
-//! let plan = Plan::new(&Sources { text, folder: "".as_ref(), traces: None, stem: "plan", open: &open })?;
+//! let plan = Plan::new(&Sources { text, folder: "".as_ref(), traces: None, detail: None, stem: "plan", open: &open })?;
 //!
 //! let place = tempfile::tempdir()?;
 //! let (folder, _) = Folder::create(&place.path().join("sweep"), plan)?;

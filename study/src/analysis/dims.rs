@@ -7,7 +7,10 @@ use rayreel_machine::config::units::Bytes;
 
 /// Columns that say what a point is, beside the axes of the plan. Scene and picture size are not among them: they follow from the
 /// trace.
-pub const IDENTITY: &[&str] = &["trace", "first_frame", "frames", "machine", "policy"];
+pub const IDENTITY: &[&str] = &["trace", "first_frame", "frames", "machine", "policy", DETAIL];
+
+/// The column that says how much was simulated.
+pub const DETAIL: &str = "detail";
 
 /// A dimension: its values, and which of them each point has.
 #[derive(Clone, Debug, PartialEq, Eq)]

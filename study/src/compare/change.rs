@@ -5,11 +5,13 @@ use std::collections::{BTreeMap, BTreeSet};
 use serde::Serialize;
 
 use crate::analysis::configs::{Configs, Half};
-use crate::analysis::dims::label;
+use crate::analysis::dims::{DETAIL, label};
+use crate::compare::estimates::Estimates;
 use crate::compare::options::Options;
 use crate::compare::pairs::{Pairs, names};
 use crate::compare::select::Select;
 use crate::table::{Cells, Field, Results, Role};
+use rayreel_replay::Detail;
 
 /// A figure or counter that changed.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -22,8 +24,10 @@ pub struct Change {
     pub description: String,
     /// Whether it is a figure or a counter.
     pub role: Role,
-    /// How many points changed by more than the tolerance.
+    /// How many points changed by more than the tolerance and what their estimates may be off.
     pub changed: usize,
+    /// How many other points have another value within what their estimates may be off.
+    pub within: usize,
     /// How many points have it on either side.
     pub compared: usize,
     /// The change that is largest.
@@ -43,6 +47,8 @@ pub struct Largest {
     pub b: Option<f64>,
     /// (b - a) / |a|; none from zero, and where one side has no value.
     pub relative: Option<f64>,
+    /// How far that may be off, with a probability of 95 %; none where both values are exact.
+    pub interval: Option<f64>,
 }
 
 /// A configuration value that changed.
@@ -86,11 +92,34 @@ pub fn columns<'a>(a: &'a Results, b: &'a Results, select: &Select) -> (Vec<(&'a
     (both, [alone(&of_a, &of_b), alone(&of_b, &of_a)])
 }
 
-/// Figures and counters that changed: from nothing or from zero first, then by their largest relative change.
-pub fn results(columns: &[(&Field, &Field)], pairs: &Pairs, tolerance: f64) -> Vec<Change> {
-    let mut changes: Vec<Change> = columns.iter().filter_map(|(a, b)| change(a, b, pairs, tolerance)).collect();
+/// Figures and counters that changed: from nothing or from zero first, then by their largest relative change. And in how many others
+/// values differ, but no further than their estimates may be off.
+pub fn results(
+    columns: &[(&Field, &Field)],
+    pairs: &Pairs,
+    estimates: [&Estimates; 2],
+    tolerance: f64,
+) -> (Vec<Change>, usize) {
+    let (mut changes, mut within) = (Vec::new(), 0);
+    for (a, b) in columns {
+        match change(a, b, pairs, estimates, tolerance) {
+            Found::Changed(change) => changes.push(*change),
+            Found::Within => within += 1,
+            Found::Equal => {}
+        }
+    }
     changes.sort_by(|a, b| size(b.largest.relative).total_cmp(&size(a.largest.relative)));
-    changes
+    (changes, within)
+}
+
+/// What became of a column.
+enum Found {
+    /// All values are equal, or equal within the tolerance.
+    Equal,
+    /// Some values differ, all within what they may be off.
+    Within,
+    /// Some differ by more.
+    Changed(Box<Change>),
 }
 
 /// How large a change is.
@@ -98,8 +127,8 @@ fn size(relative: Option<f64>) -> f64 {
     relative.map_or(f64::INFINITY, f64::abs)
 }
 
-fn change(a: &Field, b: &Field, pairs: &Pairs, tolerance: f64) -> Option<Change> {
-    let (mut changed, mut compared, mut sum, mut count) = (0, 0, 0.0, 0_u32);
+fn change(a: &Field, b: &Field, pairs: &Pairs, estimates: [&Estimates; 2], tolerance: f64) -> Found {
+    let (mut changed, mut within, mut compared, mut sum, mut count) = (0, 0, 0, 0.0, 0_u32);
     let mut largest: Option<Largest> = None;
     for (row_a, row_b, point) in &pairs.both {
         let (x, y) = (a.cells.number(*row_a), b.cells.number(*row_b));
@@ -115,22 +144,36 @@ fn change(a: &Field, b: &Field, pairs: &Pairs, tolerance: f64) -> Option<Change>
         if x == y || relative.is_some_and(|relative| relative.abs() <= tolerance) {
             continue;
         }
+        let interval =
+            Estimates::of_ratio(estimates, &b.name, [*row_a, *row_b]) * relative.map_or(1.0, |r| (1.0 + r).abs());
+        if relative.is_some_and(|relative| relative.abs() <= interval) {
+            within += 1;
+            continue;
+        }
         changed += 1;
         // The first of equal ones.
         if largest.as_ref().is_none_or(|known| size(relative) > size(known.relative)) {
-            largest = Some(Largest { point: point.clone(), a: x, b: y, relative });
+            largest = Some(Largest {
+                point: point.clone(),
+                a: x,
+                b: y,
+                relative,
+                interval: (interval > 0.0).then_some(interval),
+            });
         }
     }
-    largest.map(|largest| Change {
+    let Some(largest) = largest else { return if within > 0 { Found::Within } else { Found::Equal } };
+    Found::Changed(Box::new(Change {
         name: b.name.clone(),
         unit: b.unit.clone(),
         description: b.description.clone(),
         role: b.role,
         changed,
+        within,
         compared,
         largest,
         mean_relative: (count > 0).then(|| sum / f64::from(count)),
-    })
+    }))
 }
 
 /// The relative change; none from zero to something, or without both values.
@@ -160,7 +203,7 @@ pub fn configuration(tables: [&Results; 2], pairs: &Pairs, options: &Options) ->
     let mut changes = ConfigChanges { select: &options.select, columns: BTreeMap::new(), keys: BTreeMap::new() };
     let unmatched =
         names(tables[0], tables[1]).into_iter().filter(|name| options.across.iter().any(|column| column == name));
-    for name in unmatched.chain(["trace_fingerprint", "model_version"]) {
+    for name in unmatched.filter(|name| *name != DETAIL).chain(["trace_fingerprint", "model_version", DETAIL]) {
         changes.compare_column(name, tables, pairs);
     }
     for half in Half::ALL {
@@ -179,7 +222,9 @@ struct ConfigChanges<'a> {
 impl ConfigChanges<'_> {
     fn compare_column(&mut self, name: &str, tables: [&Results; 2], pairs: &Pairs) {
         let fields = tables.map(|table| table.field(name));
-        let value = |field: Option<&Field>, row: usize| field.and_then(|field| label(field, row));
+        // Results that say nothing of it are older than estimates.
+        let every_cycle = || (name == DETAIL).then(|| Detail::Full.to_string());
+        let value = |field: Option<&Field>, row: usize| field.and_then(|field| label(field, row)).or_else(every_cycle);
         for (a, b, point) in &pairs.both {
             let values = [value(fields[0], *a), value(fields[1], *b)];
             differ(&mut self.columns, self.select, name, point, values);

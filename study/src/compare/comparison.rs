@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use crate::compare::change::{self, Change, ConfigChange, StateChange};
+use crate::compare::estimates::Estimates;
 use crate::compare::options::Options;
 use crate::compare::pairs::Pairs;
 use crate::error::Result;
@@ -19,6 +20,8 @@ pub struct Comparison {
     pub figures: usize,
     /// Columns of counters that were compared.
     pub counters: usize,
+    /// Columns without a change in which values differ, but no further than their estimates may be off.
+    pub within: usize,
     /// Points of A alone.
     pub vanished: Vec<String>,
     /// Points of B alone.
@@ -43,12 +46,14 @@ impl Comparison {
     pub fn new(a: &Results, b: &Results, options: &Options) -> Result<Self> {
         let pairs = Pairs::new(a, b, &options.across)?;
         let (columns, [columns_vanished, columns_appeared]) = change::columns(a, b, &options.select);
-        let results = change::results(&columns, &pairs, options.tolerance);
+        let estimates = [a, b].map(Estimates::new);
+        let (results, within) = change::results(&columns, &pairs, estimates.each_ref(), options.tolerance);
         Ok(Self {
             points: [a.rows(), b.rows()],
             matched: pairs.both.len(),
             figures: columns.iter().filter(|(_, b)| b.role == Role::Figure).count(),
             counters: columns.iter().filter(|(_, b)| b.role == Role::Counter).count(),
+            within,
             vanished: pairs.vanished.clone(),
             appeared: pairs.appeared.clone(),
             columns_vanished,

@@ -5,6 +5,7 @@
 
 mod change;
 mod comparison;
+mod estimates;
 mod json;
 mod options;
 mod pairs;

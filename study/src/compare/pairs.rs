@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, VecDeque};
 
-use crate::analysis::dims::{IDENTITY, label};
+use crate::analysis::dims::{DETAIL, Dimension, IDENTITY, label};
 use crate::error::{Result, StudyError};
 use crate::table::{Field, Results, Role};
 
@@ -54,7 +54,12 @@ impl Pairs {
 
 /// Columns that say what a point is: those of the first table, then what only the second has.
 pub fn names<'a>(a: &'a Results, b: &'a Results) -> Vec<&'a str> {
-    let tells = |field: &&Field| field.role == Role::Axis || IDENTITY.contains(&field.name.as_str());
+    // How much was simulated says which point is meant only where a table has points of more than one detail: an estimate may be
+    // compared with what every cycle gives.
+    let details =
+        || [a, b].into_iter().any(|table| table.field(DETAIL).is_some_and(|f| Dimension::new(f).values.len() > 1));
+    let identity = |name: &str| IDENTITY.contains(&name) && (name != DETAIL || details());
+    let tells = |field: &&Field| field.role == Role::Axis || identity(&field.name);
     let mut names: Vec<&str> = Vec::new();
     for field in a.fields.iter().chain(&b.fields).filter(tells) {
         if !names.contains(&field.name.as_str()) {
@@ -78,6 +83,7 @@ fn describe(names: &[&str], values: &[Option<String>]) -> String {
     }
     parts.extend(value("machine").map(|name| format!("on {name}")));
     parts.extend(value("policy").map(|name| format!("under {name}")));
+    parts.extend(value(DETAIL).map(|detail| format!("detail {detail}")));
     let axes = names.iter().zip(values).filter(|(name, _)| !IDENTITY.contains(name));
     parts.extend(axes.filter_map(|(name, value)| Some(format!("{name}={}", value.as_ref()?))));
     if parts.is_empty() { "the point".into() } else { parts.join(" ") }

@@ -6,6 +6,7 @@ use std::path::Path;
 use serde_json::Value;
 
 use crate::error::{Result, StudyError};
+use crate::point::known::detail_text;
 use crate::point::row::{Column, Row, role_of};
 use crate::table::{Cells, Field, Heading, Results, Role};
 
@@ -41,6 +42,7 @@ fn identity(report: &Value, policy: &str, frames: &[Value]) -> Vec<Field> {
         point("frames", Cells::Int(vec![i64::try_from(frames.len()).ok()])),
         point("machine", word(Some(report["machine"].as_str().unwrap_or("none")))),
         point("policy", word(Some(policy))),
+        point("detail", Cells::Text(vec![detail_text(report)])),
     ]
 }
 
@@ -50,6 +52,7 @@ fn results(report: &Value) -> Vec<Field> {
     let result = |column: Column| {
         let cells = match &row.figures[&column.name] {
             Value::Bool(flag) => Cells::Flag(vec![Some(*flag)]),
+            object @ Value::Object(_) => Cells::Text(vec![Some(object.to_string())]),
             number if number.is_i64() => Cells::Int(vec![number.as_i64()]),
             number => Cells::Float(vec![number.as_f64()]),
         };

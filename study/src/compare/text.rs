@@ -11,8 +11,12 @@ pub fn text(found: &Comparison, tolerance: f64, top: usize) -> String {
     let within =
         if tolerance > 0.0 { format!(" within {}", percent(tolerance).trim_start_matches('+')) } else { String::new() };
     if !found.changed() {
+        let estimated = match found.within {
+            0 => String::new(),
+            n => format!("; {} differ by less than the 95 % intervals of their estimates", many(n, "column")),
+        };
         return format!(
-            "equal{within}: {}, {}\n",
+            "equal{within}: {}, {}{estimated}\n",
             many(found.matched, "point"),
             many(found.figures + found.counters, "column")
         );
@@ -87,11 +91,16 @@ fn change(change: &Change) -> Vec<String> {
     vec![
         change.name.clone(),
         format!("{}/{}", change.changed, change.compared),
-        size(change.largest.relative, "new"),
+        size(change.largest.relative, "new") + &change.largest.interval.map_or_else(String::new, plus_minus),
         size(change.mean_relative, "-"),
         format!("{} -> {} {unit}", value(change.largest.a), value(change.largest.b)).trim_end().to_owned(),
         change.largest.point.clone(),
     ]
+}
+
+/// How far a change may be off.
+fn plus_minus(interval: f64) -> String {
+    format!(" ± {:.2}", 100.0 * interval)
 }
 
 /// A relative change with its sign; digits enough that none is zero.

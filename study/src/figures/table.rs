@@ -197,6 +197,10 @@ figures! {
 figures! {
     /// What a report says of the machine beside figures; all of it is null without one.
     fn machine_details {
+        detail => "object", Neither, Whole,
+            "how much was simulated cycle by cycle (mode full: all of it), and where that is not all, half the width of the 95 % \
+             interval of each estimated figure, in percent of it, by column; what is not listed is exact",
+            form Form::Listing;
         counters => "object", Neither, Sum,
             "what the machine counted, group/name to value, unit and description; sums over frames, cores and units",
             form Form::Counters;

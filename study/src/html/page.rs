@@ -36,6 +36,7 @@ fn head(study: &Study, title: &str) -> String {
         facts.push(format!("{} × {} pixels", study.width, study.height));
     }
     facts.extend(study.machine.as_ref().map(|name| format!("machine {name}")));
+    facts.extend(study.detail.as_ref().filter(|detail| *detail != "full").map(|detail| format!("detail {detail}")));
     let facts: String = facts.iter().map(|f| format!("<li>{}</li>", escape(f))).collect();
     let command = if study.command.is_empty() {
         String::new()

@@ -76,6 +76,11 @@ pub fn factor(value: f64) -> String {
     format!("{}×", fixed(value, if value.abs() < 99.5 { 2 } else { 0 }))
 }
 
+/// What stands behind an estimate: half the width of its 95 % interval, as a part of it. Nothing behind what is exact.
+pub fn plus_minus(interval: Option<f64>) -> String {
+    interval.filter(|part| *part > 0.0).map_or_else(String::new, |part| format!(" ±{GAP}{}", percent(part)))
+}
+
 /// A share in percent.
 pub fn percent(share: f64) -> String {
     format!("{}{GAP}%", fixed(share * 100.0, 1))

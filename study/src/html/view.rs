@@ -182,6 +182,20 @@ pub fn gain(point: &Point) -> Option<f64> {
     point.ti_gain.or(point.gpu_gain).map(|gain| gain.perf_per_watt)
 }
 
+/// How far the gain in performance per watt may be off, as a part of it.
+pub fn gain_interval(point: &Point) -> Option<f64> {
+    Some(point.ti_gain.or(point.gpu_gain)?.interval?.perf_per_watt)
+}
+
+/// How far a geometric mean of factors may be off that are off by so much each, independently; nothing if all are exact.
+pub fn mean_interval(intervals: impl Iterator<Item = Option<f64>>) -> Option<f64> {
+    let (squares, count) = intervals.fold((0.0, 0_u32), |(squares, count), interval| {
+        let part = interval.unwrap_or(0.0);
+        (squares + part * part, count + 1)
+    });
+    (squares > 0.0).then(|| squares.sqrt() / f64::from(count))
+}
+
 /// The geometric mean; nothing without values or where one is missing or not positive.
 pub fn geometric_mean(values: impl Iterator<Item = Option<f64>>) -> Option<f64> {
     let logs: Option<Vec<f64>> = values.map(|v| v.filter(|v| *v > 0.0).map(libm::log)).collect();

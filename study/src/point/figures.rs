@@ -2,7 +2,7 @@
 
 use serde_json::{Map, Value};
 
-use crate::point::row::plain as column;
+use crate::report::flat::plain as column;
 
 /// The figures of a row, or of one frame.
 #[derive(Clone, Copy, Debug)]

@@ -3,9 +3,10 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use crate::point::version::MODEL_VERSION;
+use crate::point::version::{ESTIMATE_VERSION, MODEL_VERSION};
 use crate::point::wanted::{Figures, Wanted};
 use rayreel_machine::config::NamedMachine;
+use rayreel_replay::Detail;
 use rayreel_replay::policy::NamedPolicy;
 
 /// A key: 128 bits of BLAKE3, as 32 hexadecimal digits.
@@ -26,12 +27,14 @@ pub struct Point {
     pub machine: Option<Arc<NamedMachine>>,
     /// The policy.
     pub policy: Arc<NamedPolicy>,
+    /// How much of its frames the machine simulates cycle by cycle; of no meaning without one.
+    pub detail: Detail,
     /// What is wanted of it.
     pub wanted: Wanted,
 }
 
 impl Point {
-    /// A point of which the row is wanted, and nothing beside it.
+    /// A point of which the row is wanted, and nothing beside it; every cycle is simulated.
     pub fn plain(
         source: impl Into<String>,
         frames: (u32, u32),
@@ -39,7 +42,7 @@ impl Point {
         policy: NamedPolicy,
     ) -> Self {
         let (machine, policy) = (machine.map(Arc::new), Arc::new(policy));
-        Self { source: source.into(), frames, machine, policy, wanted: Wanted::default() }
+        Self { source: source.into(), frames, machine, policy, detail: Detail::Full, wanted: Wanted::default() }
     }
 
     /// [`machine_json`] of its machine; empty without one.
@@ -60,7 +63,7 @@ impl Point {
     /// The key of its row, if one is wanted.
     pub fn row_key(&self) -> Option<Key> {
         let wanted = matches!(self.wanted.figures, Figures::Row);
-        wanted.then(|| key(&self.source, self.frames, &self.machine_config(), &self.policy_config()))
+        wanted.then(|| key(&self.source, self.frames, &self.machine_config(), &self.policy_config(), self.detail))
     }
 
     /// The key of its details, if some are wanted. The machine enters it only where a frame of them is simulated: pictures and
@@ -68,7 +71,9 @@ impl Point {
     pub fn details_key(&self) -> Option<Key> {
         let text = format!("details {DETAILS_LAYOUT}\n{}", self.wanted.canonical()?);
         let machine = if self.wanted.figures.simulates_details() { self.machine_config() } else { String::new() };
-        Some(hash(self.frames, &[&self.source, &machine, &self.policy_config(), &text]))
+        let (policy, estimated) = (self.policy_config(), estimated(&machine, self.detail));
+        let texts = [&self.source, &machine, &policy, &text].into_iter().chain(&estimated).map(String::as_str);
+        Some(hash(self.frames, &texts.collect::<Vec<_>>()))
     }
 
     /// Whether a machine simulates a frame for its row.
@@ -86,9 +91,18 @@ pub fn machine_json(machine: &NamedMachine) -> String {
 }
 
 /// The hash of all that a row depends on: the trace's fingerprint, the first frame and the number of frames, every value of
-/// machine and policy, and [`MODEL_VERSION`]. Names, comments and the order of a file do not enter.
-pub fn key(fingerprint: &str, frames: (u32, u32), machine: &str, policy: &str) -> Key {
-    hash(frames, &[fingerprint, machine, policy])
+/// machine and policy, [`MODEL_VERSION`], and how much is simulated if that is not every cycle. Names, comments and the order of a
+/// file do not enter.
+pub fn key(fingerprint: &str, frames: (u32, u32), machine: &str, policy: &str, detail: Detail) -> Key {
+    let estimated = estimated(machine, detail);
+    let texts = [fingerprint, machine, policy].into_iter().chain(estimated.as_deref());
+    hash(frames, &texts.collect::<Vec<_>>())
+}
+
+/// What stands in a key for the detail: nothing where every cycle is simulated, or none.
+fn estimated(machine: &str, detail: Detail) -> Option<String> {
+    let any = detail != Detail::Full && !machine.is_empty();
+    any.then(|| format!("estimate {ESTIMATE_VERSION}\ndetail {detail}"))
 }
 
 /// The hash of a run of frames of this model version, and of some texts. Each stands behind its length, so lists of texts that
@@ -104,6 +118,8 @@ fn hash((first, count): (u32, u32), texts: &[&str]) -> Key {
 
 #[cfg(test)]
 mod tests {
+    use std::collections::BTreeSet;
+
     use super::*;
     use crate::point::wanted::{Compared, Kind, PictureWanted, Views};
 
@@ -115,7 +131,10 @@ mod tests {
     #[test]
     fn a_row_has_one_key_whatever_is_wanted_beside_it() {
         let plain = point("ti.trv=4");
-        assert_eq!(plain.row_key(), Some(key("f", (0, 3), &plain.machine_config(), &plain.policy_config())));
+        assert_eq!(
+            plain.row_key(),
+            Some(key("f", (0, 3), &plain.machine_config(), &plain.policy_config(), Detail::Full))
+        );
         assert_eq!(plain.details_key(), None);
         let mut shown = plain.clone();
         shown.wanted.views.tiles = true;
@@ -140,5 +159,27 @@ mod tests {
             assert_eq!((a.row_key(), b.row_key()), (None, None));
             assert_eq!(a.details_key() == b.details_key(), same, "{simulated:?}");
         }
+    }
+
+    #[test]
+    fn detail_is_part_of_a_key_where_something_is_estimated() {
+        let with = |detail: &str| Point { detail: detail.parse().unwrap(), ..point("ti.trv=4") };
+        // The key of every cycle is older than estimates, and results of it are on disk.
+        let plain = with("full");
+        let machine = plain.machine_config();
+        assert_eq!(plain.row_key(), Some(hash((0, 3), &["f", &machine, &plain.policy_config()])));
+        let texts = ["full", "all", "counts", "0.1", "0.2", "precision 0.1"];
+        let keys: BTreeSet<_> = texts.into_iter().map(|text| with(text).row_key()).collect();
+        assert_eq!(keys.len(), texts.len());
+        assert_eq!(with("10%").row_key(), with("0.1").row_key());
+        let no_machine = |detail| Point { machine: None, ..with(detail) };
+        assert_eq!(no_machine("full").row_key(), no_machine("0.1").row_key());
+
+        let details = |detail, simulated: &[u32]| {
+            let figures = Figures::Frames { compared: Compared::Valued, simulated: simulated.to_vec() };
+            Point { wanted: Wanted { figures, views: Views::default() }, ..with(detail) }.details_key()
+        };
+        assert_ne!(details("full", &[1]), details("0.1", &[1]));
+        assert_eq!(details("full", &[]), details("0.1", &[]), "nothing is estimated where nothing is simulated");
     }
 }

@@ -7,8 +7,10 @@
 pub mod columns;
 pub mod compute;
 pub mod details;
+pub mod estimates;
 pub mod figures;
 pub mod key;
+pub mod known;
 pub mod pictures;
 pub mod row;
 pub mod segment;

@@ -5,9 +5,11 @@
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
-use crate::figures::{self, COMPONENT_PARTS};
+use crate::figures;
 use crate::point::key::Key;
+use crate::point::known;
 use crate::report::Report;
+use crate::report::flat::cells;
 use crate::table::Role;
 
 /// A result.
@@ -19,7 +21,8 @@ pub struct Row {
     /// Why there are no figures, for a point that cannot be computed.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub error: Option<String>,
-    /// Figures and counters by column: numbers, flags or null.
+    /// Figures and counters by column: numbers, flags or null. A row of estimates also has what is known of them, of which some
+    /// are objects.
     pub figures: Map<String, Value>,
 }
 
@@ -34,8 +37,11 @@ pub struct Column {
     pub description: String,
 }
 
-/// Whether a column of a row is a figure or a counter.
+/// What a column of a row is.
 pub fn role_of(name: &str) -> Role {
+    if let Some(role) = known::role(name) {
+        return role;
+    }
     if figures::column(name).is_some_and(|column| column.is_figure) { Role::Figure } else { Role::Counter }
 }
 
@@ -53,23 +59,12 @@ impl Row {
     /// The row of a report as `rayreel replay --json` prints it.
     pub fn of_json(key: Key, value: &Value) -> (Self, Vec<Column>) {
         let mut row = Builder::default();
-        for column in figures::columns() {
-            row.add(&column.name, column.unit, &column.description, column.value(value));
+        for cell in cells(value) {
+            row.add(&cell.name, cell.unit, &cell.description, cell.value);
         }
-        for component in value["energy"].as_array().into_iter().flatten() {
-            row.add_component(component);
-        }
-        for (name, counter) in value["counters"].as_object().into_iter().flatten() {
-            let word = |key: &str| counter[key].as_str().unwrap_or_default();
-            row.add(&plain(name), word("unit"), word("description"), &counter["value"]);
-        }
+        known::add(&value["detail"], |name, unit, description, value| row.add(name, unit, description, value));
         (Self { key, error: None, figures: row.values }, row.columns)
     }
-}
-
-/// A name that needs no quotes in SQL.
-pub(crate) fn plain(name: &str) -> String {
-    name.chars().map(|c| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { '_' }).collect()
 }
 
 /// The values of a row in the making, and what its columns are.
@@ -87,14 +82,5 @@ impl Builder {
         }
         self.values.insert(name.to_owned(), value.clone());
         self.columns.push(Column { name: name.into(), unit: unit.into(), description: description.into() });
-    }
-
-    /// Adds the energy of a component.
-    fn add_component(&mut self, component: &Value) {
-        let name = component["name"].as_str().unwrap_or_default();
-        for part in COMPONENT_PARTS {
-            let text = format!("energy of {name}, {}", part.word);
-            self.add(&format!("energy_{}_{}", plain(name), part.key), "mJ", &text, &component[part.key]);
-        }
     }
 }

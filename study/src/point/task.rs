@@ -9,7 +9,6 @@ use crate::point::wanted::{Compared, Figures};
 use crate::report::Report;
 use rayreel_machine::system::Probe;
 use rayreel_machine::work::topology::Topology;
-use rayreel_replay::Detail;
 use rayreel_replay::counts::FrameStats;
 use rayreel_replay::sequence::{FrameLoop, FrameResult, Simulator};
 use rayreel_replay::simulate::MachineRun;
@@ -83,7 +82,7 @@ impl<'a, S: PathSource + ?Sized> PointTask<'a, S> {
     /// A machine that cannot run the policy; a source that cannot be read; an interruption.
     pub fn frame<P: Probe>(&mut self, frame: u32, tree: Option<&Topology>, probe: &mut P) -> Result<()> {
         let machine = self.point.machine.as_deref().filter(|_| self.is_simulated(frame));
-        let simulator = machine.zip(tree).map(|(machine, tree)| Simulator { machine, tree, detail: Detail::Full });
+        let simulator = machine.zip(tree).map(|(machine, tree)| Simulator { machine, tree, detail: self.point.detail });
         let result = self.frames.step(frame, simulator, probe)?;
         if self.missing.details {
             self.detail(&result)?;

@@ -4,6 +4,8 @@
 //! integer counts.
 
 mod counters;
+pub mod detail;
+pub(crate) mod flat;
 mod format;
 mod page;
 pub mod run;
@@ -14,6 +16,7 @@ use rayreel_formats::scene::Meta;
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 
+use self::detail::DetailReport;
 use self::run::ComponentReport;
 
 use crate::error::{Result, StudyError};
@@ -64,6 +67,8 @@ pub struct Report {
     pub run: RunFigures,
     /// Each frame.
     pub frames: Vec<FrameReport>,
+    /// How much of the frames the machine simulated, and how far the figures may be off; null without one.
+    pub detail: Option<DetailReport>,
     /// What the machine counted, by name; null without a machine.
     pub counters: Value,
     /// What each issue stage of each unit did; null without a machine.
@@ -90,6 +95,9 @@ pub struct FrameReport {
     /// Time, speed and cost of it on the machine.
     #[serde(flatten)]
     pub run: RunFigures,
+    /// How far its figures may be off, counters left out; left out if they are not estimated.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub detail: Option<DetailReport>,
     /// Its tiles, in order; left out if empty.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub tiles: Vec<TileReport>,
@@ -135,6 +143,7 @@ impl Report {
             sum: SamplingFigures::new(frames),
             run: RunFigures::default(),
             frames: frames.iter().map(FrameReport::new).collect(),
+            detail: None,
             counters: Value::Null,
             units: Value::Null,
             energy: None,
@@ -150,13 +159,17 @@ impl Report {
         let mut all = MachineRun::default();
         for (frame, run) in self.frames.iter_mut().zip(runs) {
             frame.run = RunFigures::new(&machine.config, run, 1);
+            frame.detail = run.estimate.as_ref().map(|_| DetailReport::new(&machine.config, run, 1, false));
             all.add(run);
         }
         self.run = RunFigures::new(&machine.config, &all, runs.len());
         self.machine = Some(machine.name.clone());
-        self.counters = counters::counters(&all);
-        self.units = counters::units(&all.stats);
-        self.energy = Some(run::components(&all.energy, self.run.time_ms));
+        let detail = DetailReport::new(&machine.config, &all, runs.len(), true);
+        let timeless = detail.is_counts();
+        self.counters = if timeless { counters::timeless(&all) } else { counters::counters(&all) };
+        self.units = if timeless { Value::Null } else { counters::units(&all.stats) };
+        self.energy = Some(run::components(&all.energy, self.run.time_ms, timeless));
+        self.detail = Some(detail);
         self.machine_config = machine_config(machine);
         self.machine_run = Some((machine.config.clone(), all));
         self
@@ -201,6 +214,7 @@ impl FrameReport {
             frame: stats.frame,
             figures: SamplingFigures::new(std::slice::from_ref(stats)),
             run: RunFigures::default(),
+            detail: None,
             tiles: stats.tiles.iter().map(|tile| TileReport::new(tile, &stats.tile_errors)).collect(),
         }
     }

@@ -5,6 +5,7 @@ use std::fmt::{self, Formatter};
 use crate::figures::RunCost;
 use crate::report::Report;
 use crate::report::counters::{ist_activity, ist_l1, srp_l1, srp_sum, stages, trv_l1};
+use crate::report::detail::DetailReport;
 use crate::report::format::{amount, digits, grouped, percent};
 use rayreel_machine::config::{Dram, MachineConfig};
 use rayreel_machine::counters::Activity;
@@ -18,11 +19,39 @@ use rayreel_replay::simulate::MachineRun;
 pub(super) fn write(f: &mut Formatter<'_>, report: &Report) -> fmt::Result {
     let Some((config, run)) = &report.machine_run else { return Ok(()) };
     speed(f, report, config)?;
-    utilisation(f, &run.stats)?;
-    shader(f, &run.stats)?;
+    // Where no cycle was simulated nobody waited.
+    if !report.detail.as_ref().is_some_and(DetailReport::is_counts) {
+        utilisation(f, &run.stats)?;
+        shader(f, &run.stats)?;
+    }
     caches(f, &run.stats)?;
     memory(f, config, &run.stats)?;
     power(f, config, run)
+}
+
+/// What was simulated, if that is not all.
+fn extent(f: &mut Formatter<'_>, detail: &DetailReport) -> fmt::Result {
+    let DetailReport { fraction, windows, whole_frames, .. } = detail;
+    let whole = match whole_frames {
+        0 => String::new(),
+        1 => "; 1 frame has too few tiles to choose from and was simulated whole".to_owned(),
+        n => format!("; {n} frames have too few tiles to choose from and were simulated whole"),
+    };
+    match detail.mode {
+        "full" => Ok(()),
+        "counts" => {
+            writeln!(f, "  no cycle was simulated: work and misses are counted, energies are without leakage\n")
+        }
+        _ if detail.is_estimated() => {
+            let share = format!("{:.1}", 100.0 * fraction);
+            writeln!(
+                f,
+                "  estimates from {windows} windows with {share} % of the tiles{whole}\n  a figure's 95 % interval reaches \
+                 from - to + what stands behind it; counts of work are exact\n"
+            )
+        }
+        _ => writeln!(f, "  nothing is estimated{whole}\n"),
+    }
 }
 
 fn speed(f: &mut Formatter<'_>, report: &Report, config: &MachineConfig) -> fmt::Result {
@@ -31,22 +60,34 @@ fn speed(f: &mut Formatter<'_>, report: &Report, config: &MachineConfig) -> fmt:
     let many = if cores == 1 { "core" } else { "cores" };
     writeln!(f, "\nmachine {name}: {cores} {many}, T&I at {ti} MHz, SRP at {srp} MHz\n")?;
     let run = &report.run;
-    writeln!(f, "  {:<18} {:>16}", "cycles", grouped(run.cycles.unwrap_or_default()))?;
-    let mut row = |name: &str, value: String, rate: Option<f64>, unit: &str| {
-        writeln!(f, "  {name:<18} {value:>16} {:>20}", amount(rate, unit))
+    let detail = report.detail.as_ref();
+    detail.map_or(Ok(()), |detail| extent(f, detail))?;
+    let within = |column: &str| detail.and_then(|d| d.interval(column)).map_or_else(String::new, plus_minus);
+    let cycles = run.cycles.map_or_else(|| "-".into(), grouped);
+    writeln!(f, "  {:<18} {:>16}", "cycles", format!("{cycles}{}", within("cycles")))?;
+    let mut row = |name: &str, value: String, (rate, unit): (Option<f64>, &str), column: &str| {
+        writeln!(f, "  {name:<18} {value:>16} {:>20}", format!("{}{}", amount(rate, unit), within(column)))
     };
-    row("time", small(run.time_ms, "ms", "us"), run.fps, "frames/s")?;
-    row("rays", grouped(run.rays_machine.unwrap_or_default()), run.mrays_per_s, "Mrays/s")?;
+    row("time", small(run.time_ms, "ms", "us"), (run.fps, "frames/s"), "fps")?;
+    row("rays", grouped(run.rays_machine.unwrap_or_default()), (run.mrays_per_s, "Mrays/s"), "mrays_per_s")?;
     writeln!(f, "\n  {:<18} {:>16} {:>20} {:>16}", "", "T&I units", "and their memory", "whole GPU")?;
     let costs = [run.ti, run.ti_with_memory.unwrap_or_default(), run.gpu.unwrap_or_default()];
-    let mut row = |name: &str, shown: fn(&RunCost) -> String| {
-        let [ti, memory, gpu] = costs.each_ref().map(|cost| shown(cost).trim_end().to_owned());
+    let mut row = |name: &str, column: &str, shown: fn(&RunCost) -> String| {
+        let cell = |(part, cost): (&str, &RunCost)| {
+            format!("{}{}", shown(cost).trim_end(), within(&format!("{part}{column}")))
+        };
+        let [ti, memory, gpu] = [("", &costs[0]), ("ti_with_memory_", &costs[1]), ("gpu_", &costs[2])].map(cell);
         writeln!(f, "  {name:<18} {ti:>16} {memory:>20} {gpu:>16}")
     };
-    row("power", |c| small(c.power_w, "W", "mW"))?;
-    row("energy", |c| small(c.energy_mj, "mJ", "uJ"))?;
-    row("energy a ray", |c| amount(c.energy_per_ray_nj, "nJ"))?;
-    row("frames/s a watt", |c| amount(c.perf_per_watt, ""))
+    row("power", "power_w", |c| small(c.power_w, "W", "mW"))?;
+    row("energy", "energy_mj", |c| small(c.energy_mj, "mJ", "uJ"))?;
+    row("energy a ray", "energy_per_ray_nj", |c| amount(c.energy_per_ray_nj, "nJ"))?;
+    row("frames/s a watt", "perf_per_watt", |c| amount(c.perf_per_watt, ""))
+}
+
+/// Half the width of an interval behind its figure.
+fn plus_minus(percent: f64) -> String {
+    format!(" ±{percent:.1}%")
 }
 
 /// An amount in `unit`, or in its thousandth part if it is below one.

@@ -5,6 +5,7 @@ use serde::Serialize;
 use crate::figures::{RunCost, RunFigures};
 use rayreel_machine::config::MachineConfig;
 use rayreel_machine::energy::EnergyReport;
+use rayreel_replay::Detail;
 use rayreel_replay::simulate::MachineRun;
 
 impl RunFigures {
@@ -14,9 +15,10 @@ impl RunFigures {
         let seconds = cycles as f64 / (f64::from(config.ti.clock_mhz) * 1e6);
         let rays = run.stats.rays();
         let cost = |fj: u128| RunCost::new(fj, seconds, rays, frames);
+        let timeless = run.estimate.as_ref().is_some_and(|estimate| estimate.detail == Detail::Counts);
         Self {
-            cycles: Some(cycles),
-            time_ms: Some(seconds * 1e3),
+            cycles: (!timeless).then_some(cycles),
+            time_ms: (!timeless).then_some(seconds * 1e3),
             fps: ratio(frames as f64, seconds),
             rays_machine: Some(rays),
             mrays_per_s: ratio(rays as f64 * 1e-6, seconds),
@@ -35,7 +37,7 @@ impl RunCost {
             energy_mj: Some(fj as f64 * 1e-12),
             energy_per_ray_nj: ratio(fj as f64 * 1e-6, rays as f64),
             // Frames a second over joules a second.
-            perf_per_watt: ratio(frames as f64, joules),
+            perf_per_watt: ratio(frames as f64, joules).filter(|_| seconds > 0.0),
         }
     }
 }
@@ -49,20 +51,20 @@ pub struct ComponentReport {
     pub group: &'static str,
     /// Dynamic energy, mJ.
     pub dynamic_mj: f64,
-    /// Leakage, mJ; of the DRAM its background.
-    pub leakage_mj: f64,
+    /// Leakage, mJ; of the DRAM its background; null where no cycle was simulated.
+    pub leakage_mj: Option<f64>,
     /// Mean power, W.
     pub power_w: Option<f64>,
 }
 
-/// The components of a run of `seconds`.
-pub(super) fn components(energy: &EnergyReport, time_ms: Option<f64>) -> Vec<ComponentReport> {
+/// The components of a run of `time_ms`; `timeless` if no cycle was simulated.
+pub(super) fn components(energy: &EnergyReport, time_ms: Option<f64>, timeless: bool) -> Vec<ComponentReport> {
     let mj = |fj: u128| fj as f64 * 1e-12;
     let component = |c: &rayreel_machine::energy::Component| ComponentReport {
         name: c.name,
         group: c.group.name(),
         dynamic_mj: mj(c.dynamic_fj),
-        leakage_mj: mj(c.leakage_fj),
+        leakage_mj: (!timeless).then(|| mj(c.leakage_fj)),
         power_w: time_ms.and_then(|ms| ratio(mj(c.total_fj()), ms)),
     };
     energy.components.iter().map(component).collect()

@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::schema::points::{CostInterval, GainInterval};
+
 /// One choice changed.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -30,6 +32,10 @@ pub struct Ablation {
     pub power_w: Option<f64>,
     /// Frames a second and watt, whole GPU; null without a machine.
     pub perf_per_watt: Option<f64>,
+    /// How far cycles, power and frames a second and watt may be off; null if every cycle was simulated.
+    pub interval: Option<CostInterval>,
+    /// The same of their factors over the base, with time's inverse for cycles; null if every cycle of both was simulated.
+    pub gain_interval: Option<GainInterval>,
     /// PSNR, dB; null for identical pictures or without a comparison.
     pub psnr_db: Option<f64>,
 }

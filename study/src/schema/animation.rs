@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::schema::points::CostInterval;
+
 /// A frame as maps.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -60,6 +62,8 @@ pub struct TrackFrame {
     pub time_ms: Option<f64>,
     /// Energy of the T&I units alone, mJ; null without a machine.
     pub energy_mj: Option<f64>,
+    /// How far time, power and energy may be off; null if every cycle was simulated.
+    pub interval: Option<CostInterval>,
     /// PSNR, dB; null for identical pictures or without a comparison.
     pub psnr_db: Option<f64>,
     /// Traced samples per sample of the grid.

@@ -17,7 +17,7 @@ mod viewer;
 
 pub use ablations::Ablation;
 pub use animation::{Map, Track, TrackFrame};
-pub use points::{Component, Cost, Gain, Kernel, Point, Quality, StateShare, Unit};
+pub use points::{Component, Cost, CostInterval, Gain, GainInterval, Kernel, Point, Quality, StateShare, Unit};
 pub use references::{GainBand, ModePolicy, PaperKernel, PaperPsnr, References};
 pub use setup::{ConfigValue, ModeRays, Policy, Scene};
 pub use study::{FILE, SCHEMA, Study};

@@ -62,6 +62,22 @@ pub struct Cost {
     pub energy_mj: f64,
     /// Frames a second and watt.
     pub perf_per_watt: f64,
+    /// How far they may be off; null if every cycle was simulated.
+    pub interval: Option<CostInterval>,
+}
+
+/// Half the width of the 95 % interval of each figure of a cost, as a part of the figure.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CostInterval {
+    /// Of cycles and time.
+    pub cycles: f64,
+    /// Of power.
+    pub power_w: f64,
+    /// Of energy.
+    pub energy_mj: f64,
+    /// Of frames a second and watt.
+    pub perf_per_watt: f64,
 }
 
 /// Factors over a reference; more than 1 is more than the reference has.
@@ -73,6 +89,20 @@ pub struct Gain {
     /// Mean power.
     pub power: f64,
     /// Frames a second and watt.
+    pub perf_per_watt: f64,
+    /// How far they may be off; null if every cycle of both was simulated.
+    pub interval: Option<GainInterval>,
+}
+
+/// Half the width of the 95 % interval of each factor of a gain, as a part of the factor. What both runs share has cancelled.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct GainInterval {
+    /// Of frames a second.
+    pub performance: f64,
+    /// Of mean power.
+    pub power: f64,
+    /// Of frames a second and watt.
     pub perf_per_watt: f64,
 }
 

@@ -10,7 +10,7 @@ use crate::schema::setup::{ConfigValue, Policy, Scene};
 use crate::schema::viewer::ViewerSet;
 
 /// Version of the structs below; a reader refuses any other.
-pub const SCHEMA: u32 = 1;
+pub const SCHEMA: u32 = 2;
 
 /// Name of the file in the study's folder.
 pub const FILE: &str = "study.json";
@@ -29,6 +29,8 @@ pub struct Study {
     pub command: String,
     /// The machine; null without one.
     pub machine: Option<String>,
+    /// How much was simulated cycle by cycle, as `--detail` takes it; null without a machine.
+    pub detail: Option<String>,
     /// Picture width, pixels.
     pub width: u32,
     /// Picture height, pixels.

@@ -111,6 +111,7 @@ impl Table<'_> {
             self.ints("frames", "frames", "number of frames", |p| p.frames.1),
             self.texts("machine", "machine preset or file", |p| plan.machines[p.machine].name.clone()),
             self.texts("policy", "policy preset or file", |p| plan.policies[p.policy].name.clone()),
+            self.detail(),
         ];
         all.extend(plan.axes.iter().enumerate().map(|(i, axis)| self.axis(i, axis)));
         let status = self.each(|p| Some(if self.row(p).error.is_some() { "failed" } else { "done" }.to_owned()));
@@ -138,6 +139,14 @@ impl Table<'_> {
 
     fn texts(&self, name: &str, description: &str, value: impl Fn(&PointRef) -> String) -> Field {
         self.point(name, description, Cells::Text(self.each(|p| Some(value(p)))))
+    }
+
+    /// How much was simulated: nothing is said of points without a machine.
+    fn detail(&self) -> Field {
+        let plan = self.plan;
+        let simulates = |p: &&PointRef| !plan.machines[p.machine].toml.is_empty();
+        let text = |p: &PointRef| Some(p).filter(simulates).map(|p| plan.details[p.detail].clone());
+        self.point("detail", "how much was simulated cycle by cycle", Cells::Text(self.each(text)))
     }
 
     fn ints(&self, name: &str, unit: &str, description: &str, value: impl Fn(&PointRef) -> u32) -> Field {
@@ -214,6 +223,8 @@ impl Table<'_> {
             Cells::Flag(values.iter().map(|value| value.and_then(Value::as_bool)).collect())
         } else if all(Value::is_i64) {
             Cells::Int(values.iter().map(|value| value.and_then(Value::as_i64)).collect())
+        } else if all(Value::is_object) {
+            Cells::Text(values.iter().map(|value| value.map(Value::to_string)).collect())
         } else {
             Cells::Float(values.iter().map(|value| value.and_then(Value::as_f64)).collect())
         };

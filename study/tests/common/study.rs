@@ -59,6 +59,7 @@ pub fn study() -> Study {
         title: "A small study".into(),
         command: "rayreel paper".into(),
         machine: Some("sgrt-ti2".into()),
+        detail: Some("full".into()),
         width: PICTURE[0],
         height: PICTURE[1],
         notes: vec!["a note".into()],
@@ -77,13 +78,14 @@ pub fn study() -> Study {
 
 /// `strength` 0 is full sampling.
 fn point(scene: &str, mode: &str, policy: &str, strength: f64) -> Point {
-    let gain = Gain { performance: 1.0 + 1.1 * strength, power: 1.05, perf_per_watt: 1.0 + strength };
+    let gain = Gain { performance: 1.0 + 1.1 * strength, power: 1.05, perf_per_watt: 1.0 + strength, interval: None };
     let cost = |scale: f64| Cost {
         cycles: (1e6 * scale / gain.performance) as u64,
         time_ms: 2.0 * scale / gain.performance,
         power_w: 0.4,
         energy_mj: 0.8 * scale / gain.performance,
         perf_per_watt: 600.0 * gain.perf_per_watt / scale,
+        interval: None,
     };
     let (full, over) = (policy == "full", (policy != "full").then_some(gain));
     let share = |state: &str, share| StateShare { state: state.into(), share };
@@ -155,6 +157,7 @@ fn track(policy: &str, strength: f64) -> Track {
         power_w: Some(0.4),
         time_ms: Some(2.0),
         energy_mj: Some(0.8),
+        interval: None,
         // A frame that equals the reference.
         psnr_db: (frame != 3).then_some(40.0 + strength),
         mean_rate: 1.0 / (1.0 + strength),
@@ -184,6 +187,8 @@ fn ablation(name: &str, base: bool) -> Ablation {
         cycles: Some(if base { 1000 } else { 1500 }),
         power_w: Some(1.0),
         perf_per_watt: Some(400.0),
+        interval: None,
+        gain_interval: None,
         psnr_db: Some(41.0),
     }
 }

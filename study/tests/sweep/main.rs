@@ -39,7 +39,7 @@ fn plan(body: &str) -> Result<Plan, String> {
 
 fn plan_of(text: &str) -> Result<Plan, String> {
     let text = Text { name: "plan.toml", text };
-    Plan::new(&Sources { text, folder: Path::new(""), traces: None, stem: "plan", open: &open })
+    Plan::new(&Sources { text, folder: Path::new(""), traces: None, detail: None, stem: "plan", open: &open })
         .map_err(|e| e.to_string())
 }
 

@@ -1,9 +1,9 @@
 //! One choice changed at a time.
 
 use crate::html::parts::{Head, Section, how_to_read, table};
-use crate::html::text::{escape, factor, fixed, or_dash, percent, psnr};
+use crate::html::text::{count, escape, factor, fixed, or_dash, percent, plus_minus, psnr};
 use crate::html::view::StudyView;
-use crate::schema::Ablation;
+use crate::schema::{Ablation, CostInterval, GainInterval};
 
 /// The section.
 pub fn section(view: &StudyView<'_>) -> Option<Section> {
@@ -47,16 +47,25 @@ fn group_table(group: &str, all: &[&Ablation]) -> String {
         let base = base.filter(|_| !ablation.base);
         let note =
             if ablation.note.is_empty() { String::new() } else { format!("<small>{}</small>", escape(&ablation.note)) };
+        let own = |of: fn(CostInterval) -> f64| ablation.interval.map(of);
+        let over = |of: fn(GainInterval) -> f64| ablation.gain_interval.map(of);
         let cells = vec![
             format!("{}{note}", escape(&ablation.name)),
             format!("{} <small>{}</small>", escape(&ablation.scene), escape(&ablation.mode.replace('x', "×"))),
             escape(&ablation.policy),
             percent(ablation.rays_traced as f64 / ablation.rays_full.max(1) as f64),
             or_dash(ablation.cycles, |v| {
-                super::super::text::count(v) + &times(v as f64, base.and_then(|b| b.cycles).map(|v| v as f64))
+                let base = base.and_then(|b| b.cycles).map(|v| v as f64);
+                count(v) + &plus_minus(own(|i| i.cycles)) + &times(v as f64, base, over(|i| i.performance))
             }),
-            or_dash(ablation.power_w, |v| fixed(v, 3) + &times(v, base.and_then(|b| b.power_w))),
-            or_dash(ablation.perf_per_watt, |v| fixed(v, 1) + &times(v, base.and_then(|b| b.perf_per_watt))),
+            or_dash(ablation.power_w, |v| {
+                let base = base.and_then(|b| b.power_w);
+                fixed(v, 3) + &plus_minus(own(|i| i.power_w)) + &times(v, base, over(|i| i.power))
+            }),
+            or_dash(ablation.perf_per_watt, |v| {
+                let base = base.and_then(|b| b.perf_per_watt);
+                fixed(v, 1) + &plus_minus(own(|i| i.perf_per_watt)) + &times(v, base, over(|i| i.perf_per_watt))
+            }),
             psnr(ablation.psnr_db) + &difference(ablation.psnr_db, base.and_then(|b| b.psnr_db)),
         ];
         rows.push((if ablation.base { "strong".into() } else { String::new() }, cells));
@@ -64,8 +73,9 @@ fn group_table(group: &str, all: &[&Ablation]) -> String {
     table(&capitalised(group), &columns, &rows)
 }
 
-fn times(value: f64, base: Option<f64>) -> String {
-    base.filter(|b| *b > 0.0).map(|b| format!(" <small>({})</small>", factor(value / b))).unwrap_or_default()
+fn times(value: f64, base: Option<f64>, within: Option<f64>) -> String {
+    let times = |base: f64| format!(" <small>({}{})</small>", factor(value / base), plus_minus(within));
+    base.filter(|b| *b > 0.0).map(times).unwrap_or_default()
 }
 
 fn difference(value: Option<f64>, base: Option<f64>) -> String {

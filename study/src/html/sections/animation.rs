@@ -3,7 +3,7 @@
 use crate::html::charts::lines::{Line, Lines};
 use crate::html::modes::mode_name;
 use crate::html::parts::{Head, Section, card, grid, how_to_read, table};
-use crate::html::text::{escape, fixed, or_dash, percent, psnr};
+use crate::html::text::{escape, fixed, or_dash, percent, plus_minus, psnr};
 use crate::html::view::StudyView;
 use crate::schema::{Track, TrackFrame};
 
@@ -87,12 +87,16 @@ fn totals(scene: &str, tracks: &[&Track]) -> String {
         let (full, traced) =
             track.frames.iter().fold((0, 0), |(full, traced), f| (full + f.rays_full, traced + f.rays_traced));
         let energy: Vec<f64> = track.frames.iter().filter_map(|f| f.energy_mj).collect();
-        let energy = Some(energy).filter(|e| !e.is_empty()).map(|e| e.iter().sum::<f64>() / e.len() as f64);
+        let sum = energy.iter().sum::<f64>();
+        let off = |f: &TrackFrame| Some(f.energy_mj? * f.interval?.energy_mj);
+        // Frames that are alike may be off alike.
+        let within = track.frames.iter().filter_map(off).sum::<f64>() / sum;
+        let energy = (!energy.is_empty()).then(|| sum / energy.len() as f64);
         let cells = vec![
             escape(&track.policy),
             track.frames.len().to_string(),
             percent(traced as f64 / (full as f64).max(1.0)),
-            or_dash(energy, |e| fixed(e, 3)),
+            or_dash(energy, |e| fixed(e, 3) + &plus_minus(Some(within))),
             psnr(track.psnr_db),
             or_dash(track.flicker, |f| fixed(f, 4)),
         ];

@@ -3,12 +3,18 @@
 use crate::html::charts::bars::{Bar, Group, grouped};
 use crate::html::modes::{by_mode, mode_name, mode_reference};
 use crate::html::parts::{Head, Section, card, details, how_to_read, key, legend, symbol, table};
-use crate::html::text::{escape, factor, or_dash};
-use crate::html::view::{StudyView, geometric_mean};
+use crate::html::text::{escape, factor, or_dash, plus_minus};
+use crate::html::view::{StudyView, geometric_mean, mean_interval};
 use crate::schema::{Gain, Point};
 
 /// Name and colour class of the three bars of a scene.
 const BARS: [(&str, &str); 3] = [("performance", "b0"), ("power", "b1"), ("performance per watt", "b2")];
+
+/// How far they may be off.
+fn intervals(gain: Option<Gain>) -> [Option<f64>; 3] {
+    let interval = gain.and_then(|g| g.interval);
+    interval.map_or([None; 3], |i| [Some(i.performance), Some(i.power), Some(i.perf_per_watt)])
+}
 
 fn values(gain: Option<Gain>) -> [Option<f64>; 3] {
     gain.map_or([None; 3], |g| [Some(g.performance), Some(g.power), Some(g.perf_per_watt)])
@@ -49,23 +55,24 @@ fn chart(view: &StudyView<'_>, mode: &str, policy: &str) -> String {
         return String::new();
     }
     let alone = if points.iter().all(|p| p.ti_gain.is_some()) { "T&I units alone" } else { "whole GPU" };
-    let group = |name: &str, values: [Option<f64>; 3], band| {
-        let bar = |((what, class), value): (&(&str, &'static str), Option<f64>)| Bar {
+    let group = |name: &str, values: [Option<f64>; 3], within: [Option<f64>; 3], band| {
+        let bar = |((what, class), (value, within)): (&(&str, &'static str), (Option<f64>, Option<f64>))| Bar {
             value,
             class,
-            tip: format!("{name}\n{policy}, {alone}\n{what} {}", or_dash(value, factor)),
+            tip: format!("{name}\n{policy}, {alone}\n{what} {}{}", or_dash(value, factor), plus_minus(within)),
         };
-        Group { name: name.to_owned(), bars: BARS.iter().zip(values).map(bar).collect(), band }
+        Group { name: name.to_owned(), bars: BARS.iter().zip(values.into_iter().zip(within)).map(bar).collect(), band }
     };
     let mut groups: Vec<Group> = points
         .iter()
-        .map(|p| group(&p.scene, values(gain(p)), view.band(&p.scene).map(|b| (b.least, b.most))))
+        .map(|p| group(&p.scene, values(gain(p)), intervals(gain(p)), view.band(&p.scene).map(|b| (b.least, b.most))))
         .collect();
     let text: Vec<String> =
         points.iter().map(|p| format!("{} {}", p.scene, or_dash(gain(p).map(|g| g.perf_per_watt), factor))).collect();
     if points.len() > 1 {
         let mean = |i: usize| geometric_mean(points.iter().map(|p| values(gain(p))[i]));
-        groups.push(group("mean", [mean(0), mean(1), mean(2)], None));
+        let within = |i: usize| mean_interval(points.iter().map(|p| intervals(gain(p))[i]));
+        groups.push(group("mean", [mean(0), mean(1), mean(2)], [within(0), within(1), within(2)], None));
     }
     let name = format!("{}: {policy} against {}", mode_name(mode), mode_reference(mode));
     let label = format!("Bar chart. {name}, {alone}; performance per watt: {}.", text.join(", "));
@@ -85,9 +92,12 @@ fn numbers(view: &StudyView<'_>, mode: &str) -> String {
     for scene in view.scenes(mode) {
         for point in view.of(scene, mode).into_iter().filter(|p| p.kind != "full") {
             let mut cells = vec![escape(&point.scene), escape(&point.policy)];
-            cells.extend(values(point.ti_gain).into_iter().chain(values(point.gpu_gain)).map(|v| or_dash(v, factor)));
+            let cell = |(value, within)| or_dash(value, factor) + &plus_minus(within);
+            for gain in [point.ti_gain, point.gpu_gain] {
+                cells.extend(values(gain).into_iter().zip(intervals(gain)).map(cell));
+            }
             if mode == "1x1" {
-                cells.push(or_dash(point.fsaa_gain.map(|g| g.perf_per_watt), factor));
+                cells.push(cell((values(point.fsaa_gain)[2], intervals(point.fsaa_gain)[2])));
             }
             cells.push(or_dash(view.band(scene), |band| match band.most {
                 Some(most) => format!("{} to {}", band.least, factor(most)),

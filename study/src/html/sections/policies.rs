@@ -4,9 +4,9 @@ use crate::html::charts::bars::{HorizontalBar, rows};
 use crate::html::charts::scatter::{Dot, frontier, scatter};
 use crate::html::modes::{by_mode, mode_name};
 use crate::html::parts::{Head, Section, card, details, grid, how_to_read, table};
-use crate::html::text::{amount, count, decibels, escape, factor, fixed, or_dash, percent, psnr};
-use crate::html::view::{StudyView, gain, geometric_mean};
-use crate::schema::Point;
+use crate::html::text::{amount, count, decibels, escape, factor, fixed, or_dash, percent, plus_minus, psnr};
+use crate::html::view::{StudyView, gain, gain_interval, geometric_mean};
+use crate::schema::{Cost, CostInterval, Point};
 
 /// The section.
 pub fn section(view: &StudyView<'_>) -> Option<Section> {
@@ -38,8 +38,9 @@ fn tip(point: &Point) -> String {
     for (part, gain) in [("T&I alone", point.ti_gain), ("GPU", point.gpu_gain)] {
         let Some(gain) = gain else { continue };
         text += &format!(
-            "\n{part}: {} perf/W, {} performance, {} power",
+            "\n{part}: {}{} perf/W, {} performance, {} power",
             factor(gain.perf_per_watt),
+            plus_minus(gain.interval.map(|i| i.perf_per_watt)),
             factor(gain.performance),
             factor(gain.power)
         );
@@ -114,7 +115,7 @@ fn bars(view: &StudyView<'_>, mode: &str) -> String {
             Some(HorizontalBar {
                 name: point.policy.clone(),
                 value,
-                text: factor(value) + &psnr_text,
+                text: factor(value) + &plus_minus(gain_interval(point)) + &psnr_text,
                 class: view.look(&point.policy).class(),
                 tip: tip(point),
             })
@@ -152,10 +153,10 @@ fn numbers(view: &StudyView<'_>, mode: &str) -> String {
                 count(point.rays_traced),
                 percent(point.rays_traced as f64 / point.rays_full.max(1) as f64),
                 fixed(point.mean_rate, 3),
-                or_dash(point.gpu, |c| fixed(c.time_ms, 3)),
-                or_dash(point.gpu, |c| fixed(c.power_w, 3)),
-                or_dash(point.gpu, |c| fixed(c.energy_mj, 3)),
-                or_dash(point.ti, |c| fixed(c.perf_per_watt, 1)),
+                cost(point.gpu, |c| fixed(c.time_ms, 3), |i| i.cycles),
+                cost(point.gpu, |c| fixed(c.power_w, 3), |i| i.power_w),
+                cost(point.gpu, |c| fixed(c.energy_mj, 3), |i| i.energy_mj),
+                cost(point.ti, |c| fixed(c.perf_per_watt, 1), |i| i.perf_per_watt),
                 or_dash(point.quality.filter(|_| point.kind != "full"), |q| psnr(q.psnr_db)),
             ];
             let class = if point.kind == "full" { "paper-row" } else { "" };
@@ -163,4 +164,9 @@ fn numbers(view: &StudyView<'_>, mode: &str) -> String {
         }
     }
     table(&format!("{}: every policy", mode_name(mode)), &columns, &rows)
+}
+
+/// A figure of a cost, and how far it may be off.
+fn cost(cost: Option<Cost>, show: impl FnOnce(Cost) -> String, within: fn(CostInterval) -> f64) -> String {
+    or_dash(cost, |c| show(c) + &plus_minus(c.interval.map(within)))
 }

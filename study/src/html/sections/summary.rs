@@ -3,8 +3,8 @@
 use crate::html::charts::scale::extent;
 use crate::html::modes::{mode_name, mode_reference};
 use crate::html::parts::Section;
-use crate::html::text::{decibels, escape, factor, percent};
-use crate::html::view::{StudyView, gain, geometric_mean};
+use crate::html::text::{decibels, escape, factor, percent, plus_minus};
+use crate::html::view::{StudyView, gain, gain_interval, geometric_mean, mean_interval};
 use crate::schema::Point;
 
 /// A number with what it is.
@@ -65,7 +65,8 @@ fn mean_tile(view: &StudyView<'_>, mode: &str, policy: &str) -> Option<(Tile, us
     let label = format!("{policy}: performance per watt over {}", mode_reference(mode));
     let scenes = if points.len() == 1 { "one scene".into() } else { format!("mean of {} scenes", points.len()) };
     let detail = format!("{scenes}, {}. {}.", part_of(&points), range(&points));
-    Some((Tile { label, value: factor(mean), detail }, points.len()))
+    let within = mean_interval(points.iter().map(|p| gain_interval(p)));
+    Some((Tile { label, value: factor(mean) + &plus_minus(within), detail }, points.len()))
 }
 
 fn paper(view: &StudyView<'_>, mode: &str, policy: &str) -> Option<Tile> {

@@ -5,7 +5,8 @@ use crate::analysis::goals::{Goal, goal};
 use crate::html::parts::{Head, Section, how_to_read, table};
 use crate::html::sweep::number::value;
 use crate::html::sweep::view::SweepView;
-use crate::html::text::{escape, or_dash};
+use crate::html::text::{escape, or_dash, plus_minus};
+use crate::point::known::interval_of;
 use crate::table::Field;
 
 /// Most traces of a tile.
@@ -15,7 +16,7 @@ const TRACES: usize = 3;
 pub fn section(view: &SweepView<'_>) -> Option<Section> {
     let tiles: String = view.headlines.iter().filter_map(|field| tile(view, field)).collect();
     let tiles = if tiles.is_empty() { tiles } else { format!("<dl class=\"numbers\">\n{tiles}</dl>\n") };
-    let html = tiles + &axes(view) + &failures(view);
+    let html = tiles + &estimates(view) + &axes(view) + &failures(view);
     Section::new("summary", "Summary", if html.is_empty() { "<p>There are no points.</p>\n".into() } else { html })
 }
 
@@ -33,7 +34,12 @@ fn tile(view: &SweepView<'_>, field: &Field) -> Option<String> {
     };
     let on = |(name, row): &(String, usize)| {
         let name = if name.is_empty() { String::new() } else { format!("<em>{}</em> ", escape(name)) };
-        format!("<b>{}{unit}</b><span>{name}{}</span>", value(field, *row), escape(&view.describe(*row, view.each)))
+        let within = within(view, field, *row);
+        format!(
+            "<b>{}{unit}{within}</b><span>{name}{}</span>",
+            value(field, *row),
+            escape(&view.describe(*row, view.each))
+        )
     };
     let shown: String = found.iter().take(TRACES).map(on).collect();
     let more = if found.len() > TRACES {
@@ -45,6 +51,27 @@ fn tile(view: &SweepView<'_>, field: &Field) -> Option<String> {
     Some(format!(
         "<div class=\"tile-number{class}\"><dt>{word} {}</dt><dd>{shown}{more}</dd></div>\n",
         escape(&field.name),
+    ))
+}
+
+/// Behind an estimate half the width of its interval.
+fn within(view: &SweepView<'_>, field: &Field, row: usize) -> String {
+    let interval = view.results.field(&interval_of(&field.name)).and_then(|interval| interval.cells.number(row));
+    plus_minus(interval.map(|percent| percent / 100.0))
+}
+
+/// How many points are estimates, and what that means.
+fn estimates(view: &SweepView<'_>) -> String {
+    let interval = view.results.field(&interval_of("cycles"));
+    let estimated =
+        interval.map_or(0, |field| (0..field.cells.len()).filter(|row| field.cells.number(*row).is_some()).count());
+    if estimated == 0 {
+        return String::new();
+    }
+    let (rows, of) = (view.results.rows(), if estimated == 1 { "is an estimate" } else { "are estimates" });
+    how_to_read(&format!(
+        "{estimated} of {rows} points {of}: a part of the tiles was simulated cycle by cycle (detail_fraction), and times, energies and \
+         what follows from them reach as far as what stands behind ±, with a probability of 95 %. Rays, samples and pictures are exact."
     ))
 }
 
@@ -90,5 +117,6 @@ pub fn cells(view: &SweepView<'_>, row: usize, results: &[&Field]) -> Vec<String
     let dimensions = view.dimensions.iter().enumerate().filter(|(index, _)| Some(*index) != view.each);
     let dimensions =
         dimensions.map(|(_, dimension)| or_dash(dimension.of[row], |value| escape(&dimension.values[value])));
-    dimensions.chain(results.iter().map(|field| escape(&value(field, row)))).collect()
+    let result = |field: &&Field| escape(&value(field, row)) + &within(view, field, row);
+    dimensions.chain(results.iter().map(result)).collect()
 }

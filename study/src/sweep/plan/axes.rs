@@ -22,6 +22,7 @@ const RESERVED: &[&str] = &[
     "samples",
     "first_frame",
     "frames",
+    "detail",
     "machine_config",
     "policy_config",
     "trace_fingerprint",

@@ -59,6 +59,7 @@ mod tests {
             machine: 0,
             policy: 0,
             frames: (0, 1),
+            detail: 0,
             values: vec![Some(0); axes.len()],
             key: String::new(),
         };
@@ -78,6 +79,7 @@ mod tests {
             traces: vec![trace],
             machines: vec![Base { name: "sgrt-ti2".into(), toml: machine }],
             policies: vec![Base { name: "quality".into(), toml: policy }],
+            details: super::super::detail::full(),
             axes,
             set: file.set.iter().map(|text| text.get_ref().clone()).collect(),
             points: Vec::new(),

@@ -11,6 +11,7 @@ use crate::point::version::MODEL_VERSION;
 use crate::sweep::plan::axes::{check_axes, check_only};
 use crate::sweep::plan::axis::Axis;
 use crate::sweep::plan::blame::guilty;
+use crate::sweep::plan::detail::details;
 use crate::sweep::plan::file::{At, PlanFile};
 use crate::sweep::plan::filter::{Filters, environment};
 use crate::sweep::plan::locate::Text;
@@ -40,6 +41,7 @@ impl Plan {
             traces: traces(&file, sources)?,
             machines: machines(&file, sources)?,
             policies: policies(&file, sources)?,
+            details: details(&file, sources.detail, text)?,
             axes,
             set: file.set.iter().map(|text| text.get_ref().clone()).collect(),
             points: Vec::new(),
@@ -72,12 +74,14 @@ impl Expander<'_> {
         for (t, trace) in plan.traces.iter().enumerate() {
             for frames in self.frames(trace)? {
                 for (m, p) in (0..plan.machines.len()).flat_map(|m| (0..plan.policies.len()).map(move |p| (m, p))) {
-                    for values in self.combinations(m, p, points.len())? {
-                        if filters.excludes(&self.variables(trace, frames, (m, p), &values))? {
-                            continue;
+                    for detail in 0..plan.details.len() {
+                        for values in self.combinations(m, p, points.len())? {
+                            let key = String::new();
+                            let point = PointRef { trace: t, machine: m, policy: p, frames, detail, values, key };
+                            if !filters.excludes(&self.variables(trace, &point))? {
+                                points.push(PointRef { key: self.key(&point, &mut keys)?, ..point });
+                            }
                         }
-                        let point = PointRef { trace: t, machine: m, policy: p, frames, values, key: String::new() };
-                        points.push(PointRef { key: self.key(&point, &mut keys)?, ..point });
                     }
                 }
             }
@@ -98,7 +102,8 @@ impl Expander<'_> {
                 slot.insert((resolved.machine_config(), resolved.policy_config()))
             }
         };
-        Ok(key(&self.plan.traces[point.trace].fingerprint, point.frames, &configs.0, &configs.1))
+        let fingerprint = &self.plan.traces[point.trace].fingerprint;
+        Ok(key(fingerprint, point.frames, &configs.0, &configs.1, self.plan.detail(point)?))
     }
 
     /// The error of a point that cannot be resolved, at the place in the plan that is to blame.
@@ -172,25 +177,21 @@ impl Expander<'_> {
     }
 
     /// The names that constraints know, with their values at a point.
-    fn variables(
-        &self,
-        trace: &TraceRef,
-        frames: (u32, u32),
-        (machine, policy): (usize, usize),
-        values: &[Option<usize>],
-    ) -> Vec<(String, Option<Scalar>)> {
+    fn variables(&self, trace: &TraceRef, point: &PointRef) -> Vec<(String, Option<Scalar>)> {
+        let PointRef { machine, policy, frames, detail, values, .. } = point;
         let word = |text: &str| Some(Scalar::Word(text.to_owned()));
         let number = |value: u32| Some(Scalar::Integer(value.into()));
         let mut all = vec![
             ("trace".to_owned(), word(&trace.name)),
             ("scene".to_owned(), word(&trace.scene)),
-            ("machine".to_owned(), word(&self.plan.machines[machine].name)),
-            ("policy".to_owned(), word(&self.plan.policies[policy].name)),
+            ("machine".to_owned(), word(&self.plan.machines[*machine].name)),
+            ("policy".to_owned(), word(&self.plan.policies[*policy].name)),
             ("width".to_owned(), number(trace.size.0)),
             ("height".to_owned(), number(trace.size.1)),
             ("samples".to_owned(), number(trace.samples)),
             ("first_frame".to_owned(), number(frames.0)),
             ("frames".to_owned(), number(frames.1)),
+            ("detail".to_owned(), word(&self.plan.details[*detail])),
         ];
         for (axis, value) in self.plan.axes.iter().zip(values) {
             all.push((axis.name.clone(), value.map(|value| axis.values[value].value.clone())));

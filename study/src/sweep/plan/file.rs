@@ -6,6 +6,7 @@
 //! machines = ["sgrt-ti2"]               # presets or machine files; "none" replays without a machine
 //! policies = ["full", "multirate"]      # presets or policy files
 //! frames = ["all"]                      # each entry one point: "all", "3", "0..10"
+//! detail = "5%"                         # simulate a sample; or several, each entry one point: ["full", "5%"]
 //! set = ["srp.ideal=true"]              # overrides of all points
 //! exclude = ["l1 > 65536 and trv == 8"] # points that are left out
 //!
@@ -40,6 +41,9 @@ pub struct PlanFile {
     /// `all`, `A` or `A..B`.
     #[serde(default)]
     pub frames: Option<At<Vec<At<String>>>>,
+    /// How much is simulated cycle by cycle: every cycle if it is missing.
+    #[serde(default)]
+    pub detail: Option<At<Value>>,
     /// `key=value` of all points.
     #[serde(default)]
     pub set: Vec<At<String>>,

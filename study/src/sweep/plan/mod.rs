@@ -6,6 +6,7 @@
 mod axes;
 pub mod axis;
 mod blame;
+mod detail;
 mod expand;
 pub mod file;
 pub mod filter;
@@ -21,6 +22,7 @@ use crate::point::key::{Key, Point};
 use crate::point::version::MODEL_VERSION;
 use rayreel_machine::config::NamedMachine;
 use rayreel_machine::config::schema::is_machine_override;
+use rayreel_replay::Detail;
 use rayreel_replay::policy::NamedPolicy;
 
 pub use axis::{Axis, AxisValue};
@@ -72,6 +74,9 @@ pub struct PointRef {
     pub policy: usize,
     /// First frame and number of frames.
     pub frames: (u32, u32),
+    /// Which detail.
+    #[serde(default, skip_serializing_if = "detail::is_first")]
+    pub detail: usize,
     /// Which value of each axis; none where the axis does not apply.
     pub values: Vec<Option<usize>>,
     /// Its key.
@@ -93,11 +98,14 @@ pub struct Plan {
     pub machines: Vec<Base>,
     /// The policies.
     pub policies: Vec<Base>,
+    /// How much is simulated cycle by cycle, as texts that read as a [`Detail`].
+    #[serde(default = "detail::full", skip_serializing_if = "detail::is_full")]
+    pub details: Vec<String>,
     /// What varies.
     pub axes: Vec<Axis>,
     /// Overrides of all points.
     pub set: Vec<String>,
-    /// The points: by trace, frames, machine, policy, then the axes, the last one fastest.
+    /// The points: by trace, frames, machine, policy, detail, then the axes, the last one fastest.
     pub points: Vec<PointRef>,
 }
 
@@ -134,9 +142,13 @@ impl Plan {
             p.trace < self.traces.len()
                 && p.machine < self.machines.len()
                 && p.policy < self.policies.len()
+                && p.detail < self.details.len()
                 && p.values.len() == self.axes.len()
                 && values.into_iter().all(|(value, axis)| value.is_none_or(|value| value < axis.values.len()))
         };
+        if let Some(wrong) = self.details.iter().find(|text| text.parse::<Detail>().is_err()) {
+            return Err(format!("not a plan of a sweep: {wrong:?} is no detail"));
+        }
         match self.points.iter().position(|p| !good(p)) {
             Some(at) => Err(format!("not a plan of a sweep: point {at} points nowhere")),
             None => Ok(()),
@@ -167,6 +179,10 @@ impl Plan {
         for axis in &self.axes {
             part(&axis.name);
             axis.values.iter().for_each(|value| part(&value.label));
+        }
+        // A plan of every cycle is known by what it was known by before there was detail.
+        if !detail::is_full(&self.details) {
+            self.details.iter().for_each(|detail| part(detail));
         }
         for point in &self.points {
             part(&point.key);
@@ -199,7 +215,16 @@ impl Plan {
             toml => Some(NamedMachine::parse(&machine.name, toml, &of_machine)?),
         };
         let policy = NamedPolicy::parse(&policy.name, &policy.toml, &of_policy)?;
-        Ok(Point::plain(&self.traces[point.trace].fingerprint, point.frames, machine, policy))
+        let plain = Point::plain(&self.traces[point.trace].fingerprint, point.frames, machine, policy);
+        Ok(Point { detail: self.detail(point)?, ..plain })
+    }
+
+    /// How much of a point is simulated cycle by cycle.
+    ///
+    /// # Errors
+    /// Never for a plan that was made or read.
+    pub fn detail(&self, point: &PointRef) -> Result<Detail> {
+        self.details[point.detail].parse().map_err(|detail| StudyError::Usage { detail })
     }
 
     /// What point `index` is, in words: for messages and progress.
@@ -217,6 +242,9 @@ impl Plan {
             if let Some(value) = value {
                 text += &format!(" {}={}", axis.name, axis.values[*value].label);
             }
+        }
+        if !detail::is_full(&self.details) {
+            text += &format!(" detail {}", self.details[point.detail]);
         }
         text
     }

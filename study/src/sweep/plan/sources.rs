@@ -10,6 +10,7 @@ use crate::sweep::plan::file::{At, PlanFile};
 use crate::sweep::plan::locate::Text;
 use crate::sweep::plan::{Base, TraceRef};
 use rayreel_machine::config::NamedMachine;
+use rayreel_replay::Detail;
 use rayreel_replay::policy::NamedPolicy;
 
 /// What a plan is made from.
@@ -22,6 +23,8 @@ pub struct Sources<'a> {
     pub traces: Option<&'a str>,
     /// Name of the plan if the file gives none.
     pub stem: &'a str,
+    /// How much is simulated cycle by cycle, whatever the file says.
+    pub detail: Option<Detail>,
     /// Opens a trace at a path or address.
     pub open: &'a dyn Fn(&str) -> Result<Trace, String>,
 }

@@ -24,7 +24,7 @@
       // The order of the plan breaks ties: sorting is stable.
       const best = [...group.rows].sort((a, b) => { const [u, v] = [sweep.value(own, a), sweep.value(own, b)]; return u === v ? 0 : sign * (u - v); }).slice(0, BEST);
       const lines = best.map((row) => ({ cells: [sweep.point.button(row), ...axes.map((axis) => text.value(axis, axis.values[row])),
-        ...shown.map((result) => text.value(result, result.values[row])), sweep.point.changeList(row)] }));
+        ...shown.map((result) => text.at(result, row)), sweep.point.changeList(row)] }));
       return table(`${sign > 0 ? "Least" : "Most"} ${own.name}${group.name ? ` on ${group.name}` : ""}`, columns, lines);
     };
     const all = groups(rows, each).slice(0, GROUPS);

@@ -30,6 +30,9 @@ sweep.point = (() => {
     const first = of("first_frame");
     const quoted = (word) => (/^[\w.=/:+-]+$/.test(word) ? word : `'${word}'`);
     const parts = ["rayreel replay", quoted(of("trace")), `--frames ${first}..${first + of("frames")}`, `--machine ${of("machine")}`, `--policy ${of("policy")}`];
+    const detail = of("detail") ?? "full";
+    if (detail.startsWith("precision ")) parts.push(`--precision ${detail.slice(10)}`);
+    else if (detail !== "full") parts.push(`--detail ${detail}`);
     return [...parts, ...changes(row).map(({ key, value }) => `--set ${quoted(`${key}=${value}`)}`)].join(" ");
   };
 
@@ -41,7 +44,7 @@ sweep.point = (() => {
     card.hidden = chosen === null;
     if (chosen === null) return;
     const row = chosen;
-    const value = (column) => [column.name, text.withUnit(column, column.values[row]), column.text];
+    const value = (column) => [column.name, text.atWithUnit(column, row), column.text];
     const headlines = sweep.raw.headlines.map((name) => sweep.column(name));
     const line = command(row);
     const own = changes(row).map(({ key, value: now, preset }) => html("li", {}, html("code", {}, `${key}=${now}`), preset === undefined || preset === null ? "" : ` instead of ${preset}`));

@@ -44,7 +44,7 @@
     const list = offered.filter((own) => shown.has(own));
     const columns = [{ ...head("point", "Point"), number: true }, ...list.map((own) => ({ ...head(own.name, text.named(own)), number: own.kind === "number", title: own.text }))];
     const page = rows.slice(from, from + PAGE);
-    const lines = page.map((row) => ({ "data-row": row, class: row === sweep.point.chosen ? "strong" : undefined, cells: [sweep.point.button(row), ...list.map((own) => text.value(own, own.values[row]))] }));
+    const lines = page.map((row) => ({ "data-row": row, class: row === sweep.point.chosen ? "strong" : undefined, cells: [sweep.point.button(row), ...list.map((own) => text.at(own, row))] }));
     const left = $("points-table").firstElementChild?.scrollLeft ?? 0;
     $("points-table").replaceChildren(table("Points", columns, lines));
     $("points-table").firstElementChild.scrollLeft = left;

@@ -29,9 +29,18 @@ sweep.text = (() => {
     if (typeof own === "number" && (column.goal || !Number.isFinite(own))) return number(own);
     return String(own);
   };
+  /** Behind an estimate half the width of its 95 % interval. */
+  const within = (column, row) => {
+    const interval = sweep.column(`${column.name}_interval_percent`);
+    const own = interval ? sweep.value(interval, row) : null;
+    return own === null ? "" : ` ±${GAP}${fixed(own, 1)}${GAP}%`;
+  };
   const unit = (column) => (column.unit && column.unit !== "bytes" ? `${GAP}${column.unit}` : "");
   return {
     fixed, number, value,
+    /** The value of a column in a row. */
+    at: (column, row) => value(column, column.values[row]) + within(column, row),
+    atWithUnit: (column, row) => value(column, column.values[row]) + (column.values[row] === null ? "" : unit(column)) + within(column, row),
     withUnit: (column, own) => value(column, own) + (own === null ? "" : unit(column)),
     named: (column) => (column.unit && column.unit !== "bytes" ? `${column.name} (${column.unit})` : column.name),
     percent: (share) => `${fixed(share * 100, 1)}${GAP}%`,

@@ -1,0 +1,105 @@
+//! How far the figures of a row may be off, and their ratios to those of another.
+//!
+//! Two runs that were estimated from the same windows of the picture have much in common, and replicates at equal places leave out
+//! equal windows: so the ratio of the two is known better than each. Where replicates are missing, or are of another number, the
+//! intervals add up as those of independent values.
+
+use std::collections::BTreeMap;
+
+use serde_json::{Map, Value};
+
+use crate::point::known::{INTERVALS, REPLICATES};
+use rayreel_replay::detail::half_width;
+
+/// What is known of the estimates of a row; nothing of a row of every cycle.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct RowEstimates {
+    /// Half widths in percent by column.
+    intervals: Map<String, Value>,
+    freedom: u32,
+    /// Replicates over the estimate, by base figure.
+    replicates: BTreeMap<String, Vec<f64>>,
+}
+
+impl RowEstimates {
+    /// What the columns of a row say.
+    pub fn of_row(row: &Map<String, Value>) -> Self {
+        Self::new(row.get(INTERVALS).unwrap_or(&Value::Null), row.get(REPLICATES).unwrap_or(&Value::Null))
+    }
+
+    /// What two columns say, intervals and replicates.
+    pub fn new(intervals: &Value, replicates: &Value) -> Self {
+        let freedom = replicates["freedom"].as_u64().unwrap_or(0);
+        let over = |millionths: &Value| 1.0 + millionths.as_f64().unwrap_or(0.0) * 1e-6;
+        let list = |(name, list): (&String, &Value)| Some((name.clone(), list.as_array()?.iter().map(over).collect()));
+        Self {
+            intervals: intervals.as_object().cloned().unwrap_or_default(),
+            freedom: u32::try_from(freedom).unwrap_or(u32::MAX),
+            replicates: replicates.as_object().into_iter().flatten().filter_map(list).collect(),
+        }
+    }
+
+    /// Half the width of the 95 % interval of a column, relative to its value; 0 if it is exact.
+    pub fn interval(&self, name: &str) -> f64 {
+        self.intervals.get(name).and_then(Value::as_f64).map_or(0.0, |percent| percent / 100.0)
+    }
+
+    /// The same of its ratio to the column of another row, relative to that ratio.
+    pub fn interval_of_ratio(&self, other: &Self, name: &str) -> f64 {
+        match (self.of(name), other.of(name)) {
+            (Some(of_self), Some(of_other)) if of_self.len() == of_other.len() => {
+                let ratios: Vec<f64> = of_self.iter().zip(&of_other).map(|(a, b)| a / b).collect();
+                half_width(1.0, &ratios, self.freedom.min(other.freedom))
+            }
+            _ => self.interval(name).hypot(other.interval(name)),
+        }
+    }
+
+    /// Replicates of a column over its estimate: of a base figure, or of one that is a ratio of such.
+    fn of(&self, name: &str) -> Option<Vec<f64>> {
+        let named = |part: &'static str| Some((part, name.strip_prefix(part)?));
+        let (part, cost) = named("ti_with_memory_").or_else(|| named("gpu_")).unwrap_or(("", name));
+        let base = |name: &str| self.replicates.get(name);
+        let (cycles, energy) = (base("cycles"), base(&format!("{part}energy_mj")));
+        let each = |of: fn(f64, f64) -> f64| {
+            Some(cycles?.iter().zip(energy?).map(|(cycles, energy)| of(*cycles, *energy)).collect())
+        };
+        match (part, cost) {
+            ("", "cycles" | "time_ms") => cycles.cloned(),
+            ("", "fps" | "mrays_per_s") => each(|cycles, _| 1.0 / cycles),
+            (_, "energy_mj" | "energy_per_ray_nj") => energy.cloned(),
+            (_, "power_w") => each(|cycles, energy| energy / cycles),
+            (_, "perf_per_watt") => each(|_, energy| 1.0 / energy),
+            _ => base(name).cloned(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::*;
+    use rayreel_replay::detail::FLOOR;
+
+    fn run(replicates: Value) -> RowEstimates {
+        RowEstimates::new(&json!({ "cycles": 3.0, "perf_per_watt": 4.0 }), &replicates)
+    }
+
+    #[test]
+    fn what_two_runs_share_cancels() {
+        let a = run(json!({ "freedom": 4, "cycles": [9000, -9000, 0], "energy_mj": [10000, -10000, 0] }));
+        let b = run(json!({ "freedom": 9, "cycles": [9000, -9000, 100], "energy_mj": [10000, -10000, 0] }));
+        let within = |b: &RowEstimates, name| b.interval_of_ratio(&a, name);
+        assert!(within(&b, "cycles") < 2.0 * FLOOR && within(&b, "cycles") > FLOOR);
+        assert_eq!(within(&b, "perf_per_watt"), FLOOR);
+        // Time and its inverse are known as well.
+        assert!((within(&b, "time_ms") - within(&b, "fps")).abs() < 1e-5);
+        let other = run(json!({ "freedom": 4, "cycles": [9000, -9000], "energy_mj": [10000, -10000] }));
+        assert!((within(&other, "cycles") - 0.03 * 2f64.sqrt()).abs() < 1e-12, "other windows");
+        let exact = RowEstimates::default();
+        assert!((within(&exact, "perf_per_watt") - 0.04).abs() < 1e-12);
+        assert_eq!((exact.interval_of_ratio(&exact, "cycles"), within(&b, "rays_traced")), (0.0, 0.0));
+        assert_eq!((a.interval("cycles"), a.interval("rays_traced")), (0.03, 0.0));
+    }
+}

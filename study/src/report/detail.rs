@@ -1,0 +1,179 @@
+//! How much was simulated cycle by cycle, and how far the figures may be off where that is not all.
+//!
+//! No figure is named here: whatever a report says of the machine is computed again from each replicate of the estimate, and what
+//! differs between them has an interval. So a figure that is added has one too.
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+use serde_json::{Map, Value, json};
+
+use crate::figures::RunFigures;
+use crate::report::counters::counters;
+use crate::report::flat::cells;
+use crate::report::run::components;
+use rayreel_machine::config::MachineConfig;
+use rayreel_replay::Detail;
+use rayreel_replay::detail::{Estimate, half_width};
+use rayreel_replay::simulate::MachineRun;
+
+/// Name of the bytes that DRAM read and wrote, among the intervals: no column by itself but the sum of some.
+pub const DRAM_BYTES: &str = "dram_bytes";
+
+/// Figures of which reports keep every replicate: the others of a run that matter to a comparison are ratios of these.
+pub const BASE: &[&str] = &["cycles", "energy_mj", "ti_with_memory_energy_mj", "gpu_energy_mj", DRAM_BYTES];
+
+/// What a report says of its detail.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct DetailReport {
+    /// `full`, `all`, `sampled`, `precision` or `counts`.
+    pub mode: &'static str,
+    /// The share of the tiles that was asked for; null if none was.
+    pub asked: Option<f64>,
+    /// The precision that was asked for; null if none was.
+    pub precision: Option<f64>,
+    /// The share of the tiles that was simulated cycle by cycle.
+    pub fraction: f64,
+    /// Windows that were simulated.
+    pub windows: u64,
+    /// Frames that were simulated whole.
+    pub whole_frames: u64,
+    /// Half the width of the 95 % interval of each figure that is estimated, in percent of its value, by the name of its column.
+    pub interval_percent: Map<String, Value>,
+    /// Degrees of freedom of the intervals, and by how much the replicates of some figures differ from the estimate, in millionths
+    /// of it: intervals of ratios between runs follow from these. Null where nothing is estimated.
+    pub replicates: Value,
+}
+
+impl DetailReport {
+    /// That of a run of so many frames; `whole` also gives the intervals of all that was counted.
+    pub(super) fn new(config: &MachineConfig, run: &MachineRun, frames: usize, whole: bool) -> Self {
+        let Some(estimate) = &run.estimate else { return Self::full(frames) };
+        let known = Known { config, frames, whole };
+        let mut report = Self {
+            mode: estimate.detail.mode(),
+            asked: None,
+            precision: None,
+            fraction: estimate.fraction(),
+            windows: estimate.windows,
+            whole_frames: estimate.whole_frames,
+            interval_percent: Map::new(),
+            replicates: Value::Null,
+        };
+        match estimate.detail {
+            Detail::Sampled(share) => report.asked = Some(share.fraction()),
+            Detail::Precision(share) => report.precision = Some(share.fraction()),
+            Detail::Full | Detail::All | Detail::Counts => {}
+        }
+        if report.is_estimated() {
+            let value = known.figures(run);
+            let replicates: Vec<BTreeMap<String, f64>> = replicates(run, estimate).map(|r| known.figures(&r)).collect();
+            report.interval_percent = intervals(&value, &replicates, estimate.freedom);
+            report.replicates = deviations(&value, &replicates, estimate.freedom);
+        }
+        report
+    }
+
+    fn full(frames: usize) -> Self {
+        Self {
+            mode: Detail::Full.mode(),
+            asked: None,
+            precision: None,
+            fraction: 1.0,
+            windows: 0,
+            whole_frames: frames as u64,
+            interval_percent: Map::new(),
+            replicates: Value::Null,
+        }
+    }
+
+    /// Whether any figure is an estimate. Without windows every cycle was simulated after all, or none.
+    pub fn is_estimated(&self) -> bool {
+        self.windows > 0
+    }
+
+    /// Whether no cycle was simulated.
+    pub fn is_counts(&self) -> bool {
+        self.mode == Detail::Counts.mode()
+    }
+
+    /// Half the width of the interval of the figure of a column, in percent of its value; none if it is exact.
+    pub fn interval(&self, column: &str) -> Option<f64> {
+        self.interval_percent.get(column)?.as_f64()
+    }
+}
+
+/// The runs of which the replicates of an estimate tell.
+fn replicates<'a>(run: &'a MachineRun, estimate: &'a Estimate) -> impl Iterator<Item = MachineRun> + 'a {
+    estimate.replicates.iter().map(|replicate| MachineRun {
+        stats: replicate.stats.clone(),
+        energy: replicate.energy.clone(),
+        paths: run.paths,
+        estimate: None,
+    })
+}
+
+/// What figures are made with.
+struct Known<'a> {
+    config: &'a MachineConfig,
+    frames: usize,
+    /// Counters and components too.
+    whole: bool,
+}
+
+impl Known<'_> {
+    /// Every number that a report says of a run, by the name of its column.
+    fn figures(&self, run: &MachineRun) -> BTreeMap<String, f64> {
+        let figures = RunFigures::new(self.config, run, self.frames);
+        let mut value = json!(figures);
+        if self.whole {
+            value["counters"] = counters(run);
+            value["energy"] = json!(components(&run.energy, figures.time_ms, false));
+        }
+        let numbers = cells(&value).filter_map(|cell| Some((cell.name, cell.value.as_f64()?)));
+        numbers.chain([(DRAM_BYTES.to_owned(), run.stats.memory.traffic.total() as f64)]).collect()
+    }
+}
+
+/// The interval of each figure in percent; none for those that all replicates agree on.
+fn intervals(value: &BTreeMap<String, f64>, replicates: &[BTreeMap<String, f64>], freedom: u32) -> Map<String, Value> {
+    let mut all = Map::new();
+    for (name, value) in value {
+        let values: Vec<f64> = replicates.iter().filter_map(|replicate| replicate.get(name).copied()).collect();
+        let exact = if values.is_empty() { is_counted(name) } else { values.iter().all(|v| v == value) };
+        // Of a figure that is zero no part can be said.
+        if exact || *value == 0.0 {
+            continue;
+        }
+        let percent = 100.0 * half_width(*value, &values, freedom) / value.abs();
+        all.insert(name.clone(), json!(rounded(percent)));
+    }
+    all
+}
+
+/// Whether a figure of the machine is counted in any case: known by its name where no replicate shows it.
+fn is_counted(name: &str) -> bool {
+    ["rays_machine", "run_tiles"].contains(&name) || name.starts_with("paths_")
+}
+
+/// To four digits behind the point: an interval is no measurement.
+fn rounded(percent: f64) -> f64 {
+    (percent * 1e4).round() * 1e-4
+}
+
+/// The replicates of the base figures.
+fn deviations(value: &BTreeMap<String, f64>, replicates: &[BTreeMap<String, f64>], freedom: u32) -> Value {
+    if replicates.len() < 2 || freedom == 0 {
+        return Value::Null;
+    }
+    let mut all = Map::from_iter([("freedom".to_owned(), json!(freedom))]);
+    for name in BASE {
+        let Some(estimate) = value.get(*name).filter(|v| **v != 0.0) else { continue };
+        let millionths = |replicate: &BTreeMap<String, f64>| {
+            let of = replicate.get(*name).copied().unwrap_or(*estimate);
+            ((of / estimate - 1.0) * 1e6).round() as i64
+        };
+        all.insert((*name).to_owned(), replicates.iter().map(millionths).collect());
+    }
+    Value::Object(all)
+}
