@@ -63,6 +63,42 @@ fn axes_go_forward_together_when_zipped() {
 }
 
 #[test]
+fn points_of_every_cycle_are_what_they_were_before_there_was_detail() {
+    let whole = plan(SMALL).unwrap();
+    let bytes = whole.to_json().unwrap();
+    assert!(!String::from_utf8_lossy(&bytes).contains("detail"));
+    assert_eq!(Plan::from_json(&bytes).unwrap(), whole);
+    let said = plan(&format!("detail = \"full\"{SMALL}")).unwrap();
+    assert_eq!((said.id(), &said.points), (whole.id(), &whole.points));
+}
+
+#[test]
+fn each_detail_is_a_point_of_its_own() {
+    let whole = plan(SMALL).unwrap();
+    let both = plan(&format!("detail = [\"full\", \"10%\"]{SMALL}")).unwrap();
+    assert_eq!(both.points.len(), 2 * whole.points.len());
+    assert_ne!(both.id(), whole.id());
+    assert!(
+        both.describe(0).ends_with("under full detail full") && both.describe(1).ends_with("under full detail 0.1")
+    );
+    let keys = |detail: usize| both.points.iter().filter(move |p| p.detail == detail).map(|p| p.key.as_str());
+    assert!(keys(0).eq(whole.points.iter().map(|p| p.key.as_str())));
+    // Without a machine nothing is simulated.
+    let same = keys(0).zip(keys(1)).map(|(a, b)| a == b).collect::<Vec<_>>();
+    assert_eq!(same, [false, false, false, false, false, false, true, true]);
+    assert_eq!(both.resolve(&both.points[1]).unwrap().detail.to_string(), "0.1");
+    assert_eq!(Plan::from_json(&both.to_json().unwrap()).unwrap(), both);
+    let some = plan(&format!(
+        "detail = [\"full\", 0.1]\nexclude = [\"detail == '0.1' and machine != 'raycore'\"]\n{}",
+        SMALL.replace("exclude", "# ")
+    ));
+    assert_eq!(some.unwrap().points.iter().filter(|p| p.detail == 1).count(), 3);
+    let mut broken = both.clone();
+    broken.details[1] = "half".into();
+    assert!(Plan::from_json(&broken.to_json().unwrap()).unwrap_err().contains("\"half\" is no detail"));
+}
+
+#[test]
 fn bad_plans_are_one_error_with_its_place() {
     let axis = |body: &str| format!("policies = [\"full\"]\n[[axis]]\nname = \"x\"\n{body}");
     let cases = [
