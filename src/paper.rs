@@ -74,7 +74,11 @@ pub fn run(args: &Args, quiet: bool) -> Result<Exit> {
     let folders = Folders { cache: args.cache.clone(), out: args.out.clone(), reuse: args.reuse.clone() };
     let mut bar: Option<Progress> = None;
     let ended = rayreel_paper::run(&setup, &folders, rayon::current_num_threads(), &stop, &mut |now| {
-        bar.get_or_insert_with(|| Progress::new("paper", now.total, quiet)).set(now.done, now.doing);
+        let bar = bar.get_or_insert_with(|| Progress::new("paper", now.total, quiet));
+        match now.found {
+            Some(figure) => bar.say(figure),
+            None => bar.set(now.done, now.doing),
+        }
     });
     if let Some(bar) = bar {
         bar.finish();

@@ -79,6 +79,15 @@ impl Progress {
         }
     }
 
+    /// Prints a line that stays.
+    pub fn say(&self, line: &str) {
+        match self {
+            Self::Bar(bar) => bar.println(line),
+            Self::Lines { .. } => eprintln!("{line}"),
+            Self::Quiet => {}
+        }
+    }
+
     /// Takes the bar away.
     pub fn finish(self) {
         if let Self::Bar(bar) = self {

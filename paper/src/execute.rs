@@ -1,33 +1,37 @@
 //! Doing what the plan asks for and the cache does not hold.
 
 use std::collections::BTreeMap;
-use std::collections::btree_map::Entry;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::atomic::Ordering;
 
 use rayreel_formats::trace::Trace;
-use rayreel_replay::PathSource;
-use rayreel_study::StudyError;
-use rayreel_study::point::compute::compute;
 use rayreel_study::point::key::Point;
-use rayreel_study::point::task::{Computed, Missing, PointTask};
+use rayreel_study::point::task::Missing;
 use rayreel_study::pool::{Event, Pool};
-use rayreel_tracer::accel::{self, Built};
 
 use crate::error::{PaperError, Result};
 use crate::identity::Fingerprints;
+use crate::jobs::{Job, Jobs};
 use crate::ledger::{Ledger, PointCounts};
 use crate::live::LiveSource;
+use crate::lockstep;
+use crate::maker::Maker;
 use crate::meter::{Item, Meter, Tell, capture_weight, point_weight};
 use crate::plan::Plan;
 use crate::results::Results;
 use crate::setup::Folders;
-use crate::{lockstep, traces};
 
-/// Does all that is missing, and puts the pictures into the output folder. The results of all points, and where they came from.
+/// Does all that is missing, and puts the pictures into the output folder. `found` turns results, as far as they are there, into
+/// what is told of a point that was finished. The results of all points, and where they came from.
 ///
 /// # Errors
 /// The first thing that fails; an interruption.
-pub fn execute(plan: &Plan<'_>, folders: &Folders, pool: &Pool, tell: &mut Tell<'_>) -> Result<(Results, PointCounts)> {
+pub fn execute(
+    plan: &Plan<'_>,
+    folders: &Folders,
+    pool: &Pool,
+    tell: &mut Tell<'_>,
+    found: &Found<'_>,
+) -> Result<(Results, PointCounts)> {
     let mut ledger = Ledger::open(plan, folders)?;
     let fingerprints = Fingerprints::new(ledger.folder());
     for (i, capture) in plan.captures.iter().enumerate() {
@@ -39,13 +43,16 @@ pub fn execute(plan: &Plan<'_>, folders: &Folders, pool: &Pool, tell: &mut Tell<
     }
     let todo: Vec<usize> = (0..plan.captures.len()).filter(|capture| is_todo(&ledger, *capture)).collect();
     let total = todo.iter().map(|i| capture_weight(&plan.captures[*i]) + left(plan, &ledger, *i)).sum();
-    let mut run =
-        Execution { plan, pool, fingerprints, ledger, built: BTreeMap::new(), meter: Meter::new(total, tell) };
+    let maker = Maker::new(plan, pool, Meter::new(total, tell));
+    let mut run = Execution { plan, pool, maker: &maker, fingerprints, ledger, found };
     let (live, recorded): (Vec<usize>, Vec<usize>) = todo.into_iter().partition(|i| plan.captures[*i].is_live());
-    run.recorded(&recorded, &live)?;
+    run.recorded(&batches(plan, &recorded), &live)?;
     live.into_iter().try_for_each(|capture| run.live(capture))?;
     run.ledger.finish()
 }
+
+/// What is told of a point, by number, of which the figures are known.
+pub type Found<'a> = dyn Fn(usize, &Ledger<'_>) -> Vec<String> + 'a;
 
 /// Whether something is missing of a point on a capture.
 fn is_todo(ledger: &Ledger<'_>, capture: usize) -> bool {
@@ -58,169 +65,110 @@ fn left(plan: &Plan<'_>, ledger: &Ledger<'_>, capture: usize) -> u64 {
     ledger.points_on(capture).map(weight).sum()
 }
 
+/// Captures whose points are computed together while the next ones are made: those of a scene, the longest batch first but for one
+/// capture of the first scene, the smallest, before all: its figures are there soon.
+fn batches(plan: &Plan<'_>, captures: &[usize]) -> Vec<Vec<usize>> {
+    let Some(scene) = captures.first().map(|first| plan.captures[*first].scene) else { return Vec::new() };
+    let of_scene = captures.iter().copied().filter(|capture| plan.captures[*capture].scene == scene);
+    let first = of_scene.min_by_key(|capture| capture_weight(&plan.captures[*capture]));
+    let mut by_scene: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+    for capture in captures.iter().copied().filter(|capture| Some(*capture) != first) {
+        by_scene.entry(plan.captures[capture].scene).or_default().push(capture);
+    }
+    first.map(|first| vec![first]).into_iter().chain(by_scene.into_values()).collect()
+}
+
 /// The experiment under way.
 struct Execution<'a> {
     plan: &'a Plan<'a>,
     pool: &'a Pool,
+    maker: &'a Maker<'a>,
     fingerprints: Fingerprints,
     ledger: Ledger<'a>,
-    built: BTreeMap<usize, Built>,
-    meter: Meter<'a>,
-}
-
-/// A trace that several points read; closed behind the last one.
-struct SharedTrace {
-    trace: Option<Arc<Trace>>,
-    /// Points that still need it.
-    left: usize,
-}
-
-/// A point to compute.
-struct Job {
-    index: usize,
-    capture: usize,
-    point: Point,
-    missing: Missing,
-    weight: u64,
+    found: &'a Found<'a>,
 }
 
 impl Execution<'_> {
-    /// Makes the traces of captures and computes the points on them; `later` are captures that come after them.
-    fn recorded(&mut self, captures: &[usize], later: &[usize]) -> Result<()> {
-        let mut traces = BTreeMap::new();
-        for &capture in captures {
-            let trace = self.trace(capture)?;
-            let left = self.ledger.points_on(capture).filter(|i| self.ledger.missing(*i).any()).count();
-            if left > 0 {
-                traces.insert(capture, Mutex::new(SharedTrace { trace: Some(Arc::new(trace)), left }));
+    /// Makes the traces of captures and computes the points on them, batch by batch: while points of one are computed, the traces
+    /// of the next are made. `live` are captures that come after them.
+    fn recorded(&mut self, batches: &[Vec<usize>], live: &[usize]) -> Result<()> {
+        let Some(first) = batches.first() else { return Ok(()) };
+        let mut made = self.maker.traces(first)?;
+        for (i, batch) in batches.iter().enumerate() {
+            self.maker.check_stop()?;
+            for (capture, trace) in batch.iter().zip(&made) {
+                self.know(*capture, trace)?;
             }
+            let jobs = Jobs::new(self.plan, &self.ledger, batch, made);
+            let later = batches[i + 1..].iter().flatten().chain(live);
+            let later = later.map(|i| capture_weight(&self.plan.captures[*i]) + left(self.plan, &self.ledger, *i));
+            self.maker.meter.left(jobs.weight() + later.sum::<u64>());
+            let maker = self.maker;
+            made = std::thread::scope(|scope| {
+                let ahead = batches.get(i + 1).map(|next| scope.spawn(|| maker.traces(next)));
+                let computed = self.compute(&jobs);
+                // After a failure nobody needs what is being made.
+                maker.abandoned.store(computed.is_err(), Ordering::Relaxed);
+                let ahead = ahead.map_or(Ok(Vec::new()), |ahead| {
+                    ahead.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
+                });
+                computed.and(ahead)
+            })?;
         }
-        let later = later.iter().map(|i| capture_weight(&self.plan.captures[*i]) + left(self.plan, &self.ledger, *i));
-        let jobs = self.jobs(captures);
-        self.meter.left(jobs.iter().map(|job| job.weight).sum::<u64>() + later.sum::<u64>());
-        let Self { plan, pool, ledger, meter, .. } = self;
-        let work = |_, job: &Job| job.run(plan, &traces, pool, meter);
-        pool.run(&jobs, work, |event| {
+        self.maker.check_stop()
+    }
+
+    /// A trace is there: its points are looked up under what it holds.
+    fn know(&mut self, capture: usize, trace: &Trace) -> Result<()> {
+        let (identity, fingerprint) = (&self.plan.captures[capture].identity, trace.fingerprint()?.to_string());
+        if self.fingerprints.get(identity).as_ref() != Some(&fingerprint) {
+            self.fingerprints.remember(identity, &fingerprint)?;
+            self.ledger.look_up(capture, &fingerprint)?;
+        }
+        Ok(())
+    }
+
+    /// Computes points and keeps what comes of them.
+    fn compute(&mut self, jobs: &Jobs) -> Result<()> {
+        let Self { plan, pool, maker, ledger, found, .. } = self;
+        let work = |_, job: &Job| jobs.run(job, plan, pool, &maker.meter);
+        pool.run(&jobs.list, work, |event| {
             let Event::Done { index, result } = event else { return Ok(()) };
-            let job = &jobs[index];
+            let job = &jobs.list[index];
             let computed = match result {
                 // What others have finished is still to be kept.
                 Err(error) if error.is_interruption() => return Ok(()),
                 result => result?,
             };
-            ledger.keep(job.index, computed)?;
-            meter.close(Item::Point(job.index), job.weight);
-            Ok::<_, PaperError>(())
-        })?;
-        self.check_stop()
-    }
-
-    /// What is missing on some captures: the longest first, so that none is left over at the end.
-    fn jobs(&self, captures: &[usize]) -> Vec<Job> {
-        let job = |capture: usize, index: usize| {
-            let (point, missing) = (self.ledger.point(index).clone(), self.ledger.missing(index));
-            let weight = point_weight(&self.plan.captures[capture], &point, missing);
-            missing.any().then_some(Job { index, capture, point, missing, weight })
-        };
-        let on = |capture: &usize| {
-            let capture = *capture;
-            self.ledger.points_on(capture).filter_map(move |index| job(capture, index)).collect::<Vec<_>>()
-        };
-        let mut jobs: Vec<Job> = captures.iter().flat_map(on).collect();
-        jobs.sort_by_key(|job| (std::cmp::Reverse(job.weight), job.index));
-        jobs
-    }
-
-    /// The trace of a capture, from the cache or made; its points are looked up under what it holds.
-    fn trace(&mut self, index: usize) -> Result<Trace> {
-        let (capture, item) = (&self.plan.captures[index], Item::Capture(index));
-        let weight = capture_weight(capture);
-        let path = capture.path.as_deref().ok_or(PaperError::Fault { detail: "a live capture has no file" })?;
-        let trace = match traces::cached(path, &capture.meta) {
-            Some(trace) => trace,
-            None => {
-                self.build(capture.scene)?;
-                let (scene, n) = (&self.plan.stages[capture.scene], capture.meta.samples);
-                let built = &self.built[&capture.scene];
-                traces::make(&scene.scene, built, (path, &capture.meta), &self.pool.stop, |part, of| {
-                    self.meter.tell(item, weight, (part, of), &|| format!("capture {} {n}x{n}", scene.name));
-                })?
+            for ((number, ..), computed) in job.points.iter().zip(computed) {
+                ledger.keep(*number, computed)?;
             }
-        };
-        self.meter.close(item, weight);
-        self.check_stop()?;
-        let fingerprint = trace.fingerprint()?.to_string();
-        if self.fingerprints.get(&capture.identity).as_ref() != Some(&fingerprint) {
-            self.fingerprints.remember(&capture.identity, &fingerprint)?;
-            self.ledger.look_up(index, &fingerprint)?;
-        }
-        Ok(trace)
+            maker.meter.close(Item::Point(job.points[0].0), job.weight);
+            for text in job.points.iter().flat_map(|(number, ..)| found(*number, ledger)) {
+                maker.meter.found(&text);
+            }
+            Ok::<_, PaperError>(())
+        })
     }
 
     /// Traces the frames of a capture and computes its points on them.
     fn live(&mut self, index: usize) -> Result<()> {
         let (capture, item) = (&self.plan.captures[index], Item::Capture(index));
-        self.build(capture.scene)?;
         let scene = &self.plan.stages[capture.scene];
-        let source = LiveSource::new(&scene.scene, &self.built[&capture.scene], &capture.meta);
+        let source = LiveSource::new(&scene.scene, self.maker.built(capture.scene)?, &capture.meta);
         let weight = capture_weight(capture) + left(self.plan, &self.ledger, index);
         let numbers: Vec<usize> = self.ledger.points_on(index).filter(|i| self.ledger.missing(*i).any()).collect();
         let points: Vec<(&Point, Missing)> =
             numbers.iter().map(|i| (self.ledger.point(*i), self.ledger.missing(*i))).collect();
         let computed = lockstep::run(&points, &source, self.pool, |part, of| {
             let frame = u64::from(capture.meta.first_frame) + part;
-            self.meter.tell(item, weight, (part, of), &|| format!("{}, frame {frame}", scene.name));
+            self.maker.meter.tell(item, weight, (part, of), &|| format!("{}, frame {frame}", scene.name));
         })?;
-        self.check_stop()?;
+        self.maker.check_stop()?;
         for (i, computed) in numbers.into_iter().zip(computed) {
             self.ledger.keep(i, computed)?;
         }
-        self.meter.close(item, weight);
+        self.maker.meter.close(item, weight);
         Ok(())
-    }
-
-    /// Builds the BVH of a scene, once.
-    fn build(&mut self, scene: usize) -> Result<()> {
-        if let Entry::Vacant(slot) = self.built.entry(scene) {
-            let scene = &self.plan.stages[scene].scene;
-            slot.insert(
-                accel::build(scene)
-                    .map_err(|e| PaperError::Scene { scene: scene.name.clone(), detail: e.to_string() })?,
-            );
-        }
-        Ok(())
-    }
-
-    /// Ends the experiment if that was asked for.
-    fn check_stop(&self) -> Result<()> {
-        if self.pool.stop.is_requested() { Err(PaperError::interrupted()) } else { Ok(()) }
-    }
-}
-
-impl Job {
-    /// Computes the point. The trace is closed behind its last one.
-    fn run(
-        &self,
-        plan: &Plan<'_>,
-        traces: &BTreeMap<usize, Mutex<SharedTrace>>,
-        pool: &Pool,
-        meter: &Meter<'_>,
-    ) -> Result<Computed, StudyError> {
-        let closed = || StudyError::Usage { detail: "a trace was closed too early".into() };
-        let slot = traces.get(&self.capture).ok_or_else(closed)?;
-        let trace = slot.lock().unwrap_or_else(PoisonError::into_inner).trace.clone().ok_or_else(closed)?;
-        let tree = PointTask::<Trace>::simulates(&self.point, self.missing).then(|| trace.topology());
-        let scene = plan.scene_of(&plan.captures[self.capture]);
-        let computed = compute(&self.point, self.missing, (&*trace, tree.as_ref()), &pool.stop, |part, whole| {
-            let doing = || format!("{scene} under {}", self.point.policy.name);
-            meter.tell(Item::Point(self.index), self.weight, (part, whole), &doing);
-        })?;
-        drop(trace);
-        let mut slot = slot.lock().unwrap_or_else(PoisonError::into_inner);
-        slot.left -= 1;
-        if slot.left == 0 {
-            slot.trace = None;
-        }
-        Ok(computed)
     }
 }

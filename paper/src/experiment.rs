@@ -7,7 +7,7 @@ use rayreel_study::schema::{self, Study};
 
 use crate::error::{PaperError, Result};
 use crate::execute::execute;
-use crate::ledger::PointCounts;
+use crate::ledger::{Ledger, PointCounts};
 use crate::meter::Tell;
 use crate::plan::Plan;
 use crate::setup::{Folders, Setup};
@@ -38,8 +38,11 @@ pub fn run(setup: &Setup, folders: &Folders, threads: usize, stop: &Stop, tell: 
         animation: animation::plan(setup, &mut plan),
         ablations: ablations::plan(setup, &mut plan)?,
     };
+    let found = |finished: usize, ledger: &Ledger<'_>| {
+        points::found(setup, &experiment.points, finished, |point| ledger.row(point))
+    };
     let pool = Pool { threads, stop: stop.clone() };
-    let (results, counts) = execute(&plan, folders, &pool, tell)?;
+    let (results, counts) = execute(&plan, folders, &pool, tell, &found)?;
     let study = study::study(setup, &experiment, &results)?;
     let json = serde_json::to_string_pretty(&study)
         .map_err(|_| PaperError::Fault { detail: "the study cannot be written as JSON" })?;

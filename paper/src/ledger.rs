@@ -10,6 +10,7 @@ use rayreel_study::point::task::{Computed, Missing};
 use rayreel_study::sweep::reused::{RESULTS, ReusedRows};
 
 use crate::error::{PaperError, Result};
+use crate::frame::FrameView;
 use crate::plan::{Plan, PlannedPoint};
 use crate::results::{PointResult, Results};
 use crate::setup::Folders;
@@ -75,6 +76,12 @@ impl<'a> Ledger<'a> {
     /// What is missing of point number `i`.
     pub fn missing(&self, i: usize) -> Missing {
         self.results[i].missing(&self.points[i])
+    }
+
+    /// Figures of the row of point number `i`, if they are there.
+    pub fn row(&self, i: usize) -> Option<FrameView<'_>> {
+        let figures = self.results[i].row.as_ref()?;
+        Some(FrameView::new(figures, self.points[i].machine.as_deref()))
     }
 
     /// The source of a capture is known: looks for the results of its points.

@@ -61,7 +61,7 @@ pub fn run<S: PathSource>(
     let frames = source.meta().frame_numbers();
     let mut steps = vec![Step::Read(frames.start, Mutex::new(None))];
     for (point, missing) in points {
-        let task = PointTask::new(point, *missing, &holder, &pool.stop)?;
+        let task = PointTask::new(&[(point, *missing)], &holder, &pool.stop)?;
         steps.push(Step::Replay(Box::new(Mutex::new(task))));
     }
     pool.each(&steps[..1], |step| step.run(&shared, frames.start))?;
@@ -79,10 +79,10 @@ pub fn run<S: PathSource>(
         tell(done, frames.len() as u64);
     }
     let computed = |step| match step {
-        Step::Read(..) => None,
-        Step::Replay(task) => Some(task.into_inner().unwrap_or_else(PoisonError::into_inner).finish()),
+        Step::Read(..) => Vec::new(),
+        Step::Replay(task) => task.into_inner().unwrap_or_else(PoisonError::into_inner).finish(),
     };
-    Ok(steps.into_iter().filter_map(computed).collect())
+    Ok(steps.into_iter().flat_map(computed).collect())
 }
 
 #[cfg(test)]
@@ -127,7 +127,7 @@ mod tests {
 
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("teapot.rtrace");
-        let trace = traces::make(&scene, &built, (&path, &meta), &stop, |_, _| {}).unwrap();
+        let trace = traces::make(&scene, &built, (&path, &meta), &|| false, |_, _| {}).unwrap();
         let tree = trace.topology();
         for ((point, missing), together) in wanted.iter().zip(&together) {
             let alone = compute(point, *missing, (&trace, Some(&tree)), &stop, |_, _| {}).unwrap();

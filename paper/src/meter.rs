@@ -17,6 +17,8 @@ pub struct Progress<'a> {
     pub total: u64,
     /// What is being done.
     pub doing: &'a dyn Fn() -> String,
+    /// A figure that was found just now, for people who do not want to wait for all of them.
+    pub found: Option<&'a str>,
 }
 
 /// Whoever is told; from any thread, one at a time.
@@ -42,6 +44,12 @@ struct Inner<'a> {
     open: BTreeMap<Item, u64>,
 }
 
+impl Inner<'_> {
+    fn all_done(&self) -> u64 {
+        self.done + self.open.values().sum::<u64>()
+    }
+}
+
 impl<'a> Meter<'a> {
     /// Nothing of `total` is done.
     pub fn new(total: u64, tell: &'a mut Tell<'a>) -> Self {
@@ -57,8 +65,16 @@ impl<'a> Meter<'a> {
         let done = u128::from(weight) * u128::from(part.min(whole)) / u128::from(whole.max(1));
         self.locked(|inner| {
             inner.open.insert(item, done as u64);
-            let done = inner.done + inner.open.values().sum::<u64>();
-            (inner.tell)(&Progress { done, total: inner.total, doing });
+            let (done, total) = (inner.all_done(), inner.total);
+            (inner.tell)(&Progress { done, total, doing, found: None });
+        });
+    }
+
+    /// A figure was found.
+    pub fn found(&self, text: &str) {
+        self.locked(|inner| {
+            let (done, total, doing) = (inner.all_done(), inner.total, || text.to_owned());
+            (inner.tell)(&Progress { done, total, doing: &doing, found: Some(text) });
         });
     }
 

@@ -140,9 +140,9 @@ pub fn points(setup: &Setup, planned: &[Planned], results: &Results) -> Vec<Poin
             kind: named.policy.kind().into(),
             ti: ti.and_then(FrameView::ti),
             gpu: gpu.and_then(FrameView::gpu),
-            ti_gain: ti.zip(full_ti).and_then(|(own, full)| own.ti_gain(full)),
-            gpu_gain: gpu.zip(full_gpu).and_then(|(own, full)| own.gpu_gain(full)),
-            fsaa_gain: ti.zip(fsaa).and_then(|(own, full)| own.ti_gain(full)),
+            ti_gain: ti.zip(full_ti).and_then(|(frame, full)| frame.ti_gain(full)),
+            gpu_gain: gpu.zip(full_gpu).and_then(|(frame, full)| frame.gpu_gain(full)),
+            fsaa_gain: ti.zip(fsaa).and_then(|(frame, full)| frame.ti_gain(full)),
             ..figures(results.frame(p.picture), p.gpu.map(|point| results.frame(point)))
         }
     };
@@ -171,6 +171,36 @@ fn block(policy: &Policy) -> Option<u32> {
         Policy::Adaptive(rules) => Some(rules.block),
         _ => None,
     }
+}
+
+/// What there is to say of a point as soon as point number `finished` is: gains over `full`.
+/// `row` gives the figures of points that are finished.
+pub fn found<'a>(
+    setup: &Setup,
+    planned: &[Planned],
+    finished: usize,
+    row: impl Fn(usize) -> Option<FrameView<'a>>,
+) -> Vec<String> {
+    let line = |of: &Planned| {
+        let full = planned.iter().find(|p| (p.scene, p.mode, p.policy) == (of.scene, of.mode, 0))?;
+        let [alone, full] = [of.alone?, full.alone?];
+        // Whichever of the two comes last.
+        let now = alone != full && [alone, full].contains(&finished);
+        if now { gained(setup, of, row(alone)?, row(full)?) } else { None }
+    };
+    planned.iter().filter_map(line).collect()
+}
+
+/// The gain of a point over `full` in words.
+fn gained(setup: &Setup, of: &Planned, view: FrameView<'_>, full: FrameView<'_>) -> Option<String> {
+    let gain = view.ti_gain(full)?;
+    let within = gain.interval.map_or_else(String::new, |i| format!(" ±{:.1}%", 100.0 * i.perf_per_watt));
+    let psnr = view.quality()?.psnr_db.map_or_else(String::new, |db| format!(", PSNR {db:.2} dB"));
+    let (scene, mode, policy) = (&setup.stages[of.scene].name, MODES[of.mode].name, &setup.policies[of.policy].1.name);
+    let factor = gain.perf_per_watt;
+    Some(format!(
+        "{scene} {mode} under {policy}: T&I units {factor:.2}{within} x the performance per watt of full{psnr}"
+    ))
 }
 
 /// The pictures of the points that have some.

@@ -7,7 +7,6 @@ use rayreel_formats::Limits;
 use rayreel_formats::container::{ChunkId, Writer};
 use rayreel_formats::scene::Meta;
 use rayreel_formats::trace::{Codec, Trace};
-use rayreel_replay::Stop;
 use rayreel_scenes::Scene;
 use rayreel_tracer::accel::Built;
 use rayreel_tracer::capture::{self, CaptureOutcome, CaptureOutput};
@@ -32,17 +31,17 @@ pub fn make(
     scene: &Scene,
     built: &Built,
     (path, meta): (&Path, &Meta),
-    stop: &Stop,
+    is_stopped: &dyn Fn() -> bool,
     mut tell: impl FnMut(u64, u64),
 ) -> Result<Trace> {
     let resume = is_resumable(path, meta)?;
     let output = CaptureOutput { path: path.into(), codec: Codec::Context, level: LEVEL, resume };
     let outcome = capture::capture(scene, built, meta, &output, |now| {
         tell(now.tiles, now.tiles_total);
-        !stop.is_requested()
+        !is_stopped()
     })?;
     match outcome {
-        CaptureOutcome::Finished(_) if !stop.is_requested() => Ok(Trace::open(path, Limits::default())?),
+        CaptureOutcome::Finished(_) if !is_stopped() => Ok(Trace::open(path, Limits::default())?),
         _ => Err(PaperError::interrupted()),
     }
 }

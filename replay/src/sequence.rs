@@ -9,7 +9,7 @@ use crate::detail::Detail;
 use crate::error::{ReplayError, RequestError, Result};
 use crate::frame::{FrameReplay, Options, Replayer};
 use crate::policy::SamplePolicy;
-use crate::simulate::{MachineFrame, MachineRun, simulate};
+use crate::simulate::{MachineRun, simulate_all};
 use crate::source::{PathSource, TileSource};
 use crate::stop::Stop;
 use crate::windows::simulate_estimated;
@@ -79,15 +79,27 @@ impl<S: PathSource + ?Sized> FrameLoop<'_, S> {
         let Some(Simulator { machine, tree, detail }) = simulator else {
             return Ok(FrameResult { replay: self.replayer.frame(frame)?, run: None });
         };
+        let (replay, mut runs) = self.step_on(frame, &[machine], (tree, detail), probe)?;
+        Ok(FrameResult { replay, run: runs.pop() })
+    }
+
+    /// Replays the next frame once, on several machines: each does all its work. `probe` may watch the first.
+    ///
+    /// # Errors
+    /// As [`Self::step`], of whichever machine fails first.
+    pub fn step_on<P: Probe>(
+        &mut self,
+        frame: u32,
+        machines: &[&NamedMachine],
+        (tree, detail): (&Topology, Detail),
+        probe: &mut P,
+    ) -> Result<(FrameReplay, Vec<MachineRun>)> {
         probe.begin(frame);
-        let named = (machine.name.as_str(), &machine.config);
-        if detail != Detail::Full {
-            let (replay, mut runs) = simulate_estimated(&mut self.replayer, frame, tree, &[named], detail, probe)?;
-            return Ok(FrameResult { replay, run: runs.pop() });
+        let named: Vec<_> = machines.iter().map(|machine| (machine.name.as_str(), &machine.config)).collect();
+        match detail {
+            Detail::Full => simulate_all(&mut self.replayer, frame, tree, &named, probe),
+            _ => simulate_estimated(&mut self.replayer, frame, tree, &named, detail, probe),
         }
-        let MachineFrame { replay, stats, energy, paths, estimate } =
-            simulate(&mut self.replayer, frame, tree, named, probe)?;
-        Ok(FrameResult { replay, run: Some(MachineRun { stats, energy, paths, estimate }) })
     }
 
     /// All of `frames`, each given to `sink`.

@@ -22,7 +22,7 @@ use rayreel_machine::config::MachineConfig;
 use rayreel_machine::energy::EnergyReport;
 use rayreel_machine::srp::{FrameShape, Needs, missing_kernels};
 use rayreel_machine::stats::Stats;
-use rayreel_machine::system::{Probe, System};
+use rayreel_machine::system::{NoProbe, Probe, System};
 use rayreel_machine::work::check::PathCounts;
 use rayreel_machine::work::topology::Topology;
 
@@ -79,19 +79,45 @@ pub fn simulate<S: PathSource + ?Sized, P: Probe>(
     machine: (&str, &MachineConfig),
     probe: &mut P,
 ) -> Result<MachineFrame> {
-    let (name, config) = machine;
+    let (replay, mut runs) = simulate_all(replayer, frame, tree, &[machine], probe)?;
+    let MachineRun { stats, energy, paths, estimate } = runs.pop().unwrap_or_default();
+    Ok(MachineFrame { replay, stats, energy, paths, estimate })
+}
+
+/// The same on several machines: the frame is replayed once, and each of them does all its work. `probe` watches the first.
+///
+/// # Errors
+/// As [`simulate`], of whichever machine fails first.
+pub fn simulate_all<S: PathSource + ?Sized, P: Probe>(
+    replayer: &mut Replayer<'_, S>,
+    frame: u32,
+    tree: &Topology,
+    machines: &[(&str, &MachineConfig)],
+    probe: &mut P,
+) -> Result<(FrameReplay, Vec<MachineRun>)> {
     let meta = replayer.source().meta();
-    let shape =
-        FrameShape { width_pixels: meta.width, samples_per_axis: meta.samples, pixel_bytes: config.layout.pixel_bytes };
-    let mut system = System::new(config, tree, shape);
+    let system = |config: &MachineConfig| {
+        let (width_pixels, samples_per_axis, pixel_bytes) = (meta.width, meta.samples, config.layout.pixel_bytes);
+        System::new(config, tree, FrameShape { width_pixels, samples_per_axis, pixel_bytes })
+    };
+    let mut systems: Vec<System<'_, _>> = machines.iter().map(|(_, config)| system(config)).collect();
     let (replay, paths) = replayer.frame_with(frame, tree, |work| {
-        let missing = missing_kernels(config, &Needs::of(&work));
-        if missing.is_empty() {
-            return Ok(system.feed(work, probe)?);
+        for (name, config) in machines {
+            let missing = missing_kernels(config, &Needs::of(&work));
+            if !missing.is_empty() {
+                let (machine, kernels) = ((*name).into(), missing.join(" and "));
+                return Err(RequestError::MissingKernel { machine, kernels }.into());
+            }
         }
-        Err(RequestError::MissingKernel { machine: name.into(), kernels: missing.join(" and ") }.into())
+        let Some((first, others)) = systems.split_first_mut() else { return Ok(()) };
+        others.iter_mut().try_for_each(|system| system.feed(work.clone(), &mut NoProbe))?;
+        Ok(first.feed(work, probe)?)
     })?;
-    let (stats, _) = system.finish(probe)?;
-    let energy = EnergyReport::new(config, &stats);
-    Ok(MachineFrame { replay, stats, energy, paths, estimate: None })
+    let mut runs = Vec::new();
+    for (i, (system, (_, config))) in systems.into_iter().zip(machines).enumerate() {
+        let (stats, _) = if i == 0 { system.finish(probe)? } else { system.finish(&mut NoProbe)? };
+        let energy = EnergyReport::new(config, &stats);
+        runs.push(MachineRun { stats, energy, paths, estimate: None });
+    }
+    Ok((replay, runs))
 }

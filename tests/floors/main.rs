@@ -35,7 +35,7 @@ const ORDERS: [(&str, &str); 11] = [
     ),
     (
         "paper/src/lib.rs",
-        "error frame identity live lockstep policies reference results rows setup plan ablations animation ledger meter points estimates study table traces execute experiment",
+        "error frame identity live lockstep policies reference results rows setup plan ablations animation ledger meter points estimates study table traces jobs maker execute experiment",
     ),
     ("testkit/src/lib.rs", "random policies switches trees synthetic rules recorded reference poison"),
     (

@@ -20,14 +20,28 @@ use rayreel_replay::{ReplayError, Stop};
 pub fn compute<S: PathSource + ?Sized>(
     point: &Point,
     missing: Missing,
+    source: (&S, Option<&Topology>),
+    stop: &Stop,
+    tell: impl FnMut(u64, u64),
+) -> Result<Computed> {
+    Ok(compute_all(&[(point, missing)], source, stop, tell)?.pop().unwrap_or_default())
+}
+
+/// The same of several points that share a replay ([`Point::shares_replay`]).
+///
+/// # Errors
+/// Those of any of them.
+pub fn compute_all<S: PathSource + ?Sized>(
+    points: &[(&Point, Missing)],
     (source, tree): (&S, Option<&Topology>),
     stop: &Stop,
     mut tell: impl FnMut(u64, u64),
-) -> Result<Computed> {
-    let mut task = PointTask::new(point, missing, source, stop)?;
+) -> Result<Vec<Computed>> {
+    let mut task = PointTask::new(points, source, stop)?;
     let tiles = u64::from(source.meta().tile_count());
-    let all = tiles * u64::from(point.frames.1);
-    for (done, frame) in (0..).map(|i| i * tiles).zip(point.frame_numbers()) {
+    let frames = points[0].0.frame_numbers();
+    let all = tiles * frames.len() as u64;
+    for (done, frame) in (0..).map(|i| i * tiles).zip(frames) {
         task.frame(frame, tree, &mut Watch::new(|now| tell(done + now, all)))?;
         tell(done + tiles, all);
     }
@@ -58,6 +72,29 @@ pub fn compute_row<S: PathSource + ?Sized>(
         Err(panic) => format!("internal fault, please report it: {}", message(&*panic)),
     };
     Ok((Row::failed(key.clone(), why), Vec::new()))
+}
+
+/// The rows of several points that share a replay, in their order. Where they fail together each is tried by itself, so that none
+/// pays for another.
+///
+/// # Errors
+/// Each as [`compute_row`].
+pub fn compute_rows<S: PathSource + ?Sized>(
+    points: &[(&Point, &Key)],
+    source: (&S, &Topology),
+    stop: &Stop,
+    mut tell: impl FnMut(u64, u64),
+) -> Vec<Result<(Row, Vec<Column>)>> {
+    let missing = Missing { row: true, details: false };
+    let wanted: Vec<_> = points.iter().map(|(point, _)| (*point, missing)).collect();
+    let together = AssertUnwindSafe(|| compute_all(&wanted, (source.0, Some(source.1)), stop, &mut tell));
+    let together = if points.len() > 1 { catch_unwind(together).ok().and_then(Result::ok) } else { None };
+    if let Some(rows) = together.map(|all| all.into_iter().filter_map(|c| c.row).collect::<Vec<_>>())
+        && rows.len() == points.len()
+    {
+        return rows.into_iter().map(Ok).collect();
+    }
+    points.iter().map(|(point, key)| compute_row(point, key, source, stop, &mut tell)).collect()
 }
 
 /// Whether another attempt may succeed.

@@ -76,6 +76,13 @@ impl Point {
         Some(hash(self.frames, &texts.collect::<Vec<_>>()))
     }
 
+    /// Whether one replay serves both points: they differ in machines alone, and in what can be looked at.
+    pub fn shares_replay(&self, other: &Self) -> bool {
+        let rows = [self, other].iter().all(|point| matches!(point.wanted.figures, Figures::Row));
+        rows && (&self.source, self.frames, self.detail) == (&other.source, other.frames, other.detail)
+            && self.policy.policy == other.policy.policy
+    }
+
     /// Whether a machine simulates a frame for its row.
     pub(crate) fn simulates_row(&self) -> bool {
         self.machine.is_some() && matches!(self.wanted.figures, Figures::Row)

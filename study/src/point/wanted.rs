@@ -34,7 +34,7 @@ impl Figures {
 }
 
 /// How a picture is compared with that of `full`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Compared {
     /// Not at all.
     Not,

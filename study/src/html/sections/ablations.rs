@@ -47,7 +47,7 @@ fn group_table(group: &str, all: &[&Ablation]) -> String {
         let base = base.filter(|_| !ablation.base);
         let note =
             if ablation.note.is_empty() { String::new() } else { format!("<small>{}</small>", escape(&ablation.note)) };
-        let own = |of: fn(CostInterval) -> f64| ablation.interval.map(of);
+        let within = |of: fn(CostInterval) -> f64| ablation.interval.map(of);
         let over = |of: fn(GainInterval) -> f64| ablation.gain_interval.map(of);
         let cells = vec![
             format!("{}{note}", escape(&ablation.name)),
@@ -56,15 +56,15 @@ fn group_table(group: &str, all: &[&Ablation]) -> String {
             percent(ablation.rays_traced as f64 / ablation.rays_full.max(1) as f64),
             or_dash(ablation.cycles, |v| {
                 let base = base.and_then(|b| b.cycles).map(|v| v as f64);
-                count(v) + &plus_minus(own(|i| i.cycles)) + &times(v as f64, base, over(|i| i.performance))
+                count(v) + &plus_minus(within(|i| i.cycles)) + &times(v as f64, base, over(|i| i.performance))
             }),
             or_dash(ablation.power_w, |v| {
                 let base = base.and_then(|b| b.power_w);
-                fixed(v, 3) + &plus_minus(own(|i| i.power_w)) + &times(v, base, over(|i| i.power))
+                fixed(v, 3) + &plus_minus(within(|i| i.power_w)) + &times(v, base, over(|i| i.power))
             }),
             or_dash(ablation.perf_per_watt, |v| {
                 let base = base.and_then(|b| b.perf_per_watt);
-                fixed(v, 1) + &plus_minus(own(|i| i.perf_per_watt)) + &times(v, base, over(|i| i.perf_per_watt))
+                fixed(v, 1) + &plus_minus(within(|i| i.perf_per_watt)) + &times(v, base, over(|i| i.perf_per_watt))
             }),
             psnr(ablation.psnr_db) + &difference(ablation.psnr_db, base.and_then(|b| b.psnr_db)),
         ];

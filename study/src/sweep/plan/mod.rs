@@ -197,6 +197,13 @@ impl Plan {
         self.set.iter().chain(chosen.flatten()).cloned().collect()
     }
 
+    /// Those of them that are the policy's.
+    pub(crate) fn policy_overrides(&self, point: &PointRef) -> Vec<String> {
+        let mut all = self.overrides(&point.values);
+        all.retain(|text| !is_machine_override(text));
+        all
+    }
+
     /// A point with its machine and policy.
     ///
     /// # Errors

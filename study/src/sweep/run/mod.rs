@@ -5,6 +5,7 @@
 //! were being computed and those of the segment being written. A signal ends every simulation at its next tile and writes what is
 //! finished.
 
+mod groups;
 mod saver;
 mod shape;
 mod traces;
@@ -14,12 +15,13 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
 use crate::error::Result;
-use crate::point::compute::{chain, compute_row};
+use crate::point::compute::{chain, compute_rows};
 use crate::point::row::{Column, Row};
 use crate::pool::{Event, Pool};
 use crate::sweep::folder::Folder;
 use crate::sweep::plan::BUCKET;
 use crate::sweep::segment;
+use groups::groups;
 use saver::Saver;
 
 pub use shape::{Outcome, RunProgress, Settings};
@@ -43,18 +45,21 @@ pub fn run(folder: &Folder, settings: &Settings<'_>, mut tell: impl FnMut(&RunPr
     tell(&progress);
     let mut last = Instant::now();
     let pool = Pool { threads: settings.threads, stop: settings.stop.clone() };
+    let groups = groups(plan, &todo, settings.threads);
     let ended: Result<()> = pool.run(
-        &todo,
-        |worker, point| workers.attempt(worker, *point),
+        &groups,
+        |worker, points| workers.attempt(worker, points),
         |event| {
-            match event {
-                Event::Done { index, result: Ok((row, columns)) } => {
-                    saver.take(todo[index], row, columns, &mut outcome)?;
+            if let Event::Done { index, result } = event {
+                for (point, attempted) in groups[index].iter().zip(result) {
+                    match attempted {
+                        Ok((row, columns)) => saver.take(*point, row, columns, &mut outcome)?,
+                        Err(why) if !settings.stop.is_requested() => {
+                            outcome.troubles.push((plan.describe(*point), why));
+                        }
+                        Err(_) => {}
+                    }
                 }
-                Event::Done { index, result: Err(why) } if !settings.stop.is_requested() => {
-                    outcome.troubles.push((plan.describe(todo[index]), why));
-                }
-                Event::Done { .. } | Event::Idle => {}
             }
             if last.elapsed() >= settings.flush {
                 saver.flush_all()?;
@@ -115,7 +120,7 @@ struct Workers<'a> {
     folder: &'a Folder,
     settings: &'a Settings<'a>,
     traces: SharedTraces<'a>,
-    /// How much of its point each worker has done, in millionths.
+    /// How much of its points each worker has done, in millionths of one.
     parts: Vec<AtomicUsize>,
 }
 
@@ -131,22 +136,24 @@ impl<'a> Workers<'a> {
         self.parts.iter().map(|part| part.load(Ordering::Relaxed) as f64 * 1e-6).sum()
     }
 
-    /// Computes a point on worker number `worker`.
-    fn attempt(&self, worker: usize, point: usize) -> Attempted {
-        let ended = self.compute(point, &self.parts[worker]);
+    /// Computes points that share a replay on worker number `worker`; what came of each.
+    fn attempt(&self, worker: usize, points: &[usize]) -> Vec<Attempted> {
+        let ended = self.compute(points, &self.parts[worker]);
         self.parts[worker].store(0, Ordering::Relaxed);
-        self.traces.release(self.folder.plan().points[point].trace);
-        ended
+        points.iter().for_each(|point| self.traces.release(self.folder.plan().points[*point].trace));
+        ended.unwrap_or_else(|why| vec![Err(why); points.len()])
     }
 
-    fn compute(&self, point: usize, part: &AtomicUsize) -> Attempted {
-        let planned = &self.folder.plan().points[point];
-        let resolved = self.folder.plan().resolve(planned).map_err(|e| e.to_string())?;
-        let opened = self.traces.open(planned.trace)?;
-        let tell = |done: u64, all: u64| {
-            part.store((done.min(all) * 1_000_000 / all.max(1)) as usize, Ordering::Relaxed);
-        };
-        let source = (&opened.source, &opened.tree);
-        compute_row(&resolved, &planned.key, source, &self.settings.stop, tell).map_err(|e| chain(&e))
+    fn compute(&self, points: &[usize], part: &AtomicUsize) -> Result<Vec<Attempted>, String> {
+        let plan = self.folder.plan();
+        let planned: Vec<_> = points.iter().map(|point| &plan.points[*point]).collect();
+        let resolved: Result<Vec<_>> = planned.iter().map(|point| plan.resolve(point)).collect();
+        let resolved = resolved.map_err(|e| e.to_string())?;
+        let opened = self.traces.open(planned[0].trace)?;
+        let all = points.len() as u64 * 1_000_000;
+        let tell = |done: u64, of: u64| part.store((done.min(of) * all / of.max(1)) as usize, Ordering::Relaxed);
+        let wanted: Vec<_> = resolved.iter().zip(&planned).map(|(point, planned)| (point, &planned.key)).collect();
+        let rows = compute_rows(&wanted, (&opened.source, &opened.tree), &self.settings.stop, tell);
+        Ok(rows.into_iter().map(|row| row.map_err(|e| chain(&e))).collect())
     }
 }

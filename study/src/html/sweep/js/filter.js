@@ -38,7 +38,7 @@ sweep.filter = (() => {
     const tests = [];
     const words = text.replace(TERM, (_, name, sign, given) => { tests.push(comparison(name, sign, given)); return " "; })
       .split(/[\s,]+/).filter((word) => word && !/^(and|&&)$/i.test(word));
-    const searched = [...new Set([...sweep.columns.filter((own) => own.kind === "text"), ...sweep.dimensions])];
+    const searched = [...new Set([...sweep.columns.filter((own) => own.kind === "text" && (own.varies || own.name !== "detail")), ...sweep.dimensions])];
     for (const word of words.map((own) => own.toLowerCase())) {
       if (/[<>=~]/.test(word)) throw new Error(`${word} compares nothing: write column > value`);
       tests.push((row) => searched.some((own) => sweep.text.value(own, own.values[row]).toLowerCase().includes(word)));
