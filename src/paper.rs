@@ -19,13 +19,14 @@ use crate::progress::{self, Progress};
 /// undersampling: one) on a machine; replays an animation; changes one choice at a time; prints tables beside the paper's figures
 /// and writes study.json, the pictures and the page that `rayreel report` makes of them. Performance, power and performance per
 /// watt are relative to full sampling: of the T&I units alone, as in the paper's Figure 7 (the SRP takes no time), and of the whole
-/// GPU. Every result is kept in the cache folder: a run that was killed goes on where it was, a second run computes nothing.
+/// GPU. Frames that are large enough are estimated from a sample of their tiles, with intervals; --detail full simulates every cycle.
+/// Every result is kept in the cache folder: a run that was killed goes on where it was, a second run computes nothing.
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// Image size in pixels; 128x64 by default, the paper's 2048x1024 with --full.
+    /// Image size in pixels; 512x256 by default, the paper's 2048x1024 with --full.
     #[arg(long, value_name = "WxH", value_parser = crate::common::size)]
     size: Option<(u32, u32)>,
-    /// Everything at the paper's size, and all frames of the animation, at 1x1 samples: hours.
+    /// Everything at the paper's size, and all frames of the animation, at 1x1 samples.
     #[arg(long)]
     full: bool,
     /// Scenes; the paper's five if none is named.

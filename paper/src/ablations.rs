@@ -18,7 +18,7 @@ use crate::setup::Setup;
 const SCENES: [&str; 2] = ["chess", "car"];
 
 /// Largest picture of an ablation, by default and with `--full`: what one shows depends little on the size, and there are many.
-const SIZES: [(u32, u32); 2] = [(96, 48), (512, 256)];
+const SIZES: [(u32, u32); 2] = [(128, 64), (512, 256)];
 
 /// A choice.
 struct Variant {

@@ -30,6 +30,10 @@ const EARLY: u32 = 2;
 const COUNTED_FULL: u32 = 70;
 const EARLY_FULL: u32 = 2;
 
+/// Largest picture of the animation, by default and with `--full`: there are many frames, and they are to be compared with each
+/// other.
+const SIZES: [(u32, u32); 2] = [(256, 128), (512, 256)];
+
 /// Largest width of a map, pixels: they are many, and shown side by side.
 const WIDTH_MAX: u32 = 512;
 
@@ -49,9 +53,14 @@ impl Stretch {
         Self { first: counted.saturating_sub(early), counted, end }
     }
 
-    /// The frames that a machine simulates, of run number `run`: of the whole path the paper's, by default every other of them.
+    /// The frames that a machine simulates, of run number `run`: of the whole path all that count, by default every other of the
+    /// paper's.
     fn simulated(&self, run: usize, full: bool) -> Vec<u32> {
-        if full || run.is_multiple_of(2) { self.mapped() } else { Vec::new() }
+        match (full, run.is_multiple_of(2)) {
+            (true, _) => (self.counted..self.end).collect(),
+            (false, true) => self.mapped(),
+            (false, false) => Vec::new(),
+        }
     }
 
     /// The frames of which there are maps.
@@ -92,13 +101,13 @@ pub fn plan(setup: &Setup, plan: &mut Plan<'_>) -> Option<Planned> {
     let mut tracks: Vec<(usize, Vec<usize>)> = Vec::new();
     for (i, run) in runs.iter().enumerate() {
         let frames = (run.first, run.end - run.first);
-        let grid = Grid { scene, size: setup.size, samples: MODES[mode].samples, tile: TILE, frames };
-        let capture = plan.capture(&grid, setup.full);
+        let grid = Grid { scene, size: size(setup), samples: MODES[mode].samples, tile: TILE, frames };
+        let capture = plan.capture(&grid, true);
         for (policy, (contender, named)) in setup.policies.iter().enumerate() {
             if !contender.is_animated(mode, setup.full) {
                 continue;
             }
-            let simulates = setup.machines.is_some() && (contender.mapped || policy == 0);
+            let simulates = setup.machines.is_some() && contender.is_simulated(setup.full);
             let simulated = if simulates { run.simulated(i, setup.full) } else { Vec::new() };
             let shown = if contender.mapped { pictures(setup, scene, policy, run) } else { Vec::new() };
             let (pictures, files): (Vec<_>, Vec<_>) = shown.into_iter().unzip();
@@ -117,6 +126,12 @@ pub fn plan(setup: &Setup, plan: &mut Plan<'_>) -> Option<Planned> {
     Some(Planned { scene, mode, runs, tracks })
 }
 
+/// Picture size of the animation.
+pub fn size(setup: &Setup) -> (u32, u32) {
+    let most = SIZES[usize::from(setup.full)];
+    (setup.size.0.min(most.0), setup.size.1.min(most.1))
+}
+
 /// Where a map lies.
 fn file(setup: &Setup, scene: usize, policy: usize, frame: u32, what: &str) -> String {
     let (scene, policy) = (&setup.stages[scene].name, setup.policies[policy].0.name);
@@ -125,7 +140,7 @@ fn file(setup: &Setup, scene: usize, policy: usize, frame: u32, what: &str) -> S
 
 fn pictures(setup: &Setup, scene: usize, policy: usize, run: &Stretch) -> Vec<(PictureWanted, String)> {
     let mut all = Vec::new();
-    let shrink = setup.size.0.div_ceil(WIDTH_MAX);
+    let shrink = size(setup).0.div_ceil(WIDTH_MAX);
     for frame in run.mapped() {
         let mut add = |kind, what| {
             all.push((PictureWanted { frame, kind, shrink }, file(setup, scene, policy, frame, what)));
@@ -251,6 +266,9 @@ mod tests {
         assert_eq!(counted, (0..700).collect::<Vec<_>>());
         assert!(runs[1..].iter().all(|run| run.first + EARLY_FULL == run.counted));
         assert_eq!(runs.iter().flat_map(Stretch::mapped).count(), PAPER_FRAMES.len());
-        assert!(runs.iter().all(|run| run.simulated(1, true) == run.mapped()));
+        assert_eq!(
+            runs.iter().flat_map(|run| run.simulated(1, true)).collect::<Vec<_>>(),
+            (0..700).collect::<Vec<_>>()
+        );
     }
 }

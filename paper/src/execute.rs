@@ -1,6 +1,5 @@
 //! Doing what the plan asks for and the cache does not hold.
 
-use std::collections::BTreeMap;
 use std::sync::atomic::Ordering;
 
 use rayreel_formats::trace::Trace;
@@ -16,7 +15,7 @@ use crate::live::LiveSource;
 use crate::lockstep;
 use crate::maker::Maker;
 use crate::meter::{Item, Meter, Tell, capture_weight, point_weight};
-use crate::plan::Plan;
+use crate::plan::{Capture, Plan};
 use crate::results::Results;
 use crate::setup::Folders;
 
@@ -65,17 +64,26 @@ fn left(plan: &Plan<'_>, ledger: &Ledger<'_>, capture: usize) -> u64 {
     ledger.points_on(capture).map(weight).sum()
 }
 
-/// Captures whose points are computed together while the next ones are made: those of a scene, the longest batch first but for one
-/// capture of the first scene, the smallest, before all: its figures are there soon.
+/// Captures whose points are computed together while the next ones are made. Those of a scene of one picture size are a batch; of
+/// the first of them the smallest goes before all others, for its figures are there soon. The plan's order stays else.
 fn batches(plan: &Plan<'_>, captures: &[usize]) -> Vec<Vec<usize>> {
-    let Some(scene) = captures.first().map(|first| plan.captures[*first].scene) else { return Vec::new() };
-    let of_scene = captures.iter().copied().filter(|capture| plan.captures[*capture].scene == scene);
-    let first = of_scene.min_by_key(|capture| capture_weight(&plan.captures[*capture]));
-    let mut by_scene: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
-    for capture in captures.iter().copied().filter(|capture| Some(*capture) != first) {
-        by_scene.entry(plan.captures[capture].scene).or_default().push(capture);
+    let kind = |capture: usize| {
+        let Capture { scene, meta, .. } = &plan.captures[capture];
+        (*scene, meta.width, meta.height)
+    };
+    let mut batches: Vec<Vec<usize>> = Vec::new();
+    for &capture in captures {
+        match batches.iter_mut().find(|batch| kind(batch[0]) == kind(capture)) {
+            Some(batch) => batch.push(capture),
+            None => batches.push(vec![capture]),
+        }
     }
-    first.map(|first| vec![first]).into_iter().chain(by_scene.into_values()).collect()
+    if let Some(first) = batches.first_mut().filter(|first| first.len() > 1) {
+        first.sort_by_key(|capture| capture_weight(&plan.captures[*capture]));
+        let smallest = first.remove(0);
+        batches.insert(0, vec![smallest]);
+    }
+    batches
 }
 
 /// The experiment under way.

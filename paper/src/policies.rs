@@ -54,8 +54,10 @@ pub struct Contender {
     pub shown: When,
     /// Whether the animation is replayed under it, if it fits the animation's mode.
     pub animated: When,
-    /// Whether frames of the animation are simulated and its maps shown.
+    /// Whether the paper's frames of the animation are simulated and its maps shown.
     pub mapped: bool,
+    /// Whether all frames of the animation are simulated, with `--full`.
+    pub flown: bool,
 }
 
 /// A preset with points in both modes.
@@ -68,36 +70,54 @@ const fn preset(name: &'static str) -> Contender {
         shown: When::Never,
         animated: When::Never,
         mapped: false,
+        flown: false,
     }
 }
 
 /// What the paper evaluated in one of the modes.
 const fn evaluated(name: &'static str, mode: usize) -> Contender {
-    let mut contender =
-        Contender { whole: true, shown: When::Always, animated: When::Always, mapped: true, ..preset(name) };
+    let mut contender = Contender {
+        whole: true,
+        shown: When::Always,
+        animated: When::Always,
+        mapped: true,
+        flown: true,
+        ..preset(name)
+    };
     contender.modes[1 - mode] = When::Never;
     contender
 }
 
 /// A change of `multirate` that only the animation shows.
 const fn changed(name: &'static str, rules: &'static [&'static str], animated: When) -> Contender {
-    let preset = ("multirate", rules);
-    Contender { name, preset, modes: [When::Never; 2], whole: false, shown: When::Never, animated, mapped: false }
+    Contender { preset: ("multirate", rules), modes: [When::Never; 2], animated, ..preset(name) }
+}
+
+/// The same with one block for all tiles.
+const fn fixed(name: &'static str, rules: &'static [&'static str], animated: When) -> Contender {
+    Contender { flown: true, ..changed(name, rules, animated) }
 }
 
 /// All policies, `full` first: it is what the others are compared with.
 pub const POLICIES: &[Contender] = &[
-    Contender { whole: true, animated: When::Always, ..preset("full") },
+    Contender { whole: true, animated: When::Always, flown: true, ..preset("full") },
     evaluated("paper-ss", 0),
     evaluated("paper-us", 1),
     Contender { shown: When::Full, ..preset("quality") },
-    Contender { whole: true, shown: When::Always, animated: When::Always, mapped: true, ..preset("multirate") },
+    Contender {
+        whole: true,
+        shown: When::Always,
+        animated: When::Always,
+        mapped: true,
+        flown: true,
+        ..preset("multirate")
+    },
     Contender { shown: When::Full, ..preset("aggressive") },
     Contender { modes: [When::Always, When::Never], ..preset("foveated") },
     changed("multirate, no hysteresis", &["raise=0.6", "lower=0.6", "alternate=0", "hold=1"], When::Always),
-    changed("fixed 2x2", &["finest=2", "start=2", "coarsest=2"], When::Full),
-    changed("fixed 4x4", &["finest=4", "start=4", "coarsest=4"], When::Always),
-    changed("fixed 8x8", &["finest=8", "start=8", "coarsest=8"], When::Full),
+    fixed("fixed 2x2", &["finest=2", "start=2", "coarsest=2"], When::Full),
+    fixed("fixed 4x4", &["finest=4", "start=4", "coarsest=4"], When::Always),
+    fixed("fixed 8x8", &["finest=8", "start=8", "coarsest=8"], When::Full),
 ];
 
 /// Name of what the paper evaluated, by mode.
@@ -107,6 +127,11 @@ impl Contender {
     /// Whether the animation is replayed under it in mode `mode`: the paper evaluated one policy in each.
     pub fn is_animated(&self, mode: usize, full: bool) -> bool {
         self.animated.now(full) && (self.name == PAPER[mode] || !PAPER.contains(&self.name))
+    }
+
+    /// Whether a machine simulates frames of the animation under it.
+    pub fn is_simulated(&self, full: bool) -> bool {
+        if full { self.flown } else { self.mapped || self.name == "full" }
     }
 }
 

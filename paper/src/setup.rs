@@ -4,21 +4,26 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use rayreel_machine::config::NamedMachine;
-use rayreel_replay::{Detail, NamedPolicy};
+use rayreel_replay::NamedPolicy;
+use rayreel_replay::detail::{Detail, Share};
 use rayreel_scenes::Scene;
 
 use crate::error::Result;
 use crate::policies::{self, Contender};
 
 /// Picture size by default, pixels.
-pub const SIZE: (u32, u32) = (128, 64);
+pub const SIZE: (u32, u32) = (512, 256);
 
 /// The paper's.
 pub const SIZE_FULL: (u32, u32) = (2048, 1024);
 
-/// How much is simulated cycle by cycle if nothing else is asked for, whatever the size: small frames are simulated whole.
+/// How much is simulated cycle by cycle if nothing else is asked for, in millionths of the tiles: frames that are too small for a
+/// sample are simulated whole.
+const SHARE: u32 = 50_000;
+
+/// How much is simulated cycle by cycle if nothing else is asked for.
 pub fn detail() -> Detail {
-    Detail::Full
+    Share::from_millionths(SHARE).map_or(Detail::Full, Detail::Sampled)
 }
 
 /// Scenes, policies, machines and sizes of an experiment.

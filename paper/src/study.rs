@@ -140,9 +140,11 @@ fn notes(setup: &Setup, experiment: &Experiment) -> Vec<String> {
         note += ". In it multi-rate policies have the frames before to go by; all other results are of one frame without history.";
         notes.push(note);
     }
-    let (width, height) = ablations::size(setup);
-    if (width, height) != setup.size {
-        notes.push(format!("The ablations are of {width}x{height} pixels."));
+    let sizes = [("The ablations are", Some(ablations::size(setup)))]
+        .into_iter()
+        .chain([("The animation is", experiment.animation.as_ref().map(|_| animation::size(setup)))]);
+    for (what, (width, height)) in sizes.filter_map(|(what, size)| Some((what, size.filter(|s| *s != setup.size)?))) {
+        notes.push(format!("{what} of {width}x{height} pixels."));
     }
     let without = |entry: &&Contender| !entry.whole && entry.modes.iter().any(|when| when.now(setup.full));
     let names: Vec<&str> = setup.policies.iter().map(|(entry, _)| *entry).filter(without).map(|e| e.name).collect();

@@ -338,7 +338,7 @@ fn sweep(run: &Path, place: &Path, name: &str, reuse: &[&Path]) -> Ran {
 #[test]
 fn a_run_finds_what_a_sweep_has_computed_and_the_other_way_round() {
     let [calm, folder, place] = [(); 3].map(|()| tempfile::tempdir().unwrap());
-    let line = "--size 32x16 --scene teapot";
+    let line = "--size 32x16 --scene teapot --detail full";
     let plain = paper(calm.path(), line);
     let [points, reused, computed, shown] = counts(&plain)[..] else { panic!("{}", plain.err) };
     assert!(points == computed && (reused, shown) == (0, 0), "{}", plain.err);
