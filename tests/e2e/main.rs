@@ -13,6 +13,7 @@ mod browser;
 mod cluster;
 mod compare;
 mod damage;
+mod detail;
 mod determinism;
 mod every_scene;
 mod exit_codes;

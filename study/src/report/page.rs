@@ -64,20 +64,22 @@ fn speed(f: &mut Formatter<'_>, report: &Report, config: &MachineConfig) -> fmt:
     detail.map_or(Ok(()), |detail| extent(f, detail))?;
     let within = |column: &str| detail.and_then(|d| d.interval(column)).map_or_else(String::new, plus_minus);
     let cycles = run.cycles.map_or_else(|| "-".into(), grouped);
-    writeln!(f, "  {:<18} {:>16}", "cycles", format!("{cycles}{}", within("cycles")))?;
+    // Room for what stands behind an estimate.
+    let [a, b, c] = if detail.is_some_and(DetailReport::is_estimated) { [22, 26, 22] } else { [16, 20, 16] };
+    writeln!(f, "  {:<18} {:>a$}", "cycles", format!("{cycles}{}", within("cycles")))?;
     let mut row = |name: &str, value: String, (rate, unit): (Option<f64>, &str), column: &str| {
-        writeln!(f, "  {name:<18} {value:>16} {:>20}", format!("{}{}", amount(rate, unit), within(column)))
+        writeln!(f, "  {name:<18} {value:>a$} {:>b$}", format!("{}{}", amount(rate, unit), within(column)))
     };
     row("time", small(run.time_ms, "ms", "us"), (run.fps, "frames/s"), "fps")?;
     row("rays", grouped(run.rays_machine.unwrap_or_default()), (run.mrays_per_s, "Mrays/s"), "mrays_per_s")?;
-    writeln!(f, "\n  {:<18} {:>16} {:>20} {:>16}", "", "T&I units", "and their memory", "whole GPU")?;
+    writeln!(f, "\n  {:<18} {:>a$} {:>b$} {:>c$}", "", "T&I units", "and their memory", "whole GPU")?;
     let costs = [run.ti, run.ti_with_memory.unwrap_or_default(), run.gpu.unwrap_or_default()];
     let mut row = |name: &str, column: &str, shown: fn(&RunCost) -> String| {
         let cell = |(part, cost): (&str, &RunCost)| {
             format!("{}{}", shown(cost).trim_end(), within(&format!("{part}{column}")))
         };
         let [ti, memory, gpu] = [("", &costs[0]), ("ti_with_memory_", &costs[1]), ("gpu_", &costs[2])].map(cell);
-        writeln!(f, "  {name:<18} {ti:>16} {memory:>20} {gpu:>16}")
+        writeln!(f, "  {name:<18} {ti:>a$} {memory:>b$} {gpu:>c$}")
     };
     row("power", "power_w", |c| small(c.power_w, "W", "mW"))?;
     row("energy", "energy_mj", |c| small(c.energy_mj, "mJ", "uJ"))?;
