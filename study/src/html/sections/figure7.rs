@@ -56,12 +56,12 @@ fn chart(view: &StudyView<'_>, mode: &str, policy: &str) -> String {
     }
     let alone = if points.iter().all(|p| p.ti_gain.is_some()) { "T&I units alone" } else { "whole GPU" };
     let group = |name: &str, values: [Option<f64>; 3], within: [Option<f64>; 3], band| {
-        let bar = |((what, class), (value, within)): (&(&str, &'static str), (Option<f64>, Option<f64>))| Bar {
-            value,
-            class,
-            tip: format!("{name}\n{policy}, {alone}\n{what} {}{}", or_dash(value, factor), plus_minus(within)),
+        let bar = |i: usize| {
+            let ((what, class), value) = (BARS[i], values[i]);
+            let tip = format!("{name}\n{policy}, {alone}\n{what} {}{}", or_dash(value, factor), plus_minus(within[i]));
+            Bar { value, class, tip }
         };
-        Group { name: name.to_owned(), bars: BARS.iter().zip(values.into_iter().zip(within)).map(bar).collect(), band }
+        Group { name: name.to_owned(), bars: (0..BARS.len()).map(bar).collect(), band }
     };
     let mut groups: Vec<Group> = points
         .iter()
