@@ -36,9 +36,9 @@ impl Stats {
             group - GROUP
         };
         let visit = &mut visit;
-        let own = next();
-        visit(own, &mut self.cycles);
-        visit(own + 1, &mut self.tiles);
+        let run = next();
+        visit(run, &mut self.cycles);
+        visit(run + 1, &mut self.tiles);
         let [dispatch, stages, trv, trv_buffer, trv_l1] = [(); 5].map(|()| next());
         // A unit has three stages at most.
         let [_, _, activity, ist, ist_buffer, ist_l1] = [(); 6].map(|()| next());
@@ -46,7 +46,7 @@ impl Stats {
         let [_, _, _, _, _, _, srp, interface, dma, local, srp_l1] = [(); 11].map(|()| next());
         let [l2, channel, read, written] = [(); 4].map(|()| next());
         for core in &mut self.cores {
-            visit(own + 2, &mut core.srp_cycles);
+            visit(run + 2, &mut core.srp_cycles);
             core.ti.dispatch.each_mut(|i, c| visit(dispatch + i, c));
             for unit in &mut core.ti.trv {
                 for (stage, (_, account)) in unit.stages.iter_mut().enumerate() {
