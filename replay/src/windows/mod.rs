@@ -60,12 +60,13 @@ pub fn simulate_estimated<S: PathSource + ?Sized, P: Probe>(
     probe: &mut P,
 ) -> Result<(FrameReplay, Vec<MachineRun>)> {
     let mut simulation = Simulation { replayer, frame, tree, detail, probe };
-    let Some(begin) = simulation.replayer.fork() else {
+    let tiles = simulation.replayer.source().meta().tile_count() as usize;
+    let blocks: Vec<_> = machines.iter().map(|(_, config)| Blocks::of(detail, tiles, slots(config))).collect();
+    let sampled = detail == Detail::Counts || blocks.iter().any(Option::is_some);
+    let Some(begin) = simulation.replayer.fork().filter(|_| sampled) else {
         let (passed, runs) = simulation.whole(machines)?;
         return Ok((simulation.replayer.finish(passed)?, runs));
     };
-    let tiles = simulation.replayer.source().meta().tile_count() as usize;
-    let blocks: Vec<_> = machines.iter().map(|(_, config)| Blocks::of(detail, tiles, slots(config))).collect();
     let (passed_frame, passed) = simulation.pass(machines, &blocks)?;
     let mut runs = Vec::new();
     for ((machine, blocks), passed) in machines.iter().zip(blocks).zip(passed) {
