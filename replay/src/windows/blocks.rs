@@ -12,9 +12,8 @@ use crate::detail::Detail;
 const FEWEST_WINDOWS: usize = 12;
 /// More of the tiles than this, warm-up included, are not worth a sample: the frame is simulated whole.
 const WORTH: f64 = 0.75;
-/// Where all blocks are simulated: at most so many blocks, of at least so many tiles for each slot of the machine. Each seam
-/// between two blocks costs accuracy, and the warm-up of each costs time.
-const LONG_BLOCKS: usize = 16;
+/// Where all blocks are simulated: tiles of a block for each slot of the machine. Each seam between two blocks costs accuracy,
+/// and the warm-up of each costs time; but the tiles of a block are in memory together.
 const LONG_BLOCK: usize = 16;
 
 /// The blocks of a frame.
@@ -34,7 +33,7 @@ impl Blocks {
     /// whole. `share` is the part of the tiles to be measured, or 1 for all of them.
     pub fn new(tiles: usize, slots: usize, share: f64) -> Option<Self> {
         let (slots, all) = (slots.max(4), share >= 1.0);
-        let length = if all { (slots * LONG_BLOCK).max(tiles.div_ceil(LONG_BLOCKS)) } else { slots };
+        let length = if all { slots * LONG_BLOCK } else { slots };
         let warm_up = if all { 2 * slots } else { slots };
         let blocks = tiles / length;
         if blocks < if all { 2 } else { FEWEST_WINDOWS + 2 } {

@@ -15,9 +15,6 @@ use crate::simulate::MachineRun;
 /// Parts that windows are left out in, one at a time.
 const GROUPS: usize = 32;
 
-/// Rates that the weights may depend on, and the size: freedom that the windows have lost.
-const FREEDOM_LOST: usize = 2;
-
 /// A window, or several that count for themselves.
 #[derive(Clone)]
 struct Sum {
@@ -34,8 +31,9 @@ struct Frame<'a> {
     /// The windows between, and what they stand for.
     windows: Vec<Sum>,
     rest: Features,
-    /// Every block is a window.
-    all: bool,
+    /// Rates that the weights depend on: none where every block is a window, for then only what crossed between them is
+    /// missing, or there twice.
+    rates: usize,
     is_exact: Stats,
 }
 
@@ -63,7 +61,8 @@ pub fn extrapolate(config: &MachineConfig, blocks: &Blocks, passed: &Passed, det
         detailed_tiles: detailed as u64,
         windows: passed.windows.len() as u64,
         whole_frames: 0,
-        freedom: groups.saturating_sub(FREEDOM_LOST).max(1) as u32,
+        // Size and rates were fitted to the windows.
+        freedom: groups.saturating_sub(1 + frame.rates).max(1) as u32,
         replicates: replicates.collect(),
     };
     MachineRun { stats, energy, paths: Default::default(), estimate: Some(estimate) }
@@ -89,7 +88,8 @@ impl<'a> Frame<'a> {
         let mut rest = total;
         rest.add_part(&certain.features, -1.0);
         let all = passed.windows.len() == blocks.len();
-        Self { config, passed, certain, windows, rest, all, is_exact: exact_counters(config) }
+        let rates = if all { 0 } else { rates_used(windows.len()) };
+        Self { config, passed, certain, windows, rest, rates, is_exact: exact_counters(config) }
     }
 
     /// All counters, estimated from those windows that are kept.
@@ -98,9 +98,7 @@ impl<'a> Frame<'a> {
             self.windows.iter().zip(kept).filter_map(|(window, kept)| kept.then_some(window)).collect();
         let features: Vec<Features> = windows.iter().map(|window| window.features).collect();
         let mut sum = self.certain.clone();
-        // Where every block is a window, only what crossed between them is missing, or there twice.
-        let used = if self.all { 0 } else { rates_used(self.windows.len()) };
-        let weights = weights(&features, &self.rest, used);
+        let weights = weights(&features, &self.rest, self.rates);
         for (window, weight) in windows.iter().zip(weights) {
             sum.add(window, weight);
         }

@@ -95,8 +95,8 @@ impl<S: PathSource + ?Sized, P: Probe> Simulation<'_, '_, S, P> {
     /// One pass over the tiles, for all machines.
     fn pass(&mut self, machines: &[Named<'_>], blocks: &[Option<Blocks>]) -> Result<(PassedFrame, Vec<Passed>)> {
         let (tree, stop) = (self.tree, self.replayer.stop().clone());
-        // One for each thread and as many that wait: more would only take memory.
-        let room = Room::new(2 * rayon::current_num_threads());
+        // One for each thread: the pass brings the next while they run, and more would only take memory.
+        let room = Room::new(rayon::current_num_threads());
         let meta = self.replayer.source().meta();
         let shape = |config: &MachineConfig| frame_shape(meta, config);
         let mut passes: Vec<MachinePass<'_>> = machines

@@ -17,8 +17,9 @@ use super::window::{Measured, Window};
 use crate::error::Result;
 use crate::stop::Stop;
 
-/// A block that takes so many times what the blocks before it take on average is simulated whether it was chosen or not: no
-/// other one can stand for it.
+/// A block that takes so many times what the blocks before it take on average, and more than any of them, is simulated whether
+/// it was chosen or not: no other one can stand for it. Below a sky all of the ground takes more than the average, but only
+/// the first of its blocks is new.
 const HEAVY: f64 = 4.0;
 
 /// What came of a pass for one machine.
@@ -43,6 +44,8 @@ pub struct MachinePass<'a> {
     /// Blocks that have begun: their warm-up, or they themselves.
     open: VecDeque<OpenBlock>,
     heavy: Vec<usize>,
+    /// Mean operations of a tile in the block that took most so far.
+    largest: f64,
     windows: Arc<Mutex<BTreeMap<usize, Result<Measured>>>>,
 }
 
@@ -107,6 +110,7 @@ impl<'a> MachinePass<'a> {
             sizes: Vec::new(),
             open: VecDeque::new(),
             heavy: Vec::new(),
+            largest: 0.0,
             windows: Arc::default(),
         }
     }
@@ -125,7 +129,7 @@ impl<'a> MachinePass<'a> {
         let Some(blocks) = self.blocks else { return };
         while self.open.front().is_some_and(|open| blocks.tiles(open.block).end == number + 1) {
             let Some(open) = self.open.pop_front() else { break };
-            let heavy = !blocks.is_edge(open.block) && self.is_heavy(open.block, blocks);
+            let heavy = self.is_heavy(open.block, blocks) && !blocks.is_edge(open.block);
             self.heavy.extend(heavy.then_some(open.block));
             if heavy || blocks.is_chosen(open.block) {
                 self.simulate(open, blocks, shape, shared, scope);
@@ -148,11 +152,14 @@ impl<'a> MachinePass<'a> {
         }
     }
 
-    /// Whether a block that is complete has far more to do than those before it.
-    fn is_heavy(&self, block: usize, blocks: &Blocks) -> bool {
+    /// Whether a block that is complete has far more to do than those before it. To be asked of every block, in order.
+    fn is_heavy(&mut self, block: usize, blocks: &Blocks) -> bool {
         let range = blocks.tiles(block);
         let mean = |sizes: &[f64]| sizes.iter().sum::<f64>() / sizes.len().max(1) as f64;
-        mean(&self.sizes[range.clone()]) > HEAVY * mean(&self.sizes[..range.start])
+        let size = mean(&self.sizes[range.clone()]);
+        let heavy = size > self.largest && size > HEAVY * mean(&self.sizes[..range.start]);
+        self.largest = self.largest.max(size);
+        heavy
     }
 
     fn simulate<'s>(
