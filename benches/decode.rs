@@ -10,16 +10,14 @@
 //! time of those. Speeds are by CPU time, the best of several rounds that take turns, so that ratios hold on a noisy machine. A ray
 //! is one that was recorded, whatever a policy makes of it; under several policies it counts for each.
 
-use std::path::Path;
+mod common;
 
-use rayreel_formats::Limits;
+use common::{cpu_seconds, size, trace};
 use rayreel_formats::tile::Column;
-use rayreel_formats::trace::{Codec, Scratch, Trace};
+use rayreel_formats::trace::{Scratch, Trace};
 use rayreel_machine::work::recorded::PathRecorder;
 use rayreel_machine::work::topology::Topology;
 use rayreel_replay::{NamedPolicy, Options, Replayer, Replayers, SamplePolicy};
-use rayreel_tracer::capture::capture;
-use rayreel_tracer::{CaptureOutput, SampleGrid, TraceSettings, build};
 
 const ROUNDS: usize = 5;
 
@@ -29,13 +27,9 @@ fn thread_seconds() -> f64 {
     times.split_whitespace().next().and_then(|text| text.parse::<f64>().ok()).expect("nanoseconds") * 1e-9
 }
 
-/// CPU time of all threads of this process so far, seconds. Linux counts in hundredths.
+/// CPU time of all threads of this process so far, seconds.
 fn process_seconds() -> f64 {
-    let stat = std::fs::read_to_string("/proc/self/stat").expect("Linux");
-    // The name of the command may hold blanks; what follows its parenthesis does not.
-    let fields: Vec<_> = stat.rsplit_once(')').expect("a name").1.split_whitespace().collect();
-    let ticks = |at: usize| fields[at].parse::<f64>().expect("a number");
-    (ticks(11) + ticks(12)) / 100.0
+    cpu_seconds().expect("Linux")
 }
 
 /// The least time of several rounds, seconds.
@@ -62,11 +56,7 @@ fn arguments() -> Arguments {
     while let Some(argument) = given.next() {
         match argument.as_str() {
             "--bench" => {}
-            "--size" => {
-                let size = given.next().unwrap_or_default();
-                let pair = size.split_once('x').and_then(|(w, h)| Some((w.parse().ok()?, h.parse().ok()?)));
-                parsed.size = pair.expect("--size takes WxH");
-            }
+            "--size" => parsed.size = size(&given.next().unwrap_or_default()),
             name => parsed.names.push(name.to_string()),
         }
     }
@@ -188,26 +178,11 @@ fn bench(trace: &Trace) {
     replays(trace, frame, rays);
 }
 
-fn scene(name: &str, (width, height): (u32, u32)) {
-    let scene = rayreel_scenes::load(name).expect("a built-in scene");
-    let built = build(&scene).expect("bvh");
-    let grid = SampleGrid { width, height, samples: 2, tile: 32, first_frame: 0, frames: 1 };
-    let meta = grid.meta(&scene, TraceSettings::default(), "bench");
-    let folder = tempfile::tempdir().expect("a folder");
-    let path = folder.path().join("bench.rtrace");
-    let output = CaptureOutput { path: path.clone(), codec: Codec::Context, level: 9, resume: false };
-    capture(&scene, &built, &meta, &output, |_| true).expect("a capture");
-    bench(&Trace::open(&path, Limits::default()).expect("a trace"));
-}
-
 fn main() {
     let arguments = arguments();
     for name in &arguments.names {
         println!("{name}, {} threads", rayon::current_num_threads());
-        if name.ends_with(".rtrace") {
-            bench(&Trace::open(Path::new(name), Limits::default()).expect("a trace"));
-        } else {
-            scene(name, arguments.size);
-        }
+        let (trace, _folder) = trace(name, arguments.size);
+        bench(&trace);
     }
 }

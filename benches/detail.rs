@@ -11,10 +11,10 @@
 //! of the full simulation over that of the sampled one (Linux: hundredths of a second), decoding and the policy included. At the
 //! end stands how many of all intervals hold their value.
 
-use std::path::Path;
+mod common;
 
-use rayreel_formats::Limits;
-use rayreel_formats::trace::{Codec, Trace};
+use common::{cpu_seconds, size, trace};
+use rayreel_formats::trace::Trace;
 use rayreel_machine::config::NamedMachine;
 use rayreel_machine::system::NoProbe;
 use rayreel_machine::work::topology::Topology;
@@ -22,8 +22,6 @@ use rayreel_replay::detail::{Detail, half_width};
 use rayreel_replay::sequence::{FrameLoop, Simulator};
 use rayreel_replay::simulate::MachineRun;
 use rayreel_replay::{NamedPolicy, Options, Stop};
-use rayreel_tracer::capture::capture;
-use rayreel_tracer::{CaptureOutput, SampleGrid, TraceSettings, build};
 
 struct Arguments {
     size: (u32, u32),
@@ -47,11 +45,7 @@ fn arguments() -> Arguments {
         let mut value = || given.next().unwrap_or_else(|| panic!("{argument} takes a value"));
         match argument.as_str() {
             "--bench" => {}
-            "--size" => {
-                let size = value();
-                let pair = size.split_once('x').and_then(|(w, h)| Some((w.parse().ok()?, h.parse().ok()?)));
-                parsed.size = pair.expect("--size takes WxH");
-            }
+            "--size" => parsed.size = size(&value()),
             "--share" => parsed.detail = value().parse().expect("--share takes a detail"),
             "--machines" => parsed.machines = list(value()),
             "--policies" => parsed.policies = list(value()),
@@ -62,15 +56,6 @@ fn arguments() -> Arguments {
         parsed.names = ["cornell", "teapot", "chess"].map(str::to_owned).to_vec();
     }
     parsed
-}
-
-/// CPU time of all threads of this process so far, seconds. Linux counts in hundredths.
-fn cpu_seconds() -> Option<f64> {
-    let stat = std::fs::read_to_string("/proc/self/stat").ok()?;
-    // The name of the command may hold blanks; what follows its parenthesis does not.
-    let fields: Vec<_> = stat.rsplit_once(')')?.1.split_whitespace().collect();
-    let ticks = |at: usize| fields.get(at)?.parse::<f64>().ok();
-    Some((ticks(11)? + ticks(12)?) / 100.0)
 }
 
 /// A run, with the CPU seconds that it took.
@@ -167,26 +152,10 @@ fn main() {
     let mut held = <[Held; 3]>::default();
     for name in &arguments.names {
         println!("{name}");
-        if name.ends_with(".rtrace") {
-            table(&open(Path::new(name)), &arguments, &mut held);
-            continue;
-        }
-        let scene = rayreel_scenes::load(name).expect("a scene");
-        let built = build(&scene).expect("bvh");
-        let (width, height) = arguments.size;
-        let grid = SampleGrid { width, height, samples: 2, tile: 32, first_frame: 0, frames: 1 };
-        let meta = grid.meta(&scene, TraceSettings::default(), "bench");
-        let folder = tempfile::tempdir().expect("a folder");
-        let path = folder.path().join("bench.rtrace");
-        let output = CaptureOutput { path: path.clone(), codec: Codec::Context, level: 9, resume: false };
-        capture(&scene, &built, &meta, &output, |_| true).expect("a capture");
-        table(&open(&path), &arguments, &mut held);
+        let (trace, _folder) = trace(name, arguments.size);
+        table(&trace, &arguments, &mut held);
     }
     for (what, Held { all, held, largest }) in ["cycles", "energy", "perf/W ratio"].into_iter().zip(held) {
         println!("{what}: {held} of {all} intervals hold their value; largest error {largest:.2} %");
     }
-}
-
-fn open(path: &Path) -> Trace {
-    Trace::open(path, Limits::default()).expect("a trace")
 }

@@ -15,11 +15,13 @@
 //! Speeds are the best of several rounds that take turns, so that ratios hold on a noisy machine. An adaptive policy is compared
 //! by the rays that it traces, which are fewer.
 
+mod common;
+
 use std::path::Path;
 use std::time::Instant;
 
-use rayreel_formats::Limits;
-use rayreel_formats::trace::{Codec, Trace};
+use common::{cpu_seconds, open, size, trace};
+use rayreel_formats::trace::Trace;
 use rayreel_machine::config::{MachineConfig, NamedMachine, PRESETS};
 use rayreel_machine::energy::EnergyReport;
 use rayreel_machine::stats::Stats;
@@ -27,8 +29,7 @@ use rayreel_machine::system::NoProbe;
 use rayreel_machine::work::topology::Topology;
 use rayreel_replay::simulate::simulate;
 use rayreel_replay::{NamedPolicy, Options, Replayer, Result};
-use rayreel_tracer::capture::capture;
-use rayreel_tracer::{CaptureOutput, SampleGrid, TraceSettings, Tracer, build, convert};
+use rayreel_tracer::{TraceSettings, Tracer, build, convert};
 
 const ROUNDS: usize = 3;
 const POLICIES: [&str; 2] = ["full", "adaptive"];
@@ -46,11 +47,7 @@ fn arguments() -> Arguments {
         match argument.as_str() {
             "--bench" => {}
             "--presets" => parsed.presets = true,
-            "--size" => {
-                let size = given.next().unwrap_or_default();
-                let pair = size.split_once('x').and_then(|(w, h)| Some((w.parse().ok()?, h.parse().ok()?)));
-                parsed.size = pair.expect("--size takes WxH");
-            }
+            "--size" => parsed.size = size(&given.next().unwrap_or_default()),
             name => parsed.names.push(name.to_string()),
         }
     }
@@ -58,15 +55,6 @@ fn arguments() -> Arguments {
         parsed.names = rayreel_scenes::builtin_names().iter().map(ToString::to_string).collect();
     }
     parsed
-}
-
-/// CPU time of all threads of this process so far, seconds. Linux counts in hundredths.
-fn cpu_seconds() -> Option<f64> {
-    let stat = std::fs::read_to_string("/proc/self/stat").ok()?;
-    // The name of the command may hold blanks; what follows its parenthesis does not.
-    let fields: Vec<_> = stat.rsplit_once(')')?.1.split_whitespace().collect();
-    let ticks = |at: usize| fields.get(at)?.parse::<f64>().ok();
-    Some((ticks(11)? + ticks(12)?) / 100.0)
 }
 
 /// Best wall clock and CPU time of several rounds, seconds.
@@ -190,13 +178,8 @@ fn rays_of(trace: &Trace) -> u64 {
 fn scene(name: &str, arguments: &Arguments) {
     let scene = rayreel_scenes::load(name).expect("a built-in scene");
     let built = build(&scene).expect("bvh");
-    let (width, height) = arguments.size;
-    let grid = SampleGrid { width, height, samples: 2, tile: 32, first_frame: 0, frames: 1 };
-    let meta = grid.meta(&scene, TraceSettings::default(), "bench");
-    let folder = tempfile::tempdir().expect("a folder");
-    let path = folder.path().join("bench.rtrace");
-    let output = CaptureOutput { path: path.clone(), codec: Codec::Context, level: 9, resume: false };
-    capture(&scene, &built, &meta, &output, |_| true).expect("a capture");
+    let (trace, _folder) = trace(name, arguments.size);
+    let meta = trace.meta();
     let tracer = Tracer::new(&scene, &built, TraceSettings::default());
     let (columns, rows) = meta.grid();
     let camera = convert::camera(&scene.cameras[0], columns, rows);
@@ -206,11 +189,7 @@ fn scene(name: &str, arguments: &Arguments) {
         }
     };
     println!("{name}");
-    all(&open(&path), arguments.presets, Some(&plain));
-}
-
-fn open(path: &Path) -> Trace {
-    Trace::open(path, Limits::default()).expect("a trace")
+    all(&trace, arguments.presets, Some(&plain));
 }
 
 fn main() {

@@ -10,11 +10,14 @@
 //! with fsync, sealing. CPU times are of all threads (Linux; whole hundredths of a second); rounds take turns and the
 //! best of each is taken, so that ratios hold on a noisy machine.
 
+mod common;
+
 use std::path::Path;
 use std::time::{Duration, Instant};
 
+use common::{captured, cpu_seconds};
 use rayreel_formats::Limits;
-use rayreel_formats::trace::{Codec, Trace};
+use rayreel_formats::trace::Trace;
 use rayreel_machine::system::NoProbe;
 use rayreel_replay::sequence::{FrameLoop, FrameResult, Simulator};
 use rayreel_replay::{Detail, Options, PathSource, Stop};
@@ -28,8 +31,6 @@ use rayreel_study::sweep::reused::ReusedRows;
 use rayreel_study::sweep::run::{Settings, run};
 use rayreel_study::sweep::shard::Shard;
 use rayreel_study::table::{csv, parquet};
-use rayreel_tracer::capture::capture;
-use rayreel_tracer::{CaptureOutput, SampleGrid, TraceSettings, build};
 
 const ROUNDS: usize = 3;
 
@@ -46,40 +47,22 @@ key = "ti.trv"
 values = [2, 4, 8]
 "#;
 
-/// CPU time of all threads of this process so far, seconds. Linux counts in hundredths.
-fn cpu_seconds() -> f64 {
-    let stat = std::fs::read_to_string("/proc/self/stat").unwrap_or_default();
-    let fields: Vec<_> = stat.rsplit_once(')').map_or("", |(_, fields)| fields).split_whitespace().collect();
-    let ticks = |at: usize| fields.get(at).and_then(|field| field.parse::<f64>().ok()).unwrap_or(0.0);
-    (ticks(11) + ticks(12)) / 100.0
-}
-
 /// Best wall clock and CPU time of several rounds, seconds.
 #[derive(Clone, Copy)]
 struct Best(f64, f64);
 
 impl Best {
     fn round<T>(&mut self, run: impl FnOnce() -> T) -> T {
-        let (wall, cpu) = (Instant::now(), cpu_seconds());
+        let (wall, cpu) = (Instant::now(), cpu_seconds().unwrap_or(0.0));
         let result = run();
         self.0 = self.0.min(wall.elapsed().as_secs_f64());
-        self.1 = self.1.min(cpu_seconds() - cpu);
+        self.1 = self.1.min(cpu_seconds().unwrap_or(0.0) - cpu);
         result
     }
 }
 
 fn open(location: &str) -> Result<Trace, String> {
     Trace::open(Path::new(location), Limits::default()).map_err(|e| e.to_string())
-}
-
-/// A small capture of chess.
-fn capture_chess(file: &Path) {
-    let scene = rayreel_scenes::load("chess").unwrap();
-    let built = build(&scene).unwrap();
-    let grid = SampleGrid { width: 128, height: 64, samples: 2, tile: 32, first_frame: 0, frames: 1 };
-    let meta = grid.meta(&scene, TraceSettings::default(), "bench");
-    let output = CaptureOutput { path: file.to_path_buf(), codec: Codec::Context, level: 3, resume: false };
-    capture(&scene, &built, &meta, &output, |_| true).unwrap();
 }
 
 /// Each point by itself.
@@ -98,7 +81,7 @@ fn bare(plan: &Plan) {
             Ok::<_, rayreel_replay::ReplayError>(())
         };
         frames.run(resolved.frame_numbers(), simulator, &mut NoProbe, sink).unwrap();
-        let origin = Origin { trace: String::new(), trace_digest: None };
+        let origin = Origin { trace: String::new(), trace_fingerprint: None, trace_digest: None };
         let report = Report::new(&origin, &resolved.policy, trace.meta(), &counted).with_machine(&machine, &runs);
         assert!(report.run.cycles > Some(0));
     }
@@ -126,16 +109,14 @@ fn swept(plan: &Plan, threads: usize) -> usize {
 }
 
 fn main() {
-    let place = tempfile::tempdir().unwrap();
     let named = std::env::args().skip(1).find(|argument| argument != "--bench");
-    let file = named.map_or_else(
-        || {
-            let file = place.path().join("chess.rtrace");
-            capture_chess(&file);
-            file
-        },
-        Into::into,
-    );
+    let (file, _folder) = match named {
+        Some(file) => (file.into(), None),
+        None => {
+            let (file, folder) = captured("chess", (128, 64));
+            (file, Some(folder))
+        }
+    };
     let text = format!("traces = [{:?}]\n{PLAN}", file.canonicalize().unwrap().display().to_string());
     let text = Text { name: "bench", text: &text };
     let plan =

@@ -125,6 +125,15 @@ fn chosen(args: &Args, meta: &Meta) -> Result<Range<u32>> {
     Ok(first..first + count)
 }
 
+/// What the results are of. The digest takes longer than a replay without a machine, so it is made only for JSON and stats.json of
+/// every cycle.
+fn origin(args: &Args, trace: &Trace, detail: Detail) -> Result<Origin> {
+    let wanted = (args.json || args.out.is_some()) && detail == Detail::Full;
+    let trace_digest = if wanted { Some(digest(trace)?.total().to_string()) } else { None };
+    let trace_fingerprint = Some(trace.fingerprint()?.to_string());
+    Ok(Origin { trace: args.trace.file_name(), trace_fingerprint, trace_digest })
+}
+
 /// Replays the frames asked for; writes pictures and timeline.
 fn replay(
     args: &Args,
@@ -135,7 +144,7 @@ fn replay(
 ) -> Result<Report> {
     let meta = trace.meta();
     let frames = chosen(args, meta)?;
-    let origin = Origin { trace: args.trace.file_name(), trace_digest: Some(digest(trace)?.total().to_string()) };
+    let origin = origin(args, trace, detail)?;
     let tiles = u64::from(meta.tile_count());
     let bar = RefCell::new(Progress::new("replay", frames.len() as u64 * tiles, quiet));
     let done = Cell::new(0);

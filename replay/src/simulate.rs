@@ -16,13 +16,15 @@
 
 use crate::detail::Estimate;
 use crate::error::{RequestError, Result};
-use crate::frame::{FrameReplay, Replayer};
+use crate::frame::{FrameReplay, PassedFrame, Replayer};
 use crate::source::PathSource;
+use rayreel_formats::scene::Meta;
 use rayreel_machine::config::MachineConfig;
 use rayreel_machine::energy::EnergyReport;
 use rayreel_machine::srp::{FrameShape, Needs, missing_kernels};
 use rayreel_machine::stats::Stats;
 use rayreel_machine::system::{NoProbe, Probe, System};
+use rayreel_machine::work::TileWork;
 use rayreel_machine::work::check::PathCounts;
 use rayreel_machine::work::topology::Topology;
 
@@ -95,20 +97,23 @@ pub fn simulate_all<S: PathSource + ?Sized, P: Probe>(
     machines: &[(&str, &MachineConfig)],
     probe: &mut P,
 ) -> Result<(FrameReplay, Vec<MachineRun>)> {
+    let (passed, runs) = pass_all(replayer, frame, tree, machines, probe)?;
+    Ok((replayer.finish(passed)?, runs))
+}
+
+/// As [`simulate_all`], without the end of the frame.
+pub(crate) fn pass_all<S: PathSource + ?Sized, P: Probe>(
+    replayer: &mut Replayer<'_, S>,
+    frame: u32,
+    tree: &Topology,
+    machines: &[(&str, &MachineConfig)],
+    probe: &mut P,
+) -> Result<(PassedFrame, Vec<MachineRun>)> {
     let meta = replayer.source().meta();
-    let system = |config: &MachineConfig| {
-        let (width_pixels, samples_per_axis, pixel_bytes) = (meta.width, meta.samples, config.layout.pixel_bytes);
-        System::new(config, tree, FrameShape { width_pixels, samples_per_axis, pixel_bytes })
-    };
-    let mut systems: Vec<System<'_, _>> = machines.iter().map(|(_, config)| system(config)).collect();
-    let (replay, paths) = replayer.frame_with(frame, tree, |work| {
-        for (name, config) in machines {
-            let missing = missing_kernels(config, &Needs::of(&work));
-            if !missing.is_empty() {
-                let (machine, kernels) = ((*name).into(), missing.join(" and "));
-                return Err(RequestError::MissingKernel { machine, kernels }.into());
-            }
-        }
+    let mut systems: Vec<System<'_, _>> =
+        machines.iter().map(|(_, config)| System::new(config, tree, frame_shape(meta, config))).collect();
+    let passed = replayer.pass(frame, tree, |work| {
+        machines.iter().try_for_each(|machine| check_kernels(*machine, &work))?;
         let Some((first, others)) = systems.split_first_mut() else { return Ok(()) };
         others.iter_mut().try_for_each(|system| system.feed(work.clone(), &mut NoProbe))?;
         Ok(first.feed(work, probe)?)
@@ -117,7 +122,21 @@ pub fn simulate_all<S: PathSource + ?Sized, P: Probe>(
     for (i, (system, (_, config))) in systems.into_iter().zip(machines).enumerate() {
         let (stats, _) = if i == 0 { system.finish(probe)? } else { system.finish(&mut NoProbe)? };
         let energy = EnergyReport::new(config, &stats);
-        runs.push(MachineRun { stats, energy, paths, estimate: None });
+        runs.push(MachineRun { stats, energy, paths: passed.paths, estimate: None });
     }
-    Ok((replay, runs))
+    Ok((passed, runs))
+}
+
+/// The framebuffer of a trace's frames on a machine.
+pub(crate) fn frame_shape(meta: &Meta, config: &MachineConfig) -> FrameShape {
+    FrameShape { width_pixels: meta.width, samples_per_axis: meta.samples, pixel_bytes: config.layout.pixel_bytes }
+}
+
+/// An error if a machine lacks a kernel that a tile needs.
+pub(crate) fn check_kernels((name, config): (&str, &MachineConfig), work: &TileWork) -> Result<()> {
+    let missing = missing_kernels(config, &Needs::of(work));
+    if missing.is_empty() {
+        return Ok(());
+    }
+    Err(RequestError::MissingKernel { machine: name.into(), kernels: missing.join(" and ") }.into())
 }

@@ -21,7 +21,7 @@ fn source() -> Synthetic {
 fn report(frames: impl IntoIterator<Item = u32>, options: Options, policy: &NamedPolicy) -> Report {
     let source = source();
     let stats = replay(&source, &policy.policy, frames, options).unwrap().stats();
-    let origin = Origin { trace: "synthetic".into(), trace_digest: Some("abc".into()) };
+    let origin = Origin { trace: "synthetic".into(), trace_fingerprint: None, trace_digest: Some("abc".into()) };
     Report::new(&origin, policy, &source.meta, &stats)
 }
 
@@ -80,6 +80,7 @@ fn json_has_the_promised_keys_and_the_same_bytes_each_time() {
 /// Keys of a report that are no figures.
 const OF_WHAT: &[&str] = &[
     "trace",
+    "trace_fingerprint",
     "trace_digest",
     "scene",
     "machine",

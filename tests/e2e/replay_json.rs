@@ -51,6 +51,7 @@ fn replay_has_the_promised_keys() {
     assert_eq!((&said["trace"], &said["policy"]), (&json!("a.rtrace"), &json!("adaptive-4")));
     assert_eq!(said.get("machine"), Some(&Value::Null), "no machine model, and it says so");
     assert_eq!(said["trace_digest"], digest(&file)["total"]);
+    assert!(said["trace_fingerprint"].is_string());
     let number = |key: &str| said[key].as_u64().unwrap();
     assert_eq!(number("samples_traced") + number("samples_interpolated"), 60 * 34 * 4);
     assert!(number("rays_traced") < number("rays_full"));

@@ -45,8 +45,22 @@ struct Unit<'a> {
     l2: &'a mut Tags,
     memory: &'a mut TagMemory,
     events: TrvCounters,
+    /// Lines of nodes that were looked up, and lines of triangles in a unified pipeline.
+    node_lines: u64,
+    triangle_lines: u64,
+    /// What missed of these; hits are the rest.
     l1: CacheCounters,
-    ist_events: &'a mut [(IstCounters, CacheCounters)],
+    ist_events: &'a mut [IstEvents],
+}
+
+/// What the rays of a wave do in an intersection unit.
+#[derive(Clone, Copy, Default)]
+struct IstEvents {
+    events: IstCounters,
+    /// Lines of triangles that were looked up.
+    lines: u64,
+    /// What missed of these; hits are the rest.
+    l1: CacheCounters,
 }
 
 impl RayTracer {
@@ -73,7 +87,7 @@ impl RayTracer {
     ) {
         counted.ti.dispatch.rays += wave.len() as u64;
         let units = tags.trv.len();
-        let mut ist_events = vec![Default::default(); tags.ist.len()];
+        let mut ist_events = vec![IstEvents::default(); tags.ist.len()];
         let (mut visits, mut tests, mut misses) = (0, 0, 0);
         for (index, trv) in tags.trv.iter_mut().enumerate() {
             let mut unit = Unit {
@@ -84,6 +98,8 @@ impl RayTracer {
                 l2,
                 memory,
                 events: TrvCounters::default(),
+                node_lines: 0,
+                triangle_lines: 0,
                 l1: CacheCounters::default(),
                 ist_events: &mut ist_events,
             };
@@ -91,7 +107,10 @@ impl RayTracer {
                 &mut unit,
                 wave.iter().skip(index).step_by(units).map(|&ray| Cursor::new(&work.rays[ray as usize])),
             );
-            let Unit { events, l1, .. } = unit;
+            let Unit { mut events, node_lines, triangle_lines, mut l1, .. } = unit;
+            events.box_tests = 2 * events.node_visits;
+            // The second pass of a visit finds what the first has brought.
+            l1.looked_up(self.passes * node_lines + triangle_lines);
             visits += events.node_visits;
             tests += events.triangle_tests;
             misses += l1.misses;
@@ -102,13 +121,14 @@ impl RayTracer {
             counted.l1 += l1;
         }
         let mut ist_misses = 0;
-        for (counted, (events, l1)) in counted.ti.ist.iter_mut().zip(&ist_events) {
+        for (counted, IstEvents { events, lines, mut l1 }) in counted.ti.ist.iter_mut().zip(ist_events) {
+            l1.looked_up(lines);
             tests += events.triangle_tests;
             ist_misses += l1.misses;
             counted.buffer.record_writes += events.triangle_tests;
             counted.buffer.record_reads += events.triangle_tests;
-            counted.events += *events;
-            counted.l1 += *l1;
+            counted.events += events;
+            counted.l1 += l1;
         }
         features.add_traversal(visits, tests, wave.len() as u64);
         features.add_misses(misses, ist_misses);
@@ -177,32 +197,29 @@ impl RayTracer {
     #[inline]
     fn visit(&self, node: u32, unit: &mut Unit<'_>) {
         unit.events.node_visits += 1;
-        unit.events.box_tests += 2;
         let Lines { first, last } = self.layout.node(node);
+        unit.node_lines += last - first + 1;
         for line in first..=last {
             unit.memory.look_up((unit.trv, unit.l2), line, Region::Node, &mut unit.l1);
         }
-        // A second pass finds what the first has brought.
-        let again = (self.passes - 1) * (last - first + 1);
-        unit.l1.lookups += again;
-        unit.l1.hits += again;
     }
 
     #[inline]
     fn leaf(&mut self, triangle: u32, tests: u8, unit: &mut Unit<'_>) {
         let tests = u32::from(tests);
-        let (tags, l1) = if self.unified {
+        let (tags, lines, l1) = if self.unified {
             unit.events.triangle_tests += u64::from(tests);
-            (&mut *unit.trv, &mut unit.l1)
+            (&mut *unit.trv, &mut unit.triangle_lines, &mut unit.l1)
         } else {
             self.next_ist = if self.next_ist + 1 < unit.ist.len() { self.next_ist + 1 } else { 0 };
-            let (events, l1) = &mut unit.ist_events[self.next_ist];
+            let IstEvents { events, lines, l1 } = &mut unit.ist_events[self.next_ist];
             events.tasks += 1;
             events.triangle_tests += u64::from(tests);
-            (&mut unit.ist[self.next_ist], l1)
+            (&mut unit.ist[self.next_ist], lines, l1)
         };
         for triangle in triangle..triangle + tests {
             let Lines { first, last } = self.layout.triangle(triangle);
+            *lines += last - first + 1;
             for line in first..=last {
                 unit.memory.look_up((tags, unit.l2), line, Region::Triangle, l1);
             }

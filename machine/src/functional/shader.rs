@@ -108,7 +108,7 @@ impl Shader {
         (counted, l2, memory): (&mut CoreStats, &mut Tags, &mut TagMemory),
         features: &mut Features,
     ) {
-        let mut cycles = 0;
+        let (mut cycles, mut lines) = (0, 0);
         for &number in wave {
             let ray = &work.rays[number as usize];
             let kernel = taker(ray);
@@ -120,11 +120,13 @@ impl Shader {
             self.buffer.count(kernel, ray.kind == RayKind::Primary, 1, &mut counted.srp.local);
             if kernel == KernelId::Shade {
                 for (line, region) in self.reads.lines(ray) {
+                    lines += 1;
                     memory.look_up((&mut tags.srp, l2), line, region, &mut counted.srp_l1);
                 }
                 next.extend((0..).map_while(|k| sent_ray(kernel, work, number, k)));
             }
         }
+        counted.srp_l1.looked_up(lines);
         features.add_srp_cycles(cycles);
     }
 

@@ -17,22 +17,18 @@ mod window;
 
 use std::sync::Arc;
 
-use rayreel_formats::scene::Meta;
 use rayreel_machine::config::MachineConfig;
 use rayreel_machine::energy::EnergyReport;
 use rayreel_machine::functional::Features;
-use rayreel_machine::srp::{FrameShape, Needs, missing_kernels};
-use rayreel_machine::stats::Stats;
-use rayreel_machine::system::{Probe, System};
-use rayreel_machine::work::TileWork;
+use rayreel_machine::system::Probe;
 use rayreel_machine::work::check::PathCounts;
 use rayreel_machine::work::topology::Topology;
 
 use crate::detail::{Detail, Estimate, Replicate, Share};
-use crate::error::{RequestError, Result};
+use crate::error::Result;
 use crate::frame::{FrameReplay, PassedFrame, Replayer};
 use crate::policy::Sampler;
-use crate::simulate::MachineRun;
+use crate::simulate::{MachineRun, check_kernels, frame_shape, pass_all};
 use crate::source::PathSource;
 use blocks::Blocks;
 use pass::{MachinePass, Passed, Room, Shared};
@@ -110,9 +106,9 @@ impl<S: PathSource + ?Sized, P: Probe> Simulation<'_, '_, S, P> {
             let mut tiles = 0;
             self.replayer.pass(frame, tree, |work| {
                 let work = Arc::new(work);
-                for ((name, config), pass) in machines.iter().zip(&mut passes) {
-                    check_kernels(name, config, &work)?;
-                    pass.take(&work, shape(config), shared, scope);
+                for (machine, pass) in machines.iter().zip(&mut passes) {
+                    check_kernels(*machine, &work)?;
+                    pass.take(&work, shape(machine.1), shared, scope);
                 }
                 tiles += 1;
                 probe.passed(tiles);
@@ -158,49 +154,21 @@ impl<S: PathSource + ?Sized, P: Probe> Simulation<'_, '_, S, P> {
 
     /// Every cycle of a frame whose tiles are too few, or too different.
     fn whole(&mut self, machines: &[Named<'_>]) -> Result<(PassedFrame, Vec<MachineRun>)> {
-        let (tree, frame, probe) = (self.tree, self.frame, &mut *self.probe);
-        let meta = self.replayer.source().meta();
-        let mut systems: Vec<_> =
-            machines.iter().map(|(_, config)| System::new(config, tree, frame_shape(meta, config))).collect();
-        let passed = self.replayer.pass(frame, tree, |work| {
-            for ((name, config), system) in machines.iter().zip(&mut systems) {
-                check_kernels(name, config, &work)?;
-                system.feed(work.clone(), probe)?;
-            }
-            Ok(())
-        })?;
-        let all: Result<Vec<Stats>> = systems.into_iter().map(|system| Ok(system.finish(probe)?.0)).collect();
-        let runs = machines.iter().zip(all?).map(|((_, config), stats)| self.run_of_whole(config, stats, &passed));
-        let runs = runs.collect();
+        let (passed, mut runs) = pass_all(self.replayer, self.frame, self.tree, machines, self.probe)?;
+        let tiles = u64::from(self.replayer.source().meta().tile_count());
+        for run in &mut runs {
+            run.estimate = Some(Estimate {
+                detail: self.detail,
+                tiles,
+                detailed_tiles: tiles,
+                windows: 0,
+                whole_frames: 1,
+                freedom: 0,
+                replicates: vec![Replicate { stats: run.stats.clone(), energy: run.energy.clone() }],
+            });
+        }
         Ok((passed, runs))
     }
-
-    fn run_of_whole(&self, config: &MachineConfig, stats: Stats, passed: &PassedFrame) -> MachineRun {
-        let tiles = u64::from(self.replayer.source().meta().tile_count());
-        let energy = EnergyReport::new(config, &stats);
-        let estimate = Estimate {
-            detail: self.detail,
-            tiles,
-            detailed_tiles: tiles,
-            windows: 0,
-            whole_frames: 1,
-            freedom: 0,
-            replicates: vec![Replicate { stats: stats.clone(), energy: energy.clone() }],
-        };
-        MachineRun { stats, energy, paths: passed.paths, estimate: Some(estimate) }
-    }
-}
-
-fn frame_shape(meta: &Meta, config: &MachineConfig) -> FrameShape {
-    FrameShape { width_pixels: meta.width, samples_per_axis: meta.samples, pixel_bytes: config.layout.pixel_bytes }
-}
-
-fn check_kernels(name: &str, config: &MachineConfig, work: &TileWork) -> Result<()> {
-    let missing = missing_kernels(config, &Needs::of(work));
-    if missing.is_empty() {
-        return Ok(());
-    }
-    Err(RequestError::MissingKernel { machine: name.into(), kernels: missing.join(" and ") }.into())
 }
 
 /// What is known without time.

@@ -67,10 +67,12 @@ fn configuration(report: &Value) -> Vec<Field> {
     let machine: BTreeMap<&String, &Value> = machine.map(|(key, sourced)| (key, &sourced["value"])).collect();
     let machine = if machine.is_empty() { None } else { serde_json::to_string(&machine).ok() };
     let config = |name: &str, text: Option<String>| field(name, Role::Config, "", "", Cells::Text(vec![text]));
+    // Reports of older releases have the digest only.
+    let fingerprint = report.get("trace_fingerprint").unwrap_or(&report["trace_digest"]);
     vec![
         config("machine_config", machine),
         config("policy_config", Some(report["policy_config"].to_string())),
-        config("trace_fingerprint", report["trace_digest"].as_str().map(str::to_owned)),
+        config("trace_fingerprint", fingerprint.as_str().map(str::to_owned)),
     ]
 }
 

@@ -32,7 +32,9 @@ use rayreel_replay::simulate::MachineRun;
 pub struct Origin {
     /// Name of the trace.
     pub trace: String,
-    /// Digest of the trace, if the caller has it.
+    /// What the trace holds ([`rayreel_formats::trace::Trace::fingerprint`]), if the caller has it.
+    pub trace_fingerprint: Option<String>,
+    /// Digest of the trace, if the caller has it: making it reads the trace once more.
     pub trace_digest: Option<String>,
 }
 
@@ -41,7 +43,9 @@ pub struct Origin {
 pub struct Report {
     /// Name of the trace.
     pub trace: String,
-    /// Digest of the trace.
+    /// What the trace holds, known without reading its tiles: the same as in a sweep's table.
+    pub trace_fingerprint: Option<String>,
+    /// Digest of the trace, as `rayreel digest` prints it; null where less than every cycle was simulated.
     pub trace_digest: Option<String>,
     /// Scene of the trace.
     pub scene: String,
@@ -131,6 +135,7 @@ impl Report {
     pub fn new(origin: &Origin, policy: &NamedPolicy, meta: &Meta, frames: &[FrameStats]) -> Self {
         Self {
             trace: origin.trace.clone(),
+            trace_fingerprint: origin.trace_fingerprint.clone(),
             trace_digest: origin.trace_digest.clone(),
             scene: meta.scene.clone(),
             machine: None,

@@ -26,6 +26,14 @@ counters! {
     }
 }
 
+impl CacheCounters {
+    /// Counts lookups of which the misses are counted already. All others hit: without time no line is on its way.
+    pub(crate) fn looked_up(&mut self, lookups: u64) {
+        self.lookups += lookups;
+        self.hits = self.lookups - self.misses;
+    }
+}
+
 /// What came of an access.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Access {
