@@ -8,7 +8,7 @@ use crate::memory::{CacheCounters, Tags};
 use crate::stats::CoreStats;
 use crate::ti::{IstCounters, TrvCounters};
 use crate::work::layout::{Layout, Lines, Region};
-use crate::work::ops::OpKind;
+use crate::work::ops::{Op, OpKind};
 use crate::work::topology::Topology;
 use crate::work::{RayWork, TileWork};
 
@@ -86,6 +86,7 @@ impl RayTracer {
         features: &mut Features,
     ) {
         counted.ti.dispatch.rays += wave.len() as u64;
+        fetch_ahead(work, wave);
         let units = tags.trv.len();
         let mut ist_events = vec![IstEvents::default(); tags.ist.len()];
         let (mut visits, mut tests, mut misses) = (0, 0, 0);
@@ -241,6 +242,14 @@ impl RayTracer {
         ray.held = ray.deferred.min(self.short);
         unit.events.pushes += u64::from(ray.deferred);
     }
+}
+
+/// Reads one word of each cache line of the operations that come next. Another thread wrote them, and one line after the other
+/// they come at the rate of the memory; in turns of rays each would be waited for.
+fn fetch_ahead(work: &TileWork, wave: &[u32]) {
+    const LINE: usize = 64 / size_of::<Op>();
+    let operations = wave.iter().flat_map(|&ray| work.path(ray).iter().step_by(LINE));
+    std::hint::black_box(operations.fold(0, |sum, op| sum ^ op.bits()));
 }
 
 impl Cursor {

@@ -64,7 +64,7 @@ impl Tags {
     }
 
     /// Whether `line` is here; a hit refreshes it (LRU).
-    #[inline]
+    #[inline(always)]
     pub fn touch(&mut self, line: u64) -> bool {
         if self.replacement != Replacement::Lru {
             return self.contains(line);
