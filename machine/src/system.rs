@@ -5,6 +5,8 @@
 //! memory requests of one cycle are served by core and unit. A core whose tile slot is free takes the next tile of the frame,
 //! the first core first. Every frame begins with cold caches and empty pipelines.
 
+use std::sync::Arc;
+
 use crate::component::{Component, Tick};
 use crate::config::MachineConfig;
 use crate::error::{MachineError, Result};
@@ -22,6 +24,9 @@ use crate::work::topology::Topology;
 /// Cycles without any finished ray, tile or memory response after which the machine is taken to stand still. The longest
 /// legal silence is that of a refresh or of a full kernel batch, thousands of cycles.
 const DEADLOCK_CYCLES: u64 = 4_000_000;
+
+/// Events between two looks at how much is done.
+const EVENTS_BETWEEN_LOOKS: u32 = 32;
 
 /// Ports that a core's SRP takes: its L1 and its DMA.
 const SRP_PORTS: u16 = 2;
@@ -85,15 +90,6 @@ impl Tiles for Srp {
     }
 }
 
-/// The machine in the middle of a run.
-#[derive(Clone, Debug)]
-pub struct Measure {
-    /// What was counted so far.
-    pub stats: Stats,
-    /// The tiles that are being worked on: tile number, and operations of its rays that are done.
-    pub in_work: Vec<(u32, u64)>,
-}
-
 /// Looks at the machine from time to time; see `timeline`.
 pub trait Probe {
     /// A frame begins; its time begins at cycle 0.
@@ -124,8 +120,8 @@ impl<'a> System<'a, MemorySystem> {
         Self::with_memory(config, tree, shape, MemorySystem::new(config))
     }
 
-    /// A machine that goes on from a checkpoint: with its caches, and with what is left of its tiles. What was under way between
-    /// units is not there: rays of these tiles that were not traced begin at once.
+    /// A machine that goes on from a checkpoint: with its caches, and with its tiles and what waits for their SRPs. Nothing is
+    /// under way in the T&I units.
     pub fn resume(config: &MachineConfig, tree: &'a Topology, shape: FrameShape, from: &Checkpoint) -> Self {
         let mut system = Self::new(config, tree, shape);
         for (core, tags) in system.cores.iter_mut().zip(&from.warm.cores) {
@@ -133,20 +129,53 @@ impl<'a> System<'a, MemorySystem> {
             core.srp.warm(&tags.srp);
         }
         system.memory.warm(&from.warm.l2);
-        from.tiles.iter().for_each(|tile| system.give(tile.core, tile.work()));
+        for (core, rest) in &from.tiles {
+            system.cores[*core].srp.resume(rest);
+            system.tiles += 1;
+        }
         system
     }
 
     /// What was counted before the cycle at hand. Operations that are certain to issue later are in it already.
-    pub fn measure(&self) -> Measure {
+    pub fn measure(&self) -> Stats {
         let core = |core: &Core| {
             let SrpReport { stats, l1, cycles } = core.srp.report(self.now);
             CoreStats { ti: core.ti.report(self.now), srp: stats, srp_l1: l1, srp_cycles: cycles }
         };
         let cores = self.cores.iter().map(core).collect();
-        let stats = Stats { cycles: self.now.0, tiles: self.tiles, cores, memory: self.memory.report() };
-        let in_work = self.cores.iter().flat_map(|core| core.srp.done_operations());
-        Measure { stats, in_work: in_work.map(|(work, done)| (work.tile, done)).collect() }
+        Stats { cycles: self.now.0, tiles: self.tiles, cores, memory: self.memory.report() }
+    }
+
+    /// Takes tiles as it has room, and works until so much is done, or all.
+    ///
+    /// # Errors
+    /// [`MachineError::Deadlock`] if the machine stands still.
+    pub fn work_until(&mut self, done: f64, tiles: &mut impl Iterator<Item = Arc<TileWork>>) -> Result<()> {
+        let mut waiting = tiles.next();
+        loop {
+            // Looking at all units takes as long as a short event.
+            for _ in 0..EVENTS_BETWEEN_LOOKS {
+                if let Some(core) = self.free_core()
+                    && let Some(work) = waiting.take()
+                {
+                    self.give(core, work);
+                    waiting = tiles.next();
+                    continue;
+                }
+                if waiting.is_none() && self.is_done() {
+                    return Ok(());
+                }
+                self.advance(waiting.is_some(), &mut NoProbe)?;
+            }
+            if self.done() >= done {
+                return Ok(());
+            }
+        }
+    }
+
+    /// The work that is done, as [`Features::cost`] counts it.
+    pub fn done(&self) -> f64 {
+        self.cores.iter().map(|core| core.ti.done()).sum()
     }
 }
 
@@ -183,14 +212,14 @@ impl<'a, M: Memory> System<'a, M> {
     ///
     /// # Errors
     /// [`MachineError::Deadlock`] if the machine stands still.
-    pub fn feed<P: Probe>(&mut self, work: TileWork, probe: &mut P) -> Result<()> {
+    pub fn feed<P: Probe>(&mut self, work: impl Into<Arc<TileWork>>, probe: &mut P) -> Result<()> {
         let core = self.make_room(probe)?;
-        self.give(core, work);
+        self.give(core, work.into());
         Ok(())
     }
 
     /// Gives a tile to a core with a free slot.
-    fn give(&mut self, core: usize, work: TileWork) {
+    fn give(&mut self, core: usize, work: Arc<TileWork>) {
         let core = &mut self.cores[core];
         core.srp.give_tile(self.now, work);
         core.srp_wake = When::at(self.now);
@@ -204,11 +233,16 @@ impl<'a, M: Memory> System<'a, M> {
     /// [`MachineError::Deadlock`] if the machine stands still.
     pub fn make_room<P: Probe>(&mut self, probe: &mut P) -> Result<usize> {
         loop {
-            if let Some(core) = self.cores.iter().position(|core| core.srp.wants_tile()) {
+            if let Some(core) = self.free_core() {
                 return Ok(core);
             }
             self.advance(true, probe)?;
         }
+    }
+
+    /// The first core with a free tile slot.
+    fn free_core(&self) -> Option<usize> {
+        self.cores.iter().position(|core| core.srp.wants_tile())
     }
 
     /// Runs until all tiles are done and closes the accounts; gives what was counted, and the memory.

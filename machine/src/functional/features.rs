@@ -10,7 +10,7 @@ pub struct Features(pub [f64; FEATURES]);
 /// Places in [`Features`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Feature {
-    /// Node visits and one and a half for each triangle test: the size of a tile.
+    /// The size: see [`cost`].
     Cost,
     TriangleTests,
     TrvMisses,
@@ -22,14 +22,20 @@ enum Feature {
     Rays,
 }
 
+/// The size of work: node visits, one and a half for each triangle test, which takes longer, and four for each ray, whatever it
+/// meets.
+pub(crate) fn cost(visits: u64, tests: u64, rays: u64) -> f64 {
+    visits as f64 + 1.5 * tests as f64 + 4.0 * rays as f64
+}
+
 impl Features {
-    /// The size: node visits, and one and a half for each triangle test.
+    /// The size: node visits, one and a half for each triangle test, and four for each ray.
     pub fn cost(&self) -> f64 {
         self.0[Feature::Cost as usize]
     }
 
     pub(super) fn add_traversal(&mut self, visits: u64, tests: u64, rays: u64) {
-        self.0[Feature::Cost as usize] += visits as f64 + 1.5 * tests as f64;
+        self.0[Feature::Cost as usize] += cost(visits, tests, rays);
         self.0[Feature::TriangleTests as usize] += tests as f64;
         self.0[Feature::Rays as usize] += rays as f64;
     }

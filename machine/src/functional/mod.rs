@@ -3,10 +3,9 @@
 //! Tiles go through one after the other. What does not depend on time is exact: rays, visits, tests, stack operations, items of
 //! kernels, lines of transfers. What the caches find is nearly so, for the order of their accesses is made up:
 //!
-//! - the cores take turns, each as many rays of a tile as its T&I unit holds, and a core takes turns between its tiles; the core
-//!   that has done least comes first;
-//! - of a round first the rays that the SRP starts are traced, then those that their hits send, then those that these send. Rays
-//!   are dealt to the traversal units in turn, and a unit takes one memory operation of each of its rays in turn;
+//! - the cores take turns, a batch of an SRP each; the core that has done least comes first. As in the SRP the longest queue is
+//!   next, of the tile that came first; the rays that a batch sends are traced at once, and what they bring is queued;
+//! - rays are dealt to the traversal units in turn, and a unit takes one memory operation of each of its rays in turn;
 //! - leaf tasks are dealt to the intersection units in turn, and a line that misses is there for the next access;
 //! - DRAM serves lines in the order in which they are asked for.
 //!
@@ -24,14 +23,16 @@ mod tests;
 mod warm;
 
 pub use exact::exact_counters;
+pub(crate) use features::cost;
 pub use features::{FEATURES, Features};
 pub use in_flight::RestOfTile;
 use warm::WarmState;
 
+use std::cmp::Reverse;
 use std::sync::Arc;
 
 use crate::config::MachineConfig;
-use crate::srp::FrameShape;
+use crate::srp::{FrameShape, KernelId, QueueId, READERS};
 use crate::stats::Stats;
 use crate::work::TileWork;
 use crate::work::topology::Topology;
@@ -50,9 +51,14 @@ pub struct FunctionalMachine<'a> {
     cores: Vec<Core>,
     /// Tiles that were given.
     given: usize,
-    /// Rays that a core takes at a time.
-    turn: usize,
+    /// The SRP takes no time.
+    is_ideal: bool,
+    /// Most items of a batch.
+    batch_max: usize,
+    batch: Vec<u32>,
+    sent: Vec<u32>,
     stats: Stats,
+    done: Features,
     /// Of the tiles that were given, in order; complete for those that are done.
     features: Vec<Features>,
 }
@@ -61,25 +67,26 @@ pub struct FunctionalMachine<'a> {
 #[derive(Clone, Debug)]
 struct Core {
     slots: Vec<Option<InFlight>>,
-    /// The slot that is next in turn.
-    next: usize,
     /// How much it has done.
     time: f64,
 }
+
+/// Which queue comes first: the largest rank.
+type Rank = (bool, usize, Reverse<usize>);
 
 /// A machine in the middle of a frame: what its caches hold, and what is left of the tiles that it works on.
 #[derive(Clone, Debug)]
 pub struct Checkpoint {
     pub(crate) warm: WarmState,
-    /// What is left of the tiles, by core.
-    pub tiles: Vec<RestOfTile>,
+    /// What is left of the tiles, each with its core, by core.
+    pub tiles: Vec<(usize, RestOfTile)>,
 }
 
 impl<'a> FunctionalMachine<'a> {
     /// A machine with cold caches for a frame of `shape`.
     pub fn new(config: &MachineConfig, tree: &'a Topology, shape: FrameShape) -> Self {
         let slots = config.gpu.tiles_in_flight.clamp(1, 255) as usize;
-        let core = Core { slots: vec![None; slots], next: 0, time: 0.0 };
+        let core = Core { slots: vec![None; slots], time: 0.0 };
         Self {
             tree,
             rays: RayTracer::new(config),
@@ -88,25 +95,34 @@ impl<'a> FunctionalMachine<'a> {
             memory: TagMemory::new(config),
             cores: vec![core; config.gpu.cores as usize],
             given: 0,
-            turn: (config.ti.trv * config.ti.rays_per_trv) as usize,
+            is_ideal: config.srp.ideal,
+            batch_max: config.srp.batch_max.max(1) as usize,
+            batch: Vec::new(),
+            sent: Vec::new(),
             stats: Stats::shaped(config),
+            done: Features::default(),
             features: Vec::new(),
         }
     }
 
-    /// Works until a slot is free, and says which core has it: the first one, as in the simulated machine.
-    pub fn make_room(&mut self) -> usize {
-        loop {
-            if let Some(core) = self.cores.iter().position(|core| core.slots.iter().any(Option::is_none)) {
-                return core;
-            }
-            self.take_turn();
-        }
+    /// The first core with a free slot.
+    fn free_core(&self) -> Option<usize> {
+        self.cores.iter().position(|core| core.slots.iter().any(Option::is_none))
+    }
+
+    /// Whether a slot is free.
+    pub fn has_room(&self) -> bool {
+        self.free_core().is_some()
     }
 
     /// Takes the next tile, once a slot is free.
     pub fn feed(&mut self, work: Arc<TileWork>) {
-        let at = self.make_room();
+        let at = loop {
+            if let Some(core) = self.free_core() {
+                break core;
+            }
+            self.take_turn();
+        };
         let now = self.now();
         let core = &mut self.cores[at];
         if core.slots.iter().all(Option::is_none) {
@@ -120,22 +136,25 @@ impl<'a> FunctionalMachine<'a> {
 
     /// Works until all tiles are done.
     pub fn finish(&mut self) {
-        while self.cores.iter().any(|core| core.slots.iter().any(Option::is_some)) {
-            self.take_turn();
-        }
+        while self.take_turn() {}
     }
 
     /// The machine as it is, for a simulation to go on from.
     pub fn checkpoint(&self) -> Checkpoint {
-        let tiles = self
-            .cores
-            .iter()
-            .enumerate()
-            .flat_map(|(number, core)| core.slots.iter().flatten().map(move |tile| tile.rest(number)));
+        let tiles = self.cores.iter().enumerate().flat_map(|(number, core)| {
+            let mut tiles: Vec<&InFlight> = core.slots.iter().flatten().collect();
+            tiles.sort_by_key(|tile| tile.number);
+            tiles.into_iter().map(move |tile| (number, tile.rest.clone()))
+        });
         Checkpoint { warm: self.warm.clone(), tiles: tiles.collect() }
     }
 
-    /// What is characteristic of each tile, in the order in which they were given.
+    /// What is characteristic of all that is done.
+    pub fn done(&self) -> &Features {
+        &self.done
+    }
+
+    /// What is characteristic of each tile, in the order in which they were given; nothing yet of those that are not done.
     pub fn features(&self) -> &[Features] {
         &self.features
     }
@@ -152,63 +171,96 @@ impl<'a> FunctionalMachine<'a> {
         if now.is_finite() { now } else { 0.0 }
     }
 
-    /// Lets the core that has done least work on its next tile.
-    fn take_turn(&mut self) {
+    /// Lets the core that has done least run its next batch, or a tile take its next step. False where nothing is left.
+    pub fn take_turn(&mut self) -> bool {
         let now = self.now();
         let busy = |core: &Core| core.slots.iter().any(Option::is_some) && core.time <= now;
-        let Some(number) = self.cores.iter().position(busy) else { return };
+        let Some(number) = self.cores.iter().position(busy) else { return false };
         let core = &mut self.cores[number];
-        let slots = core.slots.len();
-        let mine = (0..slots).map(|i| (core.next + i) % slots).find(|&slot| core.slots[slot].is_some());
-        let Some(slot) = mine else { return };
-        core.next = (slot + 1) % slots;
-        let Some(mut tile) = core.slots[slot].take() else { return };
-        let before = tile.features.cost();
-        let done = self.work_on(number, &mut tile);
+        let Some((slot, queue)) = core.choose(self.is_ideal) else { return false };
+        let Some(mut tile) = core.slots[slot].take() else { return false };
+        let before = tile.features;
+        let lines = self.memory.lines();
+        let done = match queue {
+            Some(queue) => {
+                self.run_batch(number, &mut tile, queue);
+                false
+            }
+            None => self.step(number, &mut tile),
+        };
+        self.warm.drop_evicted(self.memory.evicted());
+        tile.features.add_lines(self.memory.lines() - lines);
+        self.done.add_part(&tile.features, 1.0);
+        self.done.add_part(&before, -1.0);
         // A turn takes some time even where nothing is traced.
-        self.cores[number].time += (tile.features.cost() - before).max(1.0);
+        self.cores[number].time += (tile.features.cost() - before.cost()).max(1.0);
         if done {
             self.features[tile.number] = tile.features;
             self.stats.tiles += 1;
         } else {
             self.cores[number].slots[slot] = Some(tile);
         }
+        true
     }
 
-    /// The next rays of a tile; whether it is done.
-    fn work_on(&mut self, core: usize, tile: &mut InFlight) -> bool {
-        let Self { tree, rays, shader, warm, memory, stats, turn, .. } = self;
-        let (tags, counted) = (&mut warm.cores[core], &mut stats.cores[core]);
-        let InFlight { work, round, wave, sent, next, started, written_bytes, features, .. } = tile;
-        let lines = memory.lines();
-        if *sent == wave.len() {
-            std::mem::swap(wave, next);
-            next.clear();
-            (*sent, *started) = (0, false);
+    /// The next step of a tile of which nothing waits: ends a round, and begins the next. Whether the tile is done.
+    fn step(&mut self, core: usize, tile: &mut InFlight) -> bool {
+        let Self { shader, memory, stats, .. } = self;
+        let (InFlight { rest, features, .. }, counted) = (tile, &mut stats.cores[core]);
+        let RestOfTile { work, begun, queues, written_bytes } = rest;
+        if let Some(round) = begun.checked_sub(1).and_then(|done| work.rounds.get(done)) {
+            *written_bytes += shader.end_round(round, *written_bytes, counted, memory);
         }
-        if wave.is_empty() {
-            // The wave before was the last one of its round.
-            if let Some(done) = round.checked_sub(1).and_then(|done| work.rounds.get(done)) {
-                *written_bytes += shader.end_round(done, *written_bytes, counted, memory);
-            }
-            let Some(begun) = work.rounds.get(*round) else {
-                shader.end_tile(work, counted, memory, features);
-                warm.drop_evicted(memory.evicted());
-                features.add_lines(memory.lines() - lines);
-                return true;
-            };
-            shader.begin_round(begun, counted, memory, features);
-            wave.extend_from_slice(&begun.starts);
-            (*round, *started) = (*round + 1, true);
-        }
-        let end = wave.len().min(*sent + *turn);
-        let mine = &mut wave[*sent..end];
-        let traced = shader.send(work, mine, *started, counted, memory);
-        rays.trace((tree, work, &mine[traced..]), tags, (counted, &mut warm.l2, memory), features);
-        shader.shade((work, mine, next), tags, (counted, &mut warm.l2, memory), features);
-        *sent = end;
-        warm.drop_evicted(memory.evicted());
-        features.add_lines(memory.lines() - lines);
+        let Some(round) = work.rounds.get(*begun) else {
+            shader.end_tile(work, counted, memory, features);
+            return true;
+        };
+        *begun += 1;
+        shader.begin_round(work, round, queues, (counted, memory), features);
         false
+    }
+
+    /// Runs a batch of a tile: items of hits and misses are done, and what they send is traced.
+    fn run_batch(&mut self, core: usize, tile: &mut InFlight, queue: QueueId) {
+        let Self { tree, rays, shader, warm, memory, stats, batch_max, batch, sent, .. } = self;
+        let (tags, counted) = (&mut warm.cores[core], &mut stats.cores[core]);
+        let (InFlight { rest, features, .. }, kernel) = (tile, queue.kernel);
+        let RestOfTile { work, queues, .. } = rest;
+        let most = if kernel == KernelId::Shade { (*batch_max).min(READERS) } else { *batch_max };
+        batch.clear();
+        sent.clear();
+        queues.take(queue, most, batch);
+        if kernel == KernelId::Raygen {
+            shader.generate(batch.len(), counted, features);
+            std::mem::swap(batch, sent);
+        } else {
+            shader.run((work, kernel, batch, sent), tags, (counted, &mut warm.l2, memory), features);
+        }
+        shader.send(sent.len(), counted, memory);
+        rays.trace((tree, work, sent), tags, (counted, &mut warm.l2, memory), features);
+        sent.iter().for_each(|&ray| shader.queue(work, ray, queues));
+    }
+}
+
+impl Core {
+    /// The slot that is next, and which of its queues; none where nothing of the tile waits. Nothing if there is no tile.
+    /// An ideal SRP takes hits first, and starts rays as far as there is room for them beside those.
+    fn choose(&self, is_ideal: bool) -> Option<(usize, Option<QueueId>)> {
+        let mut best: Option<(Rank, usize, QueueId)> = None;
+        for (slot, tile) in self.slots.iter().enumerate() {
+            let Some(tile) = tile else { continue };
+            if tile.rest.queues.items() == 0 {
+                return Some((slot, None));
+            }
+            tile.rest.queues.each(|queue, items| {
+                // Without time nothing is gained by long queues.
+                let items = if is_ideal { usize::MAX - slot } else { items };
+                let rank = (is_ideal && queue.kernel != KernelId::Raygen, items, Reverse(tile.number));
+                if best.as_ref().is_none_or(|(other, ..)| rank > *other) {
+                    best = Some((rank, slot, queue));
+                }
+            });
+        }
+        best.map(|(_, slot, queue)| (slot, Some(queue)))
     }
 }

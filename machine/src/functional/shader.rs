@@ -5,7 +5,7 @@ use super::memory::TagMemory;
 use super::warm::CoreTags;
 use crate::config::{Interface, MachineConfig, PrimaryVisibility};
 use crate::memory::{Route, Tags};
-use crate::srp::{Costs, FrameShape, KernelId, ShadeReads, TileBuffer, framebuffer_rows, sent_ray, taker};
+use crate::srp::{Costs, FrameShape, KernelId, Queues, ShadeReads, TileBuffer, framebuffer_rows, sent_ray, taker};
 use crate::stats::CoreStats;
 use crate::work::layout::{Layout, Region};
 use crate::work::{Round, TileWork};
@@ -46,11 +46,39 @@ impl Shader {
         }
     }
 
-    /// What is read and tested before anything of the round is traced.
-    pub fn begin_round(&self, round: &Round, counted: &mut CoreStats, memory: &mut TagMemory, features: &mut Features) {
+    /// What is read and tested before anything of the round is traced; the rays that it starts wait in the queues then. A
+    /// rasteriser sees what the eye sees, so the items of these rays wait instead.
+    pub fn begin_round(
+        &self,
+        work: &TileWork,
+        round: &Round,
+        queues: &mut Queues,
+        (counted, memory): (&mut CoreStats, &mut TagMemory),
+        features: &mut Features,
+    ) {
         self.transfer((Region::Sample, Route::Read), 0, self.buffer.round_read_bytes(round), counted, memory);
         self.items(KernelId::Similarity, round.tests.into(), counted, features);
         self.items(KernelId::Interpolate, round.interpolated.into(), counted, features);
+        let mut seen = 0;
+        for &ray in &round.starts {
+            if self.rasters && work.rays[ray as usize].kind == RayKind::Primary {
+                seen += 1;
+                self.queue(work, ray, queues);
+            } else {
+                queues.push_ray(KernelId::Raygen, ray);
+            }
+        }
+        self.stream((seen, self.gbuffer_bytes), Region::GBuffer, counted, memory);
+    }
+
+    /// The item of a ray waits.
+    #[inline]
+    pub fn queue(&self, work: &TileWork, number: u32, queues: &mut Queues) {
+        let ray = &work.rays[number as usize];
+        match taker(ray) {
+            KernelId::Shade => queues.push_shade(if self.costs.sorts() { ray.material } else { 0 }, number),
+            kernel => queues.push_ray(kernel, number),
+        }
     }
 
     /// Writes what a round has brought behind the `before` bytes of the rounds before it; gives the bytes.
@@ -60,58 +88,44 @@ impl Shader {
         bytes
     }
 
-    /// Sends the rays of a wave to the T&I unit. A rasteriser's primaries go to the front of the wave: gives how many of them
-    /// there are. `started` says that the SRP starts the rays, which are hits' otherwise.
-    pub fn send(
-        &self,
-        work: &TileWork,
-        wave: &mut [u32],
-        started: bool,
-        counted: &mut CoreStats,
-        memory: &mut TagMemory,
-    ) -> usize {
-        let mut seen = 0;
-        if started && self.rasters {
-            let primary = |ray: &u32| work.rays[*ray as usize].kind == RayKind::Primary;
-            wave.sort_by_key(|ray| !primary(ray));
-            seen = wave.iter().take_while(|ray| primary(ray)).count();
-        }
-        let traced = (wave.len() - seen) as u64;
-        if started {
-            let kernel = &mut counted.srp.kernels[KernelId::Raygen as usize];
-            kernel.items += traced;
-            kernel.ops += traced * self.costs.ops(KernelId::Raygen, 0);
-        }
-        let interface = &mut counted.srp.interface;
-        interface.rays += traced;
-        interface.hits += traced;
-        interface.ray_bytes += traced * self.message_bytes[0];
-        interface.hit_bytes += traced * self.message_bytes[1];
-        if self.direct {
-            interface.ray_busy += traced * self.message_cycles[0];
-            interface.hit_busy += traced * self.message_cycles[1];
-        }
-        if !self.direct {
-            let [rays, hits] = self.message_bytes;
-            self.stream((traced, rays), Region::Ray, counted, memory);
-            self.stream((traced, hits), Region::Ray, counted, memory);
-        }
-        self.stream((seen as u64, self.gbuffer_bytes), Region::GBuffer, counted, memory);
-        seen
+    /// Starts rays.
+    pub fn generate(&self, rays: usize, counted: &mut CoreStats, features: &mut Features) {
+        let items = rays as u64;
+        let kernel = &mut counted.srp.kernels[KernelId::Raygen as usize];
+        kernel.items += items;
+        kernel.ops += items * self.costs.ops(KernelId::Raygen, 0);
+        features.add_srp_cycles(items * self.costs.interval(KernelId::Raygen, 0));
     }
 
-    /// Shades the hits of a wave; the rays that they send are the next one.
-    pub fn shade(
+    /// Sends rays to the T&I unit, which sends hits back.
+    pub fn send(&self, rays: usize, counted: &mut CoreStats, memory: &mut TagMemory) {
+        let sent = rays as u64;
+        let interface = &mut counted.srp.interface;
+        interface.rays += sent;
+        interface.hits += sent;
+        interface.ray_bytes += sent * self.message_bytes[0];
+        interface.hit_bytes += sent * self.message_bytes[1];
+        if self.direct {
+            interface.ray_busy += sent * self.message_cycles[0];
+            interface.hit_busy += sent * self.message_cycles[1];
+        } else {
+            let [rays, hits] = self.message_bytes;
+            self.stream((sent, rays), Region::Ray, counted, memory);
+            self.stream((sent, hits), Region::Ray, counted, memory);
+        }
+    }
+
+    /// Runs a batch of items of hits or misses; the rays that they send go to `sent`.
+    pub fn run(
         &self,
-        (work, wave, next): (&TileWork, &[u32], &mut Vec<u32>),
+        (work, kernel, batch, sent): (&TileWork, KernelId, &[u32], &mut Vec<u32>),
         tags: &mut CoreTags,
         (counted, l2, memory): (&mut CoreStats, &mut Tags, &mut TagMemory),
         features: &mut Features,
     ) {
         let (mut cycles, mut lines) = (0, 0);
-        for &number in wave {
+        for &number in batch {
             let ray = &work.rays[number as usize];
-            let kernel = taker(ray);
             let shadows = if kernel == KernelId::Shade { ray.shadows } else { 0 };
             let items = &mut counted.srp.kernels[kernel as usize];
             items.items += 1;
@@ -123,7 +137,7 @@ impl Shader {
                     lines += 1;
                     memory.look_up((&mut tags.srp, l2), line, region, &mut counted.srp_l1);
                 }
-                next.extend((0..).map_while(|k| sent_ray(kernel, work, number, k)));
+                sent.extend((0..).map_while(|k| sent_ray(kernel, work, number, k)));
             }
         }
         counted.srp_l1.looked_up(lines);

@@ -32,7 +32,8 @@ fn features_of_the_tiles_add_up_to_what_was_counted() {
     let stats = machine.stats();
     let tests: u64 = stats.ist().map(|unit| unit.events.triangle_tests).sum();
     let visits = sum(&stats, |unit| unit.events.node_visits);
-    assert_eq!(all.cost(), visits as f64 + 1.5 * tests as f64);
+    assert_eq!(all.cost(), visits as f64 + 1.5 * tests as f64 + 4.0 * stats.rays() as f64);
+    assert_eq!(machine.done(), &all);
     let misses: u64 = stats.ist().map(|unit| unit.l1.misses).sum();
     assert_eq!(all.0[1..4], [tests as f64, sum(&stats, |unit| unit.l1.misses) as f64, misses as f64]);
     let dram = stats.memory.dram();
@@ -71,7 +72,9 @@ fn what_is_done_and_what_is_left_at_a_checkpoint_is_all() {
         machine
     };
     let mut machine = run(&work);
-    machine.make_room();
+    while !machine.has_room() {
+        machine.take_turn();
+    }
     let checkpoint = machine.checkpoint();
     assert_eq!(checkpoint.tiles.len(), 3);
     let before = machine.stats();

@@ -48,15 +48,18 @@ pub use batch::OUTPUT_RAYS;
 pub(crate) use batch::{sent_ray, taker};
 pub(crate) use clock::srp_cycles;
 pub use context::{SrpContext, SrpPorts};
-pub(crate) use gather::ShadeReads;
+pub(crate) use gather::{READERS, ShadeReads};
 pub use interface::UNWRITTEN_LINES;
 pub(crate) use kernels::Costs;
 pub use kernels::{KernelId, Needs, missing_kernels};
 pub(crate) use local::TileBuffer;
+pub(crate) use queues::{QueueId, Queues};
 pub use stats::{DmaCounters, InterfaceCounters, KernelCounters, LocalCounters, SrpActivity, SrpReport, SrpStats};
 pub use stream::FLUSH_CYCLES;
 pub use tile::FrameShape;
 pub(crate) use tile::framebuffer_rows;
+
+use std::sync::Arc;
 
 use array::Array;
 use slots::TileSlots;
@@ -65,6 +68,7 @@ use transfers::Transfers;
 
 use crate::component::{Component, Tick};
 use crate::config::MachineConfig;
+use crate::functional::RestOfTile;
 use crate::link::RayUnit;
 use crate::memory::{L1Cache, Memory, Port, Response, Tags};
 use crate::time::{TiCycle, When};
@@ -105,10 +109,16 @@ impl Srp {
     ///
     /// # Panics
     /// When no slot is free.
-    pub fn give_tile(&mut self, now: TiCycle, work: TileWork) {
+    pub fn give_tile(&mut self, now: TiCycle, work: Arc<TileWork>) {
         self.array.close_gap(now);
         self.tiles.give(work, &mut self.transfers);
         self.next = self.next.min(When::at(now));
+    }
+
+    /// Puts what is left of a tile into the first free slot, before the first tick.
+    pub(crate) fn resume(&mut self, rest: &RestOfTile) {
+        self.tiles.resume(rest, &mut self.transfers);
+        self.next = When::at(TiCycle(0));
     }
 
     /// The tile of a slot. What it held stays readable until the slot is given another.
@@ -164,11 +174,6 @@ impl Srp {
     pub fn report(&self, end: TiCycle) -> SrpReport {
         let stats = self.stats_of(&self.array.counters_before(end));
         SrpReport { stats, l1: *self.l1().counters(), cycles: self.cycles(end) }
-    }
-
-    /// What the operations done of each tile are, by slot; nothing for a free slot.
-    pub fn done_operations(&self) -> impl Iterator<Item = (&TileWork, u64)> {
-        self.tiles.all().iter().filter(|slot| !slot.is_free()).map(|slot| (&slot.work, slot.done_operations))
     }
 
     /// Fills the empty L1.

@@ -86,6 +86,11 @@ impl Queues {
         }
     }
 
+    /// Items of all queues.
+    pub fn items(&self) -> usize {
+        self.shade_items + self.rays.iter().map(VecDeque::len).sum::<usize>() + self.counts.iter().sum::<u32>() as usize
+    }
+
     /// Takes up to `most` items from the front of a queue; rays are put into `into`. Returns how many.
     pub fn take(&mut self, id: QueueId, most: usize, into: &mut Vec<u32>) -> usize {
         let queue = match id.kernel {

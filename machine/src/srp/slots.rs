@@ -1,5 +1,7 @@
 //! The tiles of a core: its slots, what they share, and how many of their rays are out.
 
+use std::sync::Arc;
+
 use rayreel_formats::tile::RayKind;
 
 use super::batch::taker;
@@ -10,6 +12,7 @@ use super::tile::{FrameShape, Slot, TileContext};
 use super::transfers::Transfers;
 use crate::config::MachineConfig;
 use crate::link::RayRef;
+use crate::functional::RestOfTile;
 use crate::work::TileWork;
 use crate::work::layout::Layout;
 
@@ -90,22 +93,32 @@ impl TileSlots {
     ///
     /// # Panics
     /// When no slot is free.
-    pub fn give(&mut self, work: TileWork, transfers: &mut Transfers) {
+    pub fn give(&mut self, work: Arc<TileWork>, transfers: &mut Transfers) {
+        let (id, age) = self.take_slot();
+        let (slot, mut context) = self.with_context(id, transfers);
+        slot.give(id as u8, age, work, &mut context);
+    }
+
+    /// As [`TileSlots::give`], for what is left of a tile.
+    pub fn resume(&mut self, rest: &RestOfTile, transfers: &mut Transfers) {
+        let (id, age) = self.take_slot();
+        let (slot, mut context) = self.with_context(id, transfers);
+        slot.resume(id as u8, age, rest, &mut context);
+    }
+
+    /// The first free slot, and the number of the tile that it gets.
+    fn take_slot(&mut self) -> (usize, u64) {
         let free = self.slots.iter().position(Slot::is_free);
         let id = free.expect("a tile is given only to an SRP that wants one");
         self.free -= 1;
         self.given += 1;
-        let age = self.given;
-        let (slot, mut context) = self.with_context(id, transfers);
-        slot.give(id as u8, age, work, &mut context);
+        (id, self.given)
     }
 
     /// A ray came back from the T&I unit: its item.
     #[inline]
     pub fn ray_returned(&mut self, ray: RayRef, sorts: bool) {
         self.rays_out -= 1;
-        let slot = &mut self.slots[ray.slot as usize];
-        slot.done_operations += u64::from(slot.work.rays[ray.ray as usize].ops_len);
         self.add_item(ray, sorts);
     }
 

@@ -11,6 +11,8 @@
 //! Store: the pixels of the tile, row by row, into a row-major framebuffer of one frame. Border samples: `sample.total()` bytes
 //! each, written and read once, at the end of the tile. (Estimate.)
 
+use std::sync::Arc;
+
 use super::dma::Dma;
 use super::kernels::KernelId;
 use super::local::TileBuffer;
@@ -20,6 +22,7 @@ use super::stats::LocalCounters;
 use crate::link::RayRef;
 use crate::memory::Route;
 use crate::work::layout::{Layout, Region};
+use crate::functional::RestOfTile;
 use crate::work::{Round, TileWork};
 use rayreel_formats::scene::Rect;
 use rayreel_formats::tile::RayKind;
@@ -68,15 +71,13 @@ pub struct TileContext<'a> {
 #[derive(Clone, Debug)]
 pub struct Slot {
     /// The tile.
-    pub work: TileWork,
+    pub work: Arc<TileWork>,
     /// Number of the tile in the order in which this core got them.
     pub age: u64,
     /// Items queued or running, and rays out.
     pub pending: u32,
     /// Rays that have not come back, primaries that the rasteriser has not delivered.
     pub rays_out: u32,
-    /// Operations of the rays that came back.
-    pub done_operations: u64,
     /// Item queues.
     pub queues: Queues,
     phase: Phase,
@@ -99,11 +100,10 @@ impl Slot {
             rounds: Vec::new(),
         };
         Self {
-            work,
+            work: Arc::new(work),
             age: 0,
             pending: 0,
             rays_out: 0,
-            done_operations: 0,
             queues: Queues::default(),
             phase: Phase::Free,
             round: 0,
@@ -123,10 +123,20 @@ impl Slot {
     }
 
     /// Takes a tile.
-    pub fn give(&mut self, id: u8, age: u64, work: TileWork, context: &mut TileContext<'_>) {
+    pub fn give(&mut self, id: u8, age: u64, work: Arc<TileWork>, context: &mut TileContext<'_>) {
         assert!(self.is_free(), "tile slot {id} is taken");
-        (self.work, self.age, self.round, self.written_bytes, self.done_operations) = (work, age, 0, 0, 0);
+        (self.work, self.age, self.round, self.written_bytes) = (work, age, 0, 0);
         self.begin_round(id, context);
+    }
+
+    /// Takes what is left of a tile.
+    pub fn resume(&mut self, id: u8, age: u64, rest: &RestOfTile, context: &mut TileContext<'_>) {
+        let Some(round) = rest.begun.checked_sub(1) else { return self.give(id, age, Arc::clone(&rest.work), context) };
+        assert!(self.is_free(), "tile slot {id} is taken");
+        (self.work, self.age, self.round, self.written_bytes) = (Arc::clone(&rest.work), age, round, rest.written_bytes);
+        self.queues = rest.queues.clone();
+        self.pending = self.queues.items() as u32;
+        self.phase = Phase::Samples;
     }
 
     /// Takes the next step if the one before is done. Returns whether it did.

@@ -93,6 +93,11 @@ impl Ist {
         self.port.invalidate(line);
     }
 
+    /// Triangle tests that are done.
+    pub fn tests(&self) -> u64 {
+        self.events.triangle_tests
+    }
+
     /// What was counted before cycle `end`.
     pub fn report(&self, end: TiCycle) -> IstStats {
         IstStats {

@@ -38,6 +38,7 @@ use wheel::{Event, EventKind, Wheel};
 use crate::component::{Component, Tick};
 use crate::config::MachineConfig;
 use crate::counters::{StageBusy, counters};
+use crate::functional::cost;
 use crate::link::{RayMessage, RayRef, RayUnit};
 use crate::memory::{Memory, Port, Tags};
 use crate::time::{TiCycle, When};
@@ -231,6 +232,13 @@ impl TiUnit {
             counters.full += gap;
         }
         counters
+    }
+
+    /// The work that is done, as [`crate::functional::Features::cost`] counts it.
+    pub(crate) fn done(&self) -> f64 {
+        let (visits, tests) = self.trv.iter().map(Trv::done).fold((0, 0), |sum, unit| (sum.0 + unit.0, sum.1 + unit.1));
+        let tests = tests + self.ist.iter().map(Ist::tests).sum::<u64>();
+        cost(visits, tests, self.counters.rays)
     }
 
     /// What was counted before cycle `end`.

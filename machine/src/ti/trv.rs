@@ -215,6 +215,11 @@ impl Trv {
         self.port.book_retry(event, context);
     }
 
+    /// Node visits and triangle tests that are done.
+    pub fn done(&self) -> (u64, u64) {
+        (self.events.node_visits, self.events.triangle_tests)
+    }
+
     /// What was counted before cycle `end`.
     pub fn report(&self, end: TiCycle) -> TrvStats {
         let activities = self.stages.each_ref().map(|stage| stage.report(end, &self.idle));

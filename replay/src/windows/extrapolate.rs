@@ -5,7 +5,6 @@ use rayreel_machine::energy::EnergyReport;
 use rayreel_machine::functional::{Features, exact_counters};
 use rayreel_machine::stats::Stats;
 
-use super::blocks::Blocks;
 use super::calibrate::{rates_used, weights};
 use super::pass::Passed;
 use super::window::Measured;
@@ -26,27 +25,26 @@ struct Sum {
 struct Frame<'a> {
     config: &'a MachineConfig,
     passed: &'a Passed,
-    /// The first block, the last one and the heavy ones: they stand for themselves.
+    /// The windows that stand for themselves.
     certain: Sum,
-    /// The windows between, and what they stand for.
+    /// The other windows, and what they stand for.
     windows: Vec<Sum>,
     rest: Features,
-    /// Rates that the weights depend on: none where every block is a window, for then only what crossed between them is
-    /// missing, or there twice.
+    /// Rates that the weights depend on.
     rates: usize,
     is_exact: Stats,
 }
 
 /// The run of a frame of which the windows of `passed` were simulated.
-pub fn extrapolate(config: &MachineConfig, blocks: &Blocks, passed: &Passed, detail: Detail) -> MachineRun {
-    let frame = Frame::new(config, blocks, passed);
+pub fn extrapolate(config: &MachineConfig, passed: &Passed, detail: Detail) -> MachineRun {
+    let frame = Frame::new(config, passed);
     let every = vec![true; frame.windows.len()];
     let estimated = frame.list(&every);
     let (stats, energy) = frame.run(&estimated);
     let groups = frame.windows.len().min(GROUPS);
-    let free = blocks.middle().1 - passed.heavy.len();
     // What was simulated is not uncertain: where all is, nothing is.
-    let unknown = (1.0 - frame.windows.len() as f64 / free.max(1) as f64).max(0.0).sqrt();
+    let (measured, rest) = (frame.measured(), frame.rest.cost());
+    let unknown = (1.0 - measured / rest.max(1.0)).clamp(0.0, 1.0).sqrt();
     let replicates = (0..groups).map(|group| {
         let kept: Vec<bool> = (0..frame.windows.len()).map(|window| window % groups != group).collect();
         let list: Vec<f64> =
@@ -54,11 +52,13 @@ pub fn extrapolate(config: &MachineConfig, blocks: &Blocks, passed: &Passed, det
         let (stats, energy) = frame.run(&list);
         Replicate { stats, energy }
     });
-    let detailed: usize = passed.windows.keys().map(|&block| blocks.tiles(block).len()).sum();
+    let tiles = passed.features.len() as u64;
+    let (all, certain) = (frame.rest.cost() + frame.certain.features.cost(), frame.certain.features.cost());
+    let part = if all > 0.0 { (measured + certain) / all } else { 1.0 };
     let estimate = Estimate {
         detail,
-        tiles: passed.features.len() as u64,
-        detailed_tiles: detailed as u64,
+        tiles,
+        detailed_tiles: (part * tiles as f64).round().min(tiles as f64) as u64,
         windows: passed.windows.len() as u64,
         whole_frames: 0,
         // Size and rates were fitted to the windows.
@@ -69,27 +69,28 @@ pub fn extrapolate(config: &MachineConfig, blocks: &Blocks, passed: &Passed, det
 }
 
 impl<'a> Frame<'a> {
-    fn new(config: &'a MachineConfig, blocks: &Blocks, passed: &'a Passed) -> Self {
+    fn new(config: &'a MachineConfig, passed: &'a Passed) -> Self {
         let mut total = Features::default();
         passed.features.iter().for_each(|tile| total.add_part(tile, 1.0));
-        let (mut windows, mut certain) = (Vec::new(), None::<Sum>);
-        for (&block, measured) in &passed.windows {
-            let sum = Sum::new(measured, &passed.features);
-            if !blocks.is_edge(block) && !passed.heavy.contains(&block) {
-                windows.push(sum);
-            } else if let Some(certain) = &mut certain {
+        let nothing = Sum { counters: vec![0.0; passed.counted.list().len()], features: Features::default() };
+        let (mut windows, mut certain) = (Vec::new(), nothing);
+        for Measured { counters, features, is_certain } in &passed.windows {
+            let sum = Sum { counters: counters.clone(), features: *features };
+            if *is_certain {
                 certain.add(&sum, 1.0);
             } else {
-                certain = Some(sum);
+                windows.push(sum);
             }
         }
-        let nothing = Sum { counters: vec![0.0; passed.counted.list().len()], features: Features::default() };
-        let certain = certain.unwrap_or(nothing);
         let mut rest = total;
         rest.add_part(&certain.features, -1.0);
-        let all = passed.windows.len() == blocks.len();
-        let rates = if all { 0 } else { rates_used(windows.len()) };
+        let rates = rates_used(windows.len());
         Self { config, passed, certain, windows, rest, rates, is_exact: exact_counters(config) }
+    }
+
+    /// Work of the windows that stand for others.
+    fn measured(&self) -> f64 {
+        self.windows.iter().map(|window| window.features.cost()).sum()
     }
 
     /// All counters, estimated from those windows that are kept.
@@ -116,12 +117,6 @@ impl<'a> Frame<'a> {
 }
 
 impl Sum {
-    fn new(measured: &Measured, tiles: &[Features]) -> Self {
-        let mut features = Features::default();
-        measured.parts.iter().for_each(|&(tile, part)| features.add_part(&tiles[tile as usize], part));
-        Self { counters: measured.counters.clone(), features }
-    }
-
     fn add(&mut self, other: &Self, weight: f64) {
         self.counters.iter_mut().zip(&other.counters).for_each(|(sum, more)| *sum += weight * more);
         self.features.add_part(&other.features, weight);

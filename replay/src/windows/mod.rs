@@ -6,13 +6,13 @@
 //! ```
 //!
 //! After SMARTS (Wunderlich et al., ISCA 2003): between the windows the machine's long-lived state, its caches, is kept warm by
-//! a pass without time. `blocks` chooses the windows, `window` simulates one, `pass` takes the tiles through, `calibrate` weighs
+//! a pass without time. `places` chooses the windows, `window` simulates one, `pass` takes the tiles through, `calibrate` weighs
 //! windows and `extrapolate` makes the frame. Several machines share a pass.
 
-mod blocks;
 mod calibrate;
 mod extrapolate;
 mod pass;
+mod places;
 mod window;
 
 use std::sync::Arc;
@@ -24,14 +24,14 @@ use rayreel_machine::system::Probe;
 use rayreel_machine::work::check::PathCounts;
 use rayreel_machine::work::topology::Topology;
 
-use crate::detail::{Detail, Estimate, Replicate, Share};
-use crate::error::Result;
+use crate::detail::{Detail, Estimate, Replicate};
+use crate::error::{ReplayError, Result};
 use crate::frame::{FrameReplay, PassedFrame, Replayer};
 use crate::policy::Sampler;
 use crate::simulate::{MachineRun, check_kernels, frame_shape, pass_all};
 use crate::source::PathSource;
-use blocks::Blocks;
 use pass::{MachinePass, Passed, Room, Shared};
+use places::Places;
 
 /// A machine with its name.
 pub type Named<'a> = (&'a str, &'a MachineConfig);
@@ -57,16 +57,16 @@ pub fn simulate_estimated<S: PathSource + ?Sized, P: Probe>(
 ) -> Result<(FrameReplay, Vec<MachineRun>)> {
     let mut simulation = Simulation { replayer, frame, tree, detail, probe };
     let tiles = simulation.replayer.source().meta().tile_count() as usize;
-    let blocks: Vec<_> = machines.iter().map(|(_, config)| Blocks::of(detail, tiles, slots(config))).collect();
-    let sampled = detail == Detail::Counts || blocks.iter().any(Option::is_some);
+    let places: Vec<_> = machines.iter().map(|(_, config)| Places::of(detail, tiles, slots(config))).collect();
+    let sampled = detail == Detail::Counts || places.iter().any(Option::is_some);
     let Some(begin) = simulation.replayer.fork().filter(|_| sampled) else {
         let (passed, runs) = simulation.whole(machines)?;
         return Ok((simulation.replayer.finish(passed)?, runs));
     };
-    let (passed_frame, passed) = simulation.pass(machines, &blocks)?;
+    let (passed_frame, passed) = simulation.pass(machines, &places)?;
     let mut runs = Vec::new();
-    for ((machine, blocks), passed) in machines.iter().zip(blocks).zip(passed) {
-        let mut run = simulation.conclude(*machine, blocks, passed, &*begin)?;
+    for ((machine, places), passed) in machines.iter().zip(places).zip(passed) {
+        let mut run = simulation.conclude(*machine, places, passed, &*begin)?;
         run.paths = passed_frame.paths;
         runs.push(run);
     }
@@ -89,31 +89,32 @@ struct Simulation<'r, 'a, S: ?Sized, P> {
 
 impl<S: PathSource + ?Sized, P: Probe> Simulation<'_, '_, S, P> {
     /// One pass over the tiles, for all machines.
-    fn pass(&mut self, machines: &[Named<'_>], blocks: &[Option<Blocks>]) -> Result<(PassedFrame, Vec<Passed>)> {
+    fn pass(&mut self, machines: &[Named<'_>], places: &[Option<Places>]) -> Result<(PassedFrame, Vec<Passed>)> {
         let (tree, stop) = (self.tree, self.replayer.stop().clone());
         // One for each thread: the pass brings the next while they run, and more would only take memory.
         let room = Room::new(rayon::current_num_threads());
         let meta = self.replayer.source().meta();
-        let shape = |config: &MachineConfig| frame_shape(meta, config);
         let mut passes: Vec<MachinePass<'_>> = machines
             .iter()
-            .zip(blocks)
-            .map(|((_, config), blocks)| MachinePass::new(config, tree, shape(config), blocks.as_ref()))
+            .zip(places)
+            .map(|((_, config), places)| MachinePass::new(config, tree, frame_shape(meta, config), places.as_ref()))
             .collect();
         let shared = Shared { tree, stop: &stop, room: &room };
         let (frame, probe) = (self.frame, &mut *self.probe);
         let passed_frame = rayon::in_place_scope(|scope| {
             let mut tiles = 0;
-            self.replayer.pass(frame, tree, |work| {
+            let passed_frame = self.replayer.pass(frame, tree, |work| {
                 let work = Arc::new(work);
                 for (machine, pass) in machines.iter().zip(&mut passes) {
                     check_kernels(*machine, &work)?;
-                    pass.take(&work, shape(machine.1), shared, scope);
+                    pass.take(&work, shared, scope);
                 }
                 tiles += 1;
                 probe.passed(tiles);
                 Ok(())
-            })
+            })?;
+            passes.iter_mut().for_each(|pass| pass.close(shared, scope));
+            Ok::<_, ReplayError>(passed_frame)
         })?;
         let passed: Result<Vec<_>> = passes.into_iter().map(MachinePass::finish).collect();
         Ok((passed_frame, passed?))
@@ -123,7 +124,7 @@ impl<S: PathSource + ?Sized, P: Probe> Simulation<'_, '_, S, P> {
     fn conclude(
         &mut self,
         machine: Named<'_>,
-        mut blocks: Option<Blocks>,
+        mut places: Option<Places>,
         mut passed: Passed,
         begin: &dyn Sampler,
     ) -> Result<MachineRun> {
@@ -132,17 +133,19 @@ impl<S: PathSource + ?Sized, P: Probe> Simulation<'_, '_, S, P> {
             return Ok(counted(config, &passed));
         }
         for _ in 0..PASSES {
-            let Some(held) = blocks.filter(|_| !is_dominated(&passed.features, slots(config))) else { break };
-            let run = extrapolate::extrapolate(config, &held, &passed, self.detail);
+            let Some(held) = places.filter(|_| !is_dominated(&passed.features, slots(config))) else { break };
+            let run = extrapolate::extrapolate(config, &passed, self.detail);
             let Detail::Precision(wanted) = self.detail else { return Ok(run) };
             let width = widest(&run);
             if width <= wanted.fraction() {
                 return Ok(run);
             }
-            blocks = more(&held, &run, width, wanted, slots(config));
-            if blocks.is_some() {
+            // The width falls with the square root of the number of windows.
+            let factor = (width / wanted.fraction()).powi(2) * 1.3;
+            places = held.more(passed.features.len(), factor.max(1.5));
+            if places.is_some() {
                 self.replayer.restore(begin);
-                let again = std::slice::from_ref(&blocks);
+                let again = std::slice::from_ref(&places);
                 let Some(next) = self.pass(&[machine], again)?.1.pop() else { break };
                 passed = next;
             }
@@ -201,12 +204,4 @@ fn widest(run: &MachineRun) -> f64 {
     let part = |value: f64, of: fn(&Replicate) -> f64| estimate.half_width(value, of) / value.max(1.0);
     part(cycles, |replicate| replicate.stats.cycles as f64)
         .max(part(energy, |replicate| replicate.energy.gpu_fj() as f64))
-}
-
-/// More windows, by as much as the width needs: it falls with the square root of their number. Nothing if that is too many.
-fn more(blocks: &Blocks, run: &MachineRun, width: f64, wanted: Share, slots: usize) -> Option<Blocks> {
-    let (windows, all) = blocks.middle();
-    let tiles = run.estimate.as_ref().map_or(0, |estimate| estimate.tiles as usize);
-    let factor = (width / wanted.fraction()).powi(2) * 1.3;
-    Blocks::new(tiles, slots, (factor * windows as f64 / all as f64).min(0.99))
 }

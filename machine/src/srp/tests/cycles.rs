@@ -16,7 +16,7 @@ fn pushes(unit: &Unit) -> Vec<u64> {
 #[test]
 fn one_raygen_item_takes_prologue_interval_and_link() {
     let (mut s, mut unit, mut memory) = (srp(&machine()), Unit::new(8, 100), Mem::new(64, 10));
-    s.give_tile(TiCycle(0), uniform(0, 1, None, 0));
+    s.give_tile(TiCycle(0), uniform(0, 1, None, 0).into());
     for cycle in 0..=14 {
         s.tick(TiCycle(cycle), SrpContext { unit: &mut unit, memory: &mut memory });
         assert!(unit.pushed.is_empty(), "no ray at {cycle}");

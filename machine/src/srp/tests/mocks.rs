@@ -135,7 +135,7 @@ pub fn run(srp: &mut Srp, tiles: Vec<TileWork>, unit: &mut Unit, memory: &mut Me
     let mut arrived = Vec::new();
     let mut now = TiCycle(0);
     if let Some(tile) = tiles.pop_front() {
-        srp.give_tile(now, tile);
+        srp.give_tile(now, tile.into());
     }
     loop {
         memory.tick(now, &mut arrived);
@@ -149,7 +149,7 @@ pub fn run(srp: &mut Srp, tiles: Vec<TileWork>, unit: &mut Unit, memory: &mut Me
         while srp.wants_tile()
             && let Some(tile) = tiles.pop_front()
         {
-            srp.give_tile(now, tile);
+            srp.give_tile(now, tile.into());
         }
         let next = srp.next_event(now).min(unit.next_event()).min(memory.next_event(now)).after(now);
         let next = next.cycle().unwrap_or_else(|| panic!("nothing can happen after cycle {now}: deadlock"));
