@@ -13,7 +13,13 @@ pub(super) struct InFlight {
     /// Place in the order in which tiles were given.
     pub number: usize,
     pub features: Features,
+    /// Its size, and how much of that is done: operations of rays, and some for each ray.
+    pub size: f64,
+    pub done: f64,
 }
+
+/// What a ray counts for beside its operations.
+const RAY: f64 = 4.0;
 
 /// What is left of a tile that is being worked on.
 #[derive(Clone, Debug)]
@@ -31,7 +37,21 @@ pub struct RestOfTile {
 impl InFlight {
     /// A tile that has just been given.
     pub fn new(work: Arc<TileWork>, number: usize) -> Self {
+        let size = work.operations() as f64 + RAY * work.rays.len() as f64;
         let rest = RestOfTile { work, begun: 0, queues: Queues::default(), written_bytes: 0 };
-        Self { rest, number, features: Features::default() }
+        Self { rest, number, features: Features::default(), size, done: 0.0 }
+    }
+
+    /// Rays were traced; gives which part of the tile they are.
+    pub fn traced(&mut self, rays: &[u32]) -> f64 {
+        let operations: u64 = rays.iter().map(|&ray| u64::from(self.rest.work.rays[ray as usize].ops_len)).sum();
+        let done = operations as f64 + RAY * rays.len() as f64;
+        self.done += done;
+        if done > 0.0 { done / self.size } else { 0.0 }
+    }
+
+    /// The part of the tile that was not traced, once it is done.
+    pub fn rest_of_size(&self) -> f64 {
+        if self.size > 0.0 { 1.0 - self.done / self.size } else { 1.0 }
     }
 }

@@ -59,6 +59,8 @@ pub struct FunctionalMachine<'a> {
     sent: Vec<u32>,
     stats: Stats,
     done: Features,
+    /// Tiles that are done, parts of tiles included.
+    progress: f64,
     /// Of the tiles that were given, in order; complete for those that are done.
     features: Vec<Features>,
 }
@@ -101,6 +103,7 @@ impl<'a> FunctionalMachine<'a> {
             sent: Vec::new(),
             stats: Stats::shaped(config),
             done: Features::default(),
+            progress: 0.0,
             features: Vec::new(),
         }
     }
@@ -149,6 +152,11 @@ impl<'a> FunctionalMachine<'a> {
         Checkpoint { warm: self.warm.clone(), tiles: tiles.collect() }
     }
 
+    /// Tiles that are done, parts of tiles included: as many as were given in the end.
+    pub fn progress(&self) -> f64 {
+        self.progress
+    }
+
     /// What is characteristic of all that is done.
     pub fn done(&self) -> &Features {
         &self.done
@@ -184,6 +192,7 @@ impl<'a> FunctionalMachine<'a> {
         let done = match queue {
             Some(queue) => {
                 self.run_batch(number, &mut tile, queue);
+                self.progress += tile.traced(&self.sent);
                 false
             }
             None => self.step(number, &mut tile),
@@ -195,6 +204,7 @@ impl<'a> FunctionalMachine<'a> {
         // A turn takes some time even where nothing is traced.
         self.cores[number].time += (tile.features.cost() - before.cost()).max(1.0);
         if done {
+            self.progress += tile.rest_of_size();
             self.features[tile.number] = tile.features;
             self.stats.tiles += 1;
         } else {

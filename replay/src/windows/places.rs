@@ -1,50 +1,36 @@
 //! Which parts of a frame are simulated: its beginning, its end, and windows between them.
 //!
-//! The choice depends on the number of tiles, the machine's tile slots and the share asked for, and on nothing else: runs of
-//! several policies have their windows at the same places of the picture, so that what these share cancels in ratios. Beginning
-//! and end are always simulated: at the beginning the machine is empty and its caches are cold, at the end it drains.
+//! Places are given in tiles that are done, parts of tiles included. So every part of every tile is as likely to lie in a window
+//! as any other, whatever it takes. The choice depends on the number of tiles, the machine's tile slots and the share asked for,
+//! and on nothing else: runs of several policies have their windows at the same places of the picture, so that what these share
+//! cancels in ratios. Beginning and end are always simulated: at the beginning the machine is empty and its caches are cold, at
+//! the end it drains.
 
 use crate::detail::Detail;
 
 /// Fewer windows than this tell too little about one another.
-const FEWEST_WINDOWS: usize = 20;
+const FEWEST_WINDOWS: usize = 24;
 /// What a window measures, in tiles. Work of many short windows tells more than the same work in few long ones, for neighbours
 /// are alike; but a window has to be longer than what is under way at its ends.
 const LENGTH: f64 = 2.0;
-/// Work before a window that is simulated and not measured, in tiles: until the machine is as full as it was.
-const WARM_UP: f64 = 0.75;
-/// Tiles given when the warm-up of the end begins, before the last one.
-const BEFORE_END: usize = 2;
+/// What is simulated before a window and not measured, in tiles: until the machine is as full as it was.
+const WARM_UP: f64 = 1.25;
 /// More of the tiles than this, warm-up included, are not worth a sample: the frame is simulated whole.
 const WORTH: f64 = 0.6;
 /// Where all is simulated: tiles of a window for each slot of the machine, and tiles of its warm-up. Each seam between two
 /// windows costs accuracy, and the warm-up of each costs time; but the tiles of a window are in memory together.
 const LONG_WINDOW: usize = 16;
-const LONG_WARM_UP: usize = 2;
+const LONG_WARM_UP: f64 = 2.0;
 
-/// How far something goes.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Until {
-    /// As much work as so many tiles have: as many of the mean of those that the machine got last.
-    Work(f64),
-    /// The machine has room for a tile, and had so many before.
-    Tile(usize),
-    /// All is done.
-    End,
-}
-
-/// Where a window lies.
+/// Where a window lies, in tiles that are done before.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Place {
-    /// Its warm-up begins when the machine has room for a tile and had so many before,
-    pub begin: usize,
-    /// and so much later, as a part of the work of a tile. Windows that all began with a tile would know too much about the
-    /// beginnings of tiles.
-    pub delay: f64,
-    /// Where the warm-up ends and the measurement begins.
-    pub warm_up: Until,
-    /// Where the measurement ends.
-    pub end: Until,
+    /// Where its warm-up begins.
+    pub begin: f64,
+    /// Where the measurement begins.
+    pub from: f64,
+    /// Where it ends: with the frame if this is infinite.
+    pub to: f64,
     /// It stands for itself and for nothing else.
     pub is_certain: bool,
 }
@@ -60,23 +46,21 @@ impl Places {
     /// The windows of a frame of `tiles` tiles on a machine with `slots` tile slots; nothing where the frame is to be simulated
     /// whole. `share` is the part of the tiles to be measured.
     pub fn sample(tiles: usize, slots: usize, share: f64) -> Option<Self> {
-        let windows = ((share * tiles as f64 / LENGTH).round() as usize).max(FEWEST_WINDOWS);
-        let simulated = windows as f64 * (LENGTH + WARM_UP) + 2.0 * slots as f64;
-        if simulated > WORTH * tiles as f64 {
+        let (windows, tiles) = ((share * tiles as f64 / LENGTH).round() as usize, tiles as f64);
+        let (windows, edge) = (windows.max(FEWEST_WINDOWS), slots as f64 / 2.0);
+        if windows as f64 * (LENGTH + WARM_UP) + 2.0 * edge + WARM_UP > WORTH * tiles {
             return None;
         }
-        let (first, last) = (slots + 1, tiles - (LENGTH + WARM_UP).ceil() as usize - 1);
-        let start = Place { begin: 0, delay: 0.0, warm_up: Until::Work(0.0), end: Until::Work(slots as f64 / 2.0), is_certain: true };
-        let end = Place { begin: tiles - BEFORE_END, warm_up: Until::Tile(tiles), end: Until::End, ..start };
-        let window = |i: usize| Place {
-            // In the middle of equal parts.
-            begin: first + (2 * i + 1) * (last - first) / (2 * windows),
-            // Multiples of the golden ratio are spread evenly, however many there are.
-            delay: (i as f64 * 0.618_033_988_749_895).fract(),
-            warm_up: Until::Work(WARM_UP),
-            end: Until::Work(LENGTH),
-            is_certain: false,
+        let (first, last) = (edge, tiles - edge);
+        let window = |i: usize| {
+            // Somewhere in the i-th of equal parts: multiples of the golden ratio are spread evenly, however many there are.
+            let at = (i as f64 * 0.618_033_988_749_895).fract();
+            let part = (last - first) / windows as f64;
+            let from = first + i as f64 * part + at * (part - LENGTH);
+            Place { begin: (from - WARM_UP).max(0.0), from, to: from + LENGTH, is_certain: false }
         };
+        let start = Place { begin: 0.0, from: 0.0, to: first, is_certain: true };
+        let end = Place { begin: last - WARM_UP, from: last, to: f64::INFINITY, is_certain: true };
         let list = std::iter::once(start).chain((0..windows).map(window)).chain([end]).collect();
         Some(Self { list, slots })
     }
@@ -86,10 +70,9 @@ impl Places {
         let length = slots.max(4) * LONG_WINDOW;
         let windows = tiles / length;
         let window = |i: usize| {
-            let begin = i * length;
-            let end = if i + 1 == windows { Until::End } else { Until::Tile(begin + length) };
-            let (warm_up, delay) = (Until::Tile(begin), 0.0);
-            Place { begin: begin.saturating_sub(LONG_WARM_UP * slots), delay, warm_up, end, is_certain: true }
+            let from = (i * length) as f64;
+            let to = if i + 1 == windows { f64::INFINITY } else { from + length as f64 };
+            Place { begin: (from - LONG_WARM_UP * slots as f64).max(0.0), from, to, is_certain: true }
         };
         (windows >= 2).then(|| Self { list: (0..windows).map(window).collect(), slots })
     }
@@ -129,12 +112,16 @@ mod tests {
     fn windows_are_as_many_as_asked_for_and_evenly_spread() {
         let places = Places::sample(8192, 8, 0.05).unwrap();
         assert_eq!(places.list.len(), 205 + 2);
-        let begins: Vec<usize> = places.list.iter().map(|place| place.begin).collect();
-        let steps: Vec<usize> = begins[1..begins.len() - 1].windows(2).map(|pair| pair[1] - pair[0]).collect();
-        assert!(steps.iter().all(|step| (39..=41).contains(step)), "{steps:?}");
-        let delays = places.list[1..206].iter().map(|place| place.delay);
-        assert!((delays.sum::<f64>() / 205.0 - 0.5).abs() < 0.01);
-        assert_eq!((begins[0], begins[206]), (0, 8190));
+        let middle = &places.list[1..206];
+        let part = 8184.0 / 205.0;
+        for (i, place) in middle.iter().enumerate() {
+            let begin = 4.0 + i as f64 * part;
+            assert!(place.from >= begin && place.to <= begin + part + 1e-6, "{place:?}");
+            assert!((place.to - place.from - LENGTH).abs() < 1e-9);
+        }
+        let mean = middle.iter().map(|place| place.from).sum::<f64>() / 205.0;
+        assert!((mean - 4095.0).abs() < 1.0, "{mean}");
+        assert_eq!((places.list[0].to, places.list[206].from), (4.0, 8188.0));
     }
 
     #[test]
@@ -149,9 +136,7 @@ mod tests {
     fn where_all_is_simulated_one_window_follows_the_other() {
         let places = Places::all(2050, 8).unwrap();
         assert_eq!(places.list.len(), 16);
-        for pair in places.list.windows(2) {
-            assert_eq!(pair[0].end, pair[1].warm_up);
-        }
-        assert_eq!((places.list[0].warm_up, places.list[15].end), (Until::Tile(0), Until::End));
+        assert!(places.list.windows(2).all(|pair| pair[0].to == pair[1].from));
+        assert_eq!((places.list[0].from, places.list[15].to), (0.0, f64::INFINITY));
     }
 }
