@@ -2,7 +2,6 @@
 
 use std::sync::Arc;
 
-use super::features::Features;
 use crate::srp::Queues;
 use crate::work::TileWork;
 
@@ -12,7 +11,8 @@ pub(super) struct InFlight {
     pub rest: RestOfTile,
     /// Place in the order in which tiles were given.
     pub number: usize,
-    pub features: Features,
+    /// Rays in the T&I unit.
+    pub rays_out: usize,
     /// Its size, and how much of that is done: operations of rays, and some for each ray.
     pub size: f64,
     pub done: f64,
@@ -30,6 +30,8 @@ pub struct RestOfTile {
     pub(crate) begun: usize,
     /// What waits for the SRP.
     pub(crate) queues: Queues,
+    /// Rays that were sent to the T&I unit and have not come back, in a checkpoint.
+    pub(crate) rays_out: Vec<u32>,
     /// Bytes of samples that its rounds wrote to an external buffer.
     pub(crate) written_bytes: u64,
 }
@@ -38,16 +40,16 @@ impl InFlight {
     /// A tile that has just been given.
     pub fn new(work: Arc<TileWork>, number: usize) -> Self {
         let size = work.operations() as f64 + RAY * work.rays.len() as f64;
-        let rest = RestOfTile { work, begun: 0, queues: Queues::default(), written_bytes: 0 };
-        Self { rest, number, features: Features::default(), size, done: 0.0 }
+        let rest = RestOfTile { work, begun: 0, queues: Queues::default(), rays_out: Vec::new(), written_bytes: 0 };
+        Self { rest, number, rays_out: 0, size, done: 0.0 }
     }
 
-    /// Rays were traced; gives which part of the tile they are.
-    pub fn traced(&mut self, rays: &[u32]) -> f64 {
-        let operations: u64 = rays.iter().map(|&ray| u64::from(self.rest.work.rays[ray as usize].ops_len)).sum();
-        let done = operations as f64 + RAY * rays.len() as f64;
+    /// A ray was traced; gives which part of the tile it is.
+    pub fn traced(&mut self, ray: u32) -> f64 {
+        let done = f64::from(self.rest.work.rays[ray as usize].ops_len) + RAY;
         self.done += done;
-        if done > 0.0 { done / self.size } else { 0.0 }
+        self.rays_out -= 1;
+        done / self.size
     }
 
     /// The part of the tile that was not traced, once it is done.

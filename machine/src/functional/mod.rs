@@ -3,15 +3,16 @@
 //! Tiles go through one after the other. What does not depend on time is exact: rays, visits, tests, stack operations, items of
 //! kernels, lines of transfers. What the caches find is nearly so, for the order of their accesses is made up:
 //!
-//! - the cores take turns, a batch of an SRP each; the core that has done least comes first. As in the SRP the longest queue is
-//!   next, of the tile that came first; the rays that a batch sends are traced at once, and what they bring is queued;
-//! - rays are dealt to the traversal units in turn, and a unit takes one memory operation of each of its rays in turn;
+//! - the cores take turns, and the core that has done least comes first. While its T&I unit is low on rays its SRP runs batches,
+//!   by the rules of the SRP; else the unit works;
+//! - a ray goes to the traversal unit that has fewest, and a unit takes one memory operation of each of its rays in turn;
 //! - leaf tasks are dealt to the intersection units in turn, and a line that misses is there for the next access;
 //! - DRAM serves lines in the order in which they are asked for.
 //!
 //! So a simulation of every cycle counts the same work, and somewhat other misses. With a [`Checkpoint`] a
 //! [`System`](crate::system::System) may start in the middle of a frame.
 
+mod batches;
 mod exact;
 mod features;
 mod in_flight;
@@ -28,17 +29,18 @@ pub use features::{FEATURES, Features};
 pub use in_flight::RestOfTile;
 use warm::WarmState;
 
-use std::cmp::Reverse;
 use std::sync::Arc;
 
 use crate::config::MachineConfig;
-use crate::srp::{FrameShape, KernelId, QueueId, READERS};
+use crate::link::RayRef;
+use crate::srp::{FrameShape, KernelId, QueueId};
 use crate::stats::Stats;
 use crate::work::TileWork;
 use crate::work::topology::Topology;
+use batches::{Batches, Turn};
 use in_flight::InFlight;
 use memory::TagMemory;
-use rays::RayTracer;
+use rays::{RayTracer, RaysInside};
 use shader::Shader;
 
 /// A machine that counts.
@@ -51,30 +53,26 @@ pub struct FunctionalMachine<'a> {
     cores: Vec<Core>,
     /// Tiles that were given.
     given: usize,
-    /// The SRP takes no time.
-    is_ideal: bool,
-    /// Most items of a batch.
-    batch_max: usize,
+    batches: Batches,
     batch: Vec<u32>,
     sent: Vec<u32>,
+    finished: Vec<RayRef>,
     stats: Stats,
     done: Features,
     /// Tiles that are done, parts of tiles included.
     progress: f64,
-    /// Of the tiles that were given, in order; complete for those that are done.
-    features: Vec<Features>,
+    /// Of the tiles that were given, in order.
+    sizes: Vec<f64>,
 }
 
 /// A core and its tiles.
 #[derive(Clone, Debug)]
 struct Core {
     slots: Vec<Option<InFlight>>,
+    inside: RaysInside,
     /// How much it has done.
     time: f64,
 }
-
-/// Which queue comes first: the largest rank.
-type Rank = (bool, usize, Reverse<usize>);
 
 /// A machine in the middle of a frame: what its caches hold, and what is left of the tiles that it works on.
 #[derive(Clone, Debug)]
@@ -88,7 +86,8 @@ impl<'a> FunctionalMachine<'a> {
     /// A machine with cold caches for a frame of `shape`.
     pub fn new(config: &MachineConfig, tree: &'a Topology, shape: FrameShape) -> Self {
         let slots = config.gpu.tiles_in_flight.clamp(1, 255) as usize;
-        let core = Core { slots: vec![None; slots], time: 0.0 };
+        let inside = RaysInside::new(config.ti.trv as usize);
+        let core = Core { slots: vec![None; slots], inside, time: 0.0 };
         Self {
             tree,
             rays: RayTracer::new(config),
@@ -97,14 +96,14 @@ impl<'a> FunctionalMachine<'a> {
             memory: TagMemory::new(config),
             cores: vec![core; config.gpu.cores as usize],
             given: 0,
-            is_ideal: config.srp.ideal,
-            batch_max: config.srp.batch_max.max(1) as usize,
+            batches: Batches::new(config),
             batch: Vec::new(),
             sent: Vec::new(),
+            finished: Vec::new(),
             stats: Stats::shaped(config),
             done: Features::default(),
             progress: 0.0,
-            features: Vec::new(),
+            sizes: Vec::new(),
         }
     }
 
@@ -132,9 +131,10 @@ impl<'a> FunctionalMachine<'a> {
             core.time = core.time.max(now);
         }
         let slot = core.slots.iter().position(Option::is_none).unwrap_or(0);
-        core.slots[slot] = Some(InFlight::new(work, self.given));
+        let tile = InFlight::new(work, self.given);
+        self.sizes.push(tile.size);
+        core.slots[slot] = Some(tile);
         self.given += 1;
-        self.features.push(Features::default());
     }
 
     /// Works until all tiles are done.
@@ -144,10 +144,15 @@ impl<'a> FunctionalMachine<'a> {
 
     /// The machine as it is, for a simulation to go on from.
     pub fn checkpoint(&self) -> Checkpoint {
+        let rest = |core: &Core, slot: usize, tile: &InFlight| RestOfTile {
+            rays_out: core.inside.of_slot(slot).collect(),
+            ..tile.rest.clone()
+        };
         let tiles = self.cores.iter().enumerate().flat_map(|(number, core)| {
-            let mut tiles: Vec<&InFlight> = core.slots.iter().flatten().collect();
-            tiles.sort_by_key(|tile| tile.number);
-            tiles.into_iter().map(move |tile| (number, tile.rest.clone()))
+            let tiles = core.slots.iter().enumerate().filter_map(|(slot, tile)| Some((slot, tile.as_ref()?)));
+            let mut tiles: Vec<_> = tiles.collect();
+            tiles.sort_by_key(|(_, tile)| tile.number);
+            tiles.into_iter().map(move |(slot, tile)| (number, rest(core, slot, tile)))
         });
         Checkpoint { warm: self.warm.clone(), tiles: tiles.collect() }
     }
@@ -162,9 +167,9 @@ impl<'a> FunctionalMachine<'a> {
         &self.done
     }
 
-    /// What is characteristic of each tile, in the order in which they were given; nothing yet of those that are not done.
-    pub fn features(&self) -> &[Features] {
-        &self.features
+    /// The sizes of the tiles that were given, in operations about.
+    pub fn sizes(&self) -> &[f64] {
+        &self.sizes
     }
 
     /// What was counted so far; whatever needs time is 0.
@@ -179,98 +184,78 @@ impl<'a> FunctionalMachine<'a> {
         if now.is_finite() { now } else { 0.0 }
     }
 
-    /// Lets the core that has done least run its next batch, or a tile take its next step. False where nothing is left.
+    /// Lets the core that has done least take its next turn. False where nothing is left.
     pub fn take_turn(&mut self) -> bool {
         let now = self.now();
         let busy = |core: &Core| core.slots.iter().any(Option::is_some) && core.time <= now;
         let Some(number) = self.cores.iter().position(busy) else { return false };
-        let core = &mut self.cores[number];
-        let Some((slot, queue)) = core.choose(self.is_ideal) else { return false };
-        let Some(mut tile) = core.slots[slot].take() else { return false };
-        let before = tile.features;
-        let lines = self.memory.lines();
-        let done = match queue {
-            Some(queue) => {
-                self.run_batch(number, &mut tile, queue);
-                self.progress += tile.traced(&self.sent);
-                false
-            }
-            None => self.step(number, &mut tile),
-        };
-        self.warm.drop_evicted(self.memory.evicted());
-        tile.features.add_lines(self.memory.lines() - lines);
-        self.done.add_part(&tile.features, 1.0);
-        self.done.add_part(&before, -1.0);
-        // A turn takes some time even where nothing is traced.
-        self.cores[number].time += (tile.features.cost() - before.cost()).max(1.0);
-        if done {
-            self.progress += tile.rest_of_size();
-            self.features[tile.number] = tile.features;
-            self.stats.tiles += 1;
-        } else {
-            self.cores[number].slots[slot] = Some(tile);
+        let (before, lines) = (self.done.cost(), self.memory.lines());
+        let core = &self.cores[number];
+        match self.batches.next(&core.slots, core.inside.rays()) {
+            Turn::Step(slot) => self.step(number, slot),
+            Turn::Batch(slot, queue, most) => self.run_batch(number, slot, queue, most),
+            Turn::Trace => self.trace(number),
         }
+        self.warm.drop_evicted(self.memory.evicted());
+        self.done.add_lines(self.memory.lines() - lines);
+        // A turn takes some time even where nothing is traced.
+        self.cores[number].time += (self.done.cost() - before).max(1.0);
         true
     }
 
-    /// The next step of a tile of which nothing waits: ends a round, and begins the next. Whether the tile is done.
-    fn step(&mut self, core: usize, tile: &mut InFlight) -> bool {
-        let Self { shader, memory, stats, .. } = self;
-        let (InFlight { rest, features, .. }, counted) = (tile, &mut stats.cores[core]);
-        let RestOfTile { work, begun, queues, written_bytes } = rest;
+    /// The next step of a tile of which nothing waits: ends a round and begins the next, or ends the tile.
+    fn step(&mut self, core: usize, slot: usize) {
+        let Self { shader, memory, stats, done, progress, cores, .. } = self;
+        let Some(tile) = &mut cores[core].slots[slot] else { return };
+        let RestOfTile { work, begun, queues, written_bytes, .. } = &mut tile.rest;
+        let counted = &mut stats.cores[core];
         if let Some(round) = begun.checked_sub(1).and_then(|done| work.rounds.get(done)) {
             *written_bytes += shader.end_round(round, *written_bytes, counted, memory);
         }
-        let Some(round) = work.rounds.get(*begun) else {
-            shader.end_tile(work, counted, memory, features);
-            return true;
-        };
-        *begun += 1;
-        shader.begin_round(work, round, queues, (counted, memory), features);
-        false
+        if let Some(round) = work.rounds.get(*begun) {
+            *begun += 1;
+            shader.begin_round(work, round, queues, (counted, memory), done);
+            return;
+        }
+        shader.end_tile(work, counted, memory, done);
+        *progress += tile.rest_of_size();
+        stats.tiles += 1;
+        cores[core].slots[slot] = None;
     }
 
-    /// Runs a batch of a tile: items of hits and misses are done, and what they send is traced.
-    fn run_batch(&mut self, core: usize, tile: &mut InFlight, queue: QueueId) {
-        let Self { tree, rays, shader, warm, memory, stats, batch_max, batch, sent, .. } = self;
+    /// Runs a batch of a tile: items of hits and misses are done, and what they send goes to the T&I unit.
+    fn run_batch(&mut self, core: usize, slot: usize, queue: QueueId, most: usize) {
+        let Self { shader, warm, memory, stats, batch, sent, cores, done, .. } = self;
         let (tags, counted) = (&mut warm.cores[core], &mut stats.cores[core]);
-        let (InFlight { rest, features, .. }, kernel) = (tile, queue.kernel);
-        let RestOfTile { work, queues, .. } = rest;
-        let most = if kernel == KernelId::Shade { (*batch_max).min(READERS) } else { *batch_max };
+        let Core { slots, inside, .. } = &mut cores[core];
+        let Some(tile) = &mut slots[slot] else { return };
+        let RestOfTile { work, queues, .. } = &mut tile.rest;
         batch.clear();
         sent.clear();
         queues.take(queue, most, batch);
-        if kernel == KernelId::Raygen {
-            shader.generate(batch.len(), counted, features);
+        if queue.kernel == KernelId::Raygen {
+            shader.generate(batch.len(), counted, done);
             std::mem::swap(batch, sent);
         } else {
-            shader.run((work, kernel, batch, sent), tags, (counted, &mut warm.l2, memory), features);
+            shader.run((work, queue.kernel, batch, sent), tags, (counted, &mut warm.l2, memory), done);
         }
         shader.send(sent.len(), counted, memory);
-        rays.trace((tree, work, sent), tags, (counted, &mut warm.l2, memory), features);
-        sent.iter().for_each(|&ray| shader.queue(work, ray, queues));
+        inside.enter(work, slot, sent);
+        tile.rays_out += sent.len();
     }
-}
 
-impl Core {
-    /// The slot that is next, and which of its queues; none where nothing of the tile waits. Nothing if there is no tile.
-    /// An ideal SRP takes hits first, and starts rays as far as there is room for them beside those.
-    fn choose(&self, is_ideal: bool) -> Option<(usize, Option<QueueId>)> {
-        let mut best: Option<(Rank, usize, QueueId)> = None;
-        for (slot, tile) in self.slots.iter().enumerate() {
-            let Some(tile) = tile else { continue };
-            if tile.rest.queues.items() == 0 {
-                return Some((slot, None));
-            }
-            tile.rest.queues.each(|queue, items| {
-                // Without time nothing is gained by long queues.
-                let items = if is_ideal { usize::MAX - slot } else { items };
-                let rank = (is_ideal && queue.kernel != KernelId::Raygen, items, Reverse(tile.number));
-                if best.as_ref().is_none_or(|(other, ..)| rank > *other) {
-                    best = Some((rank, slot, queue));
-                }
-            });
+    /// Lets the T&I unit work.
+    fn trace(&mut self, core: usize) {
+        let Self { tree, rays, shader, warm, memory, stats, finished, cores, done, progress, .. } = self;
+        let (tags, counted) = (&mut warm.cores[core], &mut stats.cores[core]);
+        let Core { slots, inside, .. } = &mut cores[core];
+        finished.clear();
+        rays.trace((tree, slots, inside), tags, (counted, &mut warm.l2, memory), (done, finished));
+        for RayRef { slot, ray } in finished.iter() {
+            let Some(tile) = &mut slots[usize::from(*slot)] else { continue };
+            let RestOfTile { work, queues, .. } = &mut tile.rest;
+            shader.queue(work, *ray, queues);
+            *progress += tile.traced(*ray);
         }
-        best.map(|(_, slot, queue)| (slot, Some(queue)))
     }
 }

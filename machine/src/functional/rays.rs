@@ -1,20 +1,25 @@
 //! The T&I unit without time: the operations of rays, and what its L1s find.
 
+use std::collections::VecDeque;
+
 use super::features::Features;
+use super::in_flight::InFlight;
 use super::memory::TagMemory;
 use super::warm::CoreTags;
 use crate::config::{MachineConfig, Pipeline};
+use crate::link::RayRef;
 use crate::memory::{CacheCounters, Tags};
 use crate::stats::CoreStats;
 use crate::ti::{IstCounters, TrvCounters};
+use crate::work::TileWork;
 use crate::work::layout::{Layout, Lines, Region};
 use crate::work::ops::{Op, OpKind};
 use crate::work::topology::Topology;
-use crate::work::{RayWork, TileWork};
 
-/// A ray on its way, as far as its operations and its stack go.
+/// A ray in a traversal unit, as far as its operations and its stack go.
 #[derive(Clone, Copy, Debug)]
-struct Cursor {
+struct Flying {
+    ray: RayRef,
     /// Next operation and end, in the operations of the tile.
     at: u32,
     end: u32,
@@ -23,7 +28,18 @@ struct Cursor {
     held: u8,
 }
 
-/// Takes the rays of a wave through the tree.
+/// The rays of a core's T&I unit.
+#[derive(Clone, Debug)]
+pub(super) struct RaysInside {
+    /// By traversal unit.
+    units: Vec<Vec<Flying>>,
+    /// Not in a traversal unit yet.
+    waiting: VecDeque<RayRef>,
+    inside: usize,
+    next_ist: usize,
+}
+
+/// Takes rays through the tree.
 pub(super) struct RayTracer {
     layout: Layout,
     unified: bool,
@@ -32,16 +48,14 @@ pub(super) struct RayTracer {
     /// Lookups of a node visit: one a pass.
     passes: u64,
     rays_per_trv: usize,
-    next_ist: usize,
-    active: Vec<Cursor>,
 }
 
 /// What a traversal unit works with.
 struct Unit<'a> {
     tree: &'a Topology,
-    work: &'a TileWork,
     trv: &'a mut Tags,
     ist: &'a mut [Tags],
+    next_ist: &'a mut usize,
     l2: &'a mut Tags,
     memory: &'a mut TagMemory,
     events: TrvCounters,
@@ -53,7 +67,7 @@ struct Unit<'a> {
     ist_events: &'a mut [IstEvents],
 }
 
-/// What the rays of a wave do in an intersection unit.
+/// What rays do in an intersection unit.
 #[derive(Clone, Copy, Default)]
 struct IstEvents {
     events: IstCounters,
@@ -61,6 +75,42 @@ struct IstEvents {
     lines: u64,
     /// What missed of these; hits are the rest.
     l1: CacheCounters,
+}
+
+impl RaysInside {
+    /// An empty unit of so many traversal units.
+    pub fn new(units: usize) -> Self {
+        Self { units: vec![Vec::new(); units], waiting: VecDeque::new(), inside: 0, next_ist: 0 }
+    }
+
+    /// Rays that came and have not finished.
+    pub fn rays(&self) -> usize {
+        self.inside
+    }
+
+    /// The rays that came and have not finished, of tile slot `slot`.
+    pub fn of_slot(&self, slot: usize) -> impl Iterator<Item = u32> {
+        let rays = self.units.iter().flatten().map(|flying| flying.ray).chain(self.waiting.iter().copied());
+        rays.filter(move |ray| usize::from(ray.slot) == slot).map(|ray| ray.ray)
+    }
+
+    /// Takes rays of the tile in slot `slot`.
+    pub fn enter(&mut self, work: &TileWork, slot: usize, rays: &[u32]) {
+        fetch_ahead(work, rays);
+        self.waiting.extend(rays.iter().map(|&ray| RayRef { slot: slot as u8, ray }));
+        self.inside += rays.len();
+    }
+
+    /// The unit that has fewest rays gets the next, as long as one has room.
+    fn deal(&mut self, slots: &[Option<InFlight>], room: usize) {
+        while !self.waiting.is_empty() {
+            let Some(unit) = self.units.iter_mut().min_by_key(|unit| unit.len()).filter(|unit| unit.len() < room) else {
+                return;
+            };
+            let ray = self.waiting.pop_front();
+            unit.extend(ray.and_then(|ray| Flying::new(ray, slots)));
+        }
+    }
 }
 
 impl RayTracer {
@@ -72,30 +122,30 @@ impl RayTracer {
             short: if ti.stack_entries == 0 { u8::MAX } else { ti.stack_entries.min(255) as u8 },
             passes: (2 / ti.aabbs_per_cycle).into(),
             rays_per_trv: ti.rays_per_trv as usize,
-            next_ist: 0,
-            active: Vec::new(),
         }
     }
 
-    /// Traces the rays of a wave.
+    /// One memory operation of each ray of a unit, a few times. Rays that finish go to `finished`.
     pub fn trace(
-        &mut self,
-        (tree, work, wave): (&Topology, &TileWork, &[u32]),
+        &self,
+        (tree, slots, inside): (&Topology, &[Option<InFlight>], &mut RaysInside),
         tags: &mut CoreTags,
         (counted, l2, memory): (&mut CoreStats, &mut Tags, &mut TagMemory),
-        features: &mut Features,
+        (features, finished): (&mut Features, &mut Vec<RayRef>),
     ) {
-        counted.ti.dispatch.rays += wave.len() as u64;
-        fetch_ahead(work, wave);
-        let units = tags.trv.len();
+        const ROUNDS: u32 = 4;
+        let ops: Vec<&[Op]> = slots.iter().map(|tile| tile.as_ref().map_or(&[][..], |tile| &tile.rest.work.ops)).collect();
         let mut ist_events = vec![IstEvents::default(); tags.ist.len()];
         let (mut visits, mut tests, mut misses) = (0, 0, 0);
-        for (index, trv) in tags.trv.iter_mut().enumerate() {
+        let before = finished.len();
+        inside.deal(slots, self.rays_per_trv);
+        let RaysInside { units, next_ist, .. } = inside;
+        for ((index, trv), flying) in tags.trv.iter_mut().enumerate().zip(units) {
             let mut unit = Unit {
                 tree,
-                work,
                 trv,
                 ist: &mut tags.ist,
+                next_ist,
                 l2,
                 memory,
                 events: TrvCounters::default(),
@@ -104,10 +154,15 @@ impl RayTracer {
                 l1: CacheCounters::default(),
                 ist_events: &mut ist_events,
             };
-            self.run(
-                &mut unit,
-                wave.iter().skip(index).step_by(units).map(|&ray| Cursor::new(&work.rays[ray as usize])),
-            );
+            for _ in 0..ROUNDS {
+                flying.retain_mut(|ray| {
+                    let goes_on = self.step(ray, ops[usize::from(ray.ray.slot)], &mut unit);
+                    if !goes_on {
+                        finished.push(ray.ray);
+                    }
+                    goes_on
+                });
+            }
             let Unit { mut events, node_lines, triangle_lines, mut l1, .. } = unit;
             events.box_tests = 2 * events.node_visits;
             // The second pass of a visit finds what the first has brought.
@@ -131,36 +186,18 @@ impl RayTracer {
             counted.events += events;
             counted.l1 += l1;
         }
-        features.add_traversal(visits, tests, wave.len() as u64);
+        let rays = (finished.len() - before) as u64;
+        inside.inside -= rays as usize;
+        counted.ti.dispatch.rays += rays;
+        features.add_traversal(visits, tests, rays);
         features.add_misses(misses, ist_misses);
-    }
-
-    /// The rays of a unit: as many as it holds at a time, one memory operation of each in turn.
-    fn run(&mut self, unit: &mut Unit<'_>, mut rays: impl Iterator<Item = Cursor>) {
-        let mut active = std::mem::take(&mut self.active);
-        active.extend(rays.by_ref().take(self.rays_per_trv));
-        while !active.is_empty() {
-            let mut i = 0;
-            while i < active.len() {
-                if self.step(&mut active[i], unit) {
-                    i += 1;
-                    continue;
-                }
-                unit.events.rays += 1;
-                match rays.next() {
-                    Some(ray) => active[i] = ray,
-                    None => _ = active.swap_remove(i),
-                }
-            }
-        }
-        self.active = active;
     }
 
     /// Goes on to the next operation that reads memory; false at the end.
     #[inline]
-    fn step(&mut self, ray: &mut Cursor, unit: &mut Unit<'_>) -> bool {
+    fn step(&self, ray: &mut Flying, ops: &[Op], unit: &mut Unit<'_>) -> bool {
         while ray.at < ray.end {
-            let op = unit.work.ops[ray.at as usize];
+            let op = ops[ray.at as usize];
             ray.at += 1;
             match op.kind() {
                 OpKind::Visit { node, defers } => {
@@ -192,6 +229,7 @@ impl RayTracer {
                 OpKind::End => unit.events.stack_operations += 1,
             }
         }
+        unit.events.rays += 1;
         false
     }
 
@@ -206,17 +244,18 @@ impl RayTracer {
     }
 
     #[inline]
-    fn leaf(&mut self, triangle: u32, tests: u8, unit: &mut Unit<'_>) {
+    fn leaf(&self, triangle: u32, tests: u8, unit: &mut Unit<'_>) {
         let tests = u32::from(tests);
         let (tags, lines, l1) = if self.unified {
             unit.events.triangle_tests += u64::from(tests);
             (&mut *unit.trv, &mut unit.triangle_lines, &mut unit.l1)
         } else {
-            self.next_ist = if self.next_ist + 1 < unit.ist.len() { self.next_ist + 1 } else { 0 };
-            let IstEvents { events, lines, l1 } = &mut unit.ist_events[self.next_ist];
+            let next = if *unit.next_ist + 1 < unit.ist.len() { *unit.next_ist + 1 } else { 0 };
+            *unit.next_ist = next;
+            let IstEvents { events, lines, l1 } = &mut unit.ist_events[next];
             events.tasks += 1;
             events.triangle_tests += u64::from(tests);
-            (&mut unit.ist[self.next_ist], lines, l1)
+            (&mut unit.ist[next], lines, l1)
         };
         for triangle in triangle..triangle + tests {
             let Lines { first, last } = self.layout.triangle(triangle);
@@ -229,7 +268,7 @@ impl RayTracer {
 
     /// The short stack has lost the child that `node` deferred: the way down to it is walked again.
     #[cold]
-    fn restart(&self, mut node: u32, ray: &mut Cursor, unit: &mut Unit<'_>) {
+    fn restart(&self, mut node: u32, ray: &mut Flying, unit: &mut Unit<'_>) {
         unit.events.restarts += 1;
         let mut trail = vec![node];
         while node != 0 {
@@ -252,8 +291,10 @@ fn fetch_ahead(work: &TileWork, wave: &[u32]) {
     std::hint::black_box(operations.fold(0, |sum, op| sum ^ op.bits()));
 }
 
-impl Cursor {
-    fn new(ray: &RayWork) -> Self {
-        Self { at: ray.ops_start, end: ray.ops_start + ray.ops_len, deferred: 0, held: 0 }
+impl Flying {
+    fn new(ray: RayRef, slots: &[Option<InFlight>]) -> Option<Self> {
+        let tile = slots[usize::from(ray.slot)].as_ref()?;
+        let work = &tile.rest.work.rays[ray.ray as usize];
+        Some(Self { ray, at: work.ops_start, end: work.ops_start + work.ops_len, deferred: 0, held: 0 })
     }
 }

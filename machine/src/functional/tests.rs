@@ -22,18 +22,18 @@ fn sum(stats: &Stats, of: impl Fn(&crate::ti::TrvStats) -> u64) -> u64 {
 }
 
 #[test]
-fn features_of_the_tiles_add_up_to_what_was_counted() {
+fn features_and_progress_add_up_to_what_was_counted() {
     let (tree, config) = (balanced_topology(8, 2), config(&[]));
     let mut machine = FunctionalMachine::new(&config, &tree, SHAPE);
     tiles(&tree, 20).into_iter().for_each(|tile| machine.feed(tile));
     machine.finish();
-    let mut all = Features::default();
-    machine.features().iter().for_each(|tile| all.add_part(tile, 1.0));
+    let all = machine.done();
+    assert!((machine.progress() - 20.0).abs() < 1e-9, "{}", machine.progress());
+    assert_eq!(machine.sizes().len(), 20);
     let stats = machine.stats();
     let tests: u64 = stats.ist().map(|unit| unit.events.triangle_tests).sum();
     let visits = sum(&stats, |unit| unit.events.node_visits);
     assert_eq!(all.cost(), visits as f64 + 1.5 * tests as f64 + 4.0 * stats.rays() as f64);
-    assert_eq!(machine.done(), &all);
     let misses: u64 = stats.ist().map(|unit| unit.l1.misses).sum();
     assert_eq!(all.0[1..4], [tests as f64, sum(&stats, |unit| unit.l1.misses) as f64, misses as f64]);
     let dram = stats.memory.dram();
@@ -85,7 +85,9 @@ fn what_is_done_and_what_is_left_at_a_checkpoint_is_all() {
     let (rest, _) = rest.finish(&mut NoProbe).unwrap();
     assert_eq!(before.rays() + rest.rays(), after.rays());
     let visits = |stats: &Stats| sum(stats, |unit| unit.events.node_visits);
-    assert_eq!(visits(&before) + visits(&rest), visits(&after));
+    // Rays that were on their way begin again.
+    let again = visits(&before) + visits(&rest) - visits(&after);
+    assert!(again < visits(&after) / 20, "{again} of {}", visits(&after));
     assert!(rest.tiles == 3 && visits(&rest) > 0 && visits(&before) > 0);
 }
 

@@ -69,7 +69,7 @@ use transfers::Transfers;
 use crate::component::{Component, Tick};
 use crate::config::MachineConfig;
 use crate::functional::RestOfTile;
-use crate::link::RayUnit;
+use crate::link::{RayRef, RayUnit};
 use crate::memory::{L1Cache, Memory, Port, Response, Tags};
 use crate::time::{TiCycle, When};
 use crate::work::TileWork;
@@ -115,9 +115,10 @@ impl Srp {
         self.next = self.next.min(When::at(now));
     }
 
-    /// Puts what is left of a tile into the first free slot, before the first tick.
+    /// Puts what is left of a tile into the first free slot, before the first tick. Rays that were out are sent again.
     pub(crate) fn resume(&mut self, rest: &RestOfTile) {
-        self.tiles.resume(rest, &mut self.transfers);
+        let slot = self.tiles.resume(rest, &mut self.transfers);
+        self.array.output.extend(rest.rays_out.iter().map(|&ray| RayRef { slot, ray }));
         self.next = When::at(TiCycle(0));
     }
 

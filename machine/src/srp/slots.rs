@@ -99,11 +99,13 @@ impl TileSlots {
         slot.give(id as u8, age, work, &mut context);
     }
 
-    /// As [`TileSlots::give`], for what is left of a tile.
-    pub fn resume(&mut self, rest: &RestOfTile, transfers: &mut Transfers) {
+    /// As [`TileSlots::give`], for what is left of a tile; gives the slot.
+    pub fn resume(&mut self, rest: &RestOfTile, transfers: &mut Transfers) -> u8 {
         let (id, age) = self.take_slot();
+        self.rays_out += rest.rays_out.len();
         let (slot, mut context) = self.with_context(id, transfers);
         slot.resume(id as u8, age, rest, &mut context);
+        id as u8
     }
 
     /// The first free slot, and the number of the tile that it gets.

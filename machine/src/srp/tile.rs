@@ -135,7 +135,8 @@ impl Slot {
         assert!(self.is_free(), "tile slot {id} is taken");
         (self.work, self.age, self.round, self.written_bytes) = (Arc::clone(&rest.work), age, round, rest.written_bytes);
         self.queues = rest.queues.clone();
-        self.pending = self.queues.items() as u32;
+        self.rays_out = rest.rays_out.len() as u32;
+        self.pending = self.queues.items() as u32 + self.rays_out;
         self.phase = Phase::Samples;
     }
 

@@ -52,7 +52,7 @@ pub fn extrapolate(config: &MachineConfig, passed: &Passed, detail: Detail) -> M
         let (stats, energy) = frame.run(&list);
         Replicate { stats, energy }
     });
-    let tiles = passed.features.len() as u64;
+    let tiles = passed.sizes.len() as u64;
     let (all, certain) = (frame.rest.cost() + frame.certain.features.cost(), frame.certain.features.cost());
     let part = if all > 0.0 { (measured + certain) / all } else { 1.0 };
     let estimate = Estimate {
@@ -70,8 +70,6 @@ pub fn extrapolate(config: &MachineConfig, passed: &Passed, detail: Detail) -> M
 
 impl<'a> Frame<'a> {
     fn new(config: &'a MachineConfig, passed: &'a Passed) -> Self {
-        let mut total = Features::default();
-        passed.features.iter().for_each(|tile| total.add_part(tile, 1.0));
         let nothing = Sum { counters: vec![0.0; passed.counted.list().len()], features: Features::default() };
         let (mut windows, mut certain) = (Vec::new(), nothing);
         for Measured { counters, features, is_certain } in &passed.windows {
@@ -82,7 +80,7 @@ impl<'a> Frame<'a> {
                 windows.push(sum);
             }
         }
-        let mut rest = total;
+        let mut rest = passed.features;
         rest.add_part(&certain.features, -1.0);
         let rates = rates_used(windows.len());
         Self { config, passed, certain, windows, rest, rates, is_exact: exact_counters(config) }

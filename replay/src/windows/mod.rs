@@ -19,7 +19,6 @@ use std::sync::Arc;
 
 use rayreel_machine::config::MachineConfig;
 use rayreel_machine::energy::EnergyReport;
-use rayreel_machine::functional::Features;
 use rayreel_machine::system::Probe;
 use rayreel_machine::work::check::PathCounts;
 use rayreel_machine::work::topology::Topology;
@@ -133,7 +132,7 @@ impl<S: PathSource + ?Sized, P: Probe> Simulation<'_, '_, S, P> {
             return Ok(counted(config, &passed));
         }
         for _ in 0..PASSES {
-            let Some(held) = places.filter(|_| !is_dominated(&passed.features, slots(config))) else { break };
+            let Some(held) = places.filter(|_| !is_dominated(&passed.sizes, slots(config))) else { break };
             let run = extrapolate::extrapolate(config, &passed, self.detail);
             let Detail::Precision(wanted) = self.detail else { return Ok(run) };
             let width = widest(&run);
@@ -142,7 +141,7 @@ impl<S: PathSource + ?Sized, P: Probe> Simulation<'_, '_, S, P> {
             }
             // The width falls with the square root of the number of windows.
             let factor = (width / wanted.fraction()).powi(2) * 1.3;
-            places = held.more(passed.features.len(), factor.max(1.5));
+            places = held.more(passed.sizes.len(), factor.max(1.5));
             if places.is_some() {
                 self.replayer.restore(begin);
                 let again = std::slice::from_ref(&places);
@@ -180,7 +179,7 @@ fn counted(config: &MachineConfig, passed: &Passed) -> MachineRun {
     let energy = EnergyReport::new(config, &stats);
     let estimate = Estimate {
         detail: Detail::Counts,
-        tiles: passed.features.len() as u64,
+        tiles: passed.sizes.len() as u64,
         detailed_tiles: 0,
         windows: 0,
         whole_frames: 0,
@@ -191,9 +190,9 @@ fn counted(config: &MachineConfig, passed: &Passed) -> MachineRun {
 }
 
 /// Whether one tile takes so much of the frame that it decides about its time.
-fn is_dominated(tiles: &[Features], slots: usize) -> bool {
-    let total: f64 = tiles.iter().map(Features::cost).sum();
-    let largest = tiles.iter().map(Features::cost).fold(0.0, f64::max);
+fn is_dominated(tiles: &[f64], slots: usize) -> bool {
+    let total: f64 = tiles.iter().sum();
+    let largest = tiles.iter().copied().fold(0.0, f64::max);
     total <= 0.0 || largest * ROUNDS * slots as f64 > total
 }
 

@@ -20,8 +20,10 @@ use crate::stop::Stop;
 pub struct Passed {
     /// What the functional machine counted.
     pub counted: Stats,
-    /// What was characteristic of each tile, by tile number.
-    pub features: Vec<Features>,
+    /// What was characteristic of the frame.
+    pub features: Features,
+    /// Sizes of the tiles, by tile number: operations, about.
+    pub sizes: Vec<f64>,
     /// What windows measured, in the order in which they began.
     pub windows: Vec<Measured>,
 }
@@ -215,7 +217,8 @@ impl<'a> MachinePass<'a> {
         let windows = std::mem::take(&mut *self.windows.lock().unwrap_or_else(PoisonError::into_inner));
         Ok(Passed {
             counted: self.functional.stats(),
-            features: self.functional.features().to_vec(),
+            features: *self.functional.done(),
+            sizes: self.functional.sizes().to_vec(),
             windows: windows.into_values().collect::<Result<_>>()?,
         })
     }

@@ -1,0 +1,84 @@
+//! What a core does next: which batch its SRP runs, by the rules of the SRP as far as they need no time.
+
+use std::cmp::Reverse;
+
+use super::in_flight::InFlight;
+use crate::config::MachineConfig;
+use crate::srp::{KernelId, QueueId, READERS};
+
+/// What a core does next.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Turn {
+    /// The tile of a slot, of which nothing waits, takes its next step.
+    Step(usize),
+    /// The SRP runs a batch: slot, queue, and most items.
+    Batch(usize, QueueId, usize),
+    /// The T&I unit works.
+    Trace,
+}
+
+/// The rules of batches.
+pub(super) struct Batches {
+    /// The SRP takes no time.
+    is_ideal: bool,
+    /// Items of a batch.
+    least: usize,
+    most: usize,
+    /// Rays that the T&I unit holds, and how many are few.
+    room: usize,
+    low: usize,
+}
+
+impl Batches {
+    pub fn new(config: &MachineConfig) -> Self {
+        let (ti, srp) = (&config.ti, &config.srp);
+        let room = (ti.ray_fifo_entries + ti.trv * ti.rays_per_trv) as usize;
+        Self {
+            is_ideal: srp.ideal,
+            least: srp.batch_min.max(1) as usize,
+            most: srp.batch_max.max(1) as usize,
+            room,
+            low: room.div_ceil(2),
+        }
+    }
+
+    /// What a core with these tiles does next while so many of its rays are in the T&I unit.
+    pub fn next(&self, slots: &[Option<InFlight>], rays: usize) -> Turn {
+        let low = rays < self.low;
+        let mut best: Option<((bool, usize, Reverse<usize>), Turn)> = None;
+        for (slot, tile) in slots.iter().enumerate() {
+            let Some(tile) = tile else { continue };
+            if tile.rays_out == 0 && tile.rest.queues.items() == 0 {
+                return Turn::Step(slot);
+            }
+            tile.rest.queues.each(|queue, items| {
+                let most = self.most(queue.kernel, rays);
+                let emits = queue.kernel.emits();
+                let rank = if self.is_ideal {
+                    // Hits first; rays are started as far as there is room for them beside those.
+                    (queue.kernel != KernelId::Raygen, usize::MAX - slot, Reverse(0))
+                } else {
+                    (low && emits, items, Reverse(tile.number))
+                };
+                let grows = queue.kernel != KernelId::Raygen && tile.rays_out > 0;
+                let ready = self.is_ideal || items >= self.least || !grows || low && emits;
+                // While the unit has rays enough the SRP would wait for room in the output queue.
+                let waits = !self.is_ideal && emits && !low && rays > 0;
+                if most > 0 && ready && !waits && best.as_ref().is_none_or(|(other, _)| rank > *other) {
+                    best = Some((rank, Turn::Batch(slot, queue, most)));
+                }
+            });
+        }
+        best.map_or(Turn::Trace, |(_, turn)| turn)
+    }
+
+    /// Most items of a batch.
+    fn most(&self, kernel: KernelId, rays: usize) -> usize {
+        match kernel {
+            KernelId::Raygen if self.is_ideal => self.room.saturating_sub(rays),
+            _ if self.is_ideal => usize::MAX,
+            KernelId::Shade => self.most.min(READERS),
+            _ => self.most,
+        }
+    }
+}
