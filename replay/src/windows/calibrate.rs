@@ -13,7 +13,7 @@ use rayreel_machine::functional::{FEATURES, Features};
 const RATES: [usize; FEATURES - 1] = [4, 1, 5, 2, 3, 6];
 
 /// Windows that a rate takes to be used.
-const WINDOWS_A_RATE: usize = 4;
+const WINDOWS_A_RATE: usize = 8;
 
 /// How much rates are kept from pulling, as a part of their variance.
 const RIDGE: f64 = 0.05;

@@ -9,18 +9,18 @@
 use crate::detail::Detail;
 
 /// Fewer windows than this tell too little about one another.
-const FEWEST_WINDOWS: usize = 24;
+const FEWEST_WINDOWS: usize = 32;
 /// What a window measures, in tiles. Work of many short windows tells more than the same work in few long ones, for neighbours
 /// are alike; but a window has to be longer than what is under way at its ends.
-const LENGTH: f64 = 2.0;
+const LENGTH: f64 = 1.0;
 /// What is simulated before a window and not measured, in tiles: until the machine is as full as it was.
-const WARM_UP: f64 = 1.25;
+const WARM_UP: f64 = 0.5;
 /// More of the tiles than this, warm-up included, are not worth a sample: the frame is simulated whole.
 const WORTH: f64 = 0.6;
 /// Where all is simulated: tiles of a window for each slot of the machine, and tiles of its warm-up. Each seam between two
 /// windows costs accuracy, and the warm-up of each costs time; but the tiles of a window are in memory together.
 const LONG_WINDOW: usize = 16;
-const LONG_WARM_UP: f64 = 2.0;
+const LONG_WARM_UP: f64 = 1.0;
 
 /// Where a window lies, in tiles that are done before.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -111,17 +111,17 @@ mod tests {
     #[test]
     fn windows_are_as_many_as_asked_for_and_evenly_spread() {
         let places = Places::sample(8192, 8, 0.05).unwrap();
-        assert_eq!(places.list.len(), 205 + 2);
-        let middle = &places.list[1..206];
-        let part = 8184.0 / 205.0;
+        assert_eq!(places.list.len(), 410 + 2);
+        let middle = &places.list[1..411];
+        let part = 8184.0 / 410.0;
         for (i, place) in middle.iter().enumerate() {
             let begin = 4.0 + i as f64 * part;
             assert!(place.from >= begin && place.to <= begin + part + 1e-6, "{place:?}");
             assert!((place.to - place.from - LENGTH).abs() < 1e-9);
         }
-        let mean = middle.iter().map(|place| place.from).sum::<f64>() / 205.0;
-        assert!((mean - 4095.0).abs() < 1.0, "{mean}");
-        assert_eq!((places.list[0].to, places.list[206].from), (4.0, 8188.0));
+        let mean = middle.iter().map(|place| place.from).sum::<f64>() / 410.0;
+        assert!((mean - 4095.5).abs() < 1.0, "{mean}");
+        assert_eq!((places.list[0].to, places.list[411].from), (4.0, 8188.0));
     }
 
     #[test]
