@@ -1,5 +1,7 @@
 //! What is characteristic of a tile: the sums that its time depends on.
 
+use crate::work::cost;
+
 /// How many there are.
 pub const FEATURES: usize = 7;
 
@@ -20,12 +22,6 @@ enum Feature {
     /// SRP cycles of items, without prologues.
     SrpCycles,
     Rays,
-}
-
-/// The size of work: node visits, one and a half for each triangle test, which takes longer, and four for each ray, whatever it
-/// meets.
-pub(crate) fn cost(visits: u64, tests: u64, rays: u64) -> f64 {
-    visits as f64 + 1.5 * tests as f64 + 4.0 * rays as f64
 }
 
 impl Features {

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::srp::Queues;
+use crate::srp::{Queues, RestOfTile};
 use crate::work::TileWork;
 
 /// A tile on its way through a functional machine.
@@ -20,21 +20,6 @@ pub(super) struct InFlight {
 
 /// What a ray counts for beside its operations.
 const RAY: f64 = 4.0;
-
-/// What is left of a tile that is being worked on.
-#[derive(Clone, Debug)]
-pub struct RestOfTile {
-    /// The tile.
-    pub(crate) work: Arc<TileWork>,
-    /// Rounds that have begun. What is left of the last of them waits in the queues.
-    pub(crate) begun: usize,
-    /// What waits for the SRP.
-    pub(crate) queues: Queues,
-    /// Rays that were sent to the T&I unit and have not come back, in a checkpoint.
-    pub(crate) rays_out: Vec<u32>,
-    /// Bytes of samples that its rounds wrote to an external buffer.
-    pub(crate) written_bytes: u64,
-}
 
 impl InFlight {
     /// A tile that has just been given.

@@ -24,16 +24,14 @@ mod tests;
 mod warm;
 
 pub use exact::exact_counters;
-pub(crate) use features::cost;
 pub use features::{FEATURES, Features};
-pub use in_flight::RestOfTile;
 use warm::WarmState;
 
 use std::sync::Arc;
 
 use crate::config::MachineConfig;
 use crate::link::RayRef;
-use crate::srp::{FrameShape, KernelId, QueueId};
+use crate::srp::{FrameShape, KernelId, QueueId, RestOfTile};
 use crate::stats::Stats;
 use crate::work::TileWork;
 use crate::work::topology::Topology;

@@ -104,7 +104,8 @@ impl RaysInside {
     /// The unit that has fewest rays gets the next, as long as one has room.
     fn deal(&mut self, slots: &[Option<InFlight>], room: usize) {
         while !self.waiting.is_empty() {
-            let Some(unit) = self.units.iter_mut().min_by_key(|unit| unit.len()).filter(|unit| unit.len() < room) else {
+            let Some(unit) = self.units.iter_mut().min_by_key(|unit| unit.len()).filter(|unit| unit.len() < room)
+            else {
                 return;
             };
             let ray = self.waiting.pop_front();
@@ -134,7 +135,8 @@ impl RayTracer {
         (features, finished): (&mut Features, &mut Vec<RayRef>),
     ) {
         const ROUNDS: u32 = 4;
-        let ops: Vec<&[Op]> = slots.iter().map(|tile| tile.as_ref().map_or(&[][..], |tile| &tile.rest.work.ops)).collect();
+        let ops: Vec<&[Op]> =
+            slots.iter().map(|tile| tile.as_ref().map_or(&[][..], |tile| &tile.rest.work.ops)).collect();
         let mut ist_events = vec![IstEvents::default(); tags.ist.len()];
         let (mut visits, mut tests, mut misses) = (0, 0, 0);
         let before = finished.len();

@@ -7,12 +7,12 @@ use rayreel_formats::tile::RayKind;
 use super::batch::taker;
 use super::kernels::KernelId;
 use super::local::TileBuffer;
+use super::rest::RestOfTile;
 use super::stats::LocalCounters;
 use super::tile::{FrameShape, Slot, TileContext};
 use super::transfers::Transfers;
 use crate::config::MachineConfig;
 use crate::link::RayRef;
-use crate::functional::RestOfTile;
 use crate::work::TileWork;
 use crate::work::layout::Layout;
 

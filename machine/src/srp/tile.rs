@@ -18,11 +18,11 @@ use super::kernels::KernelId;
 use super::local::TileBuffer;
 use super::queues::Queues;
 use super::raster::Raster;
+use super::rest::RestOfTile;
 use super::stats::LocalCounters;
 use crate::link::RayRef;
 use crate::memory::Route;
 use crate::work::layout::{Layout, Region};
-use crate::functional::RestOfTile;
 use crate::work::{Round, TileWork};
 use rayreel_formats::scene::Rect;
 use rayreel_formats::tile::RayKind;
@@ -133,7 +133,8 @@ impl Slot {
     pub fn resume(&mut self, id: u8, age: u64, rest: &RestOfTile, context: &mut TileContext<'_>) {
         let Some(round) = rest.begun.checked_sub(1) else { return self.give(id, age, Arc::clone(&rest.work), context) };
         assert!(self.is_free(), "tile slot {id} is taken");
-        (self.work, self.age, self.round, self.written_bytes) = (Arc::clone(&rest.work), age, round, rest.written_bytes);
+        (self.work, self.age, self.round, self.written_bytes) =
+            (Arc::clone(&rest.work), age, round, rest.written_bytes);
         self.queues = rest.queues.clone();
         self.rays_out = rest.rays_out.len() as u32;
         self.pending = self.queues.items() as u32 + self.rays_out;

@@ -38,10 +38,10 @@ use wheel::{Event, EventKind, Wheel};
 use crate::component::{Component, Tick};
 use crate::config::MachineConfig;
 use crate::counters::{StageBusy, counters};
-use crate::functional::cost;
 use crate::link::{RayMessage, RayRef, RayUnit};
 use crate::memory::{Memory, Port, Tags};
 use crate::time::{TiCycle, When};
+use crate::work::cost;
 
 counters! {
     /// What the ray buffer and the dispatcher did.
@@ -234,7 +234,7 @@ impl TiUnit {
         counters
     }
 
-    /// The work that is done, as [`crate::functional::Features::cost`] counts it.
+    /// The work that is done, as [`cost`] counts it.
     pub(crate) fn done(&self) -> f64 {
         let (visits, tests) = self.trv.iter().map(Trv::done).fold((0, 0), |sum, unit| (sum.0 + unit.0, sum.1 + unit.1));
         let tests = tests + self.ist.iter().map(Ist::tests).sum::<u64>();

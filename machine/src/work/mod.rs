@@ -84,6 +84,12 @@ pub struct TileWork {
     pub rounds: Vec<Round>,
 }
 
+/// The size of work: node visits, one and a half for each triangle test, which takes longer, and four for each ray, whatever it
+/// meets.
+pub(crate) fn cost(visits: u64, tests: u64, rays: u64) -> f64 {
+    visits as f64 + 1.5 * tests as f64 + 4.0 * rays as f64
+}
+
 impl TileWork {
     /// Number of operations that its rays do, whether they share them or not.
     pub fn operations(&self) -> u64 {

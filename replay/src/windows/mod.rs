@@ -35,10 +35,6 @@ use places::Places;
 /// A machine with its name.
 pub type Named<'a> = (&'a str, &'a MachineConfig);
 
-/// A tile that takes more than its machine's whole slots take in so many rounds decides about the end of the frame by itself: a
-/// frame with such a tile is simulated whole.
-const ROUNDS: f64 = 4.0;
-
 /// Passes after which the precision asked for is given up for a whole simulation.
 const PASSES: usize = 3;
 
@@ -189,11 +185,12 @@ fn counted(config: &MachineConfig, passed: &Passed) -> MachineRun {
     MachineRun { stats, energy, paths: PathCounts::default(), estimate: Some(estimate) }
 }
 
-/// Whether one tile takes so much of the frame that it decides about its time.
+/// Whether one tile decides about the time of the frame: what all slots share between them takes no longer. Such a frame has no
+/// typical parts.
 fn is_dominated(tiles: &[f64], slots: usize) -> bool {
     let total: f64 = tiles.iter().sum();
     let largest = tiles.iter().copied().fold(0.0, f64::max);
-    total <= 0.0 || largest * ROUNDS * slots as f64 > total
+    total <= 0.0 || largest * slots as f64 > total
 }
 
 /// The wider of the intervals of cycles and energy, as a part of the value.
