@@ -17,6 +17,9 @@ pub(super) enum Turn {
     Trace,
 }
 
+/// Which queue comes first: the largest rank.
+type Rank = (bool, usize, Reverse<usize>);
+
 /// The rules of batches.
 pub(super) struct Batches {
     /// The SRP takes no time.
@@ -45,7 +48,7 @@ impl Batches {
     /// What a core with these tiles does next while so many of its rays are in the T&I unit.
     pub fn next(&self, slots: &[Option<InFlight>], rays: usize) -> Turn {
         let low = rays < self.low;
-        let mut best: Option<((bool, usize, Reverse<usize>), Turn)> = None;
+        let mut best: Option<(Rank, Turn)> = None;
         for (slot, tile) in slots.iter().enumerate() {
             let Some(tile) = tile else { continue };
             if tile.rays_out == 0 && tile.rest.queues.items() == 0 {
