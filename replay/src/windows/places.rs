@@ -9,12 +9,12 @@
 use crate::detail::Detail;
 
 /// Fewer windows than this tell too little about one another.
-const FEWEST_WINDOWS: usize = 32;
-/// What a window measures, in tiles. Work of many short windows tells more than the same work in few long ones, for neighbours
-/// are alike; but a window has to be longer than what is under way at its ends.
-const LENGTH: f64 = 1.0;
+const FEWEST_WINDOWS: usize = 24;
+/// What a window measures, in tiles: the less the fewer tiles there are. Work of many short windows tells more than the same work
+/// in few long ones, for neighbours are alike; but a window has to be longer than what is under way at its ends.
+const LENGTH: (f64, f64) = (2.0, 4.0);
 /// What is simulated before a window and not measured, in tiles: until the machine is as full as it was.
-const WARM_UP: f64 = 0.5;
+const WARM_UP: f64 = 1.0;
 /// More of the tiles than this, warm-up included, are not worth a sample: the frame is simulated whole.
 const WORTH: f64 = 0.6;
 /// Where all is simulated: tiles of a window for each slot of the machine, and tiles of its warm-up. Each seam between two
@@ -46,9 +46,10 @@ impl Places {
     /// The windows of a frame of `tiles` tiles on a machine with `slots` tile slots; nothing where the frame is to be simulated
     /// whole. `share` is the part of the tiles to be measured.
     pub fn sample(tiles: usize, slots: usize, share: f64) -> Option<Self> {
-        let (windows, tiles) = ((share * tiles as f64 / LENGTH).round() as usize, tiles as f64);
-        let (windows, edge) = (windows.max(FEWEST_WINDOWS), slots as f64 / 2.0);
-        if windows as f64 * (LENGTH + WARM_UP) + 2.0 * edge + WARM_UP > WORTH * tiles {
+        let (tiles, edge) = (tiles as f64, slots as f64 / 2.0);
+        let length = (share * tiles / FEWEST_WINDOWS as f64).clamp(LENGTH.0, LENGTH.1);
+        let windows = ((share * tiles / length).round() as usize).max(FEWEST_WINDOWS);
+        if windows as f64 * (length + WARM_UP) + 2.0 * edge + WARM_UP > WORTH * tiles {
             return None;
         }
         let (first, last) = (edge, tiles - edge);
@@ -56,8 +57,8 @@ impl Places {
             // Somewhere in the i-th of equal parts: multiples of the golden ratio are spread evenly, however many there are.
             let at = (i as f64 * 0.618_033_988_749_895).fract();
             let part = (last - first) / windows as f64;
-            let from = first + i as f64 * part + at * (part - LENGTH);
-            Place { begin: (from - WARM_UP).max(0.0), from, to: from + LENGTH, is_certain: false }
+            let from = first + i as f64 * part + at * (part - length);
+            Place { begin: (from - WARM_UP).max(0.0), from, to: from + length, is_certain: false }
         };
         let start = Place { begin: 0.0, from: 0.0, to: first, is_certain: true };
         let end = Place { begin: last - WARM_UP, from: last, to: f64::INFINITY, is_certain: true };
@@ -87,10 +88,11 @@ impl Places {
         }
     }
 
-    /// As these, but more of them by this factor; nothing if that is too many.
+    /// As these, but measuring more by this factor; nothing if that is too much.
     pub fn more(&self, tiles: usize, factor: f64) -> Option<Self> {
-        let windows = factor * (self.list.len() - 2) as f64;
-        Self::sample(tiles, self.slots, windows.ceil() * LENGTH / tiles as f64)
+        let sampled = self.list.iter().filter(|place| !place.is_certain);
+        let measured: f64 = sampled.map(|place| place.to - place.from).sum();
+        Self::sample(tiles, self.slots, factor * measured / tiles as f64)
     }
 
     /// The windows, in order.
@@ -111,17 +113,17 @@ mod tests {
     #[test]
     fn windows_are_as_many_as_asked_for_and_evenly_spread() {
         let places = Places::sample(8192, 8, 0.05).unwrap();
-        assert_eq!(places.list.len(), 410 + 2);
-        let middle = &places.list[1..411];
-        let part = 8184.0 / 410.0;
+        assert_eq!(places.list.len(), 102 + 2);
+        let middle = &places.list[1..103];
+        let part = 8184.0 / 102.0;
         for (i, place) in middle.iter().enumerate() {
             let begin = 4.0 + i as f64 * part;
             assert!(place.from >= begin && place.to <= begin + part + 1e-6, "{place:?}");
-            assert!((place.to - place.from - LENGTH).abs() < 1e-9);
+            assert!((place.to - place.from - LENGTH.1).abs() < 1e-9);
         }
-        let mean = middle.iter().map(|place| place.from).sum::<f64>() / 410.0;
-        assert!((mean - 4095.5).abs() < 1.0, "{mean}");
-        assert_eq!((places.list[0].to, places.list[411].from), (4.0, 8188.0));
+        let mean = middle.iter().map(|place| place.from).sum::<f64>() / 102.0;
+        assert!((mean - 4094.0).abs() < 2.0, "{mean}");
+        assert_eq!((places.list[0].to, places.list[103].from), (4.0, 8188.0));
     }
 
     #[test]
