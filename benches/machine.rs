@@ -152,7 +152,7 @@ fn all(trace: &Trace, presets: bool, plain: Option<Plain<'_>>) {
     for (name, _) in PRESETS.iter().filter(|(name, _)| presets || *name == "sgrt-ti2") {
         let machine = NamedMachine::load(name, &[]).expect("a preset");
         for policy in POLICIES {
-            if policy != "full" && machine.config.srp.kernels.similarity.ii_cycles == 0 {
+            if policy != "full" && machine.config.srp.kernels.similarity.stages == 0 {
                 continue;
             }
             let case = Case { trace, tree: &tree, policy, machine: &machine };

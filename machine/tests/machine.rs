@@ -93,10 +93,7 @@ fn presets_are_what_their_names_say() {
     assert_eq!(of("sgrt-ti2-rob").ti.miss_handling, MissHandling::Reorder);
     assert!(of("sgrt-hybrid-number").layout.node_bytes < base.layout.node_bytes);
     let raycore = of("raycore");
-    assert_eq!(
-        (raycore.ti.pipeline, raycore.ti.ist, raycore.srp.kernels.similarity.ii_cycles),
-        (Pipeline::Unified, 0, 0)
-    );
+    assert_eq!((raycore.ti.pipeline, raycore.ti.ist, raycore.srp.kernels.similarity.stages), (Pipeline::Unified, 0, 0));
     assert_eq!(of("hybrid-raster").gpu.primary_visibility, PrimaryVisibility::Raster);
     assert_eq!(of("external-buffers").gpu.geometry_buffer, GeometryBuffer::External);
     assert_eq!(of("no-direct-interface").gpu.interface, Interface::Memory);
@@ -158,7 +155,7 @@ fn impossible_values_are_named() {
         (&["dram.channels=3"], "dram.channels = 3 is not a power of two"),
         (&["srp.batch_min=257"], "srp.batch_min = 257 is more than srp.batch_max = 256"),
         (&["srp.kernels.shade.ii_cycles=0"], "from 1 to 10000"),
-        (&["srp.kernels.similarity.ii_cycles=0"], "a machine has both kernels or (0) neither"),
+        (&["srp.kernels.similarity.stages=0"], "a machine has all kernels of policies or (0) none"),
         (&["srp.ideal=1"], "true or false"),
         (&["energy.box_test_pj=-1"], "a number of picojoules from 0 to 1000000"),
         (&["energy.box_test_pj=nan"], "a number of picojoules"),

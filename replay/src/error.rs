@@ -121,7 +121,7 @@ pub enum RequestError {
     /// The machine has no kernel that the policy needs.
     #[error(
         "machine {machine} has no kernel {kernels}, which the policy needs; use policy full, another machine, or give it one \
-         (--set srp.kernels.similarity.ii_cycles=2)"
+         (srp.kernels.*.stages)"
     )]
     MissingKernel {
         /// The machine.

@@ -19,14 +19,14 @@ use crate::error::{RequestError, Result};
 use crate::frame::{FrameReplay, PassedFrame, Replayer};
 use crate::source::PathSource;
 use rayreel_formats::scene::Meta;
-use rayreel_machine::config::MachineConfig;
+use rayreel_machine::config::{Framebuffer, MachineConfig};
 use rayreel_machine::energy::EnergyReport;
 use rayreel_machine::srp::{FrameShape, Needs, missing_kernels};
 use rayreel_machine::stats::Stats;
 use rayreel_machine::system::{NoProbe, Probe, System};
-use rayreel_machine::work::TileWork;
 use rayreel_machine::work::check::PathCounts;
 use rayreel_machine::work::topology::Topology;
+use rayreel_machine::work::{PolicyReads, TileWork};
 
 /// A replayed frame with what it cost on a machine.
 #[derive(Clone, Debug)]
@@ -110,8 +110,9 @@ pub(crate) fn pass_all<S: PathSource + ?Sized, P: Probe>(
     probe: &mut P,
 ) -> Result<(PassedFrame, Vec<MachineRun>)> {
     let meta = replayer.source().meta();
+    let reads = replayer.reads();
     let mut systems: Vec<System<'_, _>> =
-        machines.iter().map(|(_, config)| System::new(config, tree, frame_shape(meta, config))).collect();
+        machines.iter().map(|(_, config)| System::new(config, tree, frame_shape(meta, config, reads))).collect();
     let passed = replayer.pass(frame, tree, |work| {
         machines.iter().try_for_each(|machine| check_kernels(*machine, &work))?;
         let Some((first, others)) = systems.split_first_mut() else { return Ok(()) };
@@ -128,8 +129,15 @@ pub(crate) fn pass_all<S: PathSource + ?Sized, P: Probe>(
 }
 
 /// The framebuffer of a trace's frames on a machine.
-pub(crate) fn frame_shape(meta: &Meta, config: &MachineConfig) -> FrameShape {
-    FrameShape { width_pixels: meta.width, samples_per_axis: meta.samples, pixel_bytes: config.layout.pixel_bytes }
+pub(crate) fn frame_shape(meta: &Meta, config: &MachineConfig, policy: PolicyReads) -> FrameShape {
+    let (pixel_bytes, samples) = (config.layout.pixel_bytes, meta.samples.max(1));
+    let pixels = u64::from(meta.tile.div_ceil(samples)).pow(2);
+    let line = u64::from(config.l2.line_bytes);
+    let tile_bytes = match config.layout.framebuffer {
+        Framebuffer::Tiled => (pixels * u64::from(pixel_bytes)).next_multiple_of(line),
+        Framebuffer::Linear => 0,
+    };
+    FrameShape { width_pixels: meta.width, samples_per_axis: meta.samples, pixel_bytes, tile_bytes, policy }
 }
 
 /// An error if a machine lacks a kernel that a tile needs.

@@ -44,7 +44,7 @@ fn the_functional_pass_counts_what_every_machine_counts() {
         for (name, _) in PRESETS {
             let machine = NamedMachine::load(name, &[]).unwrap();
             for policy in ["full", "paper-ss", "multirate", "quality"] {
-                if policy != "full" && machine.config.srp.kernels.similarity.ii_cycles == 0 {
+                if policy != "full" && machine.config.srp.kernels.similarity.stages == 0 {
                     continue;
                 }
                 let [full, counts] = ["full", "counts"].map(|detail| run(&trace, policy, &machine, detail));

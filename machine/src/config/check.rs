@@ -75,7 +75,14 @@ fn dram(config: &MachineConfig) -> Option<String> {
         ("dram.banks", dram.banks.into()),
         ("dram.row_bytes", dram.row_bytes.into()),
         ("dram.burst_bytes", dram.burst_bytes.into()),
+        ("dram.interleave_bytes", dram.interleave_bytes.into()),
     ])
+    .or_else(|| {
+        let (at, row) = (dram.interleave_bytes, dram.row_bytes);
+        (at < line || at > row).then(|| {
+            format!("dram.interleave_bytes = {at} is not from l2.line_bytes = {line} to dram.row_bytes = {row}")
+        })
+    })
     .or_else(|| {
         (line < dram.burst_bytes)
             .then(|| format!("l2.line_bytes = {line} is less than dram.burst_bytes = {}", dram.burst_bytes))
@@ -101,15 +108,22 @@ fn dram(config: &MachineConfig) -> Option<String> {
     })
 }
 
-/// Adaptive sampling needs both of its kernels.
+/// Adaptive sampling needs all of its kernels.
 fn kernels(kernels: &Kernels) -> Option<String> {
-    let (test, mix) = (kernels.similarity.ii_cycles, kernels.interpolate.ii_cycles);
-    ((test == 0) != (mix == 0)).then(|| {
-        format!(
-            "srp.kernels.similarity.ii_cycles = {test} and srp.kernels.interpolate.ii_cycles = {mix}: a machine has both \
-             kernels or (0) neither"
-        )
-    })
+    let Kernels { similarity, colour, interpolate, attributes, control, .. } = kernels;
+    let all = [
+        ("similarity", similarity),
+        ("colour", colour),
+        ("interpolate", interpolate),
+        ("attributes", attributes),
+        ("control", control),
+    ];
+    let has = |wanted| all.iter().find(|(_, kernel)| (kernel.stages > 0) == wanted);
+    let (present, absent) = has(true).zip(has(false))?;
+    Some(format!(
+        "srp.kernels.{}.stages = {} and srp.kernels.{}.stages = 0: a machine has all kernels of policies or (0) none",
+        present.0, present.1.stages, absent.0
+    ))
 }
 
 fn srp(config: &MachineConfig) -> Option<String> {

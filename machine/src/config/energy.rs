@@ -12,7 +12,11 @@ settings! {
         box_test_pj: Picojoules = EVENT, "test of one box (two boxes a two-AABB operation)", "pJ";
         triangle_test_pj: Picojoules = EVENT, "test of one triangle", "pJ";
         ray_setup_pj: Picojoules = EVENT, "ray setup", "pJ";
-        bypass_pj: Picojoules = EVENT, "an operation that passes a pipeline as a bypass", "pJ";
+        bypass_stage_pj: Picojoules = EVENT, "a stage of a pipeline that an operation passes as a bypass", "pJ";
+        trv_clock_pj: Picojoules = EVENT, "a cycle of a traversal unit whose clock runs: rays are in it", "pJ";
+        ist_clock_pj: Picojoules = EVENT, "a cycle of an intersection unit whose clock runs: rays are in the T&I unit", "pJ";
+        srp_clock_pj: Picojoules = EVENT, "an SRP cycle of an array whose clock runs: it has tiles", "pJ";
+        network_pj_per_byte: Picojoules = EVENT, "wires between cores and L2, requests and lines", "pJ per byte";
         ray_buffer_read_pj: Picojoules = EVENT, "read of a ray's record from a ray buffer", "pJ";
         ray_buffer_write_pj: Picojoules = EVENT, "write of a ray's record into a ray buffer", "pJ";
         stack_push_pj: Picojoules = EVENT, "push onto a traversal stack", "pJ";
@@ -38,10 +42,11 @@ settings! {
         dram_refresh_pj: Picojoules = EVENT, "DRAM: refresh of all banks of a channel", "pJ";
         dram_phy_pj_per_byte: Picojoules = EVENT, "PHY and controller", "pJ per byte";
         dram_background_uw: u64 = LEAKAGE, "DRAM background, per channel", "uW";
+        dram_power_down_uw: u64 = LEAKAGE, "DRAM background in power-down, per channel", "uW";
         sram_leakage_uw_per_kib: u64 = Integer(0, 1_000_000), "SRAM leakage", "uW per KiB";
         trv_leakage_uw: u64 = LEAKAGE, "logic leakage of a TRV unit", "uW";
         ist_leakage_uw: u64 = LEAKAGE, "logic leakage of an IST unit", "uW";
         srp_leakage_uw: u64 = LEAKAGE, "logic leakage of an SRP", "uW";
-        clock_tree_percent: u64 = Integer(0, 100), "clock tree: share of dynamic on-chip energy, added to each component", "%";
+        clock_tree_percent: u64 = Integer(0, 100), "clock tree: share of dynamic energy of on-chip components whose clock is gated access by access", "%";
     }
 }

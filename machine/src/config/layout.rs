@@ -1,7 +1,17 @@
 //! What lies in memory and how large it is, and the rasteriser.
 
 use rayreel_settings::Rule::Integer;
-use rayreel_settings::settings;
+use rayreel_settings::{settings, words};
+
+words! {
+    /// Order of the pixels in memory.
+    pub enum Framebuffer {
+        /// Tile by tile, as tile-based GPUs write them: the pixels of a tile lie together.
+        Tiled = "tiled",
+        /// Row by row of the picture.
+        Linear = "linear",
+    }
+}
 
 settings! {
     /// Sizes of what lies in memory.
@@ -10,6 +20,7 @@ settings! {
     pub struct LayoutSizes {
         node_bytes: u32 = Integer(8, 256), "a node of two children", "bytes";
         triangle_bytes: u32 = Integer(8, 256), "a triangle", "bytes";
+        framebuffer: Framebuffer = Framebuffer::RULE, "order of the pixels of the framebuffer";
         pixel_bytes: u32 = Integer(1, 32), "a pixel of the framebuffer", "bytes";
     }
 

@@ -20,12 +20,12 @@ mod whole;
 pub use rayreel_settings::{Ancestor, Bytes, Class, Picojoules, Sourced, units};
 
 pub use cache::{L1, L2, Replacement};
-pub use dram::Dram;
+pub use dram::{Dram, PagePolicy};
 pub use energy::Energy;
 pub use gpu::{GeometryBuffer, Gpu, Interface, PrimaryVisibility};
-pub use layout::{LayoutSizes, Raster};
+pub use layout::{Framebuffer, LayoutSizes, Raster};
 pub use load::NamedMachine;
 pub use schema::{MACHINES, PRESETS};
-pub use srp::{Divergence, Kernel, Kernels, SampleFields, Srp};
+pub use srp::{Divergence, Kernel, Kernels, MixOps, PolicyKernel, SampleFields, Srp, TestOps};
 pub use ti::{MissHandling, Pipeline, Ti};
 pub use whole::MachineConfig;

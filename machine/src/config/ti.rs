@@ -41,7 +41,8 @@ settings! {
         // Slot masks have 128 bits.
         rays_per_trv: u32 = Integer(1, 128), "rays that a traversal unit holds";
         ist_entries: u32 = Integer(1, 128), "entries of the input buffer of an intersection unit", "leaf tasks";
-        miss_handling: MissHandling = MissHandling::RULE, "miss handling of traversal and intersection units";
+        miss_handling: MissHandling = MissHandling::RULE, "miss handling of traversal units";
+        ist_miss_handling: MissHandling = MissHandling::RULE, "miss handling of intersection units";
         accumulate_rows: u32 = Integer(1, 128),
             "rows of a ray accumulation buffer: lines waited for at a time (accumulate)";
         accumulate_rays_per_row: u32 = Integer(1, 128), "rays that a row can hold (accumulate)";

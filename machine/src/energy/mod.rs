@@ -1,17 +1,22 @@
 //! Energy: counters times energy per event, and leakage times time, by component.
 //!
 //! Rules:
-//! - dynamic energy is a sum of counter x femtojoules, in integers. On-chip components add `energy.clock_tree_percent` for the
-//!   clock tree; DRAM and PHY do not, for their figures hold it. The sum is rounded to a femtojoule once per component;
+//! - dynamic energy is a sum of counter x femtojoules, in integers. Traversal units, intersection units and SRPs pay for their
+//!   clock and pipeline registers in each cycle in which they have work, whether an operation issues or not. On-chip components
+//!   that are gated access by access (memories, buffers, wires) add `energy.clock_tree_percent` instead; DRAM and PHY do not,
+//!   for their figures hold it. The sum is rounded to a femtojoule once per component;
 //! - leakage is microwatts x time, time being cycles of the T&I clock over its megahertz, rounded once per component. Memories
 //!   leak by size: a ray's record is 64 bytes, a stack entry 4. The background power of the DRAM counts as its leakage;
 //! - a lookup that hits, and a late read of a line that had missed, pay the read of a line; a lookup that misses or merges pays
 //!   the tags. Attempts that a full cache refuses are free: the request is held, not looked up again;
 //! - a ray passes the ray buffer once (a write and a read), a leaf task the crossbar twice (there and back);
+//! - a bypass pays for each stage of the pipeline that it passes;
+//! - what an L1 asks the L2 for travels there (an address of 8 bytes) and back (a line);
+//! - a channel in power-down has a lower background power;
 //! - the direct interface is paid per byte; through memory, the traffic is paid at the DRAM instead;
 //! - a unified pipeline tests triangles in the traversal unit, and their energy stands there.
 
-use crate::config::{Energy, Interface, L1, MachineConfig, MissHandling, Picojoules};
+use crate::config::{Energy, Interface, L1, MachineConfig, MissHandling, Picojoules, Pipeline};
 use crate::memory::{CacheCounters, ChannelCounters};
 use crate::srp::SrpStats;
 use crate::stats::Stats;
@@ -22,6 +27,8 @@ use crate::work::layout::Region;
 const RECORD_BYTES: u64 = 64;
 /// Bytes of a stack entry.
 const STACK_ENTRY_BYTES: u64 = 4;
+/// Bytes of a request on its way to the L2.
+const ADDRESS_BYTES: u64 = 8;
 /// Entries of a full stack (`ti.stack_entries = 0`).
 const FULL_STACK_ENTRIES: u64 = 64;
 
@@ -72,7 +79,7 @@ impl Component {
 pub struct EnergyReport {
     /// The components, in order of the report.
     pub components: Vec<Component>,
-    /// Dynamic energy of L2, DRAM and PHY that nodes and triangles caused: of the L2 by its lookups, of DRAM and PHY by bytes,
+    /// Dynamic energy of L2, its wires, DRAM and PHY that nodes and triangles caused: of L2 and wires by lookups, of DRAM and PHY by bytes,
     /// each rounded down. It is part of the components of the memory and is not added to them.
     pub ti_memory_fj: u128,
 }
@@ -181,25 +188,29 @@ impl<'a> Sums<'a> {
             * u64::from(ti.rays_per_trv);
         let buffers = [&self.trv_buffer, &self.ist_buffer];
         let buffer = |of: fn(&InputBufferCounters) -> u64| buffers.into_iter().map(of).sum::<u64>();
-        let rows = match ti.miss_handling {
+        let rows = |mode| match mode {
             MissHandling::Accumulate => u64::from(ti.accumulate_rows) * u64::from(self.config.l2.line_bytes),
             MissHandling::Retry | MissHandling::Reorder => 0,
         };
         let buffer_bytes = self.cores * u64::from(ti.ray_fifo_entries) * RECORD_BYTES
-            + trvs * (u64::from(ti.rays_per_trv) * RECORD_BYTES + rows)
-            + ists * (u64::from(ti.ist_entries) * RECORD_BYTES + rows);
+            + trvs * (u64::from(ti.rays_per_trv) * RECORD_BYTES + rows(ti.miss_handling))
+            + ists * (u64::from(ti.ist_entries) * RECORD_BYTES + rows(ti.ist_miss_handling));
         let of = |name, events: &[(u64, Picojoules)], uw, bytes| self.component(name, Group::Ti, events, uw, bytes);
+        let clocked = |name, events: &[(u64, Picojoules)], uw| self.clocked(name, Group::Ti, events, uw);
         [
-            of(
+            clocked(
                 "trv",
                 &[
                     (trv(|u| u.events.box_tests), energy.box_test_pj),
                     (trv(|u| u.events.triangle_tests), energy.triangle_test_pj),
-                    (trv(|u| u.events.bypasses), energy.bypass_pj),
+                    (trv(|u| u.events.bypasses) * self.bypassed_stages(), energy.bypass_stage_pj),
                     (rays, energy.ray_setup_pj),
+                    (
+                        trv(|u| u.stages.first().map_or(0, |(_, account)| account.total() - account.idle)),
+                        energy.trv_clock_pj,
+                    ),
                 ],
                 trvs * energy.trv_leakage_uw,
-                0,
             ),
             of(
                 "stacks",
@@ -210,14 +221,14 @@ impl<'a> Sums<'a> {
                 0,
                 trvs * stack_bytes,
             ),
-            of(
+            clocked(
                 "ist",
                 &[
                     (ist(|u| u.events.triangle_tests), energy.triangle_test_pj),
-                    (ist(|u| u.events.bypasses), energy.bypass_pj),
+                    (ist(|u| u.events.bypasses) * u64::from(ti.ist_cycles), energy.bypass_stage_pj),
+                    (ist(|u| u.activity.total() - u.activity.idle), energy.ist_clock_pj),
                 ],
                 ists * energy.ist_leakage_uw,
-                0,
             ),
             of(
                 "trv_l1",
@@ -258,18 +269,32 @@ impl<'a> Sums<'a> {
         let local =
             [(sum(&|s| s.local.reads), energy.local_read_pj), (sum(&|s| s.local.writes), energy.local_write_pj)];
         let ops = sum(&|s| s.kernels.iter().map(|k| k.ops).sum());
+        let clock = sum(&|s| s.activity.total() - s.activity.idle);
+        let srp = [(ops, energy.srp_op_pj), (clock, energy.srp_clock_pj)];
         let of = |name, events: &[(u64, Picojoules)], uw, bytes| self.component(name, Group::Srp, events, uw, bytes);
         let (l1_size, local_size) = (l1_bytes(&self.config.srp.l1), self.config.srp.local_memory.0);
         [
-            of("srp", &[(ops, energy.srp_op_pj)], self.cores * energy.srp_leakage_uw, 0),
+            self.clocked("srp", Group::Srp, &srp, self.cores * energy.srp_leakage_uw),
             of("srp_l1", &l1_events(energy, &l1, 0, energy.srp_l1_read_pj), 0, self.cores * l1_size),
             of("local_memory", &local, 0, self.cores * local_size),
             of("interface", &[(bytes, energy.interface_pj_per_byte)], 0, 0),
         ]
     }
 
-    fn memory(&self) -> [Component; 3] {
+    /// Stages that a bypass passes in a traversal unit.
+    fn bypassed_stages(&self) -> u64 {
+        let ti = &self.config.ti;
+        let stages = match ti.pipeline {
+            Pipeline::Parallel => ti.inner_cycles,
+            Pipeline::Single => ti.inner_cycles + ti.leaf_cycles + ti.stack_cycles,
+            Pipeline::Unified => ti.inner_cycles + ti.leaf_cycles + ti.stack_cycles + ti.ist_cycles,
+        };
+        stages.into()
+    }
+
+    fn memory(&self) -> [Component; 4] {
         let (energy, l2, dram) = (&self.config.energy, &self.stats.memory.l2, &self.dram);
+        let network = l2.lookups * (ADDRESS_BYTES + u64::from(self.config.l2.line_bytes));
         let l2 =
             [(l2.hits, energy.l2_read_pj), (l2.misses + l2.merges, energy.l2_miss_pj), (l2.fills, energy.l2_fill_pj)];
         let rows = [
@@ -280,17 +305,28 @@ impl<'a> Sums<'a> {
         ];
         let bytes = (dram.reads + dram.writes) * u64::from(self.config.dram.burst_bytes);
         let background = u64::from(self.config.dram.channels) * energy.dram_background_uw;
+        let saved = energy.dram_background_uw.saturating_sub(energy.dram_power_down_uw);
+        let saved_fj =
+            nearest(u128::from(saved) * u128::from(dram.powered_down) * 1000, self.config.dram.clock_mhz.max(1).into());
         let off_chip = |name, events: &[_], uw| Component {
             name,
             group: Group::Memory,
             dynamic_fj: dynamic(events),
             leakage_fj: self.leakage(uw, 0),
         };
+        let mut device = off_chip("dram", &rows, background);
+        device.leakage_fj = device.leakage_fj.saturating_sub(saved_fj);
         [
             self.component("l2", Group::Memory, &l2, 0, self.config.l2.size.0),
-            off_chip("dram", &rows, background),
+            self.component("network", Group::Memory, &[(network, energy.network_pj_per_byte)], 0, 0),
+            device,
             off_chip("dram_phy", &[(bytes, energy.dram_phy_pj_per_byte)], 0),
         ]
+    }
+
+    /// Logic whose clock is among its events.
+    fn clocked(&self, name: &'static str, group: Group, events: &[(u64, Picojoules)], uw: u64) -> Component {
+        Component { name, group, dynamic_fj: dynamic(events), leakage_fj: self.leakage(uw, 0) }
     }
 
     /// An on-chip component: events with their energies, logic leakage in microwatts, bytes of SRAM.
@@ -321,7 +357,7 @@ impl<'a> Sums<'a> {
         let traffic = &self.stats.memory.traffic;
         let of_ti = |bytes: &[u64]| bytes[Region::Node as usize] + bytes[Region::Triangle as usize];
         let bytes = of_ti(&traffic.read) + of_ti(&traffic.written);
-        share(dynamic("l2"), self.trv_l1.misses + self.ist_l1.misses, self.stats.memory.l2.lookups)
+        share(dynamic("l2") + dynamic("network"), self.trv_l1.misses + self.ist_l1.misses, self.stats.memory.l2.lookups)
             + share(dynamic("dram") + dynamic("dram_phy"), bytes, traffic.total())
     }
 }

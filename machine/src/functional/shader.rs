@@ -5,7 +5,10 @@ use super::memory::TagMemory;
 use super::warm::CoreTags;
 use crate::config::{Interface, MachineConfig, PrimaryVisibility};
 use crate::memory::{Route, Tags};
-use crate::srp::{Costs, FrameShape, KernelId, Queues, ShadeReads, TileBuffer, framebuffer_rows, sent_ray, taker};
+use crate::srp::{
+    Costs, FrameShape, KernelId, Queues, Sends, ShadeReads, TileBuffer, border_offset, framebuffer_rows, sent_ray,
+    taker,
+};
 use crate::stats::CoreStats;
 use crate::work::layout::{Layout, Region};
 use crate::work::{Round, TileWork};
@@ -34,9 +37,9 @@ impl Shader {
         Self {
             layout,
             shape,
-            costs: Costs::new(config),
+            costs: Costs::new(config, &shape.policy),
             reads: ShadeReads::new(config, layout),
-            buffer: TileBuffer::new(config),
+            buffer: TileBuffer::new(config, &shape.policy),
             rasters: gpu.primary_visibility == PrimaryVisibility::Raster,
             gbuffer_bytes: config.raster.gbuffer_bytes.into(),
             direct: gpu.interface == Interface::Direct,
@@ -58,7 +61,9 @@ impl Shader {
     ) {
         self.transfer((Region::Sample, Route::Read), 0, self.buffer.round_read_bytes(round), counted, memory);
         self.items(KernelId::Similarity, round.tests.into(), counted, features);
+        self.items(KernelId::Colour, round.colours.into(), counted, features);
         self.items(KernelId::Interpolate, round.interpolated.into(), counted, features);
+        self.items(KernelId::Attributes, round.attributes.into(), counted, features);
         let mut seen = 0;
         for &ray in &round.starts {
             if self.rasters && work.rays[ray as usize].kind == RayKind::Primary {
@@ -93,8 +98,8 @@ impl Shader {
         let items = rays as u64;
         let kernel = &mut counted.srp.kernels[KernelId::Raygen as usize];
         kernel.items += items;
-        kernel.ops += items * self.costs.ops(KernelId::Raygen, 0);
-        features.add_srp_cycles(items * self.costs.interval(KernelId::Raygen, 0));
+        kernel.ops += items * self.costs.ops(KernelId::Raygen, Sends::default(), 1);
+        features.add_srp_cycles(items * self.costs.interval(KernelId::Raygen, Sends::default()));
     }
 
     /// Sends rays to the T&I unit, which sends hits back.
@@ -126,11 +131,11 @@ impl Shader {
         let (mut cycles, mut lines) = (0, 0);
         for &number in batch {
             let ray = &work.rays[number as usize];
-            let shadows = if kernel == KernelId::Shade { ray.shadows } else { 0 };
+            let sends = Sends::of(kernel, ray);
             let items = &mut counted.srp.kernels[kernel as usize];
             items.items += 1;
-            items.ops += self.costs.ops(kernel, shadows);
-            cycles += self.costs.interval(kernel, shadows) + self.costs.inspector(kernel, 1);
+            items.ops += self.costs.ops(kernel, sends, 1);
+            cycles += self.costs.interval(kernel, sends) + self.costs.inspector(kernel, 1);
             self.buffer.count(kernel, ray.kind == RayKind::Primary, 1, &mut counted.srp.local);
             if kernel == KernelId::Shade {
                 for (line, region) in self.reads.lines(ray) {
@@ -152,10 +157,12 @@ impl Shader {
         for route in [Route::Write, Route::Read] {
             self.transfer((Region::Sample, route), 0, spilled * sample, counted, memory);
             let border = u64::from(work.border_samples) * sample;
-            self.transfer((Region::Border, route), u64::from(work.tile) << 16, border, counted, memory);
+            self.transfer((Region::Border, route), border_offset(work.tile), border, counted, memory);
         }
+        self.items(KernelId::Colour, work.audited_samples.into(), counted, features);
+        self.items(KernelId::Control, self.shape.policy.control.into(), counted, features);
         self.items(KernelId::Resolve, work.rect.len() as u64, counted, features);
-        for (address, bytes) in framebuffer_rows(self.shape, work.rect) {
+        for (address, bytes) in framebuffer_rows(self.shape, work) {
             let at = (Region::Framebuffer, Route::Write);
             self.transfer(at, address - Region::Framebuffer.base(), bytes, counted, memory);
         }
@@ -166,9 +173,11 @@ impl Shader {
     fn items(&self, kernel: KernelId, items: u64, counted: &mut CoreStats, features: &mut Features) {
         let counters = &mut counted.srp.kernels[kernel as usize];
         counters.items += items;
-        counters.ops += items * self.costs.ops(kernel, 0);
+        counters.ops += items * self.costs.ops(kernel, Sends::default(), 1);
         self.buffer.count(kernel, false, items, &mut counted.srp.local);
-        features.add_srp_cycles(items * self.costs.interval(kernel, 0) + self.costs.inspector(kernel, items));
+        features.add_srp_cycles(
+            items * self.costs.interval(kernel, Sends::default()) + self.costs.inspector(kernel, items),
+        );
     }
 
     /// Moves `bytes` from `offset` of a region on.

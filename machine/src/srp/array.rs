@@ -5,7 +5,7 @@ use std::collections::VecDeque;
 use super::batch::{Batch, BatchContext, Choosing, OUTPUT_RAYS, Progress, choose, sent_ray};
 use super::clock::Clock;
 use super::gather::Gather;
-use super::kernels::{Costs, KernelId};
+use super::kernels::{Costs, KernelId, Sends};
 use super::queues::QueueId;
 use super::slots::TileSlots;
 use super::stats::ArrayCounters;
@@ -15,6 +15,7 @@ use crate::config::MachineConfig;
 use crate::link::RayRef;
 use crate::memory::Port;
 use crate::time::{ClockCycle, SrpCycle, TiCycle, When};
+use crate::work::PolicyReads;
 use crate::work::layout::Layout;
 
 /// What the array waits for while it runs no batch: for a tile, for rays that are out, or for a tile's transfers.
@@ -60,12 +61,12 @@ pub struct Array {
 }
 
 impl Array {
-    /// The array of a machine; its L1 is at `port`.
-    pub fn new(config: &MachineConfig, layout: Layout, port: Port) -> Self {
+    /// The array of a machine under a policy; its L1 is at `port`.
+    pub fn new(config: &MachineConfig, layout: Layout, port: Port, policy: &PolicyReads) -> Self {
         let clock = Clock::new(config);
         Self {
             clock,
-            costs: Costs::new(config),
+            costs: Costs::new(config, policy),
             ideal: config.srp.ideal,
             batch_min: config.srp.batch_min.max(1) as usize,
             batch_max: config.srp.batch_max.max(1) as usize,
@@ -201,11 +202,11 @@ impl Array {
         counters.items += items as u64;
         slot.pending -= items as u32;
         if rays.is_empty() {
-            counters.ops += items as u64 * self.costs.ops(kernel, 0);
+            counters.ops += items as u64 * self.costs.ops(kernel, Sends::default(), 1);
         }
         for &ray in &rays {
             let work = &slot.work.rays[ray as usize];
-            counters.ops += self.costs.ops(kernel, if kernel == KernelId::Shade { work.shadows } else { 0 });
+            counters.ops += self.costs.ops(kernel, Sends::of(kernel, work), 1);
             if kernel == KernelId::Shade {
                 self.gather.add(0, work);
             }

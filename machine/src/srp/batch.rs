@@ -18,7 +18,7 @@ use std::collections::VecDeque;
 
 use super::clock::Clock;
 use super::gather::{Gather, READERS};
-use super::kernels::{Costs, KernelId};
+use super::kernels::{Costs, KernelId, Sends};
 use super::queues::QueueId;
 use super::stats::ArrayCounters;
 use super::tile::Slot;
@@ -219,7 +219,7 @@ impl Batch {
 
     /// Kernels that send nothing: all items count when the last is complete, since nobody sees them earlier.
     fn whole(&mut self, now: TiCycle, context: &mut BatchContext<'_>) -> Progress {
-        let cycles = self.prologue + self.items * context.costs.interval(self.kernel, 0) * self.branches;
+        let cycles = self.prologue + self.items * context.costs.interval(self.kernel, Sends::default()) * self.branches;
         let end = self.at + self.inspector + cycles;
         if context.clock.ti(end) > now {
             return Progress::At(context.clock.ti(end));
@@ -229,16 +229,13 @@ impl Batch {
         context.slot.pending -= self.items as u32;
         let kernel = &mut context.counters.kernels[self.kernel as usize];
         kernel.items += self.items;
-        kernel.ops += self.items * context.costs.ops(self.kernel, 0);
+        kernel.ops += self.items * context.costs.ops(self.kernel, Sends::default(), self.branches);
         Progress::Ended
     }
 
     fn complete_item(&mut self, now: TiCycle, ray: u32, context: &mut BatchContext<'_>) -> Progress {
-        let shadows = match self.kernel {
-            KernelId::Shade => context.slot.work.rays[ray as usize].shadows,
-            _ => 0,
-        };
-        let cycles = self.prologue + context.costs.interval(self.kernel, shadows) * self.branches;
+        let sends = Sends::of(self.kernel, &context.slot.work.rays[ray as usize]);
+        let cycles = self.prologue + context.costs.interval(self.kernel, sends) * self.branches;
         let computed = self.at + self.inspector + cycles;
         let ready =
             if self.kernel == KernelId::Shade { context.gather.ready(self.next) } else { Some(SrpCycle::START) };
@@ -252,7 +249,7 @@ impl Batch {
         (self.at, self.inspector, self.prologue, self.complete) = (at, 0, 0, true);
         let kernel = &mut context.counters.kernels[self.kernel as usize];
         kernel.items += 1;
-        kernel.ops += context.costs.ops(self.kernel, shadows);
+        kernel.ops += context.costs.ops(self.kernel, sends, self.branches);
         Progress::Ended
     }
 

@@ -4,7 +4,7 @@
 //!   `srp.l1.latency_cycles` SRP cycles later (at least 1), a miss when its line has arrived. While all MSHRs are taken no line
 //!   is looked up. An item is not complete before its lines are there; later items move back with it. (Estimate.)
 //! * Attributes: the lines of the hit triangle. Texel: one a hit, as if each sample covered one texel (a perfect choice of the
-//!   mip level): 4x4-texel blocks in the order of the screen, apart by material and by depth. (Estimate.)
+//!   mip level): 4x4-texel blocks, tiled in the order of the screen, apart by material and by depth. (Estimate.)
 
 use std::collections::VecDeque;
 
@@ -48,9 +48,11 @@ impl ShadeReads {
         (attributes.first..=attributes.last).map(|line| (line, Region::Attribute)).chain(texel)
     }
 
-    /// 2^30 bytes a material, a quarter of them for each of four depths, blocks row by row, 4096 a row.
+    /// 2^30 bytes a material, a quarter of them for each of four depths. Textures are tiled: 8x8 blocks together, such squares row
+    /// by row, 512 a row. So the texels of a tile lie together, and not at a power of two from each other.
     fn texel_address(&self, ray: &RayWork) -> u64 {
-        let block = u64::from(ray.y >> 2) << 12 | u64::from((ray.x >> 2) & 0xfff);
+        let square = u64::from(ray.y >> 5) << 9 | u64::from((ray.x >> 5) & 0x1ff);
+        let block = square << 6 | u64::from((ray.y >> 2) & 7) << 3 | u64::from((ray.x >> 2) & 7);
         let plane = u64::from(ray.material & 0x3ff) << 30 | u64::from(ray.depth & 3) << 28;
         Region::Texture.base() + plane + ((block * self.texel_block_bytes) & 0x0fff_ffff)
     }

@@ -7,12 +7,17 @@
 //!   inspector, `inspector_cycles` an item, which sorts items by branch; a batch then has one branch.
 //! * `divergence = "naive"`: one batch holds items of k branches and each item pays for all of them (predicated execution):
 //!   `prologue + k x intervals`. `similarity` has k = 2 in a round that both interpolates and traces.
-//! * The interval of a `shade` item is `shade.ii + light.ii x (shadow rays - 1)`: the first light is part of `shade`.
+//! * The interval of a `shade` item is `shade.ii + light.ii x (shadow rays - 1) + secondary.ii x (reflection and refraction
+//!   rays)`: the first light is part of `shade`.
+//! * What a policy adds has kernels whose operations are counted from what it reads ([`PolicyReads`]): `similarity` the
+//!   attributes of a pair of hits, `colour` a difference of colours, `interpolate` the colour of a sample, `attributes` what
+//!   later tests read of an interpolated hit, `control` the rate or limit of a tile. Their interval is the operations over
+//!   `srp.ops_per_cycle`, rounded up, and the prologue so many stages of it.
 //!
 //! Class of these rules: estimate, except that kernels use inspector and executor (paper).
 
-use crate::config::{Divergence, Kernel, MachineConfig};
-use crate::work::TileWork;
+use crate::config::{Divergence, Kernel, MachineConfig, PolicyKernel};
+use crate::work::{NO_RAY, PolicyReads, RayWork, TileWork};
 
 /// The kernels, in order of the report and of priority among equals.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -27,16 +32,35 @@ pub enum KernelId {
     ShadowResult = 3,
     /// A similarity test.
     Similarity = 4,
+    /// A difference of colours.
+    Colour = 5,
     /// An interpolated sample.
-    Interpolate = 5,
+    Interpolate = 6,
+    /// The attributes of an interpolated hit.
+    Attributes = 7,
+    /// The rate or limit of a tile.
+    Control = 8,
     /// A sample averaged into its pixel.
-    Resolve = 6,
+    Resolve = 9,
 }
+
+/// Number of kernels.
+pub const KERNELS: usize = 10;
 
 impl KernelId {
     /// All kernels, in order.
-    pub const ALL: [Self; 7] =
-        [Self::Raygen, Self::Shade, Self::Miss, Self::ShadowResult, Self::Similarity, Self::Interpolate, Self::Resolve];
+    pub const ALL: [Self; KERNELS] = [
+        Self::Raygen,
+        Self::Shade,
+        Self::Miss,
+        Self::ShadowResult,
+        Self::Similarity,
+        Self::Colour,
+        Self::Interpolate,
+        Self::Attributes,
+        Self::Control,
+        Self::Resolve,
+    ];
 
     /// The name, as presets and reports print it.
     pub fn name(self) -> &'static str {
@@ -46,7 +70,10 @@ impl KernelId {
             Self::Miss => "miss",
             Self::ShadowResult => "update",
             Self::Similarity => "similarity",
+            Self::Colour => "colour",
             Self::Interpolate => "interpolate",
+            Self::Attributes => "attributes",
+            Self::Control => "control",
             Self::Resolve => "resolve",
         }
     }
@@ -60,25 +87,83 @@ impl KernelId {
     pub fn branches(self) -> bool {
         matches!(self, Self::Shade | Self::Similarity)
     }
+
+    /// Whether its items are rays that came back or are to be sent; else they are counted only.
+    pub fn takes_rays(self) -> bool {
+        matches!(self, Self::Raygen | Self::Shade | Self::Miss | Self::ShadowResult)
+    }
 }
 
-/// Costs of all kernels of a machine.
+/// The rays that an item of `shade` sends.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Sends {
+    /// Shadow rays.
+    pub shadows: u8,
+    /// Reflection and refraction rays.
+    pub secondary: u8,
+}
+
+impl Sends {
+    /// Those of an item of `kernel`.
+    #[inline]
+    pub fn of(kernel: KernelId, ray: &RayWork) -> Self {
+        if kernel != KernelId::Shade {
+            return Self::default();
+        }
+        let secondary = u8::from(ray.reflect != NO_RAY) + u8::from(ray.refract != NO_RAY);
+        Self { shadows: ray.shadows, secondary }
+    }
+}
+
+/// Costs of all kernels of a machine under a policy.
 #[derive(Clone, Debug)]
 pub struct Costs {
-    kernels: [Kernel; 7],
+    kernels: [Kernel; KERNELS],
     light: Kernel,
+    secondary: Kernel,
     inspector_cycles: Option<u64>,
+    inspector_ops: u64,
 }
 
 impl Costs {
-    /// The costs of a machine.
-    pub fn new(config: &MachineConfig) -> Self {
-        let k = &config.srp.kernels;
+    /// The costs of a machine under a policy that reads what `policy` says.
+    pub fn new(config: &MachineConfig, policy: &PolicyReads) -> Self {
+        let (srp, k) = (&config.srp, &config.srp.kernels);
+        let only = |ops: u32, is_read: bool| if is_read { ops } else { 0 };
+        let (test, mix) = (&srp.test_ops, &srp.mix_ops);
+        let tests = only(test.object, policy.object)
+            + only(test.normal, policy.normal)
+            + only(test.shadow, policy.shadow)
+            + only(test.position, policy.position)
+            + only(test.plane, policy.plane);
+        let mixed = only(mix.identity, policy.object || policy.shadow)
+            + only(mix.normal, policy.normal || policy.plane)
+            + only(mix.position, policy.distance())
+            + only(mix.distance, policy.distance())
+            + only(mix.local, policy.local)
+            + only(mix.weights, policy.weights);
+        let made = |kernel: &PolicyKernel, more: u32| {
+            let ops = kernel.ops + more;
+            let ii_cycles = ops.div_ceil(srp.ops_per_cycle.max(1)).max(1);
+            Kernel { ii_cycles, prologue_cycles: kernel.stages * ii_cycles, ops }
+        };
         Self {
-            kernels: [k.raygen, k.shade, k.miss, k.update, k.similarity, k.interpolate, k.resolve],
+            kernels: [
+                k.raygen,
+                k.shade,
+                k.miss,
+                k.update,
+                made(&k.similarity, tests),
+                made(&k.colour, 0),
+                made(&k.interpolate, 0),
+                made(&k.attributes, mixed),
+                made(&k.control, 0),
+                k.resolve,
+            ],
             light: k.light,
-            inspector_cycles: (config.srp.divergence == Divergence::Inspector)
-                .then_some(config.srp.inspector_cycles.into()),
+            secondary: k.secondary,
+            inspector_cycles: (srp.divergence == Divergence::Inspector).then_some(srp.inspector_cycles.into()),
+            inspector_ops: srp.inspector_ops.into(),
         }
     }
 
@@ -100,18 +185,24 @@ impl Costs {
         self.kernels[kernel as usize].prologue_cycles.into()
     }
 
-    /// SRP cycles from the item before to this one, for an item with `shadows` shadow rays, in a batch of one branch.
+    /// SRP cycles from the item before to this one, for an item that sends `sends`, in a batch of one branch.
     #[inline]
-    pub fn interval(&self, kernel: KernelId, shadows: u8) -> u64 {
+    pub fn interval(&self, kernel: KernelId, sends: Sends) -> u64 {
         let first = u64::from(self.kernels[kernel as usize].ii_cycles);
-        first + u64::from(self.light.ii_cycles) * u64::from(shadows.saturating_sub(1))
+        first
+            + u64::from(self.light.ii_cycles) * u64::from(sends.shadows.saturating_sub(1))
+            + u64::from(self.secondary.ii_cycles) * u64::from(sends.secondary)
     }
 
-    /// Operations of an item with `shadows` shadow rays. Operations of branches not taken are not counted.
+    /// Operations of an item that sends `sends`, in a batch of `branches` branches: predicated, an item does those of all. The
+    /// inspector's are among them.
     #[inline]
-    pub fn ops(&self, kernel: KernelId, shadows: u8) -> u64 {
+    pub fn ops(&self, kernel: KernelId, sends: Sends, branches: u64) -> u64 {
         let first = u64::from(self.kernels[kernel as usize].ops);
-        first + u64::from(self.light.ops) * u64::from(shadows.saturating_sub(1))
+        let rays = u64::from(self.light.ops) * u64::from(sends.shadows.saturating_sub(1))
+            + u64::from(self.secondary.ops) * u64::from(sends.secondary);
+        let inspector = if self.sorts() && kernel.branches() { self.inspector_ops } else { 0 };
+        (first + rays) * branches + inspector
     }
 }
 
@@ -128,8 +219,8 @@ impl Needs {
     /// What the work of a tile needs.
     pub fn of(work: &TileWork) -> Self {
         Self {
-            similarity: work.rounds.iter().any(|w| w.tests > 0),
-            interpolate: work.rounds.iter().any(|w| w.interpolated > 0),
+            similarity: work.rounds.iter().any(|w| w.tests > 0 || w.colours > 0),
+            interpolate: work.rounds.iter().any(|w| w.interpolated > 0 || w.attributes > 0),
         }
     }
 
@@ -139,12 +230,12 @@ impl Needs {
     }
 }
 
-/// Names of the kernels that are needed and that the machine does not have (`ii_cycles = 0`).
+/// Names of the kernels that are needed and that the machine does not have (`stages = 0`).
 pub fn missing_kernels(config: &MachineConfig, needs: &Needs) -> Vec<&'static str> {
     let k = &config.srp.kernels;
     [(needs.similarity, k.similarity, "similarity"), (needs.interpolate, k.interpolate, "interpolate")]
         .into_iter()
-        .filter(|(needed, kernel, _)| *needed && kernel.ii_cycles == 0)
+        .filter(|(needed, kernel, _)| *needed && kernel.stages == 0)
         .map(|(_, _, name)| name)
         .collect()
 }

@@ -4,31 +4,35 @@
 //!   its samples and of the neighbouring samples that it traces again. Samples beyond the share are spilled: written to memory
 //!   and read back once, at the end of the tile (estimate).
 //! * `geometry_buffer = "external"`: only the colour stays in local memory. After each round `sample.total() - colour` bytes a
-//!   traced sample are written. At the beginning of a round each test reads object, normal and shadow bits of two samples, each
-//!   interpolation the position of two. The bytes of a round are packed densely into lines (estimate). Nothing spills.
+//!   traced sample are written. At the beginning of a round each test reads what it tests of two samples, and each interpolated
+//!   hit what it is made of. The bytes of a round are packed densely into lines (estimate). Nothing spills.
 //! * Local memory is accessed in 4-byte words, each field rounded up. A shaded or missed primary writes a whole sample; a
-//!   shaded or missed secondary ray and a shadow result read and write the colour; a test reads object, normal and shadow of two
-//!   samples; an interpolation reads colour and position of two and writes a whole sample; resolve reads the colour (estimate).
+//!   shaded or missed secondary ray and a shadow result read and write the colour; a test reads what it tests of two samples, and
+//!   a difference of colours two colours; an interpolation reads two colours and writes one; an interpolated hit that later tests
+//!   read reads what it is made of twice and writes it; resolve reads the colour; a rate is a word (estimate).
+//! * Fields that a policy does not read (length of the ray, local colour, weights) take no room.
 
 use super::kernels::KernelId;
 use super::stats::LocalCounters;
 use crate::config::{GeometryBuffer, MachineConfig, SampleFields};
-use crate::work::{Round, TileWork};
+use crate::work::{PolicyReads, Round, TileWork};
 
 /// Sizes of the tile buffer.
 #[derive(Clone, Debug)]
 pub struct TileBuffer {
     fields: SampleFields,
+    policy: PolicyReads,
     share_bytes: u64,
     /// Whether attributes are kept in memory.
     pub external: bool,
 }
 
 impl TileBuffer {
-    /// The tile buffer of a machine.
-    pub fn new(config: &MachineConfig) -> Self {
+    /// The tile buffer of a machine under a policy.
+    pub fn new(config: &MachineConfig, policy: &PolicyReads) -> Self {
         Self {
-            fields: config.srp.sample.clone(),
+            fields: config.srp.sample.under(policy),
+            policy: *policy,
             share_bytes: config.srp.local_memory.0 / u64::from(config.gpu.tiles_in_flight.max(1)),
             external: config.gpu.geometry_buffer == GeometryBuffer::External,
         }
@@ -55,14 +59,38 @@ impl TileBuffer {
         if !self.external {
             return 0;
         }
-        let f = &self.fields;
-        let test = 2 * u64::from(f.object + f.normal + f.shadow);
-        u64::from(round.tests) * test + u64::from(round.interpolated) * 2 * u64::from(f.position)
+        let total = |fields: [u32; 8]| 2 * fields.into_iter().map(u64::from).sum::<u64>();
+        u64::from(round.tests) * total(self.tested())
+            + u64::from(round.colours) * 2 * u64::from(self.fields.local)
+            + u64::from(round.attributes) * total(self.mixed())
     }
 
     /// Bytes of the external buffer that a round writes when it is done.
     pub fn round_written_bytes(&self, round: &Round) -> u64 {
         if self.external { round.starts.len() as u64 * u64::from(self.fields.total() - self.fields.colour) } else { 0 }
+    }
+
+    /// Bytes of a sample that a test reads, by field; fields that the policy does not test are 0.
+    fn tested(&self) -> [u32; 8] {
+        let (f, p) = (&self.fields, &self.policy);
+        let only = |field, is_read: bool| if is_read { field } else { 0 };
+        [
+            only(f.object, p.object),
+            only(f.normal, p.normal || p.plane),
+            only(f.shadow, p.shadow),
+            only(f.position, p.distance()),
+            only(f.distance, p.distance()),
+            0,
+            0,
+            0,
+        ]
+    }
+
+    /// Bytes of a sample that an interpolated hit is made of and has, by field.
+    fn mixed(&self) -> [u32; 8] {
+        let mut mixed = self.tested();
+        (mixed[5], mixed[6]) = (self.fields.local, self.fields.weights);
+        mixed
     }
 
     /// Counts the accesses of `items` items; `primary` tells whether they are those of primary rays.
@@ -74,15 +102,18 @@ impl TileBuffer {
         let (reads, writes) = match kernel {
             KernelId::Raygen => (0, 0),
             KernelId::Shade | KernelId::Miss if primary => {
-                let all = words(f.object) + words(f.normal) + words(f.position) + words(f.shadow) + words(f.flags);
-                (0, colour + attributes(all))
+                let all = [f.object, f.normal, f.position, f.shadow, f.flags, f.distance, f.local, f.weights];
+                (0, colour + attributes(all.into_iter().map(words).sum()))
             }
             KernelId::Shade | KernelId::Miss | KernelId::ShadowResult => (colour, colour),
-            KernelId::Similarity => (attributes(2 * (words(f.object) + words(f.normal) + words(f.shadow))), 0),
-            KernelId::Interpolate => {
-                let all = words(f.object) + words(f.normal) + words(f.position) + words(f.shadow) + words(f.flags);
-                (2 * colour + attributes(2 * words(f.position)), colour + attributes(all))
+            KernelId::Similarity => (attributes(2 * self.tested().into_iter().map(words).sum::<u64>()), 0),
+            KernelId::Colour => (2 * colour + attributes(2 * words(f.local)), 0),
+            KernelId::Interpolate => (2 * colour, colour + attributes(words(f.flags))),
+            KernelId::Attributes => {
+                let mixed = self.mixed().into_iter().map(words).sum::<u64>();
+                (attributes(2 * mixed), attributes(mixed))
             }
+            KernelId::Control => (0, 1),
             KernelId::Resolve => (colour, 0),
         };
         counters.reads += reads * items;

@@ -51,15 +51,15 @@ pub(crate) use clock::srp_cycles;
 pub use context::{SrpContext, SrpPorts};
 pub(crate) use gather::{READERS, ShadeReads};
 pub use interface::UNWRITTEN_LINES;
-pub(crate) use kernels::Costs;
-pub use kernels::{KernelId, Needs, missing_kernels};
+pub(crate) use kernels::{Costs, Sends};
+pub use kernels::{KERNELS, KernelId, Needs, missing_kernels};
 pub(crate) use local::TileBuffer;
 pub(crate) use queues::{QueueId, Queues};
 pub use rest::RestOfTile;
 pub use stats::{DmaCounters, InterfaceCounters, KernelCounters, LocalCounters, SrpActivity, SrpReport, SrpStats};
 pub use stream::FLUSH_CYCLES;
 pub use tile::FrameShape;
-pub(crate) use tile::framebuffer_rows;
+pub(crate) use tile::{border_offset, framebuffer_rows};
 
 use std::sync::Arc;
 
@@ -91,7 +91,7 @@ impl Srp {
     /// The SRP of core `core`, without a tile.
     pub fn new(config: &MachineConfig, layout: Layout, core: u32, ports: SrpPorts, shape: FrameShape) -> Self {
         Self {
-            array: Array::new(config, layout, ports.l1),
+            array: Array::new(config, layout, ports.l1, &shape.policy),
             tiles: TileSlots::new(config, layout, core, shape),
             transfers: Transfers::new(config, core, ports),
             l1_port: ports.l1,

@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 
-use super::kernels::KernelId;
+use super::kernels::{KERNELS, KernelId};
 
 /// Items of one branch of `shade`.
 #[derive(Clone, Debug)]
@@ -27,7 +27,7 @@ pub struct Queues {
     shade: Vec<Branch>,
     shade_items: usize,
     rays: [VecDeque<u32>; 4],
-    counts: [u32; 7],
+    counts: [u32; KERNELS],
 }
 
 impl Queues {
@@ -76,7 +76,7 @@ impl Queues {
                         visit(QueueId { kernel, branch: 0 }, items);
                     }
                 }
-                KernelId::Similarity | KernelId::Interpolate | KernelId::Resolve => {
+                _ => {
                     let items = self.counts[kernel as usize] as usize;
                     if items > 0 {
                         visit(QueueId { kernel, branch: 0 }, items);
@@ -96,7 +96,7 @@ impl Queues {
         let queue = match id.kernel {
             KernelId::Shade => &mut self.shade[id.branch].rays,
             KernelId::Raygen | KernelId::Miss | KernelId::ShadowResult => &mut self.rays[id.kernel as usize],
-            KernelId::Similarity | KernelId::Interpolate | KernelId::Resolve => {
+            _ => {
                 let count = &mut self.counts[id.kernel as usize];
                 let items = most.min(*count as usize);
                 *count -= items as u32;

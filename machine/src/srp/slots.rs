@@ -40,7 +40,7 @@ impl TileSlots {
             free: slots,
             given: 0,
             rays_out: 0,
-            buffer: TileBuffer::new(config),
+            buffer: TileBuffer::new(config, &shape.policy),
             layout,
             shape,
             core,

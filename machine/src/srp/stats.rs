@@ -1,6 +1,6 @@
 //! What the SRP counts.
 
-use super::kernels::KernelId;
+use super::kernels::{KERNELS, KernelId};
 use crate::counters::counters;
 use crate::memory::CacheCounters;
 use crate::work::layout::Region;
@@ -23,7 +23,10 @@ counters! {
         miss: "SRP cycles", "in the miss kernel";
         shadow_result as "update": "SRP cycles", "in the update kernel";
         similarity: "SRP cycles", "in the similarity kernel";
+        colour: "SRP cycles", "in the colour kernel";
         interpolate: "SRP cycles", "in the interpolate kernel";
+        attributes: "SRP cycles", "in the attributes kernel";
+        control: "SRP cycles", "in the control kernel";
         resolve: "SRP cycles", "in the resolve kernel";
         inspector: "SRP cycles", "sorting items by branch";
         output: "SRP cycles", "a kernel has rays to send and the output queue is full";
@@ -42,8 +45,7 @@ impl SrpActivity {
 
     /// Cycles in kernels and inspector.
     pub fn busy_cycles(&self) -> u64 {
-        let Self { raygen, shade, miss, shadow_result, similarity, interpolate, resolve, inspector, .. } = *self;
-        raygen + shade + miss + shadow_result + similarity + interpolate + resolve + inspector
+        KernelId::ALL.into_iter().map(|kernel| self.in_kernel(kernel)).sum::<u64>() + self.inspector
     }
 
     /// Cycles in one kernel.
@@ -54,7 +56,10 @@ impl SrpActivity {
             KernelId::Miss => self.miss,
             KernelId::ShadowResult => self.shadow_result,
             KernelId::Similarity => self.similarity,
+            KernelId::Colour => self.colour,
             KernelId::Interpolate => self.interpolate,
+            KernelId::Attributes => self.attributes,
+            KernelId::Control => self.control,
             KernelId::Resolve => self.resolve,
         }
     }
@@ -66,7 +71,10 @@ impl SrpActivity {
             KernelId::Miss => &mut self.miss,
             KernelId::ShadowResult => &mut self.shadow_result,
             KernelId::Similarity => &mut self.similarity,
+            KernelId::Colour => &mut self.colour,
             KernelId::Interpolate => &mut self.interpolate,
+            KernelId::Attributes => &mut self.attributes,
+            KernelId::Control => &mut self.control,
             KernelId::Resolve => &mut self.resolve,
         } += cycles;
     }
@@ -130,7 +138,7 @@ impl DmaCounters {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ArrayCounters {
     /// Per kernel, in the order of [`KernelId::ALL`].
-    pub kernels: [KernelCounters; 7],
+    pub kernels: [KernelCounters; KERNELS],
     /// What the array did.
     pub activity: SrpActivity,
 }
@@ -139,7 +147,7 @@ pub struct ArrayCounters {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct SrpStats {
     /// Per kernel, in the order of [`KernelId::ALL`].
-    pub kernels: [KernelCounters; 7],
+    pub kernels: [KernelCounters; KERNELS],
     /// What the array did.
     pub activity: SrpActivity,
     /// Interface.

@@ -23,11 +23,11 @@ use super::stats::LocalCounters;
 use crate::link::RayRef;
 use crate::memory::Route;
 use crate::work::layout::{Layout, Region};
-use crate::work::{Round, TileWork};
+use crate::work::{PolicyReads, Round, TileWork};
 use rayreel_formats::scene::Rect;
 use rayreel_formats::tile::RayKind;
 
-/// The framebuffer.
+/// The framebuffer, and what the policy reads: the same for all tiles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FrameShape {
     /// Width of the frame in pixels.
@@ -36,6 +36,10 @@ pub struct FrameShape {
     pub samples_per_axis: u32,
     /// Bytes a pixel (`layout.pixel_bytes`).
     pub pixel_bytes: u32,
+    /// Bytes from one tile's pixels to the next one's; 0 where pixels lie row by row of the picture.
+    pub tile_bytes: u64,
+    /// What the policy reads.
+    pub policy: PolicyReads,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -94,6 +98,7 @@ impl Slot {
             rect: Rect { x: 0, y: 0, width: 0, height: 0 },
             apron_samples: 0,
             border_samples: 0,
+            audited_samples: 0,
             secondary_hits: 0,
             rays: Vec::new(),
             ops: Vec::new(),
@@ -149,8 +154,9 @@ impl Slot {
         match self.phase {
             Phase::Free => {}
             Phase::Reads => {
-                let tests = self.round().map_or(0, |w| w.tests);
+                let (tests, colours) = self.round().map_or((0, 0), |w| (w.tests, w.colours));
                 self.queue(KernelId::Similarity, tests, context);
+                self.queue(KernelId::Colour, colours, context);
                 self.phase = Phase::Tests;
             }
             Phase::Tests => {
@@ -165,6 +171,8 @@ impl Slot {
                 self.begin_round(id, context);
             }
             Phase::Traffic => {
+                self.queue(KernelId::Colour, self.work.audited_samples, context);
+                self.queue(KernelId::Control, context.shape.policy.control.into(), context);
                 self.queue(KernelId::Resolve, self.work.rect.len() as u32, context);
                 self.phase = Phase::Resolve;
             }
@@ -194,8 +202,9 @@ impl Slot {
     }
 
     fn begin_samples(&mut self, id: u8, context: &mut TileContext<'_>) {
-        let interpolated = self.round().map_or(0, |w| w.interpolated);
+        let (interpolated, attributes) = self.round().map_or((0, 0), |w| (w.interpolated, w.attributes));
         self.queue(KernelId::Interpolate, interpolated, context);
+        self.queue(KernelId::Attributes, attributes, context);
         let Some(round) = self.work.rounds.get(self.round) else { return };
         self.pending += round.starts.len() as u32;
         for &ray in &round.starts {
@@ -228,27 +237,46 @@ impl Slot {
             return;
         }
         let part = match region {
-            Region::Border => u64::from(self.work.tile) << 16,
-            _ => (u64::from(context.core) << 34) + (u64::from(id) << 30),
+            Region::Border => border_offset(self.work.tile),
+            _ => (u64::from(context.core) * 256 + u64::from(id)) * SLOT_BYTES,
         };
         context.dma.add(id, region, route, context.layout.lines(region.base() + part + offset, bytes));
     }
 
     fn store(&self, id: u8, context: &mut TileContext<'_>) {
-        for (address, bytes) in framebuffer_rows(context.shape, self.work.rect) {
+        for (address, bytes) in framebuffer_rows(context.shape, &self.work) {
             context.dma.add(id, Region::Framebuffer, Route::Write, context.layout.lines(address, bytes));
         }
     }
 }
 
-/// The rows of pixels of a tile in the framebuffer: address and bytes; none of an empty tile.
-pub fn framebuffer_rows(shape: FrameShape, rect: Rect) -> impl Iterator<Item = (u64, u64)> {
-    let FrameShape { width_pixels, samples_per_axis, pixel_bytes } = shape;
+/// From the samples of one tile slot in memory to those of the next: an odd number of lines, so that slots do not all begin in the
+/// same sets and banks.
+const SLOT_BYTES: u64 = (1 << 24) + 0x1040;
+
+/// Where the border samples of a tile lie in their region; the distance of tiles is an odd number of lines.
+pub fn border_offset(tile: u32) -> u64 {
+    u64::from(tile) * ((1 << 16) + 0x1040)
+}
+
+/// The pixels of a tile in the framebuffer: address and bytes of each stretch; none of an empty tile.
+pub fn framebuffer_rows(shape: FrameShape, work: &TileWork) -> impl Iterator<Item = (u64, u64)> + use<> {
+    let FrameShape { width_pixels, samples_per_axis, pixel_bytes, tile_bytes, .. } = shape;
+    let (rect, tile) = (work.rect, work.tile);
     let per_pixel = samples_per_axis.max(1);
     let (left, right) = (rect.x / per_pixel, (rect.x + rect.width).div_ceil(per_pixel));
     let (top, bottom) = (rect.y / per_pixel, (rect.y + rect.height).div_ceil(per_pixel));
-    let rows = if rect.is_empty() { 0..0 } else { top..bottom };
+    let tiled = tile_bytes > 0;
+    let rows = match rect.is_empty() {
+        true => 0..0,
+        false if tiled => 0..1,
+        false => top..bottom,
+    };
     rows.map(move |y| {
+        if tiled {
+            let pixels = u64::from(right - left) * u64::from(bottom - top);
+            return (Region::Framebuffer.base() + u64::from(tile) * tile_bytes, pixels * u64::from(pixel_bytes));
+        }
         let pixel = u64::from(y) * u64::from(width_pixels) + u64::from(left);
         let address = Region::Framebuffer.base() + pixel * u64::from(pixel_bytes);
         (address, u64::from(right - left) * u64::from(pixel_bytes))

@@ -101,9 +101,9 @@ pub struct InputBuffer {
 }
 
 impl InputBuffer {
-    /// A buffer of `entries` slots in front of an L1 that reads so many lines a cycle.
+    /// A buffer with miss handling `mode`, of `entries` slots in front of an L1 that reads so many lines a cycle.
     pub fn new(
-        ti: &config::Ti,
+        (ti, mode): (&config::Ti, MissHandling),
         (l1, lines_per_cycle): (&config::L1, u32),
         line_bytes: u32,
         port: Port,
@@ -121,17 +121,17 @@ impl InputBuffer {
             state: 0,
         };
         let mut cache = L1Cache::new(l1, line_bytes, port);
-        if ti.miss_handling == MissHandling::Accumulate {
+        if mode == MissHandling::Accumulate {
             cache = cache.with_rows(ti.accumulate_rows, ti.accumulate_rays_per_row);
         }
-        let roomy = entries < L1Cache::WAITERS && ti.miss_handling != MissHandling::Accumulate;
+        let roomy = entries < L1Cache::WAITERS && mode != MissHandling::Accumulate;
         Self {
-            mode: ti.miss_handling,
+            mode,
             latency_cycles: l1.latency_cycles.into(),
             l1: cache,
             once: true,
             roomy,
-            passes: roomy && ti.miss_handling == MissHandling::Retry,
+            passes: roomy && mode == MissHandling::Retry,
             reads: std::array::from_fn(|lines| (lines as u64).div_ceil(lines_per_cycle.into())),
             ops: vec![none; entries as usize],
             held_up: VecDeque::with_capacity(entries as usize),

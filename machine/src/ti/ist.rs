@@ -56,7 +56,8 @@ impl Ist {
     pub fn new(config: &MachineConfig, index: u8, port: Port) -> Self {
         let entries = config.ti.ist_entries;
         let l1 = (&config.ti.ist_l1, config.ti.ist_lines_per_cycle);
-        let buffer = InputBuffer::new(&config.ti, l1, config.l2.line_bytes, port, entries);
+        let buffer =
+            InputBuffer::new((&config.ti, config.ti.ist_miss_handling), l1, config.l2.line_bytes, port, entries);
         Self {
             index,
             crossbar_cycles: config.ti.crossbar_cycles.into(),

@@ -112,7 +112,7 @@ impl Trv {
         };
         let slots = ti.rays_per_trv as usize;
         let l1 = (&ti.trv_l1, ti.trv_lines_per_cycle);
-        let buffer = InputBuffer::new(ti, l1, config.l2.line_bytes, port, ti.rays_per_trv);
+        let buffer = InputBuffer::new((ti, ti.miss_handling), l1, config.l2.line_bytes, port, ti.rays_per_trv);
         let buffer = if ti.aabbs_per_cycle == 2 { buffer } else { buffer.with_second_reads() };
         Self {
             index,

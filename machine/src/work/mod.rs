@@ -54,11 +54,56 @@ pub struct RayWork {
 pub struct Round {
     /// Similarity tests (pairs of hits) made before anything of this round is traced or interpolated.
     pub tests: u32,
+    /// Differences of colours that these tests compute.
+    pub colours: u32,
     /// Hits and whole subtrees interpolated; one for a sample of which nothing is traced.
     pub interpolated: u32,
+    /// Interpolated hits of which later tests read the attributes.
+    pub attributes: u32,
     /// The rays that the SRP starts, as indices into [`TileWork::rays`], row by row: primary rays, and rays of any kind that
     /// leave an interpolated hit. All others are spawned by a hit that comes back.
     pub starts: Vec<u32>,
+}
+
+/// What a policy reads of hits beside their colour, and what it decides: the work of the SRP's kernels depends on it, and what a
+/// sample takes in the tile buffer.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct PolicyReads {
+    /// Objects are tested.
+    pub object: bool,
+    /// Normals are tested.
+    pub normal: bool,
+    /// Shadow bits are tested.
+    pub shadow: bool,
+    /// Distances of hit points are tested.
+    pub position: bool,
+    /// Distances from tangent planes are tested.
+    pub plane: bool,
+    /// Local colours of hits are read.
+    pub local: bool,
+    /// Weights of reflection and refraction are read: hits are interpolated one by one.
+    pub weights: bool,
+    /// Each tile has a rate or a limit of its own, which the SRP computes.
+    pub control: bool,
+}
+
+impl PolicyReads {
+    /// What the paper's tests read: object, normal, shadow bits.
+    pub const PAPER: Self = Self {
+        object: true,
+        normal: true,
+        shadow: true,
+        position: false,
+        plane: false,
+        local: false,
+        weights: false,
+        control: false,
+    };
+
+    /// Whether lengths of rays are read: distances are relative to them.
+    pub fn distance(&self) -> bool {
+        self.position || self.plane
+    }
 }
 
 /// The work of one tile.
@@ -74,6 +119,8 @@ pub struct TileWork {
     pub apron_samples: u32,
     /// Samples at its borders whose attributes are kept for a neighbouring tile.
     pub border_samples: u32,
+    /// Samples that it audits: each is compared with what was interpolated.
+    pub audited_samples: u32,
     /// Secondary hits that its similarity tests look at, kept beside the samples.
     pub secondary_hits: u32,
     /// The traced rays: each sample's in ray order (closest-hit ray, its shadow rays, then its children's subtrees).

@@ -132,10 +132,11 @@ pub fn tile_of(frame: u32, tile: u32, paths: &[Path]) -> TileWork {
         rect: Rect { x: 0, y: 0, width, height },
         apron_samples: 0,
         border_samples: 0,
+        audited_samples: 0,
         secondary_hits: 0,
         rays: Vec::new(),
         ops: Vec::new(),
-        rounds: vec![Round { tests: 0, interpolated: 0, starts: (0..paths.len() as u32).collect() }],
+        rounds: vec![Round { starts: (0..paths.len() as u32).collect(), ..Round::default() }],
     };
     for (i, path) in (0..).zip(paths) {
         let ray = push_ray(&mut work, path, RayKind::Primary);

@@ -1,11 +1,12 @@
 //! No run is faster than its busiest unit, and none moves more bytes than the DRAM can.
 
 use rayreel_formats::tile::RayKind;
-use rayreel_machine::config::{Divergence, Interface, MachineConfig, Pipeline, PrimaryVisibility};
+use rayreel_machine::config::{Divergence, Interface, Kernel, MachineConfig, Pipeline, PrimaryVisibility};
+use rayreel_machine::srp::KERNELS;
 use rayreel_machine::stats::Stats;
 use rayreel_machine::work::ops::OpKind;
 use rayreel_machine::work::synthetic::Random;
-use rayreel_machine::work::{NO_TRIANGLE, TileWork};
+use rayreel_machine::work::{NO_RAY, NO_TRIANGLE, TileWork};
 
 use super::harness::{SHAPE, machine, random_machine, random_work, recorded, run_real};
 
@@ -21,10 +22,12 @@ pub struct Demand {
     pub culled: u64,
     /// Rays whose stack is found empty at their end.
     pub ends: u64,
-    /// Items of raygen, shade, miss, update, similarity, interpolate, resolve.
-    pub items: [u64; 7],
+    /// Items by kernel, in the order of the report.
+    pub items: [u64; KERNELS],
     /// Shadow rays beyond the first of their hit.
     pub lights: u64,
+    /// Reflection and refraction rays.
+    pub secondary: u64,
 }
 
 impl Demand {
@@ -41,6 +44,7 @@ impl Demand {
                     _ => {
                         sum.items[1] += 1;
                         sum.lights += u64::from(ray.shadows.saturating_sub(1));
+                        sum.secondary += u64::from(ray.reflect != NO_RAY) + u64::from(ray.refract != NO_RAY);
                     }
                 }
                 if !(raster && primary) {
@@ -48,9 +52,12 @@ impl Demand {
                     tile.path(i).iter().for_each(|op| sum.count(op.kind()));
                 }
             }
-            sum.items[4] += tile.rounds.iter().map(|w| u64::from(w.tests)).sum::<u64>();
-            sum.items[5] += tile.rounds.iter().map(|w| u64::from(w.interpolated)).sum::<u64>();
-            sum.items[6] += tile.rect.len() as u64;
+            for round in &tile.rounds {
+                let counts = [round.tests, round.colours, round.interpolated, round.attributes];
+                sum.items[4..8].iter_mut().zip(counts).for_each(|(sum, count)| *sum += u64::from(count));
+            }
+            sum.items[5] += u64::from(tile.audited_samples);
+            sum.items[9] += tile.rect.len() as u64;
         }
         sum
     }
@@ -84,10 +91,12 @@ impl Demand {
     /// SRP cycles of all items, without prologues.
     fn kernels(&self, config: &MachineConfig) -> u64 {
         let (k, srp) = (&config.srp.kernels, &config.srp);
-        let each = [k.raygen, k.shade, k.miss, k.update, k.similarity, k.interpolate, k.resolve];
-        let items: u64 = self.items.iter().zip(each).map(|(n, k)| n * u64::from(k.ii_cycles)).sum();
+        let items: u64 = self.items.iter().zip(intervals_and_ops(config)).map(|(n, k)| n * k.0).sum();
         let sorted = if srp.divergence == Divergence::Inspector { self.items[1] + self.items[4] } else { 0 };
-        items + self.lights * u64::from(k.light.ii_cycles) + sorted * u64::from(srp.inspector_cycles)
+        items
+            + self.lights * u64::from(k.light.ii_cycles)
+            + self.secondary * u64::from(k.secondary.ii_cycles)
+            + sorted * u64::from(srp.inspector_cycles)
     }
 
     /// Least T&I cycles of a run, unit by unit.
@@ -182,4 +191,23 @@ fn the_dram_can_be_driven_to_its_peak() {
     let peak = u64::from(dram.channels * dram.burst_bytes) * u64::from(dram.clock_mhz) / u64::from(dram.tccd);
     let reached = arrived.len() as u64 * 64 * u64::from(config.ti.clock_mhz) / now.0;
     assert!(reached <= peak && reached * 100 >= peak * 97, "{reached} of {peak} MB/s");
+}
+
+/// Interval and operations of an item of each kernel, under the paper's tests.
+pub fn intervals_and_ops(config: &MachineConfig) -> [(u64, u64); KERNELS] {
+    let (k, test, mix) = (&config.srp.kernels, &config.srp.test_ops, &config.srp.mix_ops);
+    let fixed = |k: Kernel| (u64::from(k.ii_cycles), u64::from(k.ops));
+    let made = |ops: u32| (u64::from(ops.div_ceil(config.srp.ops_per_cycle)).max(1), u64::from(ops));
+    [
+        fixed(k.raygen),
+        fixed(k.shade),
+        fixed(k.miss),
+        fixed(k.update),
+        made(k.similarity.ops + test.object + test.normal + test.shadow),
+        made(k.colour.ops),
+        made(k.interpolate.ops),
+        made(k.attributes.ops + mix.identity + mix.normal),
+        made(k.control.ops),
+        fixed(k.resolve),
+    ]
 }

@@ -25,7 +25,8 @@ fn assert_near(what: &str, unit: &str, cycles: u64, bounds: &[(&'static str, u64
 fn assert_bound_by(unit: &str, overrides: &[&str], tree: &Topology, tile: TileWork) {
     for miss_handling in ["retry", "accumulate", "reorder"] {
         let handling = format!("ti.miss_handling={miss_handling}");
-        let overrides = [&["gpu.cores=1", "srp.ideal=true", handling.as_str()], overrides].concat();
+        let triangles = format!("ti.ist_miss_handling={miss_handling}");
+        let overrides = [&["gpu.cores=1", "srp.ideal=true", handling.as_str(), triangles.as_str()], overrides].concat();
         let config = machine("sgrt-ti2", &overrides);
         let what = format!("{unit} {miss_handling}");
         let tiles = vec![tile.clone()];

@@ -15,11 +15,11 @@ use rayreel_machine::stats::Stats;
 use rayreel_machine::system::{NoProbe, System};
 use rayreel_machine::ti::{TiContext, TiStats, TiUnit};
 use rayreel_machine::time::TiCycle;
-use rayreel_machine::work::TileWork;
 use rayreel_machine::work::check::{PathCounts, walk};
 use rayreel_machine::work::layout::Layout;
 use rayreel_machine::work::synthetic::{self, Random, balanced_topology, random_tile};
 use rayreel_machine::work::topology::Topology;
+use rayreel_machine::work::{PolicyReads, TileWork};
 use rayreel_replay::{NamedPolicy, Options, Replayer, TileSource};
 
 /// A preset with overrides.
@@ -29,7 +29,8 @@ pub fn machine(name: &str, overrides: &[&str]) -> MachineConfig {
 }
 
 /// The frame of made-up tiles.
-pub const SHAPE: FrameShape = FrameShape { width_pixels: 64, samples_per_axis: 1, pixel_bytes: 4 };
+pub const SHAPE: FrameShape =
+    FrameShape { width_pixels: 64, samples_per_axis: 1, pixel_bytes: 4, tile_bytes: 0, policy: PolicyReads::PAPER };
 
 /// Tiles through the machine, with any memory.
 pub fn run<M: Memory>(config: &MachineConfig, work: (&Topology, &[TileWork]), shape: FrameShape, memory: M) -> Stats {
@@ -144,7 +145,13 @@ fn record(name: &str, policy: &str) -> Recorded {
     };
     let meta = TileSource::meta(&trace);
     let (_, paths) = replayer.frame_with(meta.first_frame, &tree, keep).unwrap();
-    let shape = FrameShape { width_pixels: meta.width, samples_per_axis: meta.samples, pixel_bytes: 4 };
+    let shape = FrameShape {
+        width_pixels: meta.width,
+        samples_per_axis: meta.samples,
+        pixel_bytes: 4,
+        tile_bytes: 0,
+        policy: PolicyReads::PAPER,
+    };
     Recorded { name: format!("{name}, {}", policy.name), tree, shape, tiles, paths }
 }
 
@@ -162,7 +169,8 @@ pub fn random_machine(random: &mut Random) -> MachineConfig {
     let mut of = |list: &[u32]| list[random.below(list.len() as u32) as usize];
     let ti = &mut config.ti;
     ti.pipeline = [Pipeline::Parallel, Pipeline::Single, Pipeline::Unified][of(&[0, 1, 2]) as usize];
-    ti.miss_handling = [MissHandling::Retry, MissHandling::Accumulate, MissHandling::Reorder][of(&[0, 1, 2]) as usize];
+    let modes = [MissHandling::Retry, MissHandling::Accumulate, MissHandling::Reorder];
+    (ti.miss_handling, ti.ist_miss_handling) = (modes[of(&[0, 1, 2]) as usize], modes[of(&[0, 1, 2]) as usize]);
     (ti.trv, ti.aabbs_per_cycle, ti.stack_entries) = (of(&[1, 2, 4]), of(&[1, 2]), of(&[0, 1, 2, 4, 8]));
     (ti.rays_per_trv, ti.ray_fifo_entries, ti.ist_entries) =
         (of(&[1, 4, 16, 64, 128]), of(&[1, 8, 32]), of(&[1, 8, 32]));

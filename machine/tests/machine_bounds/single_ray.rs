@@ -61,7 +61,8 @@ impl<'a> Sum<'a> {
                 last_line = if ready > at { last_line.max(ready) } else { last_line };
             }
             let read = at + (lines.last - lines.first) / width + hit;
-            match ti.miss_handling {
+            let mode = if triangle && !unified { ti.ist_miss_handling } else { ti.miss_handling };
+            match mode {
                 // A missed operation passes the pipeline and looks up again.
                 MissHandling::Retry if last_line > 0 => at = read + depth,
                 MissHandling::Accumulate | MissHandling::Reorder if last_line > 0 => return last_line,

@@ -1,9 +1,9 @@
 //! One frame after the other under a policy, with or without a machine that takes the tiles as work.
 
 use rayreel_formats::scene::Camera;
-use rayreel_machine::work::TileWork;
 use rayreel_machine::work::check::PathCounts;
 use rayreel_machine::work::topology::Topology;
+use rayreel_machine::work::{PolicyReads, TileWork};
 
 use super::band::{AdjacentBands, Band, Reader};
 use super::canvas::{Canvas, FrameReplay};
@@ -149,7 +149,8 @@ impl<S: PathSource + ?Sized> Replayer<'_, S> {
         let read = |index| source.packed_tile(frame, index);
         let (stop, sampler) = (&self.stop, &mut *self.sampler);
         let reader = Reader { source, camera: &camera, frame, read, keep: true, stop };
-        let builder = Builder { source, tree };
+        let samples_a_pixel = source.meta().samples.pow(2);
+        let builder = Builder { source, tree, samples_a_pixel };
         let produce = |output: &Output<'_, Built>| {
             let mut above = false;
             bands(&reader, sampler, |Closed { sampler, band, stats, below }| {
@@ -166,6 +167,11 @@ impl<S: PathSource + ?Sized> Replayer<'_, S> {
             consume(tile.work)
         })?;
         Ok(PassedFrame::new(frame, canvas, paths))
+    }
+
+    /// What the policy reads of hits.
+    pub(crate) fn reads(&self) -> PolicyReads {
+        self.sampler.reads()
     }
 
     /// What the policy has learnt so far, to begin a frame again; nothing if it cannot be kept.

@@ -18,6 +18,7 @@ use super::tree::{Forest, Node};
 use super::view::{KnownTrees, SampleState, TileView};
 use super::{Apron, Policy, Refine, Sampling};
 use crate::error::Result;
+use rayreel_machine::work::PolicyReads;
 
 /// A policy prepared for frames of one size.
 #[derive(Clone, Debug)]
@@ -68,6 +69,21 @@ impl Rules {
     /// True when the policy looks at more than primary hits.
     pub fn deep(&self) -> bool {
         self.sampling.secondary || self.sampling.similarity.secondary
+    }
+
+    /// What the SRP reads of hits to decide; `control` says whether tiles have rates or limits of their own.
+    pub fn reads(&self, control: bool) -> PolicyReads {
+        let Sampling { secondary, stand_in, similarity, .. } = &self.sampling;
+        PolicyReads {
+            object: similarity.object_id || *secondary,
+            normal: similarity.normal_deg.value().is_some(),
+            shadow: similarity.shadow,
+            position: similarity.position.value().is_some(),
+            plane: similarity.plane.value().is_some(),
+            local: similarity.texture.value().is_some() || *stand_in,
+            weights: *secondary,
+            control,
+        }
     }
 
     /// Whether neighbouring tiles read each other's samples: where each sample is an R-sample nothing is tested.
@@ -167,7 +183,7 @@ impl<'a> Line<'a> {
         }
         let mut compared = Compared::default();
         let similar = self.rules.tests.similar(self.tree(a), self.tree(b), b - a, foreseen, &mut compared);
-        self.view.tested(self.at(a + 1), self.round, compared.pairs);
+        self.view.compared(self.at(a + 1), self.round, compared);
         match self.rules.rules.sampling.refine {
             _ if similar => (a + 1..b).for_each(|i| self.interpolate(a, b, i)),
             Refine::Direct => (a + 1..b).for_each(|i| self.trace(a, b, i)),
@@ -175,6 +191,8 @@ impl<'a> Line<'a> {
                 let middle = a.midpoint(b);
                 let expected = self.rules.tests.predict.then(|| self.expected_colour(a, b, middle));
                 self.trace(a, b, middle);
+                let predicted = u32::from(expected.is_some());
+                self.view.compared(self.at(middle), self.round, Compared { pairs: 0, colours: predicted });
                 let foreseen = expected.map_or(f64::INFINITY, |colour| self.miss(middle, colour));
                 self.round += 1;
                 self.decide(a, middle, foreseen);
@@ -189,7 +207,9 @@ impl<'a> Line<'a> {
         let (swap, s) = nearer(i - a, b - a);
         let (near, far) = if swap { (b, a) } else { (a, b) };
         let ends = self.ends();
-        self.view.interpolate_from(ends.axis.at(i), self.round, |known, out| {
+        // Of what the Y step interpolates only corrections read attributes.
+        let is_read = matches!(ends.axis, Axis::X(_)) || self.rules.rules.sampling.correct.passes > 0;
+        self.view.interpolate_from(ends.axis.at(i), self.round, is_read, |known, out| {
             let (near, far) = (ends.tree(known, near), ends.tree(known, far));
             match ends.axis {
                 Axis::X(_) => interpolate_tree(near, far, s, out),
@@ -210,17 +230,17 @@ impl<'a> Line<'a> {
         }
         let (swap, s) = nearer(i - a, b - a);
         let (near, far) = if swap { (b, a) } else { (a, b) };
-        let (tests, gap, mut pairs) = (&self.rules.tests, b - a, 0);
+        let (tests, gap, mut made) = (&self.rules.tests, b - a, Compared::default());
         let (stand_in, ends) = (self.rules.rules.sampling.stand_in, self.ends());
         self.view.rebuild(x, y, self.round, |tracer, known, out| {
             let (near, far) = (ends.tree(known, near), ends.tree(known, far));
             let (totals, compared) = ((near[0].colour, far[0].colour), Compared::default());
             let mut rebuild = Rebuild { tests, stand_in, tracer, out, gap, s, totals, compared, interpolated: 0 };
             rebuild.build(near, far);
-            pairs = rebuild.compared.pairs;
+            made = rebuild.compared;
             rebuild.interpolated
         });
-        self.view.tested((x, y), self.round, pairs);
+        self.view.compared((x, y), self.round, made);
     }
 
     /// The colour that sample `i` would have by interpolation.

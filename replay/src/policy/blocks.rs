@@ -11,6 +11,7 @@ use super::view::TileView;
 use super::{Apron, NamedPolicy, Policy};
 use crate::counts::TileStats;
 use crate::error::{RequestError, Result};
+use rayreel_machine::work::PolicyReads;
 
 impl SamplePolicy for Policy {
     fn name(&self) -> String {
@@ -45,6 +46,8 @@ impl SamplePolicy for NamedPolicy {
 struct BlockSampler {
     rules: Rules,
     control: RateController,
+    /// Each tile has a block or a limit of its own.
+    has_rates: bool,
     now: Now,
 }
 
@@ -60,7 +63,8 @@ impl BlockSampler {
     fn new(policy: &Policy, meta: &Meta) -> Result<Self> {
         let rules = Rules::new(policy, meta)?;
         check_tile(meta.tile, &RateController::blocks(policy))?;
-        Ok(Self { rules, control: RateController::new(policy, meta), now: Now::default() })
+        let has_rates = matches!(policy, Policy::Multirate(_) | Policy::Foveated(_));
+        Ok(Self { rules, control: RateController::new(policy, meta), has_rates, now: Now::default() })
     }
 
     fn tile(&self, view: &TileView) -> TileRules<'_> {
@@ -75,6 +79,10 @@ impl Sampler for BlockSampler {
 
     fn fork(&self) -> Option<Box<dyn Sampler>> {
         Some(Box::new(self.clone()))
+    }
+
+    fn reads(&self) -> PolicyReads {
+        self.rules.reads(self.has_rates)
     }
 
     fn begin_frame(&mut self, frame: u32, camera: &Camera) {

@@ -6,7 +6,7 @@
 //! published). It looks at all eight neighbours, since a thin wire may run on diagonally, from corner to corner of its
 //! samples; only at those inside the tile, so that no tile waits for another.
 
-use super::similarity::{Tests, difference};
+use super::similarity::{Compared, Tests, difference};
 use super::tree::Node;
 use super::view::{SampleState, TileView};
 use super::{Correct, Limit};
@@ -40,7 +40,7 @@ fn contradicted(view: &mut TileView, tests: &Tests, limit: f64, round: u8, witne
     let (right, bottom) = (rect.x + rect.width, rect.y + rect.height);
     let mut found = Vec::new();
     for y in rect.y..bottom {
-        let mut made = 0;
+        let mut made = Compared::default();
         for x in rect.x..right {
             if !matches!(view.state(x, y), Some((SampleState::Interpolated, _))) {
                 continue;
@@ -52,23 +52,26 @@ fn contradicted(view: &mut TileView, tests: &Tests, limit: f64, round: u8, witne
             let mut nearby = around.filter(|&(u, v)| {
                 witnesses[offset(view, u, v)] && !matches!(view.state(u, v), Some((SampleState::Interpolated, _)))
             });
-            if nearby.any(|(u, v)| {
-                made += 1;
-                contradicts(doubted, &view.tree(u, v)[0], tests, limit)
-            }) {
+            if nearby.any(|(u, v)| contradicts(doubted, &view.tree(u, v)[0], (tests, limit), &mut made)) {
                 found.push((x, y));
             }
         }
-        view.tested((rect.x, y), round, made);
+        view.compared((rect.x, y), round, made);
     }
     found
 }
 
 /// Whether the attributes of two hits differ, and a viewer could see it.
-fn contradicts(doubted: &Node, witness: &Node, tests: &Tests, limit: f64) -> bool {
+fn contradicts(doubted: &Node, witness: &Node, (tests, limit): (&Tests, f64), compared: &mut Compared) -> bool {
+    compared.pairs += 1;
+    // Colours decide only where attributes contradict, and where there is a limit.
+    if tests.alike_hits(doubted, witness, compared) {
+        return false;
+    }
+    compared.colours += u32::from(limit >= 0.0);
     let colours = (doubted.colour, witness.colour);
     let shows = difference(colours, colours);
-    !tests.alike_hits(doubted, witness) && (shows > limit || shows.is_nan())
+    shows > limit || shows.is_nan()
 }
 
 fn offset(view: &TileView, x: u32, y: u32) -> usize {

@@ -80,8 +80,8 @@ impl Rebuild<'_, '_> {
         let (a, b) = (&near[0], &far[0]);
         let branches = near.len() > 1 && a.branches_as(b) && self.tracer.stands_in(recorded, a);
         let at = self.out.len();
-        let alike = self.stand_in && branches && primary && self.tests.alike_hits(a, b);
-        if alike && self.tests.alike_locals((a, b), weights, self.totals, self.gap) {
+        let alike = self.stand_in && branches && primary && self.tests.alike_hits(a, b, &mut self.compared);
+        if alike && self.tests.alike_locals((a, b), weights, self.totals, self.gap, &mut self.compared) {
             self.out.push(interpolate_node(a, b, self.s));
             self.interpolated += 1;
         } else {

@@ -22,6 +22,7 @@ use super::tree::Forest;
 use super::view::TileView;
 use crate::counts::TileStats;
 use crate::error::Result;
+use rayreel_machine::work::PolicyReads;
 
 /// A sampling policy: which samples of a frame are traced, and what the others are made of.
 ///
@@ -84,6 +85,11 @@ pub trait Sampler: Send + Sync {
     /// The policy looks at whole ray trees, not only at primary hits with the colour of all.
     fn deep(&self) -> bool {
         false
+    }
+
+    /// What it reads of hits beside their colours: what its decisions cost on a machine.
+    fn reads(&self) -> PolicyReads {
+        PolicyReads::PAPER
     }
 
     /// A frame begins. Frames may be left out, or end early when something fails.

@@ -31,10 +31,12 @@ pub struct Tests {
 }
 
 /// How much work comparing took.
-#[derive(Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Compared {
     /// Pairs of hits that were looked at: what a similarity kernel is busy with.
     pub pairs: u32,
+    /// Differences of colours that were computed.
+    pub colours: u32,
 }
 
 impl Tests {
@@ -75,11 +77,12 @@ impl Tests {
     /// that interpolation would have given it. The smaller of this and the difference between `a` and `b` is tested.
     pub fn similar(&self, a: &[Node], b: &[Node], gap: u32, foreseen: f64, compared: &mut Compared) -> bool {
         compared.pairs += 1;
-        if !self.alike_hits(&a[0], &b[0]) {
+        if !self.alike_hits(&a[0], &b[0], compared) {
             return false;
         }
         let mut margin = 0.0;
         if let Some(limit) = self.colour_limit(gap, rays_of(a, b)) {
+            compared.colours += 1;
             let totals = (a[0].colour, b[0].colour);
             let seen = difference(totals, totals);
             let colour = if foreseen < seen { foreseen } else { seen };
@@ -105,6 +108,7 @@ impl Tests {
         compared.pairs += 1;
         let mut margin = 0.0;
         if let Some(limit) = self.colour_limit(gap, rays_of(a, b)) {
+            compared.colours += 1;
             let shares = (weights.0.times(a[0].colour), weights.1.times(b[0].colour));
             let colour = difference(shares, totals);
             if !within(colour, limit) {
@@ -112,16 +116,17 @@ impl Tests {
             }
             margin = limit * self.unlike - colour;
         }
-        margin > 0.0 || self.alike_hits(&a[0], &b[0]) && self.alike_below(a, b, compared)
+        margin > 0.0 || self.alike_hits(&a[0], &b[0], compared) && self.alike_below(a, b, compared)
     }
 
     /// True when the hits themselves are alike in their attributes.
-    pub fn alike_hits(&self, a: &Node, b: &Node) -> bool {
+    pub fn alike_hits(&self, a: &Node, b: &Node, compared: &mut Compared) -> bool {
         match (&a.surface, &b.surface) {
             (None, None) => true,
             (Some(x), Some(y)) => {
                 self.alike_surfaces(x, y)
                     && self.texture.is_none_or(|limit| {
+                        compared.colours += 1;
                         let locals = (a.local, b.local);
                         within(difference(locals, locals), limit)
                     })
@@ -142,8 +147,16 @@ impl Tests {
     }
 
     /// True when the local colours of two hits may stand for what is between them.
-    pub fn alike_locals(&self, (a, b): (&Node, &Node), weights: (Vec3, Vec3), totals: (Vec3, Vec3), gap: u32) -> bool {
+    pub fn alike_locals(
+        &self,
+        (a, b): (&Node, &Node),
+        weights: (Vec3, Vec3),
+        totals: (Vec3, Vec3),
+        gap: u32,
+        compared: &mut Compared,
+    ) -> bool {
         self.colour_limit(gap, a.hit_rays.midpoint(b.hit_rays)).is_none_or(|limit| {
+            compared.colours += 1;
             let shares = (weights.0.times(a.local), weights.1.times(b.local));
             within(difference(shares, totals), limit)
         })
@@ -154,7 +167,7 @@ impl Tests {
         a[0].branches_as(&b[0])
             && children(a).zip(children(b)).all(|((_, a), (_, b))| {
                 compared.pairs += 1;
-                self.alike_hits(&a[0], &b[0]) && self.alike_below(a, b, compared)
+                self.alike_hits(&a[0], &b[0], compared) && self.alike_below(a, b, compared)
             })
     }
 

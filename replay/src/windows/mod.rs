@@ -88,11 +88,13 @@ impl<S: PathSource + ?Sized, P: Probe> Simulation<'_, '_, S, P> {
         let (tree, stop) = (self.tree, self.replayer.stop().clone());
         // One for each thread: the pass brings the next while they run, and more would only take memory.
         let room = Room::new(rayon::current_num_threads());
-        let meta = self.replayer.source().meta();
+        let (meta, reads) = (self.replayer.source().meta(), self.replayer.reads());
         let mut passes: Vec<MachinePass<'_>> = machines
             .iter()
             .zip(places)
-            .map(|((_, config), places)| MachinePass::new(config, tree, frame_shape(meta, config), places.as_ref()))
+            .map(|((_, config), places)| {
+                MachinePass::new(config, tree, frame_shape(meta, config, reads), places.as_ref())
+            })
             .collect();
         let shared = Shared { tree, stop: &stop, room: &room };
         let (frame, probe) = (self.frame, &mut *self.probe);

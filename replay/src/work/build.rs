@@ -39,6 +39,7 @@ pub(crate) struct Part {
     paths: PathCounts,
     samples: u32,
     secondary_hits: u32,
+    audited_samples: u32,
     ops: Vec<Op>,
 }
 
@@ -46,6 +47,8 @@ pub(crate) struct Part {
 pub(crate) struct Builder<'a, S: ?Sized> {
     pub source: &'a S,
     pub tree: &'a Topology,
+    /// Samples of a pixel.
+    pub samples_a_pixel: u32,
 }
 
 /// The last node of each depth on the way down a ray tree.
@@ -58,6 +61,8 @@ impl<S: PathSource + ?Sized> Builder<'_, S> {
         self.samples(&mut part, view, &mut Recorded::new(tile, paths)?, view.samples())?;
         part.count(view.rounds());
         part.secondary_hits = view.secondary_hits();
+        // Three channels of a pixel, each of its samples compared.
+        part.audited_samples = (view.audits().values / 3) as u32 * self.samples_a_pixel;
         Ok(part)
     }
 
@@ -305,7 +310,9 @@ impl Part {
         for (round, counts) in (0..).zip(rounds) {
             let round = self.round(round);
             round.tests += counts.tests;
+            round.colours += counts.colours;
             round.interpolated += counts.interpolated;
+            round.attributes += counts.attributes;
         }
     }
 
@@ -329,7 +336,9 @@ impl Part {
         for (number, added) in (0..).zip(apron.rounds) {
             let round = self.round(number);
             round.tests += added.tests;
+            round.colours += added.colours;
             round.interpolated += added.interpolated;
+            round.attributes += added.attributes;
             round.starts.extend(added.starts.into_iter().map(moved));
         }
         while self.rounds.last().is_some_and(|round| *round == Round::default()) {
@@ -343,6 +352,7 @@ impl Part {
             rect: tile.rect,
             apron_samples: apron.samples,
             border_samples,
+            audited_samples: self.audited_samples,
             secondary_hits: self.secondary_hits,
             rays: self.rays,
             ops: self.ops,

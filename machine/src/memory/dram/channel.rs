@@ -5,7 +5,12 @@
 //! queue hits it. The active queue is that of the reads, unless writes reached `write_high` (until they are down to
 //! `write_low`) or no read waits. A refresh is never postponed: from its due cycle on nothing but PREab and REF is sent.
 //!
-//! Starvation: once the oldest request of the active queue is [`AGE_CAP`] cycles old, younger requests to other rows of its bank
+//! Rows may also be closed without a command. With `page_policy = "closed"` a column command for whose row no other request waits
+//! closes it (auto-precharge). With `"timeout"` a timer of the bank closes it after `page_timeout` cycles without a column command;
+//! its PRE takes no slot of the command bus. A channel without requests powers down after `power_down_after` cycles, but for
+//! refreshes; its next command comes tXP after what wakes it.
+//!
+//! Starvation: once the oldest request of the active queue is `age_cap` cycles old, younger requests to other rows of its bank
 //! are passed over, so its row is opened next there; its column command then wins by age.
 //!
 //! The controller never counts through idle cycles: it computes the first cycle at which a command is legal and jumps there.
@@ -15,19 +20,17 @@ use std::collections::VecDeque;
 use super::device::{Command, Device};
 use super::queue::{Entry, Queue};
 use super::timing::Timing;
-use crate::config;
+use crate::config::{self, PagePolicy};
 use crate::counters::counters;
 use crate::time::{ClockCycle, DramCycle, When};
-
-/// Age at which the oldest request closes its bank to younger row hits, tCK. An estimate: well above the time in which a full
-/// queue of row hits drains, so that it does not disturb FR-FCFS, and well below a frame.
-pub const AGE_CAP: u64 = 4096;
 
 counters! {
     /// What a channel did.
     pub struct ChannelCounters {
         activates: "events", "rows opened (ACT)";
         precharges: "events", "rows closed by a request (PRE)";
+        closed: "events", "rows closed without a command: with their last column command, or by a timer";
+        powered_down: "dram cycles", "in power-down";
         precharges_all: "events", "PRE of all banks, before a refresh";
         refreshes: "events", "refreshes of all banks (REF)";
         reads: "bursts", "bursts read";
@@ -71,6 +74,14 @@ pub struct Channel {
     write_low: usize,
     drain: bool,
     refresh_due: When<DramCycle>,
+    page_policy: PagePolicy,
+    page_timeout: u64,
+    age_cap: u64,
+    power_down_after: u64,
+    /// Per bank the last column command.
+    used: Vec<DramCycle>,
+    /// Since when it has had nothing to do; nothing while it has.
+    idle_since: Option<DramCycle>,
     /// Everything before this cycle is decided.
     now: DramCycle,
     decision: Option<Decision>,
@@ -98,6 +109,12 @@ impl Channel {
             write_low: config.write_low as usize,
             drain: false,
             refresh_due,
+            page_policy: config.page_policy,
+            page_timeout: config.page_timeout.into(),
+            age_cap: config.age_cap.into(),
+            power_down_after: config.power_down_after.into(),
+            used: vec![DramCycle::START; config.banks as usize],
+            idle_since: Some(DramCycle::START),
             now: DramCycle::START,
             decision: None,
             wake: refresh_due,
@@ -170,6 +187,9 @@ impl Channel {
                 Some(decision) if command < stop => self.issue(decision, &mut done),
                 _ => self.now = wake,
             }
+            if self.refresh_due.is_due(self.now) {
+                self.wake_up();
+            }
             self.admit();
             self.decision = self.decide();
         }
@@ -180,7 +200,7 @@ impl Channel {
     fn next_stop(&self) -> When<DramCycle> {
         let coming = |event: When<DramCycle>| if event.is_due(self.now) { When::NEVER } else { event };
         let arrival = When::from(self.transit.front().map(|entry| entry.arrival.max(self.now)));
-        let age = self.active().entries().first().map(|oldest| oldest.arrival + AGE_CAP);
+        let age = self.active().entries().first().map(|oldest| oldest.arrival + self.age_cap);
         arrival.min(coming(self.refresh_due)).min(coming(When::from(age)))
     }
 
@@ -189,6 +209,8 @@ impl Channel {
             && entry.arrival <= self.now
         {
             self.transit.pop_front();
+            self.wake_up();
+            self.time_out(entry.bank.into());
             let open = self.device.row(entry.bank.into());
             if entry.write { &mut self.writes } else { &mut self.reads }.push(entry, open);
         }
@@ -210,6 +232,35 @@ impl Channel {
         if self.serves_writes() { &self.writes } else { &self.reads }
     }
 
+    /// Leaves power-down for what is to be done now.
+    fn wake_up(&mut self) {
+        let Some(since) = self.idle_since.take() else { return };
+        let down = since + self.power_down_after;
+        if down < self.now {
+            self.counters.powered_down += self.now - down;
+            self.device.hold(self.now + self.device.timing().txp);
+        }
+    }
+
+    /// Closes the row of a bank for which nobody has waited, if its timer has run out.
+    fn time_out(&mut self, bank: usize) {
+        let end = self.used[bank] + self.page_timeout;
+        if self.page_policy != PagePolicy::Timeout || end >= self.now || self.device.row(bank).is_none() {
+            return;
+        }
+        let waits = |queue: &Queue| queue.waiting_banks() >> bank & 1 == 1;
+        if !waits(&self.reads) && !waits(&self.writes) {
+            self.close(end, bank);
+        }
+    }
+
+    /// Closes the row of a bank without a command.
+    fn close(&mut self, at: DramCycle, bank: usize) {
+        self.device.close(at, bank);
+        self.counters.closed += 1;
+        self.row_changed(bank, None);
+    }
+
     fn decide(&self) -> Option<Decision> {
         if self.refresh_due.is_due(self.now) {
             let command = if self.device.open_banks() != 0 { Command::PrechargeAll } else { Command::Refresh };
@@ -220,7 +271,7 @@ impl Channel {
         let oldest = queue.entries().first()?;
         let (waiting, open) = (queue.waiting_banks(), self.device.open_banks());
         let mut hits = queue.hit_banks();
-        if oldest.arrival + AGE_CAP <= self.now && self.device.row(oldest.bank.into()) != Some(oldest.row) {
+        if oldest.arrival + self.age_cap <= self.now && self.device.row(oldest.bank.into()) != Some(oldest.row) {
             hits &= !(1 << oldest.bank);
         }
         let column = if self.serves_writes() { Command::Write } else { Command::Read };
@@ -302,6 +353,9 @@ impl Channel {
             }
             Command::Refresh => {
                 self.counters.refreshes += 1;
+                if self.taken() == 0 {
+                    self.idle_since = Some(at + self.device.timing().trfc);
+                }
                 let due = self.refresh_due.cycle();
                 self.refresh_due = When::from(due.map(|due| due + self.device.timing().trefi));
             }
@@ -327,6 +381,15 @@ impl Channel {
             self.writes.remove(index)
         };
         self.counters.row_hits += u64::from(!entry.prepared);
+        let bank = usize::from(entry.bank);
+        self.used[bank] = at + timing.last_burst();
+        let hits = |queue: &Queue| queue.hit_banks() >> bank & 1 == 1;
+        if self.page_policy == PagePolicy::Closed && !hits(&self.reads) && !hits(&self.writes) {
+            self.close(at, bank);
+        }
+        if self.taken() == 0 {
+            self.idle_since = Some(at + timing.last_burst());
+        }
     }
 
     /// Counts what the request found when its first command was chosen.

@@ -2,7 +2,7 @@
 //!
 //! RD and WR here stand for a whole line: its bursts go out tCCD apart, and their slots on the command bus are taken at once.
 
-use super::timing::{LONG_COMMAND, SHORT_COMMAND, Timing};
+use super::timing::{LONG_COMMAND, LONGER, SHORT_COMMAND, Timing};
 use crate::time::{ClockCycle, DramCycle};
 
 /// No row is open.
@@ -125,10 +125,13 @@ impl Device {
             Command::Read | Command::Write => self.banks[bank].column,
             Command::Precharge => self.banks[bank].precharge,
             Command::PrechargeAll => {
-                let open = self.banks.iter().filter(|bank| bank.row != CLOSED);
-                open.map(|bank| bank.precharge).max().unwrap_or(DramCycle::START)
+                // Those that are closing by themselves have to be through with their data too.
+                self.banks.iter().map(|bank| bank.precharge).max().unwrap_or(DramCycle::START)
             }
-            Command::Refresh => self.banks.iter().map(|bank| bank.activate).max().unwrap_or(DramCycle::START),
+            Command::Refresh => {
+                let last = self.banks.iter().map(|bank| bank.activate).max().unwrap_or(DramCycle::START);
+                if last == DramCycle::START { last } else { last + LONGER }
+            }
         }
     }
 
@@ -203,6 +206,20 @@ impl Device {
         bank.row = CLOSED;
         bank.activate = bank.activate.max(now + self.timing.trp);
         self.bus_free = now + SHORT_COMMAND;
+    }
+
+    /// Closes the row of a bank without a command, at `at` or as soon as it may be: with its last column command, or by a timer.
+    pub fn close(&mut self, at: DramCycle, bank: usize) {
+        self.open &= !(1 << bank);
+        let trp = self.timing.trp;
+        let bank = &mut self.banks[bank];
+        bank.row = CLOSED;
+        bank.activate = bank.activate.max(bank.precharge.max(at) + trp);
+    }
+
+    /// Nothing is sent before `at`: the device wakes.
+    pub fn hold(&mut self, at: DramCycle) {
+        self.bus_free = self.bus_free.max(at);
     }
 
     fn precharged_all(&mut self, now: DramCycle) {

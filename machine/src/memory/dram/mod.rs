@@ -1,7 +1,8 @@
 //! The memory behind the L2: LPDDR4 channels with their controllers, in their own clock.
 //!
-//! Line `n` lies in channel `n mod channels`. Within the channel the lines are dealt row : bank : column, column lowest: a row's
-//! worth of consecutive lines in a bank, the next row's worth in the next bank.
+//! Consecutive `interleave_bytes` lie in a channel, the next in the next channel. Within the channel they are dealt row : bank :
+//! column, column lowest: a row's worth in a bank, the next row's worth in the next bank. With `hash`, higher bits of the address
+//! are folded into channel and bank by exclusive or, so that strides of powers of two do not meet in one of them.
 //!
 //! A request leaves the T&I clock, passes the synchroniser of the DRAM clock and half of the controller, and enters its
 //! channel's queue. Read data pass the other half of the controller and the synchroniser of the T&I clock. Queue entries are
@@ -45,7 +46,10 @@ pub struct DramAddress {
 pub struct AddressMap {
     channels: u64,
     banks: u64,
+    /// Lines of a row, and of what is in a channel before the next channel's turn.
     row_lines: u64,
+    block_lines: u64,
+    hash: bool,
 }
 
 impl AddressMap {
@@ -55,15 +59,48 @@ impl AddressMap {
             channels: config.channels.into(),
             banks: config.banks.into(),
             row_lines: (config.row_bytes / line_bytes).into(),
+            block_lines: (config.interleave_bytes / line_bytes).max(1).into(),
+            hash: config.hash,
         }
     }
 
     /// Where a line lies.
     #[inline]
     pub fn address(&self, line: u64) -> DramAddress {
-        let (channel, row_number) = ((line % self.channels) as usize, line / self.channels / self.row_lines);
-        DramAddress { channel, bank: (row_number % self.banks) as u8, row: row_number / self.banks }
+        let (block, offset) = (line / self.block_lines, line % self.block_lines);
+        let (channel, above) = (block % self.channels, block / self.channels);
+        let row_number = (above * self.block_lines + offset) / self.row_lines;
+        let (bank, row) = (row_number % self.banks, row_number / self.banks);
+        if !self.hash {
+            return DramAddress { channel: channel as usize, bank: bank as u8, row };
+        }
+        // Both numbers are powers of two: what is folded in permutes them, so no two lines meet.
+        let channel = (channel ^ fold(above, self.channels)) as usize;
+        DramAddress { channel, bank: (bank ^ fold(row, self.banks)) as u8, row }
     }
+
+    /// The channel of a line.
+    #[inline]
+    pub fn channel(&self, line: u64) -> usize {
+        let block = line / self.block_lines;
+        let (channel, above) = (block % self.channels, block / self.channels);
+        (if self.hash { channel ^ fold(above, self.channels) } else { channel }) as usize
+    }
+}
+
+/// All bits of `bits`, folded to a number below `count`, a power of two.
+#[inline]
+fn fold(mut bits: u64, count: u64) -> u64 {
+    let (mask, width) = (count - 1, count.trailing_zeros());
+    if width == 0 {
+        return 0;
+    }
+    let mut folded = 0;
+    while bits != 0 {
+        folded ^= bits & mask;
+        bits >>= width;
+    }
+    folded
 }
 
 /// A line that is read, on its way there and back.
@@ -148,7 +185,7 @@ impl Dram {
 
     /// Whether the channel of `line` takes a read. If not, its next event tells when it may.
     pub fn has_read_room(&mut self, line: u64) -> bool {
-        let lane = (line % self.lanes.len() as u64) as usize;
+        let lane = self.map.channel(line);
         let room = self.lanes[lane].channel.has_read_room();
         if !room && !self.lanes[lane].watched {
             self.watch(lane);

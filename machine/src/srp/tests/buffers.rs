@@ -44,21 +44,21 @@ fn an_external_geometry_buffer_is_written_and_read_by_rounds() {
     let mut config = machine();
     config.gpu.geometry_buffer = GeometryBuffer::External;
     let mut work = uniform(0, 20, None, 0);
-    work.rounds.push(Round { tests: 50, interpolated: 30, starts: Vec::new() });
+    work.rounds.push(Round { tests: 50, interpolated: 30, attributes: 30, ..Round::default() });
     let (s, ..) = finished(&config, work);
-    // Written: 20 samples x 16 bytes. Read: 50 x 2 x (4 + 4 + 1) + 30 x 2 x 6 = 1260 bytes, 20 lines.
-    assert_eq!((s.stats().dma.sample_written, s.stats().dma.sample_read), (320, 1280));
+    // Written: 20 samples x 16 bytes. Read: 50 x 2 x (4 + 4 + 1) + 30 x 2 x (4 + 4 + 1) = 1440 bytes, 23 lines.
+    assert_eq!((s.stats().dma.sample_written, s.stats().dma.sample_read), (320, 1472));
     assert_eq!(s.stats().local.spilled_samples, 0);
 }
 
 #[test]
 fn local_memory_is_counted_by_field() {
     let mut work = uniform(0, 2, Some(0), 1);
-    work.rounds.push(Round { tests: 5, interpolated: 3, starts: Vec::new() });
+    work.rounds.push(Round { tests: 5, colours: 4, interpolated: 3, attributes: 2, ..Round::default() });
     let (s, ..) = finished(&machine(), work);
     // Words: object 1, normal 1, position 2, shadow 1, colour 1, flags 1.
-    let reads = 2 + 5 * 2 * 3 + 3 * 2 * 3 + 4;
-    let writes = 2 * 7 + 2 + 3 * 7;
+    let reads = 2 + 5 * 2 * 3 + 4 * 2 + 3 * 2 + 2 * 2 * 3 + 4;
+    let writes = 2 * 7 + 2 + 3 * 2 + 2 * 3;
     assert_eq!((s.stats().local.reads, s.stats().local.writes), (reads, writes));
 }
 

@@ -15,7 +15,7 @@ fn two_rounds() -> crate::work::TileWork {
     let first = (0..4).map(|_| sample(&mut work, Some(1), 1, true)).collect();
     work.rounds.push(Round { starts: first, ..Round::default() });
     let second = vec![sample(&mut work, None, 0, false)];
-    work.rounds.push(Round { tests: 3, interpolated: 2, starts: second });
+    work.rounds.push(Round { tests: 3, interpolated: 2, starts: second, ..Round::default() });
     work
 }
 
@@ -123,7 +123,7 @@ fn a_machine_without_a_kernel_says_so() {
     let needs = Needs::of(&two_rounds());
     assert_eq!(needs, Needs { similarity: true, interpolate: true });
     assert!(missing_kernels(&config, &needs).is_empty());
-    config.srp.kernels.similarity.ii_cycles = 0;
+    config.srp.kernels.similarity.stages = 0;
     assert_eq!(missing_kernels(&config, &needs), ["similarity"]);
     assert!(missing_kernels(&config, &Needs::default()).is_empty());
 }

@@ -11,6 +11,7 @@ use crate::link::{RayMessage, RayRef, RayUnit};
 use crate::memory::{Memory, MemoryStats, Port, Request, Response, Route};
 use crate::srp::{FrameShape, Srp, SrpContext, SrpPorts};
 use crate::time::{TiCycle, When};
+use crate::work::PolicyReads;
 use crate::work::layout::Layout;
 use crate::work::{NO_RAY, NO_TRIANGLE, RayWork, Round, TileWork};
 
@@ -125,7 +126,13 @@ impl Tick<&mut Vec<Response>> for Mem {
 pub const PORTS: SrpPorts = SrpPorts { l1: Port(3), dma: Port(4) };
 
 pub fn srp(config: &MachineConfig) -> Srp {
-    let shape = FrameShape { width_pixels: 1024, samples_per_axis: 2, pixel_bytes: config.layout.pixel_bytes };
+    let shape = FrameShape {
+        width_pixels: 1024,
+        samples_per_axis: 2,
+        pixel_bytes: config.layout.pixel_bytes,
+        tile_bytes: 0,
+        policy: PolicyReads::PAPER,
+    };
     Srp::new(config, Layout::new(config), 0, PORTS, shape)
 }
 
@@ -196,6 +203,7 @@ pub fn empty(tile: u32, width: u32, height: u32) -> TileWork {
         rect: Rect { x: tile * width, y: 0, width, height },
         apron_samples: 0,
         border_samples: 0,
+        audited_samples: 0,
         secondary_hits: 0,
         rays: Vec::new(),
         ops: Vec::new(),
@@ -223,7 +231,7 @@ pub fn mixed(tile: u32, n: usize, seed: u64) -> TileWork {
                 sample(&mut work, material, (r >> 16) as u8 % 3, r >> 24 & 1 == 1)
             })
             .collect();
-        work.rounds.push(Round { tests: round * 40, interpolated: round * 30, starts: primaries });
+        work.rounds.push(Round { tests: round * 40, interpolated: round * 30, starts: primaries, ..Round::default() });
     }
     work
 }

@@ -10,6 +10,7 @@ use rayreel_formats::math::Vec3;
 use rayreel_formats::scene::{Camera, Rect};
 use rayreel_formats::tile::Tile;
 
+use super::similarity::Compared;
 use super::tree::Node;
 use crate::counts::RayCounts;
 use crate::error::{ReplayError, Result};
@@ -37,8 +38,12 @@ pub enum SampleState {
 pub struct RoundCounts {
     /// Similarity tests: pairs of hits that were compared.
     pub tests: u32,
+    /// Differences of colours that were computed for these tests.
+    pub colours: u32,
     /// Hits and whole subtrees that were interpolated; one for a sample of which nothing was traced.
     pub interpolated: u32,
+    /// Interpolated hits of which later tests may read the attributes.
+    pub attributes: u32,
 }
 
 /// A tile in the hands of a policy. Coordinates are those of the frame's sample grid.
@@ -168,22 +173,32 @@ impl TileView {
     /// # Panics
     /// As [`TileView::trace`].
     pub fn interpolate(&mut self, x: u32, y: u32, tree: &[Node], round: u8) {
-        let i = self.decide(x, y, SampleState::Interpolated, round);
-        self.known.make(i, tree);
-        self.count(y, round, |counts| counts.interpolated += 1);
+        self.interpolate_read((x, y), tree, round, tree.len() as u32);
     }
 
-    /// As [`TileView::interpolate`] with a tree that `build` appends, from what is known of the tile.
+    /// As [`TileView::interpolate`]; later tests read so many of its hits.
+    fn interpolate_read(&mut self, (x, y): (u32, u32), tree: &[Node], round: u8, read: u32) {
+        let i = self.decide(x, y, SampleState::Interpolated, round);
+        self.known.make(i, tree);
+        self.count(y, round, |counts| {
+            counts.interpolated += 1;
+            counts.attributes += read;
+        });
+    }
+
+    /// As [`TileView::interpolate`] with a tree that `build` appends, from what is known of the tile; `is_read` says whether later
+    /// tests read its hits.
     pub(crate) fn interpolate_from(
         &mut self,
         (x, y): (u32, u32),
         round: u8,
+        is_read: bool,
         build: impl FnOnce(KnownTrees<'_>, &mut Vec<Node>),
     ) {
         let mut tree = std::mem::take(&mut self.made);
         tree.clear();
         build(self.trees(), &mut tree);
-        self.interpolate(x, y, &tree, round);
+        self.interpolate_read((x, y), &tree, round, if is_read { tree.len() as u32 } else { 0 });
         self.made = tree;
     }
 
@@ -214,13 +229,30 @@ impl TileView {
         };
         let i = self.decide(x, y, state, round);
         self.known.make(i, &tree);
+        let made = tree.len().saturating_sub(traced) as u32;
         self.made = tree;
-        self.count(y, round, |counts| counts.interpolated += interpolated);
+        self.count(y, round, |counts| {
+            counts.interpolated += interpolated;
+            counts.attributes += made;
+        });
     }
 
     /// Notes `tests` similarity tests in round `round` that decide about sample (`x`, `y`) and others.
     pub fn tested(&mut self, (_, y): (u32, u32), round: u8, tests: u32) {
         self.count(y, round, |counts| counts.tests += tests);
+    }
+
+    /// Notes tests and differences of colours, as [`TileView::tested`].
+    pub(crate) fn compared(&mut self, (_, y): (u32, u32), round: u8, compared: Compared) {
+        self.count(y, round, |counts| {
+            counts.tests += compared.pairs;
+            counts.colours += compared.colours;
+        });
+    }
+
+    /// Notes `colours` differences of colours that tests of round `round` compute, as [`TileView::tested`].
+    pub fn compared_colours(&mut self, (_, y): (u32, u32), round: u8, colours: u32) {
+        self.count(y, round, |counts| counts.colours += colours);
     }
 
     /// Notes what an audit found: the squared error of values that the policy interpolated and then traced.

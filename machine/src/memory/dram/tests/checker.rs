@@ -1,8 +1,9 @@
-//! A checker of command histories, written from the rules and independent of the device model.
+//! A checker of command histories, made from JEDEC's rules alone and independent of the device model: times run from the last
+//! cycle of a command to the last of the next (JESD209-4), those to PRE from the last cycle of the column command's data.
 
 use super::super::device::Command;
 use super::{Bench, Dice, lpddr4};
-use crate::config;
+use crate::config::{self, PagePolicy};
 use crate::time::DramCycle;
 use Command::{Activate, Precharge, PrechargeAll, Read, Refresh, Write};
 
@@ -28,10 +29,11 @@ fn expand(history: &[(DramCycle, Command, usize, u64)], t: &config::Dram) -> Vec
 /// Least distance from `a` to a later `b`.
 fn distance(a: &Sent, b: &Sent, t: &config::Dram) -> u32 {
     let bank = a.bank == b.bank;
-    let bus = match a.command {
+    let length = |command| match command {
         Activate | Read | Write => 4,
         Precharge | PrechargeAll | Refresh => 2,
     };
+    let bus = length(a.command);
     let rule = match (a.command, b.command) {
         (Activate, Read | Write) if bank => t.trcd,
         (Activate, Precharge) if bank => t.tras,
@@ -39,19 +41,21 @@ fn distance(a: &Sent, b: &Sent, t: &config::Dram) -> u32 {
         (Activate, Activate) if bank => t.tras + t.trp,
         (Activate, Activate) => t.trrd,
         (Read, Read) | (Write, Write) => t.tccd,
-        (Read, Write) => t.rl + t.tccd + 2 - t.wl,
-        (Write, Read) => t.wl + t.tccd + t.twtr,
+        (Read, Write) => t.rl + t.tccd + t.twpre - t.wl,
+        (Write, Read) => t.wl + 1 + t.tccd + t.twtr,
         (Read, Precharge) if bank => t.trtp,
         (Read, PrechargeAll) => t.trtp,
-        (Write, Precharge) if bank => t.wl + t.tccd + t.twr,
-        (Write, PrechargeAll) => t.wl + t.tccd + t.twr,
+        (Write, Precharge) if bank => t.wl + 1 + t.tccd + t.twr,
+        (Write, PrechargeAll) => t.wl + 1 + t.tccd + t.twr,
         (Precharge, Activate) if bank => t.trp,
         (Precharge, Refresh) => t.trp,
         (PrechargeAll, Activate | Refresh) => t.trp_all,
         (Refresh, Activate | Refresh) => t.trfc,
         _ => 0,
     };
-    rule.max(bus)
+    // From last cycles to first ones. No rule: only the bus.
+    let first = if rule == 0 { 0 } else { (rule + bus).saturating_sub(length(b.command)) };
+    first.max(bus)
 }
 
 fn check(sent: &[Sent], t: &config::Dram) {
@@ -61,15 +65,25 @@ fn check(sent: &[Sent], t: &config::Dram) {
             assert!(b.at - a.at >= distance(a, b, t).into(), "{a:?} then {b:?}");
         }
         match b.command {
-            Activate => assert_eq!(rows[b.bank].replace(b.row), None, "{b:?}"),
+            Activate if rows[b.bank].is_some() => {
+                // Closed without a command: there was time for a PRE after all that came before.
+                assert_ne!(t.page_policy, PagePolicy::Open, "{b:?}");
+                for a in sent[..i].iter().filter(|a| a.bank == b.bank && !matches!(a.command, Refresh | PrechargeAll)) {
+                    let close = Sent { command: Precharge, ..*b };
+                    assert!(b.at - a.at >= u64::from(distance(a, &close, t) + distance(&close, b, t)), "{a:?}, {b:?}");
+                }
+                rows[b.bank] = Some(b.row);
+            }
+            Activate => rows[b.bank] = Some(b.row),
             Read | Write => assert_eq!(rows[b.bank], Some(b.row), "{b:?}"),
-            Precharge => assert!(rows[b.bank].take().is_some(), "{b:?}"),
+            Precharge => assert!(rows[b.bank].take().is_some() || t.page_policy != PagePolicy::Open, "{b:?}"),
             PrechargeAll => rows.fill(None),
+            Refresh if t.page_policy != PagePolicy::Open => rows.fill(None),
             Refresh => assert!(rows.iter().all(Option::is_none), "{b:?}"),
         }
     }
     let activates: Vec<_> = sent.iter().filter(|s| s.command == Activate).map(|s| s.at).collect();
-    assert!(activates.windows(5).all(|w| w[4] - w[0] >= t.tfaw.into()), "tFAW");
+    assert!(activates.windows(5).all(|w| w[4] + 3 - w[0] >= t.tfaw.into()), "tFAW");
     let refreshes: Vec<_> = sent.iter().filter(|s| s.command == Refresh).map(|s| s.at).collect();
     for (number, at) in refreshes.iter().enumerate() {
         let due = (number as u64 + 1) * u64::from(t.trefi);
@@ -87,7 +101,11 @@ fn check(sent: &[Sent], t: &config::Dram) {
 #[test]
 fn random_traffic_breaks_no_rule() {
     let narrow = config::Dram { trrd: 5, tfaw: 70, trp: 13, trcd: 11, tras: 30, twtr: 3, ..lpddr4() };
-    for (seed, t) in (0..24).map(|seed| (seed, if seed % 2 == 0 { lpddr4() } else { narrow.clone() })) {
+    let policies = [PagePolicy::Open, PagePolicy::Closed, PagePolicy::Timeout];
+    for seed in 0..48 {
+        let base = if seed % 2 == 0 { lpddr4() } else { narrow.clone() };
+        let page_policy = policies[seed as usize % 3];
+        let t = config::Dram { page_policy, page_timeout: 60, power_down_after: 80, ..base };
         let mut b = Bench::new(&t);
         let mut dice = Dice(seed);
         let (rows, writes, wait) = (1 + dice.roll(5), dice.roll(100), 1 + dice.roll(120));

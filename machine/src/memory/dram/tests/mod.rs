@@ -3,6 +3,7 @@
 mod checker;
 mod controller;
 mod device;
+mod policies;
 
 use super::channel::Channel;
 use super::device::Command;
@@ -10,7 +11,8 @@ use super::queue::Entry;
 use crate::config;
 use crate::time::DramCycle;
 
-/// LPDDR4-3200 x16 (JEDEC; memory specifications of DRAMSys).
+/// LPDDR4-3200 x16, with distances between the starts of commands that are easy to add: ACT-RD 29, PRE-ACT 29, PREab-ACT 34,
+/// ACT-PRE 68, fifth ACT 64, RD-PRE 12, WR-PRE 51, WR-RD 38, REF-ACT 448.
 pub fn lpddr4() -> config::Dram {
     config::Dram {
         clock_mhz: 1600,
@@ -18,19 +20,27 @@ pub fn lpddr4() -> config::Dram {
         banks: 8,
         row_bytes: 2048,
         burst_bytes: 32,
+        interleave_bytes: 64,
+        hash: false,
+        page_policy: config::PagePolicy::Open,
+        page_timeout: 200,
         tccd: 8,
         trcd: 29,
-        trp: 29,
-        trp_all: 34,
-        tras: 68,
+        trp: 31,
+        trp_all: 36,
+        tras: 66,
         trrd: 16,
-        tfaw: 64,
+        tfaw: 67,
         rl: 32,
         wl: 14,
-        trtp: 12,
-        twr: 29,
-        twtr: 16,
-        trfc: 448,
+        trtp: 10,
+        twr: 26,
+        twtr: 15,
+        twpre: 2,
+        trfc: 450,
+        age_cap: 4096,
+        power_down_after: 1_000_000_000,
+        txp: 12,
         trefi: 6246,
         read_queue_entries: 32,
         write_queue_entries: 32,
