@@ -108,7 +108,7 @@ fn random_traffic_breaks_no_rule() {
         let t = config::Dram { page_policy, page_timeout: 60, power_down_after: 80, ..base };
         let mut b = Bench::new(&t);
         let mut dice = Dice(seed);
-        let (rows, writes, wait) = (1 + dice.roll(5), dice.roll(100), 1 + dice.roll(120));
+        let (rows, writes, wait) = (1 + dice.roll(5), dice.roll(100), 2 + dice.roll(120));
         let (mut at, mut sent) = (0, 0);
         while sent < 3000 {
             at += dice.roll(wait);
