@@ -6,6 +6,7 @@ use super::{CoreStats, Stats};
 use crate::config::MachineConfig;
 use crate::counters::Activity;
 use crate::memory::ChannelCounters;
+use crate::srp::KERNELS;
 use crate::ti::{IstStats, TiStats, TrvStats};
 
 /// Places between the kinds of two groups of counters: no group has as many.
@@ -42,8 +43,8 @@ impl Stats {
         let [dispatch, stages, trv, trv_buffer, trv_l1] = [(); 5].map(|()| next());
         // A unit has three stages at most.
         let [_, _, activity, ist, ist_buffer, ist_l1] = [(); 6].map(|()| next());
-        let kernels = next();
-        let [_, _, _, _, _, _, srp, interface, dma, local, srp_l1] = [(); 11].map(|()| next());
+        let kernels = [(); KERNELS].map(|()| next())[0];
+        let [srp, interface, dma, local, srp_l1] = [(); 5].map(|()| next());
         let [l2, channel, read, written] = [(); 4].map(|()| next());
         for core in &mut self.cores {
             visit(run + 2, &mut core.srp_cycles);
