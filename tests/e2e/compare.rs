@@ -29,7 +29,7 @@ fn sweeps_are_compared() {
     // A constant of the machine in all points: the points are the same, their configuration and results are not.
     let c = small_sweep(dir, "c", "sgrt-ti2", "set = [\"dram.rl=40\"]");
     let told = rayreel!["compare", &a, &c].expect(1).out;
-    assert!(told.contains("dram.rl  8 points  31 -> 40") && told.contains("  time_ms "), "{told}");
+    assert!(told.contains("dram.rl  8 points  34 -> 40") && told.contains("  time_ms "), "{told}");
     assert!(told.contains("matched: 8 points, of 8 in A and 8 in B") && !told.contains("vanished"), "{told}");
     rayreel!["compare", &a, &c, "--ignore", "dram.rl"].expect(1);
     rayreel!["compare", &a, &c, "--only", "psnr_db"].expect(0);

@@ -5,7 +5,6 @@ use rayreel_settings::{Bytes, Rule, settings, words};
 
 use super::cache::L1;
 use super::rules::{CLOCK, SMALL};
-use crate::work::PolicyReads;
 
 /// Bytes of a field of a sample.
 const FIELD: Rule = Integer(0, 64);
@@ -130,17 +129,5 @@ impl SampleFields {
     pub fn total(&self) -> u32 {
         let always = self.object + self.normal + self.position + self.shadow + self.colour + self.flags;
         always + self.distance + self.local + self.weights
-    }
-
-    /// What a sample takes under a policy: fields that it does not read are not there.
-    #[must_use]
-    pub fn under(&self, policy: &PolicyReads) -> Self {
-        let only = |field, is_read: bool| if is_read { field } else { 0 };
-        Self {
-            distance: only(self.distance, policy.distance()),
-            local: only(self.local, policy.local),
-            weights: only(self.weights, policy.weights),
-            ..self.clone()
-        }
     }
 }

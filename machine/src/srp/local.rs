@@ -31,7 +31,7 @@ impl TileBuffer {
     /// The tile buffer of a machine under a policy.
     pub fn new(config: &MachineConfig, policy: &PolicyReads) -> Self {
         Self {
-            fields: config.srp.sample.under(policy),
+            fields: fields_under(&config.srp.sample, policy),
             policy: *policy,
             share_bytes: config.srp.local_memory.0 / u64::from(config.gpu.tiles_in_flight.max(1)),
             external: config.gpu.geometry_buffer == GeometryBuffer::External,
@@ -118,6 +118,17 @@ impl TileBuffer {
         };
         counters.reads += reads * items;
         counters.writes += writes * items;
+    }
+}
+
+/// What a sample takes under a policy: fields that it does not read are not there.
+fn fields_under(fields: &SampleFields, policy: &PolicyReads) -> SampleFields {
+    let only = |field, is_read: bool| if is_read { field } else { 0 };
+    SampleFields {
+        distance: only(fields.distance, policy.distance()),
+        local: only(fields.local, policy.local),
+        weights: only(fields.weights, policy.weights),
+        ..fields.clone()
     }
 }
 

@@ -207,8 +207,8 @@ impl<'a> Line<'a> {
         let (swap, s) = nearer(i - a, b - a);
         let (near, far) = if swap { (b, a) } else { (a, b) };
         let ends = self.ends();
-        // Of what the Y step interpolates only corrections read attributes.
-        let is_read = matches!(ends.axis, Axis::X(_)) || self.rules.rules.sampling.correct.passes > 0;
+        // Of what the Y step interpolates corrections read some, and note it.
+        let is_read = matches!(ends.axis, Axis::X(_));
         self.view.interpolate_from(ends.axis.at(i), self.round, is_read, |known, out| {
             let (near, far) = (ends.tree(known, near), ends.tree(known, far));
             match ends.axis {

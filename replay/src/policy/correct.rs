@@ -19,9 +19,11 @@ pub fn correct(view: &mut TileView, rules: &Correct, tests: &Tests, round: u8) {
     };
     // The samples that may contradict: in the first pass all.
     let mut witnesses = vec![true; view.rect().len()];
+    // The interpolated samples whose attributes were looked at: they have to be interpolated too, once.
+    let mut read = vec![false; view.rect().len()];
     for pass in 0..rules.passes {
         let round = round + pass as u8;
-        let found = contradicted(view, tests, limit, round, &witnesses);
+        let found = contradicted(view, (tests, limit), round, &witnesses, &mut read);
         if found.is_empty() {
             return;
         }
@@ -35,18 +37,24 @@ pub fn correct(view: &mut TileView, rules: &Correct, tests: &Tests, round: u8) {
 }
 
 /// The interpolated samples that a traced neighbour among `witnesses` contradicts.
-fn contradicted(view: &mut TileView, tests: &Tests, limit: f64, round: u8, witnesses: &[bool]) -> Vec<(u32, u32)> {
+fn contradicted(
+    view: &mut TileView,
+    (tests, limit): (&Tests, f64),
+    round: u8,
+    witnesses: &[bool],
+    read: &mut [bool],
+) -> Vec<(u32, u32)> {
     let rect = view.rect();
     let (right, bottom) = (rect.x + rect.width, rect.y + rect.height);
     let mut found = Vec::new();
     for y in rect.y..bottom {
-        let mut made = Compared::default();
+        let (mut made, mut newly_read) = (Compared::default(), 0);
         for x in rect.x..right {
             if !matches!(view.state(x, y), Some((SampleState::Interpolated, _))) {
                 continue;
             }
             let (columns, rows) = (x.max(rect.x + 1) - 1..right.min(x + 2), y.max(rect.y + 1) - 1..bottom.min(y + 2));
-            let doubted = &view.tree(x, y)[0];
+            let (doubted, before) = (&view.tree(x, y)[0], made.pairs);
             let around = rows.flat_map(|v| columns.clone().map(move |u| (u, v)));
             // The sample itself is interpolated, so it is no witness.
             let mut nearby = around.filter(|&(u, v)| {
@@ -55,8 +63,12 @@ fn contradicted(view: &mut TileView, tests: &Tests, limit: f64, round: u8, witne
             if nearby.any(|(u, v)| contradicts(doubted, &view.tree(u, v)[0], (tests, limit), &mut made)) {
                 found.push((x, y));
             }
+            if made.pairs > before && !std::mem::replace(&mut read[offset(view, x, y)], true) {
+                newly_read += 1;
+            }
         }
         view.compared((rect.x, y), round, made);
+        view.read_attributes((rect.x, y), round, newly_read);
     }
     found
 }

@@ -15,6 +15,8 @@
 //!
 //! The controller never counts through idle cycles: it computes the first cycle at which a command is legal and jumps there.
 
+mod idle;
+
 use std::collections::VecDeque;
 
 use super::device::{Command, Device};
@@ -230,35 +232,6 @@ impl Channel {
     #[inline]
     fn active(&self) -> &Queue {
         if self.serves_writes() { &self.writes } else { &self.reads }
-    }
-
-    /// Leaves power-down for what is to be done now.
-    fn wake_up(&mut self) {
-        let Some(since) = self.idle_since.take() else { return };
-        let down = since + self.power_down_after;
-        if down < self.now {
-            self.counters.powered_down += self.now - down;
-            self.device.hold(self.now + self.device.timing().txp);
-        }
-    }
-
-    /// Closes the row of a bank for which nobody has waited, if its timer has run out.
-    fn time_out(&mut self, bank: usize) {
-        let end = self.used[bank] + self.page_timeout;
-        if self.page_policy != PagePolicy::Timeout || end >= self.now || self.device.row(bank).is_none() {
-            return;
-        }
-        let waits = |queue: &Queue| queue.waiting_banks() >> bank & 1 == 1;
-        if !waits(&self.reads) && !waits(&self.writes) {
-            self.close(end, bank);
-        }
-    }
-
-    /// Closes the row of a bank without a command.
-    fn close(&mut self, at: DramCycle, bank: usize) {
-        self.device.close(at, bank);
-        self.counters.closed += 1;
-        self.row_changed(bank, None);
     }
 
     fn decide(&self) -> Option<Decision> {

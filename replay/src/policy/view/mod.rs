@@ -250,6 +250,11 @@ impl TileView {
         });
     }
 
+    /// Notes `hits` interpolated hits whose attributes tests of round `round` read for the first time.
+    pub(crate) fn read_attributes(&mut self, (_, y): (u32, u32), round: u8, hits: u32) {
+        self.count(y, round, |counts| counts.attributes += hits);
+    }
+
     /// Notes `colours` differences of colours that tests of round `round` compute, as [`TileView::tested`].
     pub fn compared_colours(&mut self, (_, y): (u32, u32), round: u8, colours: u32) {
         self.count(y, round, |counts| counts.colours += colours);
