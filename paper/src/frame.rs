@@ -2,6 +2,7 @@
 //!
 //! All of it follows from the row bit by bit, so a point that a sweep has computed need not be computed again.
 
+use rayreel_machine::config::Divergence;
 use rayreel_machine::config::NamedMachine;
 use rayreel_machine::counters::Activity;
 use rayreel_machine::energy::EnergyReport;
@@ -218,15 +219,18 @@ impl<'a> FrameView<'a> {
 
     /// Cycles of all SRPs by kernel.
     pub fn srp(self) -> Vec<Kernel> {
-        if self.machine.is_none() {
-            return Vec::new();
-        }
+        let Some(machine) = self.machine else { return Vec::new() };
+        let srp = &machine.config.srp;
+        let inspector = if srp.divergence == Divergence::Inspector { u64::from(srp.inspector_cycles) } else { 0 };
         let counter = |name: String| self.figures.counter(&name).unwrap_or(0);
         let kernels = KernelId::ALL.into_iter().map(KernelId::name);
         let busy = kernels.clone().chain(["inspector"]);
         let busy = busy.map(|state| counter(format!("srp/activity/{state}"))).sum::<u64>().max(1) as f64;
         let kernel = |name: &str| {
-            let cycles = counter(format!("srp/kernel/{name}/cycles"));
+            // What sorts the items of a test by their outcome is part of the test.
+            let sorted =
+                if name == KernelId::Similarity.name() { counter(format!("srp/kernel/{name}/items")) } else { 0 };
+            let cycles = counter(format!("srp/kernel/{name}/cycles")) + sorted * inspector;
             Kernel { kernel: name.into(), cycles, share: cycles as f64 / busy }
         };
         kernels.map(kernel).collect()

@@ -23,6 +23,7 @@
 
 mod ablations;
 mod animation;
+mod claims;
 mod error;
 mod estimates;
 mod execute;

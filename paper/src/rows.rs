@@ -50,11 +50,11 @@ fn row(study: &Study, point: &Point) -> Value {
     }
     if let Some((cost, full)) = pair(point.gpu, full.and_then(|p| p.gpu)) {
         value["gpu"] = json!({ "full": full, "own": cost, "gain": point.gpu_gain });
-        let share = |name: &str| point.srp.iter().find(|k| k.kernel == name).map(|k| k.share);
+        let [tests, interpolation] = point.sampling_shares();
         let paper = |name: &str| references.srp.iter().find(|k| k.kernel == name).map(|k| k.share);
         value["srp"] = json!({
-            "similarity_share": share("similarity"),
-            "interpolation_share": share("interpolate"),
+            "similarity_share": tests,
+            "interpolation_share": interpolation,
             "paper_similarity_share": paper("similarity"),
             "paper_interpolation_share": paper("interpolate"),
         });

@@ -4,6 +4,7 @@ use std::fmt::Write as _;
 
 use rayreel_study::schema::{Ablation, Gain, Point, Study, Track};
 
+use crate::claims::claims;
 use crate::policies::MODES;
 
 /// Everything that is printed.
@@ -15,6 +16,7 @@ pub fn table(study: &Study) -> String {
     if let Some(machine) = &study.machine {
         text += &gains(study, machine);
     }
+    text += &claims(study, &evaluated(study).collect::<Vec<_>>());
     text += &all(study);
     text += &animation(&study.tracks);
     text += &ablations(&study.ablations);
@@ -30,7 +32,8 @@ fn evaluated(study: &Study) -> impl Iterator<Item = &Point> {
     study.points.iter().filter(stated)
 }
 
-fn word(mode: &str) -> &str {
+/// What a mode is called.
+pub(crate) fn word(mode: &str) -> &str {
     MODES.iter().find(|known| known.name == mode).map_or(mode, |known| known.word)
 }
 
@@ -116,7 +119,7 @@ fn gains(study: &Study, machine: &str) -> String {
             Some(most) => format!("{} to {most}", b.least),
             None => format!(">= {}", b.least),
         });
-        let share = |name: &str| p.srp.iter().find(|k| k.kernel == name).map(|k| k.share * 100.0);
+        let shares = p.sampling_shares().map(|share| share.map(|share| share * 100.0));
         let _ = writeln!(
             text,
             "{:<10} {:<14} {:>6} {:>6} {:>of_alone$} {paper:>12}   {:>6} {:>6} {:>of_gpu$}   {:>9} {:>9}",
@@ -128,8 +131,8 @@ fn gains(study: &Study, machine: &str) -> String {
             gpu[0],
             gpu[1],
             gpu[2],
-            or_dash(share("similarity"), 1),
-            or_dash(share("interpolate"), 1)
+            or_dash(shares[0], 1),
+            or_dash(shares[1], 1)
         );
     }
     let paper = |name: &str| study.references.srp.iter().find(|k| k.kernel == name).map(|k| k.share * 100.0);

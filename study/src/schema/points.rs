@@ -48,6 +48,19 @@ pub struct Point {
     pub srp: Vec<Kernel>,
 }
 
+/// Kernels of the SRP that sampling adds: tests with what they decide, and interpolation.
+pub const SAMPLING_KERNELS: [&[&str]; 2] = [&["similarity", "colour", "control"], &["interpolate", "attributes"]];
+
+impl Point {
+    /// Shares of the busy cycles of the SRPs that tests (inspector included) and interpolation take; nothing without a machine.
+    pub fn sampling_shares(&self) -> [Option<f64>; 2] {
+        SAMPLING_KERNELS.map(|kernels| {
+            let shares = self.srp.iter().filter(|kernel| kernels.contains(&kernel.kernel.as_str()));
+            (!self.srp.is_empty()).then(|| shares.map(|kernel| kernel.share).sum())
+        })
+    }
+}
+
 /// What a run costs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]

@@ -8,21 +8,25 @@ use crate::html::view::StudyView;
 use crate::schema::{Kernel, Point};
 
 /// The kernels that sampling adds, with their colour class; the others are grey.
-const COLOURS: [(&str, &str); 2] = [("similarity", "k0"), ("interpolate", "k1")];
+const COLOURS: [(&str, &str); 5] =
+    [("similarity", "k0"), ("colour", "k0"), ("control", "k0"), ("interpolate", "k1"), ("attributes", "k1")];
+
+/// What the colours mean.
+const KEYS: [(&str, &str); 3] = [("similarity", "k0"), ("interpolation", "k1"), ("other kernels", "k2")];
 
 /// The section.
 pub fn section(view: &StudyView<'_>) -> Option<Section> {
     if view.points.iter().all(|p| p.srp.is_empty()) {
         return None;
     }
-    let keys = COLOURS.into_iter().chain([("other kernels", "k2")]).map(|(name, class)| key(class, name));
+    let keys = KEYS.into_iter().map(|(name, class)| key(class, name));
     let mut html = legend(&keys.collect::<String>());
     html += &by_mode(view, |mode| {
         grid(&view.scenes(mode).iter().map(|scene| chart(view, scene, mode)).collect::<String>())
     });
     html += &how_to_read(
-        "Busy cycles of the SRPs by kernel; the number is the share that adaptive sampling adds: similarity tests and \
-         interpolation. The grey rest is ray generation, shading and the resolve step.",
+        "Busy cycles of the SRPs by kernel; the number is the share that adaptive sampling adds: similarity tests with \
+         their colours and inspector, and interpolation with its attributes. The grey rest is ray generation, shading and the resolve step.",
     );
     Section::new("srp", "What the SRP does", html)
 }

@@ -101,13 +101,12 @@ fn dominance(view: &StudyView<'_>) -> Option<Tile> {
 
 /// Share of the SRP's cycles that sampling itself takes.
 fn overhead(view: &StudyView<'_>) -> Option<Tile> {
-    let kernels = ["similarity", "interpolate"];
     let mut shares = [Vec::new(), Vec::new()];
     for mode in view.modes() {
         let Some(policy) = view.paper_policy(mode) else { continue };
         for point in view.points.iter().filter(|p| p.mode == mode && p.policy == policy && !p.srp.is_empty()) {
-            for (share, name) in shares.iter_mut().zip(kernels) {
-                share.push(point.srp.iter().find(|k| k.kernel == name).map_or(0.0, |k| k.share));
+            for (share, of_point) in shares.iter_mut().zip(point.sampling_shares()) {
+                share.push(of_point.unwrap_or(0.0));
             }
         }
     }
@@ -119,7 +118,7 @@ fn overhead(view: &StudyView<'_>) -> Option<Tile> {
         label: "SRP cycles for similarity tests and interpolation".into(),
         value: percent(similarity + interpolation),
         detail: format!(
-            "{} similarity, {} interpolation; mean over scenes and modes.{paper}",
+            "{} similarity with its inspector, {} interpolation; mean over scenes and modes.{paper}",
             percent(similarity),
             percent(interpolation)
         ),

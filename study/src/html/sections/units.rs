@@ -23,7 +23,19 @@ const STATES: [(&str, &str, &str); 11] = [
 ];
 
 /// What an SRP works on: its kernels, and the step that sorts items by branch before them.
-const KERNELS: [&str; 8] = ["raygen", "shade", "miss", "update", "similarity", "interpolate", "resolve", "inspector"];
+const KERNELS: [&str; 11] = [
+    "raygen",
+    "shade",
+    "miss",
+    "update",
+    "similarity",
+    "colour",
+    "interpolate",
+    "attributes",
+    "control",
+    "resolve",
+    "inspector",
+];
 
 /// Share of the cycles in which the unit works.
 fn busy(unit: &Unit) -> f64 {
