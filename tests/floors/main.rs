@@ -23,7 +23,7 @@ const ORDERS: [(&str, &str); 11] = [
     ("settings/src/lib.rs", "near units rule key declare source error schema family file chain loaded text"),
     (
         "machine/src/lib.rs",
-        "time component counters error config work link memory ti srp stats functional energy system run probes timeline",
+        "time component counters error config work link memory ti srp stats functional energy area system run probes timeline",
     ),
     ("replay/src/lib.rs", "error stop image counts source policy work frame maps detail simulate windows sequence"),
     ("store/src/lib.rs", "traffic cache location options remote open"),
@@ -35,12 +35,12 @@ const ORDERS: [(&str, &str); 11] = [
     ),
     (
         "paper/src/lib.rs",
-        "error frame identity live lockstep policies reference results rows setup plan ablations animation ledger meter points estimates study table traces jobs maker execute experiment",
+        "error frame identity live lockstep policies reference results rows setup plan ablations animation ledger meter points estimates study table traces jobs maker execute experiment anchors",
     ),
     ("testkit/src/lib.rs", "random policies switches trees synthetic rules recorded reference poison"),
     (
         "src/main.rs",
-        "exit progress common detail traces capture compare diff digest info presets paper render repair replay report scenes sweep verify",
+        "exit progress common detail traces anchors capture compare diff digest info presets paper render repair replay report scenes sweep verify",
     ),
 ];
 
