@@ -16,6 +16,7 @@ mod compare;
 mod damage;
 mod detail;
 mod determinism;
+mod energy;
 mod every_scene;
 mod exit_codes;
 mod fence;

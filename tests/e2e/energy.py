@@ -1,0 +1,117 @@
+"""Recomputes the energy of a replay from its counters and constants, made from machine/MODEL.md alone.
+
+usage: energy.py STATS.json ..., as `rayreel replay --json` prints it (every cycle, one machine)
+
+Everything is exact: picojoules are multiples of 0.001, so all sums are whole femtojoules. Ends with code 1 where a component
+differs by more than a femtojoule a frame.
+"""
+
+import json
+import sys
+from fractions import Fraction
+
+
+def check(path):
+    run = json.load(open(path))
+    counter = {name: entry["value"] for name, entry in run["counters"].items()}
+    constant = {name: entry["value"] for name, entry in run["machine_config"].items()}
+    fj = lambda name: round(1000 * constant["energy." + name])  # pJ -> fJ
+    n = lambda name: counter.get(name, 0)
+    direct = constant["gpu.interface"] == "direct"
+    cores, mhz = constant["gpu.cores"], constant["ti.clock_mhz"]
+    trvs, ists = cores * constant["ti.trv"], cores * constant["ti.ist"]
+    line = constant["l2.line_bytes"]
+
+    def running(unit):
+        classes = ["busy", "bypass", "fetch", "memory", "mshr", "blocked", "starved"]
+        return sum(n(f"{unit}/{name}") for name in classes)
+
+    def l1(unit, read, late=0):
+        tags = n(f"{unit}/misses") + n(f"{unit}/merges")
+        return (n(f"{unit}/hits") + late) * fj(read) + tags * fj("l1_miss_pj") + n(f"{unit}/fills") * fj("l1_fill_pj")
+
+    # A bypass passes the whole pipeline of its unit.
+    depth = {"parallel": ["inner"], "single": ["inner", "leaf", "stack"], "unified": ["inner", "leaf", "stack", "ist"]}
+    pipeline = constant["ti.pipeline"]
+    stages = sum(constant[f"ti.{name}_cycles"] for name in depth[pipeline])
+    first = "inner" if pipeline == "parallel" else "pipe"
+    known = {name.split("/")[2] for name in counter if name.startswith("ti/trv/") and name.endswith("/busy")}
+    first = first if first in known else sorted(known)[0]
+    rays = n("ti/dispatch/rays")
+    records = [n(f"ti/{unit}/buffer/{what}") for unit in ("trv", "ist") for what in ("record_writes", "record_reads", "parked", "slot_updates")]
+    writes, reads, parked, updates = (records[i] + records[i + 4] for i in range(4))
+    rows = lambda mode: constant["ti.accumulate_rows"] * line if constant[mode] == "accumulate" else 0
+    stack = (constant["ti.stack_entries"] or 64) * 4 * constant["ti.rays_per_trv"]
+    buffers = (
+        cores * constant["ti.ray_fifo_entries"] * 64
+        + trvs * (constant["ti.rays_per_trv"] * 64 + rows("ti.miss_handling"))
+        + ists * (constant["ti.ist_entries"] * 64 + rows("ti.ist_miss_handling"))
+    )
+    ops = sum(value for name, value in counter.items() if name.startswith("srp/kernel/") and name.endswith("/ops"))
+    array = sum(value for name, value in counter.items() if name.startswith("srp/activity/")) - n("srp/activity/idle")
+    link = n("srp/interface/ray_bytes") + n("srp/interface/hit_bytes") if direct else 0
+    bursts = (n("dram/reads") + n("dram/writes")) * constant["dram.burst_bytes"]
+    tree = Fraction(100 + constant["energy.clock_tree_percent"], 100)
+    # name: events in fJ, factor for the clock tree, microwatts of logic, bytes of memory
+    parts = {
+        "trv": (
+            n("ti/trv/box_tests") * fj("box_test_pj")
+            + n("ti/trv/triangle_tests") * fj("triangle_test_pj")
+            + n("ti/trv/bypasses") * stages * fj("bypass_stage_pj")
+            + rays * fj("ray_setup_pj")
+            + running("ti/trv/" + first) * fj("trv_clock_pj"),
+            1, trvs * constant["energy.trv_leakage_uw"], 0),
+        "stacks": (n("ti/trv/pushes") * fj("stack_push_pj") + n("ti/trv/stack_operations") * fj("stack_pop_pj"), tree, 0, trvs * stack),
+        "ist": (
+            n("ti/ist/triangle_tests") * fj("triangle_test_pj")
+            + n("ti/ist/bypasses") * constant["ti.ist_cycles"] * fj("bypass_stage_pj")
+            + running("ti/ist/test") * fj("ist_clock_pj"),
+            1, ists * constant["energy.ist_leakage_uw"], 0),
+        "trv_l1": (l1("ti/trv/l1", "trv_l1_read_pj", n("ti/trv/buffer/late_reads")), tree, 0, trvs * constant["ti.trv_l1.size"]),
+        "ist_l1": (l1("ti/ist/l1", "ist_l1_read_pj", n("ti/ist/buffer/late_reads")), tree, 0, ists * constant["ti.ist_l1.size"]),
+        "ray_buffers": (
+            (rays + writes) * fj("ray_buffer_write_pj") + (rays + reads) * fj("ray_buffer_read_pj")
+            + parked * fj("accumulate_pj") + updates * fj("reorder_pj"),
+            tree, 0, buffers),
+        "crossbar": (2 * n("ti/ist/tasks") * fj("crossbar_pj"), tree, 0, 0),
+        "srp": (ops * fj("srp_op_pj") + array * fj("srp_clock_pj"), 1, cores * constant["energy.srp_leakage_uw"], 0),
+        "srp_l1": (l1("srp/l1", "srp_l1_read_pj"), tree, 0, cores * constant["srp.l1.size"]),
+        "local_memory": (
+            n("srp/local/reads") * fj("local_read_pj") + n("srp/local/writes") * fj("local_write_pj"),
+            tree, 0, cores * constant["srp.local_memory"]),
+        "interface": (link * fj("interface_pj_per_byte"), tree, 0, 0),
+        "l2": (
+            n("l2/hits") * fj("l2_read_pj") + (n("l2/misses") + n("l2/merges")) * fj("l2_miss_pj") + n("l2/fills") * fj("l2_fill_pj"),
+            tree, 0, constant["l2.size"]),
+        "network": (n("l2/lookups") * (8 + line) * fj("network_pj_per_byte"), tree, 0, 0),
+        "dram": (
+            n("dram/activates") * fj("dram_row_pj") + n("dram/reads") * fj("dram_read_pj")
+            + n("dram/writes") * fj("dram_write_pj") + n("dram/refreshes") * fj("dram_refresh_pj"),
+            1, constant["dram.channels"] * constant["energy.dram_background_uw"], 0),
+        "dram_phy": (bursts * fj("dram_phy_pj_per_byte"), 1, 0, 0),
+    }
+    saved = constant["energy.dram_background_uw"] - constant["energy.dram_power_down_uw"]
+    frames, wrong = len(run["frames"]), []
+    for component in run["energy"]:
+        events, factor, microwatts, size = parts.pop(component["name"])
+        dynamic = events * factor
+        power = microwatts + Fraction(constant["energy.sram_leakage_uw_per_kib"] * size, 1024)
+        leakage = power * run["cycles"] * 1000 / mhz
+        if component["name"] == "dram":
+            leakage -= Fraction(saved * n("dram/powered_down") * 1000, constant["dram.clock_mhz"])
+        for kind, mine in (("dynamic", dynamic), ("leakage", leakage)):
+            theirs = component[kind + "_mj"] * 1e12
+            # Each frame is rounded once; the JSON has doubles.
+            if abs(theirs - float(mine)) > 2 * frames + 1e-12 * float(mine):
+                wrong.append(f"{path}: {component['name']} {kind}: {theirs} fJ, recomputed {float(mine)}")
+    wrong += [f"{path}: no component {name}" for name in parts]
+    return wrong
+
+
+def main():
+    wrong = [line for path in sys.argv[1:] for line in check(path)]
+    print("\n".join(wrong) or f"{len(sys.argv) - 1} runs: energy is what the counters say")
+    sys.exit(bool(wrong))
+
+
+main()

@@ -1,0 +1,41 @@
+//! Energy, recomputed outside of the crate: a script made from MODEL.md takes the counters and constants of a replay.
+//!
+//! Skipped, saying so, where there is no python3.
+
+use std::fs;
+use std::process::{Command, Output};
+
+use crate::common::{replay, repository};
+
+const MACHINES: [&str; 5] = ["sgrt-ti2", "sgrt-ti1", "sgrt-ti2-rob", "no-direct-interface", "raycore"];
+
+/// Runs the script; nothing where there is no python3.
+fn recompute(files: &[std::path::PathBuf]) -> Option<Output> {
+    let ran = Command::new("python3").arg("-B").arg(repository("tests/e2e/energy.py")).args(files).output();
+    ran.inspect_err(|error| eprintln!("skipped: python3 does not start: {error}")).ok()
+}
+
+#[test]
+fn a_script_finds_the_same_energy_in_the_counters() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut files = Vec::new();
+    for machine in MACHINES {
+        let policy = if machine == "raycore" { "full" } else { "multirate" };
+        let trace = repository("traces/v1_0_teapot.rtrace");
+        let file = folder.path().join(machine);
+        fs::write(&file, replay(&trace, &format!("--machine {machine} --policy {policy}")).expect(0).out).unwrap();
+        files.push(file);
+    }
+    let Some(output) = recompute(&files) else { return };
+    let said = String::from_utf8_lossy(&output.stdout);
+    assert!(output.status.success() && said.contains("5 runs"), "{said}");
+    // A counter that is off by a thousandth is noticed.
+    let text = fs::read_to_string(&files[0]).unwrap();
+    let mut run: serde_json::Value = serde_json::from_str(&text).unwrap();
+    let tests = &mut run["counters"]["ti/trv/box_tests"]["value"];
+    *tests = (tests.as_u64().unwrap() * 1001 / 1000).into();
+    fs::write(&files[0], run.to_string()).unwrap();
+    let output = recompute(&files[..1]).unwrap();
+    let said = String::from_utf8_lossy(&output.stdout);
+    assert!(!output.status.success() && said.contains("trv dynamic"), "{said}");
+}
