@@ -45,7 +45,7 @@ pub struct Args {
     machine: String,
     /// Override a value; may be given several times.
     ///
-    /// Keys that begin with gpu, ti, l2, dram, srp, layout, raster or energy are the machine's, such as
+    /// Keys that begin with gpu, ti, l2, dram, srp, layout, raster, energy or area are the machine's, such as
     /// ti.trv_l1.size=32KiB; all others are the policy's, such as block=4 or similarity.normal_deg=12.
     #[arg(long = "set", value_name = "KEY=VALUE")]
     overrides: Vec<String>,

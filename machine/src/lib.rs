@@ -27,6 +27,7 @@
 //! # }
 //! ```
 
+pub mod area;
 pub mod component;
 pub mod config;
 pub mod counters;
@@ -47,6 +48,7 @@ pub mod time;
 pub mod timeline;
 pub mod work;
 
+pub use area::AreaReport;
 pub use config::{MachineConfig, NamedMachine};
 pub use energy::EnergyReport;
 pub use error::{MachineError, Result};

@@ -4,6 +4,7 @@
 //! that. Values come from presets (`presets/*.toml`), files and overrides; each keeps its class and source. The simulator sees
 //! only these structs, already checked.
 
+mod area;
 mod cache;
 mod check;
 mod dram;
@@ -19,6 +20,7 @@ mod whole;
 
 pub use rayreel_settings::{Ancestor, Bytes, Class, Picojoules, Sourced, units};
 
+pub use area::Area;
 pub use cache::{L1, L2, Replacement};
 pub use dram::{Dram, PagePolicy};
 pub use energy::Energy;

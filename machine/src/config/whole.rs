@@ -2,6 +2,7 @@
 
 use rayreel_settings::settings;
 
+use super::area::Area;
 use super::cache::L2;
 use super::dram::Dram;
 use super::energy::Energy;
@@ -22,5 +23,6 @@ settings! {
         layout: LayoutSizes, "where things lie in memory, and how large they are";
         raster: Raster, "the rasteriser (gpu.primary_visibility = raster)";
         energy: Energy, "energy per event and leakage";
+        area: Area, "area of units and of bits";
     }
 }

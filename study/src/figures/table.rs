@@ -191,6 +191,10 @@ figures! {
         gpu: Option<RunCost> => "object", Neither, Whole,
             "power_w, energy_mj, energy_per_ray_nj and perf_per_watt of the whole GPU: T&I units, SRPs, L2 and DRAM",
             form Form::Costs("whole GPU");
+        ti_area_mm2: Option<f64> => "mm2", Less, Whole, "area of the T&I units: a pure function of the machine";
+        gpu_area_mm2: Option<f64> => "mm2", Less, Whole, "area of the whole GPU without DRAM, its controller and its PHY";
+        mrays_per_mm2: Option<f64> => "Mrays/s/mm2", More, Whole, "mrays_per_s over ti_area_mm2";
+        gpu_mrays_per_mm2: Option<f64> => "Mrays/s/mm2", More, Whole, "mrays_per_s over gpu_area_mm2";
     }
 }
 
@@ -212,6 +216,9 @@ figures! {
             "components: dynamic_mj with the clock tree, leakage_mj (of the DRAM its background), power_w; the GPU is their \
              sum",
             form Form::Components;
+        area_mm2 => "mm2", Less, Whole,
+            "area by component, names as those of energy; ti and gpu are the sums of their components",
+            form Form::Listing;
         machine_config => "object", Neither, Whole,
             "every value of the machine with its class (paper, source, ...) and source",
             form Form::Listing;

@@ -66,7 +66,7 @@ impl RowEstimates {
         };
         match (part, cost) {
             ("", "cycles" | "time_ms") => cycles.cloned(),
-            ("", "fps" | "mrays_per_s") => each(|cycles, _| 1.0 / cycles),
+            ("", "fps" | "mrays_per_s" | "mrays_per_mm2") | ("gpu_", "mrays_per_mm2") => each(|cycles, _| 1.0 / cycles),
             (_, "energy_mj" | "energy_per_ray_nj") => energy.cloned(),
             (_, "power_w") => each(|cycles, energy| energy / cycles),
             (_, "perf_per_watt") => each(|_, energy| 1.0 / energy),

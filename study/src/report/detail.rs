@@ -153,7 +153,7 @@ fn intervals(value: &BTreeMap<String, f64>, replicates: &[BTreeMap<String, f64>]
 
 /// Whether a figure of the machine is counted in any case: known by its name where no replicate shows it.
 fn is_counted(name: &str) -> bool {
-    ["rays_machine", "run_tiles"].contains(&name) || name.starts_with("paths_")
+    ["rays_machine", "run_tiles"].contains(&name) || name.starts_with("paths_") || name.ends_with("area_mm2")
 }
 
 /// To four digits behind the point: an interval is no measurement.

@@ -79,6 +79,8 @@ pub struct Report {
     pub units: Value,
     /// Energy by component; null without a machine.
     pub energy: Option<Vec<ComponentReport>>,
+    /// Area by component, mm2; null without a machine.
+    pub area_mm2: Value,
     /// Every value of the machine; null without one.
     pub machine_config: Value,
     /// Unit and meaning of the keys.
@@ -152,6 +154,7 @@ impl Report {
             counters: Value::Null,
             units: Value::Null,
             energy: None,
+            area_mm2: Value::Null,
             machine_config: Value::Null,
             descriptions: descriptions(),
             machine_run: None,
@@ -174,6 +177,7 @@ impl Report {
         self.counters = if timeless { counters::timeless(&all) } else { counters::counters(&all) };
         self.units = if timeless { Value::Null } else { counters::units(&all.stats) };
         self.energy = Some(run::components(&all.energy, self.run.time_ms, timeless));
+        self.area_mm2 = run::area(&machine.config);
         self.detail = Some(detail);
         self.machine_config = machine_config(machine);
         self.machine_run = Some((machine.config.clone(), all));

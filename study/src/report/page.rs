@@ -7,9 +7,10 @@ use crate::report::Report;
 use crate::report::counters::{ist_activity, ist_l1, srp_l1, srp_sum, stages, trv_l1};
 use crate::report::detail::DetailReport;
 use crate::report::format::{amount, digits, grouped, percent};
+use rayreel_machine::AreaReport;
 use rayreel_machine::config::{Dram, MachineConfig};
 use rayreel_machine::counters::Activity;
-use rayreel_machine::energy::{Component, watts};
+use rayreel_machine::energy::{Component, Group, watts};
 use rayreel_machine::srp::KernelId;
 use rayreel_machine::stats::Stats;
 use rayreel_machine::work::layout::Region;
@@ -26,7 +27,8 @@ pub(super) fn write(f: &mut Formatter<'_>, report: &Report) -> fmt::Result {
     }
     caches(f, &run.stats)?;
     memory(f, config, &run.stats)?;
-    power(f, config, run)
+    power(f, config, run)?;
+    area(f, report, config)
 }
 
 /// What was simulated, if that is not all.
@@ -218,4 +220,20 @@ fn power(f: &mut Formatter<'_>, config: &MachineConfig, run: &MachineRun) -> fmt
     }
     let sum = |of: fn(&Component) -> u128| run.energy.components.iter().map(of).sum();
     row("whole GPU", sum(|c| c.dynamic_fj), sum(|c| c.leakage_fj))
+}
+
+/// Area by component, and rays a second for it.
+fn area(f: &mut Formatter<'_>, report: &Report, config: &MachineConfig) -> fmt::Result {
+    let AreaReport { components } = AreaReport::new(config);
+    let all: u64 = components.iter().map(|c| c.um2).sum();
+    let ti = components.iter().filter(|c| c.group == Group::Ti).map(|c| c.um2).sum();
+    writeln!(f, "\n{:<15}{:>15}{:>14}{:>24}", "area", "mm2", "% of GPU", "Mrays/s a mm2")?;
+    let mut row = |name: &str, um2: u64, rate: Option<f64>| {
+        let rate = rate.map_or_else(String::new, digits);
+        let line = format!("  {name:<13}{:>15.3}{:>14}{rate:>24}", um2 as f64 / 1e6, percent(um2, all));
+        writeln!(f, "{}", line.trim_end())
+    };
+    components.iter().try_for_each(|c| row(c.name, c.um2, None))?;
+    row("T&I units", ti, report.run.mrays_per_mm2)?;
+    row("whole GPU", all, report.run.gpu_mrays_per_mm2)
 }

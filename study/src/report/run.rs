@@ -1,8 +1,10 @@
 //! Figures of a machine: time, rays a second, power. Each is one expression over integer counts.
 
 use serde::Serialize;
+use serde_json::{Map, Value, json};
 
 use crate::figures::{RunCost, RunFigures};
+use rayreel_machine::AreaReport;
 use rayreel_machine::config::MachineConfig;
 use rayreel_machine::energy::EnergyReport;
 use rayreel_replay::Detail;
@@ -15,16 +17,23 @@ impl RunFigures {
         let seconds = cycles as f64 / (f64::from(config.ti.clock_mhz) * 1e6);
         let rays = run.stats.rays();
         let cost = |fj: u128| RunCost::new(fj, seconds, rays, frames);
+        let area = AreaReport::new(config);
+        let mrays_per_s = ratio(rays as f64 * 1e-6, seconds);
+        let over = |mm2: f64| mrays_per_s.and_then(|mrays| ratio(mrays, mm2));
         let timeless = run.estimate.as_ref().is_some_and(|estimate| estimate.detail == Detail::Counts);
         Self {
             cycles: (!timeless).then_some(cycles),
             time_ms: (!timeless).then_some(seconds * 1e3),
             fps: ratio(frames as f64, seconds),
             rays_machine: Some(rays),
-            mrays_per_s: ratio(rays as f64 * 1e-6, seconds),
+            mrays_per_s,
             ti: cost(run.energy.ti_fj()),
             ti_with_memory: Some(cost(run.energy.ti_with_memory_fj())),
             gpu: Some(cost(run.energy.gpu_fj())),
+            ti_area_mm2: Some(area.ti_mm2()),
+            gpu_area_mm2: Some(area.gpu_mm2()),
+            mrays_per_mm2: over(area.ti_mm2()),
+            gpu_mrays_per_mm2: over(area.gpu_mm2()),
         }
     }
 }
@@ -68,6 +77,14 @@ pub(super) fn components(energy: &EnergyReport, time_ms: Option<f64>, timeless: 
         power_w: time_ms.and_then(|ms| ratio(mj(c.total_fj()), ms)),
     };
     energy.components.iter().map(component).collect()
+}
+
+/// Area by component, and of T&I units and GPU, mm2.
+pub(super) fn area(config: &MachineConfig) -> Value {
+    let area = AreaReport::new(config);
+    let components = area.components.iter().map(|c| (c.name.to_owned(), json!(c.mm2())));
+    let sums = [("ti".to_owned(), json!(area.ti_mm2())), ("gpu".to_owned(), json!(area.gpu_mm2()))];
+    Value::Object(components.chain(sums).collect::<Map<_, _>>())
 }
 
 /// A ratio, unless there is nothing to divide by.
