@@ -1,5 +1,6 @@
 //! The `rayreel` command: one file per subcommand here, all logic in the crates.
 
+mod anchors;
 mod capture;
 mod common;
 mod compare;
@@ -31,7 +32,7 @@ use exit::Exit;
 /// ray-tracing GPU, without tracing again: cycles, power, pictures and image quality. `paper` does the whole experiment for the
 /// built-in scenes.
 ///
-/// Exit codes: 0 done, 1 the result says no (verify, diff, compare), 2 wrong usage, 3 incomplete trace, 65 bad input data,
+/// Exit codes: 0 done, 1 the result says no (verify, diff, compare, anchors), 2 wrong usage, 3 incomplete trace, 65 bad input data,
 /// 75 interrupted but flushed.
 #[derive(Debug, Parser)]
 #[command(version, max_term_width = 110)]
@@ -54,6 +55,7 @@ enum Command {
     Replay(replay::Args),
     Sweep(Box<sweep::Args>),
     Paper(paper::Args),
+    Anchors(anchors::Args),
     Report(report::Args),
     Compare(compare::Args),
     Presets(presets::Args),
@@ -78,6 +80,7 @@ fn main() -> ExitCode {
         Command::Replay(args) => replay::run(&args, quiet),
         Command::Sweep(args) => sweep::run(&args, quiet),
         Command::Paper(args) => paper::run(&args, quiet),
+        Command::Anchors(args) => anchors::run(&args, quiet),
         Command::Report(args) => report::run(&args),
         Command::Compare(args) => compare::run(&args),
         Command::Presets(args) => presets::run(&args),

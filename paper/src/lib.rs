@@ -22,6 +22,7 @@
 //! [`Study`]: rayreel_study::schema::Study
 
 mod ablations;
+pub mod anchors;
 mod animation;
 mod claims;
 mod error;

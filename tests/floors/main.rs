@@ -35,12 +35,12 @@ const ORDERS: [(&str, &str); 11] = [
     ),
     (
         "paper/src/lib.rs",
-        "error frame identity live lockstep policies reference results rows setup plan ablations animation ledger meter points estimates study table traces jobs maker execute experiment",
+        "error frame identity live lockstep policies reference results rows setup plan ablations animation ledger meter points estimates study table traces jobs maker execute experiment anchors",
     ),
     ("testkit/src/lib.rs", "random policies switches trees synthetic rules recorded reference poison"),
     (
         "src/main.rs",
-        "exit progress common detail traces capture compare diff digest info presets paper render repair replay report scenes sweep verify",
+        "exit progress common detail traces anchors capture compare diff digest info presets paper render repair replay report scenes sweep verify",
     ),
 ];
 

@@ -108,6 +108,8 @@ mod tests {
                 "fps",
                 "mrays_per_s",
                 "perf_per_watt",
+                "mrays_per_mm2",
+                "gpu_mrays_per_mm2",
                 "ti_with_memory_perf_per_watt",
                 "gpu_perf_per_watt",
             ]

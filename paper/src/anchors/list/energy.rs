@@ -1,0 +1,30 @@
+//! Joules a ray.
+
+use super::{FULL, SGRT};
+use crate::anchors::anchor::{Anchor, Rows, Value};
+use crate::anchors::of::{chip_nj, figure, on_chip_nj};
+
+pub const ANCHORS: &[Anchor] = &[
+    Anchor {
+        name: "on-chip energy a ray",
+        source: "estimate: 25 tests of two boxes x (30 + 5.7 + 7 pJ), 5 triangles x (42 + 5 pJ), 3 lines of the L2 x 14 pJ and 15 \
+                 operations of the stack x 0.4 pJ = 1.35 nJ; bounds with the box pair at 16 and 60 pJ and the triangle at 25 and 90",
+        unit: "nJ/ray",
+        low: Some(0.92),
+        high: Some(2.34),
+        rows: Rows::Machines(SGRT),
+        value: Value::Runs(&[FULL], |of| Some(on_chip_nj(&of[0])? / figure(&of[0], "rays_machine")?)),
+        why: &[],
+    },
+    Anchor {
+        name: "energy a ray of RayCore",
+        source: "RayCore (embedded.com report): 1 W at 239 Mrays/s = 4.2 nJ at 28 nm x 0.45 to 14 nm = 1.9 nJ, everything but DRAM; a \
+                 factor of two either way",
+        unit: "nJ/ray",
+        low: Some(0.95),
+        high: Some(3.8),
+        rows: Rows::One(Some("raycore")),
+        value: Value::Runs(&[FULL], |of| Some(chip_nj(&of[0])? / figure(&of[0], "rays_machine")?)),
+        why: &[],
+    },
+];

@@ -1,0 +1,141 @@
+//! What the paper measured of adaptive sampling.
+
+use super::{full, supersampling};
+use crate::anchors::anchor::{Anchor, Of, On, Rows, Value};
+use crate::anchors::of::{count, largest, mean, ratio, similarity_inspector, srp_busy};
+use crate::anchors::run::Run;
+
+const TI2: Rows = Rows::One(Some("sgrt-ti2"));
+
+/// The paper's supersampling and every sample, T&I units alone.
+const ALONE: &[Of] = &[supersampling(On::Alone), full(On::Alone)];
+/// The paper's supersampling on the whole machine.
+const WHOLE: &[Of] = &[supersampling(On::Row)];
+
+const SRP: &str =
+    "Lee et al. 2016: similarity checks 5 % and interpolation 6 % of the SRP's cycles; half to twice as much";
+
+const PERF_PER_WATT: Value = Value::Runs(ALONE, |of| ratio("energy_mj", &of[1], &of[0]));
+
+pub const ANCHORS: &[Anchor] = &[
+    Anchor {
+        name: "similarity checks in the SRP",
+        source: SRP,
+        unit: "%",
+        low: Some(2.5),
+        high: Some(10.0),
+        rows: TI2,
+        value: Value::Runs(WHOLE, |of| share(&of[0], count(&of[0], "srp/activity/similarity")?)),
+        why: &[],
+    },
+    Anchor {
+        name: "similarity checks with their inspector",
+        source: SRP,
+        unit: "%",
+        low: Some(2.5),
+        high: Some(10.0),
+        rows: TI2,
+        value: Value::Runs(WHOLE, |of| {
+            share(&of[0], count(&of[0], "srp/activity/similarity")? + similarity_inspector(&of[0])?)
+        }),
+        why: &[],
+    },
+    Anchor {
+        name: "interpolation in the SRP",
+        source: SRP,
+        unit: "%",
+        low: Some(3.0),
+        high: Some(12.0),
+        rows: TI2,
+        value: Value::Runs(WHOLE, |of| share(&of[0], count(&of[0], "srp/activity/interpolate")?)),
+        why: &[],
+    },
+    Anchor {
+        name: "power over full",
+        source: "Lee et al. 2016, Figure 7: 1.09 in the mean, T&I units alone; from no change to twice the stated one",
+        unit: "x",
+        low: Some(1.0),
+        high: Some(1.18),
+        rows: TI2,
+        value: Value::Runs(ALONE, |of| {
+            let each = (0..of[0].len()).map(|i| ratio("power_w", &of[0][i..=i], &of[1][i..=i]));
+            Some(each.sum::<Option<f64>>()? / of[0].len() as f64)
+        }),
+        why: &[],
+    },
+    Anchor {
+        name: "performance over full, best scene",
+        source: "Lee et al. 2016: up to 3 times, T&I units alone; 2.43 and 2.98 frames a joule x 1.09 of power are 2.65 and 3.25",
+        unit: "x",
+        low: Some(2.65),
+        high: Some(3.25),
+        rows: TI2,
+        value: Value::Runs(ALONE, |of| largest(&of[0], &of[1], |new, old| ratio("time_ms", old, new))),
+        why: &[],
+    },
+    Anchor {
+        name: "frames a joule over full, smooth scenes",
+        source: "Lee et al. 2016, Figure 7: 2.43 to 2.98 for Teapot and BMW, T&I units alone",
+        unit: "x",
+        low: Some(2.43),
+        high: Some(2.98),
+        rows: Rows::Scenes("sgrt-ti2", &["teapot", "car"]),
+        value: PERF_PER_WATT,
+        why: &[],
+    },
+    Anchor {
+        name: "frames a joule over full, other scenes",
+        source: "Lee et al. 2016, Figure 7: at least 1.53 for Chess, Chemical Lab and Provence, T&I units alone; at most its best, 2.98",
+        unit: "x",
+        low: Some(1.53),
+        high: Some(2.98),
+        rows: Rows::Scenes("sgrt-ti2", &["chess", "lab", "provence"]),
+        value: PERF_PER_WATT,
+        why: &[],
+    },
+    Anchor {
+        name: "frames a joule over full, Figure 1",
+        source: "Lee et al. 2016, Figure 1: 1.83 at 30.5 dB; a fifth either way",
+        unit: "x",
+        low: Some(1.46),
+        high: Some(2.2),
+        rows: Rows::Scenes("sgrt-ti2", &["provence"]),
+        value: PERF_PER_WATT,
+        why: &[],
+    },
+    Anchor {
+        name: "PSNR of supersampling, Figure 1",
+        source: "Lee et al. 2016, Figure 1: 1.83 at 30.5 dB; 3 dB either way, which is half and twice the squared error",
+        unit: "dB",
+        low: Some(27.5),
+        high: Some(33.5),
+        rows: Rows::Scenes("sgrt-ti2", &["provence"]),
+        value: Value::Runs(WHOLE, |of| mean(&of[0], "psnr_db")),
+        why: &[],
+    },
+    Anchor {
+        name: "mean PSNR of supersampling",
+        source: "Lee et al. 2016, Table 1: 35.68 dB; 3 dB either way, which is half and twice the squared error",
+        unit: "dB",
+        low: Some(32.68),
+        high: Some(38.68),
+        rows: Rows::One(None),
+        value: Value::Runs(&[supersampling(On::Preset("sgrt-ti2"))], |of| mean(&of[0], "psnr_db")),
+        why: &[],
+    },
+    Anchor {
+        name: "mean PSNR of undersampling",
+        source: "Lee et al. 2016, Table 1: 39.77 dB; 3 dB either way, which is half and twice the squared error",
+        unit: "dB",
+        low: Some(36.77),
+        high: Some(42.77),
+        rows: Rows::One(None),
+        value: Value::Runs(&[Of { policy: "paper-us", samples: 1, on: On::Nothing }], |of| mean(&of[0], "psnr_db")),
+        why: &[],
+    },
+];
+
+/// Percent of the busy cycles of the SRPs.
+fn share(runs: &[Run<'_>], cycles: f64) -> Option<f64> {
+    Some(100.0 * cycles / srp_busy(runs)?)
+}
