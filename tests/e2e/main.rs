@@ -8,6 +8,7 @@ mod common;
 #[path = "../../study/tests/common/study.rs"]
 mod made_up;
 
+mod anchors;
 mod browser;
 #[cfg(unix)]
 mod cluster;

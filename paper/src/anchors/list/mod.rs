@@ -38,3 +38,6 @@ const fn full(on: On) -> Of {
 const fn supersampling(on: On) -> Of {
     Of { policy: "paper-ss", samples: 2, on }
 }
+
+#[cfg(test)]
+mod tests;
