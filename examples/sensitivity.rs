@@ -56,9 +56,12 @@ fn read(path: &Path) -> Result<Vec<Row>, Box<dyn Error>> {
         let column =
             |name: &str| record.get(name).cloned().ok_or_else(|| format!("{}: no column {name}", path.display()));
         let [scene, policy, value, normal] = [column("scene")?, column("policy")?, column("value")?, column("normal")?];
-        let own = POLICIES.iter().find(|known| known.0 == policy).map(|known| known.1);
-        let name =
-            if own.is_none_or(|own| own == normal) { value.clone() } else { format!("normals {normal} degrees") };
+        let default_angle = POLICIES.iter().find(|known| known.0 == policy).map(|known| known.1);
+        let name = if default_angle.is_none_or(|angle| angle == normal) {
+            value.clone()
+        } else {
+            format!("normals {normal} degrees")
+        };
         if !order.contains(&name) {
             order.push(name.clone());
         }
@@ -67,9 +70,9 @@ fn read(path: &Path) -> Result<Vec<Row>, Box<dyn Error>> {
     order.sort_by_key(|name| name.starts_with("normals"));
     let gains = |name: &str, policy: &str| {
         let of_policy = cost.iter().filter(|((other, _, of), _)| other == name && of == policy);
-        let gain = |((_, scene, _), (value, own)): (&(String, String, String), &(String, f64))| {
+        let gain = |((_, scene, _), (value, efficiency)): (&(String, String, String), &(String, f64))| {
             let full = cost.get(&(value.clone(), scene.clone(), "full".into()))?;
-            Some((scene.clone(), own / full.1))
+            Some((scene.clone(), efficiency / full.1))
         };
         of_policy.filter_map(gain).collect()
     };

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use rayreel_study::schema::{Point, Study};
 
-use crate::table::word;
+use crate::policies::word;
 
 /// More time than a free SRP takes, by which an SRP hinders the T&I units.
 const HINDERS: f64 = 1.05;

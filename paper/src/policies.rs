@@ -148,3 +148,8 @@ pub fn load() -> Result<Vec<(&'static Contender, Arc<NamedPolicy>)>> {
     };
     POLICIES.iter().map(load).collect()
 }
+
+/// What a mode is called.
+pub fn word(mode: &str) -> &str {
+    MODES.iter().find(|known| known.name == mode).map_or(mode, |known| known.word)
+}

@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use rayreel_study::schema::{Ablation, Gain, Point, Study, Track};
 
 use crate::claims::claims;
-use crate::policies::MODES;
+use crate::policies::{MODES, word};
 
 /// Everything that is printed.
 pub fn table(study: &Study) -> String {
@@ -30,11 +30,6 @@ fn evaluated(study: &Study) -> impl Iterator<Item = &Point> {
     let stated =
         |p: &&Point| study.references.policies.iter().any(|known| known.mode == p.mode && known.policy == p.policy);
     study.points.iter().filter(stated)
-}
-
-/// What a mode is called.
-pub(crate) fn word(mode: &str) -> &str {
-    MODES.iter().find(|known| known.name == mode).map_or(mode, |known| known.word)
 }
 
 fn or_dash(value: Option<f64>, digits: usize) -> String {

@@ -2,7 +2,7 @@
 
 use rayreel_machine::MachineConfig;
 
-use super::run::Run;
+use rayreel_study::point::figures::RowFigures;
 
 /// A figure with bounds. One anchor may have several rows: one a machine or one a scene.
 #[derive(Debug)]
@@ -42,7 +42,7 @@ pub enum Value {
     /// From the configuration of the row's machine, and from that of the base.
     Config(fn(&MachineConfig, &MachineConfig) -> Option<f64>),
     /// From runs: those of each [`Of`], scene by scene in the same order.
-    Runs(&'static [Of], fn(&[Vec<Run<'_>>]) -> Option<f64>),
+    Runs(&'static [Of], fn(&[Vec<RowFigures<'_>>]) -> Option<f64>),
 }
 
 /// What is replayed for a value.

@@ -1,5 +1,7 @@
 //! What values are made of: sums and ratios of the figures of runs.
 
+use rayreel_machine::srp::KernelId;
+
 use super::run::Run;
 
 /// The sum of a figure over runs.
@@ -75,9 +77,13 @@ pub fn hit_rate(runs: &[Run<'_>]) -> Option<f64> {
 
 /// Busy cycles of the SRPs: kernels and inspector.
 pub fn srp_busy(runs: &[Run<'_>]) -> Option<f64> {
-    const KERNELS: [&str; 8] =
-        ["raygen", "shade", "miss", "update", "similarity", "interpolate", "resolve", "inspector"];
-    KERNELS.into_iter().map(|kernel| count(runs, &format!("srp/activity/{kernel}"))).sum()
+    let kernels = KernelId::ALL.map(KernelId::name);
+    Some(in_kernels(runs, &kernels)? + count(runs, "srp/activity/inspector")?)
+}
+
+/// Cycles of the SRPs in some kernels.
+pub fn in_kernels(runs: &[Run<'_>], kernels: &[&str]) -> Option<f64> {
+    kernels.iter().map(|kernel| count(runs, &format!("srp/kernel/{kernel}/cycles"))).sum()
 }
 
 /// Cycles of the inspector for similarity tests: its share of all inspected items.

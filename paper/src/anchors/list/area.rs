@@ -7,8 +7,8 @@ use crate::anchors::anchor::{Anchor, Rows, Value};
 pub const ANCHORS: &[Anchor] = &[
     Anchor {
         name: "area of SGRT",
-        source: "Lee et al. 2013 (SGRT, HPG), recalled, about 50 %: 25 mm2 at 65 nm for four cores x 0.115 to 14 nm = 2.9 mm2; a factor of \
-                 two either way",
+        source: "Lee et al. 2013 (SGRT, HPG), recalled, about 50 %: 25 mm2 at 65 nm for four cores x 0.115 to 14 nm = 2.9 mm2; a \
+                 factor of two either way",
         unit: "mm2",
         low: Some(1.45),
         high: Some(5.8),

@@ -12,17 +12,17 @@ const ACCUMULATE: On = On::Preset("sgrt-ti2-accumulate");
 
 const ROB: Rows = Rows::One(Some("sgrt-ti2-rob"));
 
-const ROB_SOURCE: &str = "Lee et al. 2015 (Reorder Buffer, HPG), abstract: up to 11.7 % better cache utilisation, up to 4.7 times the \
-                          energy efficiency; the largest of the five scenes";
+const ROB_SOURCE: &str = "Lee et al. 2015 (Reorder Buffer, HPG), abstract: up to 11.7 % better cache utilisation, up to 4.7 \
+                          times the energy efficiency; the largest of the five scenes";
 
-const ROB_TALK: &str = "Lee et al. 2014 (SIGGRAPH Asia MGIA), abstract: performance and energy efficiency up to 5.5 times that of \
-                        earlier architectures; the largest of the five scenes, time x energy of the T&I units";
+const ROB_TALK: &str = "Lee et al. 2014 (SIGGRAPH Asia MGIA), abstract: performance and energy efficiency up to 5.5 times that \
+                        of earlier architectures; the largest of the five scenes, time x energy of the T&I units";
 
 pub const ANCHORS: &[Anchor] = &[
     Anchor {
         name: "two boxes a cycle over one",
-        source: "Lee et al. 2014 (two-AABB traversal, SIGGRAPH Asia MGIA), abstract: up to 2.9 times as fast as the single pipeline; at \
-                 least 1.5, since a node takes one pass and not two",
+        source: "Lee et al. 2014 (two-AABB traversal, SIGGRAPH Asia MGIA), abstract: up to 2.9 times as fast as the single \
+                 pipeline; at least 1.5, since a node takes one pass and not two",
         unit: "x",
         low: Some(1.5),
         high: Some(2.9),
@@ -30,7 +30,9 @@ pub const ANCHORS: &[Anchor] = &[
         value: Value::Runs(&[FULL, full(On::Preset("sgrt-ti1"))], |of| ratio("time_ms", &of[1], &of[0])),
         why: &[Why {
             of: &[],
-            below: "The box tests are not the bottleneck: in sgrt-ti2 the one triangle unit of a core issues in nine of ten cycles in all scenes, tests or bypasses, and the leaf stages wait for it four fifths of the time. The published factor is of a traversal unit whose triangle units keep up.",
+            below: "Box tests are not the bottleneck of sgrt-ti2. Where caches hit (teapot) the one triangle unit of a core \
+                    tests in 90 % of the cycles; elsewhere it waits for memory; and in all scenes the leaf stages wait for it in \
+                    about four fifths of the cycles. The published factor is of a traversal unit whose triangle units keep up.",
             above: "",
         }],
     },
@@ -45,7 +47,9 @@ pub const ANCHORS: &[Anchor] = &[
         why: &[Why {
             of: &[],
             below: "",
-            above: "Where misses retry, an operation looks up again after every bypass, and finds its line still on its way: up to six of ten lookups merge so. They count as lookups here; the abstract does not say how it counts.",
+            above: "Where misses retry, an operation looks up again after every bypass, and finds its line still on its way. \
+                    Such lookups count as lookups that are no hits: half of all in provence already on sgrt-ti2, which has half \
+                    the rays. The abstract does not say how it counts.",
         }],
     },
     Anchor {
@@ -58,7 +62,8 @@ pub const ANCHORS: &[Anchor] = &[
         value: Value::Runs(&[FULL, full(ACCUMULATE)], |of| largest(&of[0], &of[1], more_hits)),
         why: &[Why {
             of: &[],
-            below: "Both look up once an operation. Rays issue in another order, so other lines are evicted, by a part of a percent either way.",
+            below: "Both look up once an operation. Rays issue in another order, so other lines are evicted, by a part of a \
+                    percent either way.",
             above: "",
         }],
     },
@@ -96,8 +101,8 @@ pub const ANCHORS: &[Anchor] = &[
     },
     Anchor {
         name: "hybrid numbers, smaller nodes",
-        source: "Hwang et al. 2015 (hybrid numbers, SIGGRAPH Asia MGIA), abstract: boxes in 40 % less space; a node of 64 B becomes one \
-                 of 40 to 45 B",
+        source: "Hwang et al. 2015 (hybrid numbers, SIGGRAPH Asia MGIA), abstract: boxes in 40 % less space; a node of 64 B \
+                 becomes one of 40 to 45 B",
         unit: "%",
         low: Some(30.0),
         high: Some(40.0),
@@ -109,8 +114,8 @@ pub const ANCHORS: &[Anchor] = &[
     },
     Anchor {
         name: "hybrid rasteriser, frames a joule",
-        source: "Lee et al. 2015 (hybrid rendering for tile-based mobile GPUs, SIGGRAPH Asia MGIA), abstract: performance per energy up \
-                 to 2.18 times that of ray tracing alone; the largest of the five scenes, whole GPU",
+        source: "Lee et al. 2015 (hybrid rendering for tile-based mobile GPUs, SIGGRAPH Asia MGIA), abstract: performance per \
+                 energy up to 2.18 times that of ray tracing alone; the largest of the five scenes, whole GPU",
         unit: "x",
         low: Some(1.0),
         high: Some(2.18),
@@ -122,8 +127,8 @@ pub const ANCHORS: &[Anchor] = &[
     },
     Anchor {
         name: "direct interface, less DRAM traffic",
-        source: "Shin et al. 2013 (SIGGRAPH Asia MGIA), abstract: 48 % less memory traffic in the mean, on an FPGA prototype; ten points \
-                 either way",
+        source: "Shin et al. 2013 (SIGGRAPH Asia MGIA), abstract: 48 % less memory traffic in the mean, on an FPGA prototype; \
+                 ten points either way",
         unit: "%",
         low: Some(38.0),
         high: Some(58.0),
@@ -133,8 +138,11 @@ pub const ANCHORS: &[Anchor] = &[
         }),
         why: &[Why {
             of: &[],
-            below: "Rays and hits cost 104 bytes of traffic a ray; in small pictures misses of the tree, which both machines have, are several times that.",
-            above: "Rays and hits cost 104 bytes of traffic a ray. Misses of the tree, which both machines have, fall as pictures grow, so the share of messages rises; the prototype also had other scenes and no L2 that we know of.",
+            below: "Rays and hits cost 104 bytes of traffic a ray; in small pictures misses of the tree, which both machines \
+                    have, are several times that.",
+            above: "Rays and hits cost 104 bytes of traffic a ray. Misses of the tree, which both machines have, fall as \
+                    pictures grow, so the share of messages rises; the prototype also had other scenes and no L2 that we know \
+                    of.",
         }],
     },
 ];
