@@ -15,18 +15,18 @@ pub fn claims(study: &Study, evaluated: &[&Point]) -> String {
 }
 
 /// "Cannot hinder the T&I unit": the time of a frame with the SRP over that with one that takes no time. `full` has no sampling
-/// to pay for; what a policy has more than `full` is its own.
+/// to pay for; what a policy has more than `full` is sampling's.
 fn overhead(study: &Study, evaluated: &[&Point]) -> String {
     let slower = |p: &Point| Some(p.gpu?.time_ms / p.ti?.time_ms);
     let mut rows = String::new();
     let (mut held, mut all) = (0, 0);
     for p in evaluated {
         let full = study.points.iter().find(|q| q.policy == "full" && q.scene == p.scene && q.mode == p.mode);
-        let (Some(own), Some(full)) = (slower(p), full.and_then(slower)) else { continue };
-        let holds = own <= full.max(HINDERS);
+        let (Some(policy), Some(full)) = (slower(p), full.and_then(slower)) else { continue };
+        let holds = policy <= full.max(HINDERS);
         (held, all) = (held + u32::from(holds), all + 1);
         let verdict = if holds { "does not hinder" } else { "hinders" };
-        let _ = writeln!(rows, "{:<10} {:<14} {own:>12.2} {full:>12.2}   {verdict}", p.scene, word(&p.mode));
+        let _ = writeln!(rows, "{:<10} {:<14} {policy:>12.2} {full:>12.2}   {verdict}", p.scene, word(&p.mode));
     }
     if all == 0 {
         return String::new();
@@ -79,15 +79,16 @@ fn power(study: &Study, evaluated: &[&Point]) -> String {
         "component", "group", "full", "adaptive", "factor"
     );
     for part in &first.energy {
-        let [own, full] = [mean(&|(p, _)| watts(p, &part.component)), mean(&|(_, full)| watts(full, &part.component))];
-        let factor = if full > 0.0 { format!("{:.2}", own / full) } else { "-".into() };
+        let [adaptive, full] =
+            [mean(&|(p, _)| watts(p, &part.component)), mean(&|(_, full)| watts(full, &part.component))];
+        let factor = if full > 0.0 { format!("{:.2}", adaptive / full) } else { "-".into() };
         let _ = writeln!(
             text,
             "{:<14} {:<8} {:>10.1} {:>10.1} {factor:>8}",
             part.component,
             part.group,
             1000.0 * full,
-            1000.0 * own
+            1000.0 * adaptive
         );
     }
     text + "what is done for each ray keeps its power where time falls as rays do, and loses some where time falls less; what is done for \

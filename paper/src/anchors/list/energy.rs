@@ -1,6 +1,6 @@
 //! Joules a ray.
 
-use super::{FULL, SGRT};
+use super::replays::{FULL, SGRT};
 use crate::anchors::anchor::{Anchor, Rows, Value, Why};
 use crate::anchors::of::{chip_nj, figure, on_chip_nj};
 

@@ -1,6 +1,6 @@
 //! What one change of the hardware brings.
 
-use super::{FULL, full};
+use super::replays::{FULL, full};
 use crate::anchors::anchor::{Anchor, On, Rows, Value, Why};
 use crate::anchors::of::{dram_bytes, hit_rate, largest, ratio};
 use crate::anchors::run::Run;

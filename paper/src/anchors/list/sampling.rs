@@ -1,6 +1,6 @@
 //! What the paper measured of adaptive sampling.
 
-use super::{full, supersampling};
+use super::replays::{full, supersampling};
 use crate::anchors::anchor::{Anchor, Of, On, Rows, Value, Why};
 use crate::anchors::of::{in_kernels, largest, mean, ratio, similarity_inspector, srp_busy};
 use crate::anchors::run::Run;

@@ -1,6 +1,6 @@
 //! Rays a second, and what they ask of the memory.
 
-use super::{FULL, SGRT};
+use super::replays::{FULL, SGRT};
 use crate::anchors::anchor::{Anchor, Rows, SCENES, Value, Why};
 use crate::anchors::of::{count, dram_bytes, figure, tree_bytes};
 
