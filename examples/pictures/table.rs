@@ -14,33 +14,40 @@ pub struct Row {
     pub ray_ratio: f64,
     pub psnr_db: f64,
     pub flip: f64,
-    /// Performance, power and performance per watt over those of `full`.
+    /// Performance, power and performance per watt over those of `full`: of the T&I units alone, and of the whole GPU.
     pub gain: [f64; 3],
+    pub gpu: [f64; 3],
 }
 
 /// Reads `results.csv`; rows come scene by scene, `paper-ss` before `multirate`.
 pub fn read(path: &Path) -> Result<Vec<Row>, Box<dyn std::error::Error>> {
-    let mut points: BTreeMap<(String, String), BTreeMap<String, String>> = BTreeMap::new();
+    let mut points: BTreeMap<(String, String, String), BTreeMap<String, String>> = BTreeMap::new();
     for record in csv::Reader::from_path(path)?.deserialize::<BTreeMap<String, String>>() {
         let record = record?;
-        points.insert((record["scene"].clone(), record["policy"].clone()), record);
+        let part = record.get("srp").cloned().ok_or("no column srp")?;
+        points.insert((record["scene"].clone(), record["policy"].clone(), part), record);
     }
     let mut rows = Vec::new();
     for scene in SCENES {
         for policy in ["paper-ss", "multirate"] {
-            let value = |policy: &str, name: &str| -> Result<f64, Box<dyn std::error::Error>> {
-                let point = points.get(&(scene.to_owned(), policy.to_owned()));
+            let value = |policy: &str, part: &str, name: &str| -> Result<f64, Box<dyn std::error::Error>> {
+                let point = points.get(&(scene.to_owned(), policy.to_owned(), part.to_owned()));
                 let point = point.ok_or_else(|| format!("{}: no {scene} under {policy}", path.display()))?;
                 Ok(point.get(name).ok_or_else(|| format!("no column {name}"))?.parse()?)
             };
-            let over = |name: &str| Ok::<f64, Box<dyn std::error::Error>>(value(policy, name)? / value("full", name)?);
+            let over = |part: &str, name: &str| {
+                Ok::<f64, Box<dyn std::error::Error>>(value(policy, part, name)? / value("full", part, name)?)
+            };
+            let [alone, whole] = ["alone", "whole"];
             rows.push(Row {
                 scene: scene.into(),
                 policy: policy.into(),
-                ray_ratio: value(policy, "rays_full")? / (value(policy, "rays_traced")? + value(policy, "rays_apron")?),
-                psnr_db: value(policy, "psnr_db")?,
-                flip: value(policy, "flip")?,
-                gain: [1.0 / over("time_ms")?, over("power_w")?, over("perf_per_watt")?],
+                ray_ratio: value(policy, alone, "rays_full")?
+                    / (value(policy, alone, "rays_traced")? + value(policy, alone, "rays_apron")?),
+                psnr_db: value(policy, alone, "psnr_db")?,
+                flip: value(policy, alone, "flip")?,
+                gain: [1.0 / over(alone, "time_ms")?, over(alone, "power_w")?, over(alone, "perf_per_watt")?],
+                gpu: [1.0 / over(whole, "time_ms")?, over(whole, "gpu_power_w")?, over(whole, "gpu_perf_per_watt")?],
             });
         }
     }
@@ -66,24 +73,28 @@ pub fn paper(scene: &str) -> (&'static str, &'static str) {
 
 /// The table of the README.
 pub fn markdown(rows: &[Row]) -> String {
-    let mut text =
-        "| scene | policy | ray ratio | PSNR dB | FLIP | perf | power | perf/W | paper: perf/W | PSNR dB |\n"
-            .to_owned();
-    text += "|---|---|---|---|---|---|---|---|---|---|\n";
+    let mut text = "| | | | | | T&I units alone | | | whole GPU | | | the paper | |\n\
+                    |---|---|---|---|---|---|---|---|---|---|---|---|---|\n\
+                    | scene | policy | ray ratio | PSNR dB | FLIP | perf | power | perf/W | perf | power | perf/W | perf/W | PSNR dB |\n"
+        .to_owned();
     for row in rows {
-        let Row { ray_ratio, psnr_db, flip, gain: [perf, power, watt], .. } = row;
+        let Row { ray_ratio, psnr_db, flip, gain, gpu, .. } = row;
         let (scene, band, paper_psnr) = match &*row.policy {
             "paper-ss" => (&*row.scene, paper(&row.scene).0, paper(&row.scene).1),
             _ => ("", "", ""),
         };
+        let factors: String = gain.iter().chain(gpu).map(|factor| format!("{factor:.2} | ")).collect();
         text += &format!(
-            "| {scene} | `{}` | {ray_ratio:.2} | {psnr_db:.1} | {flip:.4} | {perf:.2} | {power:.2} | {watt:.2} | {band} | {paper_psnr} |\n",
+            "| {scene} | `{}` | {ray_ratio:.2} | {psnr_db:.1} | {flip:.4} | {factors}{band} | {paper_psnr} |\n",
             row.policy
         );
     }
     for (scene, policy) in [("geometric mean", "paper-ss"), ("", "multirate")] {
-        let [rays, watt] = [mean(rows, policy, |row| row.ray_ratio), mean(rows, policy, |row| row.gain[2])];
-        text += &format!("| {scene} | `{policy}` | {rays:.2} | | | | | {watt:.2} | | |\n");
+        let rays = mean(rows, policy, |row| row.ray_ratio);
+        let of: [fn(&Row) -> f64; 6] =
+            [|r| r.gain[0], |r| r.gain[1], |r| r.gain[2], |r| r.gpu[0], |r| r.gpu[1], |r| r.gpu[2]];
+        let factors: String = of.iter().map(|of| format!("{:.2} | ", mean(rows, policy, *of))).collect();
+        text += &format!("| {scene} | `{policy}` | {rays:.2} | | | {factors} | |\n");
     }
     text
 }
