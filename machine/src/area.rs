@@ -5,8 +5,8 @@
 //!   pipeline also intersects, a triangle test too;
 //! - a memory is its bits times the area of a cell, over the share of it that is cells, rounded once per component. A cache has the
 //!   tags of its lines too. Ray buffers and stacks have cells with two ports;
-//! - components are those of the energy. No source gives an area of crossbar, ray setup, direct interface, rasteriser, DRAM
-//!   controller and PHY: they are left out, and totals are too small by them.
+//! - components are those of the energy. No source gives an area of crossbar, wires to the L2, ray setup, direct interface,
+//!   rasteriser, DRAM controller and PHY: they are left out, and totals are too small by them.
 
 use crate::config::{L1, MachineConfig, MissHandling, Pipeline};
 use crate::energy::Group;
