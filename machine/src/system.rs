@@ -173,7 +173,7 @@ impl<'a> System<'a, MemorySystem> {
         }
     }
 
-    /// The work that is done, as [`Features::cost`] counts it.
+    /// The work that is done, as [`crate::functional::Features::cost`] counts it.
     pub fn done(&self) -> f64 {
         self.cores.iter().map(|core| core.ti.done()).sum()
     }
