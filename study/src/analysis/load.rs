@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use crate::error::{Result, StudyError};
 use crate::sweep::folder::PLAN;
-use crate::table::{Results, parquet};
+use crate::table::Results;
 
 /// The results in the folder of a sweep.
 pub const RESULTS: &str = "results.parquet";
@@ -31,5 +31,15 @@ pub fn load(path: &Path) -> Result<(Results, PathBuf)> {
         return Err(missing(path, detail));
     }
     let bytes = fs::read(&file).map_err(|e| missing(&file, format!("cannot read it: {e}")))?;
-    Ok((parquet::decode(bytes, &file)?, file))
+    Ok((decode(bytes, &file)?, file))
+}
+
+#[cfg(feature = "parquet")]
+fn decode(bytes: Vec<u8>, file: &Path) -> Result<Results> {
+    crate::table::parquet::decode(bytes, file)
+}
+
+#[cfg(not(feature = "parquet"))]
+fn decode(_: Vec<u8>, file: &Path) -> Result<Results> {
+    Err(StudyError::input(file, "this program was built without the feature parquet of rayreel-study"))
 }
