@@ -76,7 +76,7 @@ pub fn svg(rows: &[Row]) -> String {
     }
     let _ = writeln!(
         svg,
-        "<text class=\"small\" x=\"{WIDTH}\" y=\"22\" text-anchor=\"end\">performance per watt over full sampling</text>"
+        "<text class=\"small\" x=\"{WIDTH}\" y=\"22\" text-anchor=\"end\">performance per watt of the T&amp;I units alone over full sampling</text>"
     );
     svg + "</svg>\n"
 }
