@@ -91,8 +91,8 @@ fn power(study: &Study, evaluated: &[&Point]) -> String {
             1000.0 * adaptive
         );
     }
-    text + "what is done for each ray keeps its power where time falls as rays do, and loses some where time falls less; what is done for \
-            each sample (tests, interpolation, pixels) is done in less time, so its power rises\n"
+    text + "time falls less than rays do, so what costs the same for each ray draws less; the rays that are left share fewer lines, so L2, \
+            wires and DRAM have more to do for each\n"
 }
 
 #[cfg(test)]
