@@ -8,15 +8,8 @@
 //! - components are those of the energy. No source gives an area of crossbar, wires to the L2, ray setup, direct interface,
 //!   rasteriser, DRAM controller and PHY: they are left out, and totals are too small by them.
 
-use crate::config::{L1, MachineConfig, MissHandling, Pipeline};
+use crate::config::{L1, MachineConfig, Pipeline};
 use crate::energy::Group;
-
-/// Bytes of a ray's record in a ray buffer, as the energy has them.
-const RECORD_BYTES: u64 = 64;
-/// Bytes of a stack entry.
-const STACK_ENTRY_BYTES: u64 = 4;
-/// Entries of a full stack (`ti.stack_entries = 0`).
-const FULL_STACK_ENTRIES: u64 = 64;
 
 /// Area of one component, all cores together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -55,11 +48,11 @@ impl AreaReport {
         let of = |group, name, um2| ComponentArea { name, group, um2 };
         let components = vec![
             of(Group::Ti, "trv", trvs * (area.trv_control_um2 + boxes + intersects)),
-            of(Group::Ti, "stacks", buffer(trvs * stack_bytes(config))),
+            of(Group::Ti, "stacks", buffer(trvs * config.stack_bytes())),
             of(Group::Ti, "ist", ists * area.triangle_um2),
             of(Group::Ti, "trv_l1", l1(trvs, &ti.trv_l1)),
             of(Group::Ti, "ist_l1", l1(ists, &ti.ist_l1)),
-            of(Group::Ti, "ray_buffers", buffer(buffer_bytes(config))),
+            of(Group::Ti, "ray_buffers", buffer(config.ray_buffer_bytes())),
             of(Group::Srp, "srp", cores * area.srp_um2),
             of(Group::Srp, "srp_l1", l1(cores, &srp.l1)),
             of(Group::Srp, "local_memory", local),
@@ -94,28 +87,6 @@ fn mm2(um2: u64) -> f64 {
 fn memory(bits: u64, bit_nm2: u64, array_percent: u64) -> u64 {
     let (nm2, by) = (u128::from(bits) * u128::from(bit_nm2) * 100, u128::from(array_percent) * 1_000_000);
     u64::try_from((nm2 + by / 2) / by).unwrap_or(u64::MAX)
-}
-
-/// Stacks of a traversal unit.
-fn stack_bytes(config: &MachineConfig) -> u64 {
-    let entries = match u64::from(config.ti.stack_entries) {
-        0 => FULL_STACK_ENTRIES,
-        entries => entries,
-    };
-    entries * STACK_ENTRY_BYTES * u64::from(config.ti.rays_per_trv)
-}
-
-/// Ray buffers of all units, with the rows in which rays accumulate.
-fn buffer_bytes(config: &MachineConfig) -> u64 {
-    let ti = &config.ti;
-    let rows = |mode| match mode {
-        MissHandling::Accumulate => u64::from(ti.accumulate_rows) * u64::from(config.l2.line_bytes),
-        MissHandling::Retry | MissHandling::Reorder => 0,
-    };
-    let core = u64::from(ti.ray_fifo_entries) * RECORD_BYTES
-        + u64::from(ti.trv) * (u64::from(ti.rays_per_trv) * RECORD_BYTES + rows(ti.miss_handling))
-        + u64::from(ti.ist) * (u64::from(ti.ist_entries) * RECORD_BYTES + rows(ti.ist_miss_handling));
-    u64::from(config.gpu.cores) * core
 }
 
 #[cfg(test)]

@@ -12,6 +12,7 @@ mod energy;
 mod gpu;
 mod layout;
 mod load;
+mod memories;
 mod rules;
 pub mod schema;
 mod srp;

@@ -16,21 +16,15 @@
 //! - the direct interface is paid per byte; through memory, the traffic is paid at the DRAM instead;
 //! - a unified pipeline tests triangles in the traversal unit, and their energy stands there.
 
-use crate::config::{Energy, Interface, L1, MachineConfig, MissHandling, Picojoules, Pipeline};
+use crate::config::{Energy, Interface, L1, MachineConfig, Picojoules, Pipeline};
 use crate::memory::{CacheCounters, ChannelCounters};
 use crate::srp::SrpStats;
 use crate::stats::Stats;
 use crate::ti::{InputBufferCounters, IstStats, TiStats, TrvStats};
 use crate::work::layout::Region;
 
-/// Bytes of a ray's record in a ray buffer, for leakage.
-const RECORD_BYTES: u64 = 64;
-/// Bytes of a stack entry.
-const STACK_ENTRY_BYTES: u64 = 4;
 /// Bytes of a request on its way to the L2.
 const ADDRESS_BYTES: u64 = 8;
-/// Entries of a full stack (`ti.stack_entries = 0`).
-const FULL_STACK_ENTRIES: u64 = 64;
 
 /// What a component belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -181,20 +175,8 @@ impl<'a> Sums<'a> {
         let (trvs, ists) = (self.cores * u64::from(ti.trv), self.cores * u64::from(ti.ist));
         let rays = sum(&|ti| ti.dispatch.rays);
         let tasks = ist(|u| u.events.tasks);
-        let stack_bytes = match u64::from(ti.stack_entries) {
-            0 => FULL_STACK_ENTRIES,
-            entries => entries,
-        } * STACK_ENTRY_BYTES
-            * u64::from(ti.rays_per_trv);
         let buffers = [&self.trv_buffer, &self.ist_buffer];
         let buffer = |of: fn(&InputBufferCounters) -> u64| buffers.into_iter().map(of).sum::<u64>();
-        let rows = |mode| match mode {
-            MissHandling::Accumulate => u64::from(ti.accumulate_rows) * u64::from(self.config.l2.line_bytes),
-            MissHandling::Retry | MissHandling::Reorder => 0,
-        };
-        let buffer_bytes = self.cores * u64::from(ti.ray_fifo_entries) * RECORD_BYTES
-            + trvs * (u64::from(ti.rays_per_trv) * RECORD_BYTES + rows(ti.miss_handling))
-            + ists * (u64::from(ti.ist_entries) * RECORD_BYTES + rows(ti.ist_miss_handling));
         let of = |name, events: &[(u64, Picojoules)], uw, bytes| self.component(name, Group::Ti, events, uw, bytes);
         let clocked = |name, events: &[(u64, Picojoules)], uw| self.clocked(name, Group::Ti, events, uw);
         [
@@ -219,7 +201,7 @@ impl<'a> Sums<'a> {
                     (trv(|u| u.events.stack_operations), energy.stack_pop_pj),
                 ],
                 0,
-                trvs * stack_bytes,
+                trvs * self.config.stack_bytes(),
             ),
             clocked(
                 "ist",
@@ -251,7 +233,7 @@ impl<'a> Sums<'a> {
                     (buffer(|b| b.slot_updates), energy.reorder_pj),
                 ],
                 0,
-                buffer_bytes,
+                self.config.ray_buffer_bytes(),
             ),
             of("crossbar", &[(2 * tasks, energy.crossbar_pj)], 0, 0),
         ]
