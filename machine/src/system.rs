@@ -301,6 +301,18 @@ impl<'a, M: Memory> System<'a, M> {
                 self.progress = now;
             }
         }
+        self.release_tiles();
+    }
+
+    /// Lets tiles go on whose neighbours are far enough.
+    fn release_tiles(&mut self) {
+        let is_open = |cores: &[Core], neighbour| cores.iter().any(|core| core.srp.is_open(neighbour));
+        for core in 0..self.cores.len() {
+            while let Some(slot) = self.cores[core].srp.released(|neighbour| is_open(&self.cores, neighbour)) {
+                self.cores[core].srp.release(self.now, slot);
+                self.cores[core].srp_wake = When::at(self.now + 1);
+            }
+        }
     }
 
     fn deliver(&mut self) {

@@ -109,7 +109,7 @@ fn machines_take_its_work() {
     let rays: usize = works.iter().map(|work| work.rays.len()).sum();
     assert_eq!(rays as u64, replayed.stats.counts.rays_traced.total());
     for work in &works {
-        // The tile to the left reads the first column.
+        // The tile to the left shares a column.
         let border = if work.tile % columns > 0 { work.rect.height } else { 0 };
         assert_eq!((work.border_samples, work.apron_samples), (border, 0), "tile {}", work.tile);
     }

@@ -211,8 +211,9 @@ impl<'a> FunctionalMachine<'a> {
             *written_bytes += shader.end_round(round, *written_bytes, counted, memory);
         }
         if let Some(round) = work.rounds.get(*begun) {
+            let number = *begun;
             *begun += 1;
-            shader.begin_round(work, round, queues, (counted, memory), done);
+            shader.begin_round(work, (number, round), queues, (counted, memory), done);
             return;
         }
         shader.end_tile(work, counted, memory, done);

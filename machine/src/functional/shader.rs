@@ -54,12 +54,16 @@ impl Shader {
     pub fn begin_round(
         &self,
         work: &TileWork,
-        round: &Round,
+        (number, round): (usize, &Round),
         queues: &mut Queues,
         (counted, memory): (&mut CoreStats, &mut TagMemory),
         features: &mut Features,
     ) {
         self.transfer((Region::Sample, Route::Read), 0, self.buffer.round_read_bytes(round), counted, memory);
+        if number == 1 {
+            let border = u64::from(work.border_samples) * self.buffer.sample_bytes();
+            self.transfer((Region::Border, Route::Read), border_offset(work.tile), border, counted, memory);
+        }
         self.items(KernelId::Similarity, round.tests.into(), counted, features);
         self.items(KernelId::Colour, round.colours.into(), counted, features);
         self.items(KernelId::Interpolate, round.interpolated.into(), counted, features);
@@ -156,9 +160,9 @@ impl Shader {
         counted.srp.local.spilled_samples += spilled;
         for route in [Route::Write, Route::Read] {
             self.transfer((Region::Sample, route), 0, spilled * sample, counted, memory);
-            let border = u64::from(work.border_samples) * sample;
-            self.transfer((Region::Border, route), border_offset(work.tile), border, counted, memory);
         }
+        let kept = u64::from(work.kept_samples) * sample;
+        self.transfer((Region::Border, Route::Write), border_offset(work.tile), kept, counted, memory);
         self.items(KernelId::Colour, work.audited_samples.into(), counted, features);
         self.items(KernelId::Control, self.shape.policy.control.into(), counted, features);
         self.items(KernelId::Resolve, work.rect.len() as u64, counted, features);

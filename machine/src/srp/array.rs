@@ -18,12 +18,14 @@ use crate::time::{ClockCycle, SrpCycle, TiCycle, When};
 use crate::work::PolicyReads;
 use crate::work::layout::Layout;
 
-/// What the array waits for while it runs no batch: for a tile, for rays that are out, or for a tile's transfers.
+/// What the array waits for while it runs no batch: for a tile, for rays that are out, for a tile's transfers, or for tiles beside
+/// its own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Gap {
     Idle,
     Unit,
     Transfer,
+    Border,
 }
 
 impl Gap {
@@ -33,6 +35,7 @@ impl Gap {
             Self::Idle => &mut counters.activity.idle,
             Self::Unit => &mut counters.activity.unit,
             Self::Transfer => &mut counters.activity.transfer,
+            Self::Border => &mut counters.activity.border,
         }
     }
 }
@@ -249,6 +252,7 @@ impl Array {
         self.gap = match () {
             () if tiles.rays_out() > 0 => Gap::Unit,
             () if tiles.taken() == 0 => Gap::Idle,
+            () if tiles.all_wait() => Gap::Border,
             () => Gap::Transfer,
         };
     }

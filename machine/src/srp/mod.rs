@@ -73,8 +73,8 @@ use crate::config::MachineConfig;
 use crate::link::{RayRef, RayUnit};
 use crate::memory::{L1Cache, Memory, Port, Response, Tags};
 use crate::time::{TiCycle, When};
-use crate::work::TileWork;
 use crate::work::layout::Layout;
+use crate::work::{Neighbour, TileWork};
 
 /// The SRP of a core.
 pub struct Srp {
@@ -85,6 +85,8 @@ pub struct Srp {
     next: When,
     /// Memory refused a request.
     refused: bool,
+    /// Tiles wait for others.
+    has_waiting: bool,
 }
 
 impl Srp {
@@ -97,6 +99,7 @@ impl Srp {
             l1_port: ports.l1,
             next: When::NEVER,
             refused: false,
+            has_waiting: false,
         }
     }
 
@@ -127,6 +130,25 @@ impl Srp {
     #[inline]
     pub fn work(&self, slot: u8) -> &TileWork {
         self.tiles.work(slot)
+    }
+
+    /// The first slot whose tile need not wait any longer: `is_open` tells which neighbours are not far enough.
+    #[inline]
+    pub fn released(&self, is_open: impl Fn(Neighbour) -> bool) -> Option<u8> {
+        // Looking at the slots takes longer than most cycles.
+        if self.has_waiting { self.tiles.released(is_open) } else { None }
+    }
+
+    /// Whether it works on the rounds of `neighbour` that must be done.
+    pub fn is_open(&self, neighbour: Neighbour) -> bool {
+        self.tiles.is_open(neighbour)
+    }
+
+    /// What the tile of `slot` waited for is done in cycle `now`: it goes on in the next.
+    pub fn release(&mut self, now: TiCycle, slot: u8) {
+        self.tiles.release(slot, &mut self.transfers);
+        self.has_waiting = self.tiles.has_waiting();
+        self.next = self.next.min(When::at(now + 1));
     }
 
     /// A line for one of the ports arrived. To be followed by a tick at the same cycle.
@@ -250,6 +272,7 @@ impl Srp {
         let result = When::from(unit.results().front().map(|result| result.at)).after(now);
         self.next = next.min(step).min(result);
         self.refused = transfers.refused() || array.gather.refused();
+        self.has_waiting = tiles.has_waiting();
     }
 }
 

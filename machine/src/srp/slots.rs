@@ -13,8 +13,8 @@ use super::tile::{FrameShape, Slot, TileContext};
 use super::transfers::Transfers;
 use crate::config::MachineConfig;
 use crate::link::RayRef;
-use crate::work::TileWork;
 use crate::work::layout::Layout;
+use crate::work::{Neighbour, TileWork};
 
 /// The tile slots of a core.
 pub struct TileSlots {
@@ -78,10 +78,37 @@ impl TileSlots {
         self.slots.len() - self.free
     }
 
+    /// Whether all its tiles wait for others.
+    pub fn all_wait(&self) -> bool {
+        self.slots.iter().all(|slot| !slot.is_at_work())
+    }
+
     /// Whether a slot is free.
     #[inline]
     pub fn wants_tile(&self) -> bool {
         self.free > 0
+    }
+
+    /// Whether a tile waits for others.
+    pub fn has_waiting(&self) -> bool {
+        self.slots.iter().any(|slot| slot.waits_for(|_| true).is_some())
+    }
+
+    /// The first slot whose tile need not wait any longer: `is_open` tells which neighbours are not far enough.
+    pub fn released(&self, is_open: impl Fn(Neighbour) -> bool) -> Option<u8> {
+        let slot = self.slots.iter().position(|slot| slot.waits_for(&is_open) == Some(false));
+        slot.map(|slot| slot as u8)
+    }
+
+    /// Whether a slot works on the rounds of `neighbour` that must be done.
+    pub fn is_open(&self, neighbour: Neighbour) -> bool {
+        self.slots.iter().any(|slot| slot.is_open(neighbour))
+    }
+
+    /// The tile of slot `id` need not wait any longer.
+    pub fn release(&mut self, id: u8, transfers: &mut Transfers) {
+        let (slot, mut context) = self.with_context(id.into(), transfers);
+        slot.release(id, &mut context);
     }
 
     /// What was counted so far.
@@ -143,13 +170,13 @@ impl TileSlots {
     #[inline]
     pub fn advance(&mut self, transfers: &mut Transfers) -> bool {
         // Mostly every tile has something pending.
-        self.slots.iter().any(|slot| slot.pending == 0 && !slot.is_free()) && self.advance_idle(transfers)
+        self.slots.iter().any(|slot| slot.pending == 0 && slot.is_at_work()) && self.advance_idle(transfers)
     }
 
     fn advance_idle(&mut self, transfers: &mut Transfers) -> bool {
         let mut stepped = false;
         for id in 0..self.slots.len() {
-            if self.slots[id].is_free() || self.slots[id].pending > 0 {
+            if !self.slots[id].is_at_work() || self.slots[id].pending > 0 {
                 continue;
             }
             let (slot, mut context) = self.with_context(id, transfers);
@@ -165,7 +192,7 @@ impl TileSlots {
     #[inline]
     pub fn can_advance(&self, transfers: &Transfers) -> bool {
         let steps =
-            |(id, slot): (usize, &Slot)| slot.pending == 0 && !slot.is_free() && transfers.dma.pending(id as u8) == 0;
+            |(id, slot): (usize, &Slot)| slot.pending == 0 && slot.is_at_work() && transfers.dma.pending(id as u8) == 0;
         self.slots.iter().enumerate().any(steps)
     }
 

@@ -33,6 +33,7 @@ counters! {
         memory: "SRP cycles", "a kernel waits for attributes or texels";
         unit: "SRP cycles", "no batch is ready and rays are out";
         transfer: "SRP cycles", "no batch is ready, no ray is out, and a tile waits for its transfers";
+        border: "SRP cycles", "no batch is ready, no ray is out, and all tiles wait for tiles beside them";
         idle: "SRP cycles", "there is no tile";
     }
 }

@@ -6,10 +6,14 @@
 //!
 //! A step begins when the one before is completely done: no item queued or running, no ray out, no transfer of this tile under
 //! way. So a round begins when the one before is done (paper: tests see what was traced before). Started rays are queued in the
-//! order of the round. Slots do not wait for one another: with two tiles in flight SRP and T&I unit overlap.
+//! order of the round. With two tiles in flight SRP and T&I unit overlap.
+//!
+//! A tile that closes the last columns and rows of other tiles waits for these before the rounds that do so: for the first round
+//! of the tile to the left, and for the X step of the tile above. A tile that is in no slot is done, since tiles come in order.
+//! It goes on in the cycle after the one that it waited for. Border samples of others are read before the second round.
 //!
 //! Store: the pixels of the tile, row by row, into a row-major framebuffer of one frame. Border samples: `sample.total()` bytes
-//! each, written and read once, at the end of the tile. (Estimate.)
+//! each, read before the second round, and written at the end of the tile for others. (Estimate.)
 
 use std::sync::Arc;
 
@@ -23,7 +27,7 @@ use super::stats::LocalCounters;
 use crate::link::RayRef;
 use crate::memory::Route;
 use crate::work::layout::{Layout, Region};
-use crate::work::{PolicyReads, Round, TileWork};
+use crate::work::{Neighbour, PolicyReads, Round, TileWork};
 use rayreel_formats::scene::Rect;
 use rayreel_formats::tile::RayKind;
 
@@ -45,6 +49,8 @@ pub struct FrameShape {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Phase {
     Free,
+    /// Other tiles have to come first.
+    Waits,
     Reads,
     Tests,
     Samples,
@@ -96,8 +102,11 @@ impl Slot {
             frame: 0,
             tile: 0,
             rect: Rect { x: 0, y: 0, width: 0, height: 0 },
+            left: None,
+            above: None,
             apron_samples: 0,
             border_samples: 0,
+            kept_samples: 0,
             audited_samples: 0,
             secondary_hits: 0,
             rays: Vec::new(),
@@ -120,6 +129,12 @@ impl Slot {
     #[inline]
     pub fn is_free(&self) -> bool {
         self.phase == Phase::Free
+    }
+
+    /// Whether it has a tile that does not wait for others.
+    #[inline]
+    pub fn is_at_work(&self) -> bool {
+        !matches!(self.phase, Phase::Free | Phase::Waits)
     }
 
     /// The round that runs.
@@ -146,13 +161,28 @@ impl Slot {
         self.phase = Phase::Samples;
     }
 
+    /// Whether it waits for tiles that `is_open` tells to be not far enough; nothing if it does not wait at all.
+    pub fn waits_for(&self, is_open: impl Fn(Neighbour) -> bool) -> Option<bool> {
+        (self.phase == Phase::Waits).then(|| self.work.neighbours_before(self.round).any(is_open))
+    }
+
+    /// Whether it works on the rounds of `neighbour` that must be done.
+    pub fn is_open(&self, neighbour: Neighbour) -> bool {
+        !self.is_free() && self.work.tile == neighbour.tile && self.round < neighbour.rounds as usize
+    }
+
+    /// What it waited for is done.
+    pub fn release(&mut self, id: u8, context: &mut TileContext<'_>) {
+        self.read_round(id, context);
+    }
+
     /// Takes the next step if the one before is done. Returns whether it did.
     pub fn advance(&mut self, id: u8, context: &mut TileContext<'_>) -> bool {
-        if self.phase == Phase::Free || self.pending > 0 || context.dma.pending(id) > 0 {
+        if !self.is_at_work() || self.pending > 0 || context.dma.pending(id) > 0 {
             return false;
         }
         match self.phase {
-            Phase::Free => {}
+            Phase::Free | Phase::Waits => {}
             Phase::Reads => {
                 let (tests, colours) = self.round().map_or((0, 0), |w| (w.tests, w.colours));
                 self.queue(KernelId::Similarity, tests, context);
@@ -195,9 +225,24 @@ impl Slot {
     }
 
     fn begin_round(&mut self, id: u8, context: &mut TileContext<'_>) {
-        let Some(round) = self.round() else { return self.end_rounds(id, context) };
-        let bytes = context.buffer.round_read_bytes(round);
+        if self.round().is_none() {
+            return self.end_rounds(id, context);
+        }
+        if self.work.neighbours_before(self.round).next().is_some() {
+            self.phase = Phase::Waits;
+        } else {
+            self.read_round(id, context);
+        }
+    }
+
+    /// What the tests of the round at hand read from memory.
+    fn read_round(&mut self, id: u8, context: &mut TileContext<'_>) {
+        let bytes = self.round().map_or(0, |round| context.buffer.round_read_bytes(round));
         self.transfer(id, Region::Sample, Route::Read, 0, bytes, context);
+        if self.round == 1 {
+            let border = u64::from(self.work.border_samples) * context.buffer.sample_bytes();
+            self.transfer(id, Region::Border, Route::Read, 0, border, context);
+        }
         self.phase = Phase::Reads;
     }
 
@@ -225,9 +270,9 @@ impl Slot {
         context.counters.spilled_samples += spilled;
         for route in [Route::Write, Route::Read] {
             self.transfer(id, Region::Sample, route, 0, spilled * sample, context);
-            let border = u64::from(self.work.border_samples) * sample;
-            self.transfer(id, Region::Border, route, 0, border, context);
         }
+        let kept = u64::from(self.work.kept_samples) * sample;
+        self.transfer(id, Region::Border, Route::Write, 0, kept, context);
         self.phase = Phase::Traffic;
     }
 

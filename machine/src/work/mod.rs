@@ -106,6 +106,17 @@ impl PolicyReads {
     }
 }
 
+/// A tile of the same frame that has to come first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Neighbour {
+    /// Its number in the frame.
+    pub tile: u32,
+    /// So many of its rounds must be done.
+    pub rounds: u32,
+    /// Before this round of the tile that waits.
+    pub before: u32,
+}
+
 /// The work of one tile.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct TileWork {
@@ -115,10 +126,16 @@ pub struct TileWork {
     pub tile: u32,
     /// Its samples in the frame's grid.
     pub rect: Rect,
+    /// The tile to the left, if this one closes its last columns.
+    pub left: Option<Neighbour>,
+    /// The tile above, if this one closes its last rows, or those of the tile to the left of that.
+    pub above: Option<Neighbour>,
     /// Samples of neighbouring tiles that are traced again.
     pub apron_samples: u32,
-    /// Samples at its borders whose attributes are kept for a neighbouring tile.
+    /// Samples at the borders of the tiles to the left and above whose attributes it reads.
     pub border_samples: u32,
+    /// Samples at its borders whose attributes are kept for the tiles to the right and below.
+    pub kept_samples: u32,
     /// Samples that it audits: each is compared with what was interpolated.
     pub audited_samples: u32,
     /// Secondary hits that its similarity tests look at, kept beside the samples.
@@ -138,6 +155,12 @@ pub(crate) fn cost(visits: u64, tests: u64, rays: u64) -> f64 {
 }
 
 impl TileWork {
+    /// What has to come before round `round`.
+    pub fn neighbours_before(&self, round: usize) -> impl Iterator<Item = Neighbour> {
+        let all = [self.left, self.above].into_iter().flatten();
+        all.filter(move |neighbour| neighbour.before as usize == round)
+    }
+
     /// Number of operations that its rays do, whether they share them or not.
     pub fn operations(&self) -> u64 {
         self.rays.iter().map(|ray| u64::from(ray.ops_len)).sum()

@@ -7,5 +7,6 @@ mod closed_forms;
 mod harness;
 mod invariants;
 mod monotone;
+mod neighbours;
 mod single_ray;
 mod stepping;

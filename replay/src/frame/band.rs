@@ -9,11 +9,12 @@ use rayreel_formats::scene::{Camera, Rect};
 use crate::counts::{Counts, RayCounts, TileStats};
 use crate::error::{ReplayError, Result};
 use crate::policy::tree::Forest;
-use crate::policy::view::{SampleState, TileView};
+use crate::policy::view::{Closer, SampleState, TileView};
 use crate::policy::{Apron, Sampler};
 use crate::source::{PackedTile, PathSource, TileSource};
 use crate::stop::Stop;
-use crate::work::build::{Builder, Built, Part};
+use crate::work::build::Builder;
+use crate::work::part::{Borders, Built, Closes, Part, Parts};
 use crate::work::recorded::RecordedTile;
 
 /// The tiles of one row, left to right.
@@ -39,8 +40,22 @@ pub(super) struct Reader<'a, S: ?Sized, R> {
 /// The other bands that a band needs to become work.
 pub(super) struct AdjacentBands<'a> {
     pub below: Option<&'a Band>,
-    /// There is a band above.
-    pub above: bool,
+    /// What is left to do of the band above, if there is one.
+    pub above: Option<LeftOver>,
+}
+
+/// What is left to do of a band whose tiles became work.
+pub(super) struct LeftOver(Vec<LastRows>);
+
+/// What is left to do of a tile.
+#[derive(Default)]
+struct LastRows {
+    /// What the tile below does.
+    straight: Part,
+    /// What the tile to the right of that does.
+    across: Part,
+    /// Rounds of its X step.
+    x_rounds: u32,
 }
 
 /// A tile that has begun: its view, what it shares with the tile to its left, and what was recorded of it if that is kept.
@@ -56,10 +71,23 @@ where
         self.stop.check()?;
         let read = (self.read)(index).map_err(|e| ReplayError::tile((self.frame, index), e))?;
         let mut view = TileView::new(self.source, self.camera, (self.frame, index), &read.tile, sampler.deep())?;
+        self.divide(sampler, &mut view);
         sampler.begin_tile(&mut view);
         let (rows, x) = (sampler.shared_rows(&view), view.rect().x);
         let shared = (!rows.is_empty()).then(|| forest(&view, rows.into_iter().map(|y| (x, y))));
         Ok((view, shared, self.keep.then(|| RecordedTile::new(read))))
+    }
+
+    /// Tells the view which of its columns and rows wait for neighbours: none where there is no neighbour, or where the tile
+    /// traces for itself what it needs of them.
+    fn divide(&self, sampler: &dyn Sampler, view: &mut TileView) {
+        if sampler.apron() == Apron::Share {
+            let (columns, rows) = self.source.meta().tile_grid();
+            let (column, row) = sampler.waiting_from(view);
+            let has_right = view.index() % columns + 1 < columns;
+            let has_below = view.index() / columns + 1 < rows;
+            view.wait_from(if has_right { column } else { u32::MAX }, if has_below { row } else { u32::MAX });
+        }
     }
 }
 
@@ -82,6 +110,7 @@ impl Band {
         }
         tiles.par_iter_mut().enumerate().for_each(|(i, view)| {
             sampler.step_x(view, borders.get(i + 1).and_then(Option::as_ref));
+            view.end_step_x();
         });
         Ok(Self { tiles, recorded })
     }
@@ -157,25 +186,52 @@ impl Band {
         &self,
         builder: &Builder<'_, S>,
         sampler: &dyn Sampler,
-        adjacent: &AdjacentBands<'_>,
+        AdjacentBands { below, above }: AdjacentBands<'_>,
         mut put: impl FnMut(Built) -> Result<()>,
-    ) -> Result<()>
+    ) -> Result<LeftOver>
     where
         S: PathSource + ?Sized,
     {
-        let build = |i: usize| {
+        let build = |i: usize| -> Result<(Parts, Part)> {
             let (view, recorded) = (&self.tiles[i], &self.recorded[i]);
-            let border = border_samples(sampler, view, (i > 0, adjacent.above));
             let keep = sampler.apron() == Apron::Retrace;
-            let part = recorded.with_paths(builder.source, keep, |paths| builder.tile(view, &recorded.tile, paths))?;
-            part.join(self.apron_part(builder, sampler, adjacent.below, i)?, &recorded.tile, border)
+            let parts = recorded.with_paths(builder.source, keep, |paths| builder.tile(view, &recorded.tile, paths))?;
+            Ok((parts, self.apron_part(builder, sampler, below, i)?))
         };
+        let is_first = above.is_none();
+        let mut above = above.map_or_else(Vec::new, |LeftOver(parts)| parts);
+        let (mut left, mut beside, mut left_over) = (Part::default(), LastRows::default(), Vec::new());
         let (count, group) = (self.recorded.len(), rayon::current_num_threads());
         for first in (0..count).step_by(group) {
             let built: Vec<_> = (first..count.min(first + group)).into_par_iter().map(build).collect();
-            built.into_iter().try_for_each(|tile| put(tile?))?;
+            for (i, parts) in (first..).zip(built) {
+                let (mut parts, apron) = parts?;
+                let mut rows = above.get_mut(i).map(std::mem::take).unwrap_or_default();
+                let above_rounds = rows.x_rounds.max(beside.x_rounds);
+                let above = [std::mem::take(&mut rows.straight), std::mem::take(&mut beside.across)];
+                beside = rows;
+                let right = parts.take(Closer::Right);
+                let closes = Closes { left: std::mem::replace(&mut left, right), above, above_rounds };
+                let borders = self.borders(sampler, i, (is_first, below.is_none()));
+                left_over.push(last_rows(&mut parts, &self.tiles[i], below.map(|band| &band.tiles[i])));
+                put(parts.take(Closer::Itself).join(closes, apron, &self.recorded[i].tile, borders)?)?;
+            }
         }
-        Ok(())
+        Ok(LeftOver(left_over))
+    }
+
+    /// What tile `i` exchanges with its neighbours: nothing if each tile traces again what it reads. The band may be the first
+    /// of the frame, or the last.
+    fn borders(&self, sampler: &dyn Sampler, i: usize, (is_first, is_last): (bool, bool)) -> Borders {
+        let columns = self.tiles.len() as u32;
+        if sampler.apron() == Apron::Retrace {
+            return Borders { read: 0, kept: 0, columns };
+        }
+        let column = |tile: &TileView| sampler.shared_rows(tile).len() as u32;
+        let row = if sampler.shares_first_row() { self.tiles[i].rect().width } else { 0 };
+        let read = if i > 0 { column(&self.tiles[i]) } else { 0 } + if is_first { 0 } else { row };
+        let kept = self.tiles.get(i + 1).map_or(0, column) + if is_last { 0 } else { row };
+        Borders { read, kept, columns }
     }
 
     /// What tile `i` does for its apron: nothing if that is shared. The closing row repeats its X step.
@@ -222,17 +278,17 @@ fn forest(view: &TileView, samples: impl Iterator<Item = (u32, u32)>) -> Forest 
     forest
 }
 
-/// How many samples of a tile are read by the tiles to its `left` and `above`: those of its first column and row that it
-/// shares. None if each tile traces them again.
-fn border_samples(sampler: &dyn Sampler, view: &TileView, (left, above): (bool, bool)) -> u32 {
-    if sampler.apron() == Apron::Retrace {
-        return 0;
-    }
-    let rect = view.rect();
-    let column = if left { sampler.shared_rows(view) } else { Vec::new() };
-    let row = if above && sampler.shares_first_row() { rect.width } else { 0 };
-    let corner = row > 0 && column.contains(&rect.y);
-    column.len() as u32 + row - u32::from(corner)
+/// What others do of tile `view`. They begin after the X step of the tile `below`, which brings the row that they test against.
+fn last_rows(parts: &mut Parts, view: &TileView, below: Option<&TileView>) -> LastRows {
+    let mut take = |closer| {
+        let mut part = parts.take(closer);
+        if let Some(below) = below {
+            part.begin_after(below.last_x_round());
+        }
+        part
+    };
+    let (straight, across) = (take(Closer::Below), take(Closer::Corner));
+    LastRows { straight, across, x_rounds: u32::from(view.last_x_round()) + 1 }
 }
 
 /// Adds a sample; nothing if it is not decided.

@@ -14,7 +14,8 @@ use crate::image::compare::Comparer;
 use crate::policy::{SamplePolicy, Sampler};
 use crate::source::{PackedTile, PathSource, TileSource};
 use crate::stop::Stop;
-use crate::work::build::{Builder, Built};
+use crate::work::build::Builder;
+use crate::work::part::Built;
 use crate::work::stream::{Output, ahead};
 
 /// Memory for tiles that wait for their machine, bytes: thirty million operations, seconds of simulation. That bridges the
@@ -152,11 +153,11 @@ impl<S: PathSource + ?Sized> Replayer<'_, S> {
         let samples_a_pixel = source.meta().samples.pow(2);
         let builder = Builder { source, tree, samples_a_pixel };
         let produce = |output: &Output<'_, Built>| {
-            let mut above = false;
+            let mut above = None;
             bands(&reader, sampler, |Closed { sampler, band, stats, below }| {
                 canvas.add(&band.tiles, stats);
-                band.work(&builder, sampler, &AdjacentBands { below, above }, |tile| output.put(tile))?;
-                above = true;
+                let adjacent = AdjacentBands { below, above: above.take() };
+                above = Some(band.work(&builder, sampler, adjacent, |tile| output.put(tile))?);
                 Ok(())
             })
         };

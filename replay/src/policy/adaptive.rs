@@ -119,6 +119,14 @@ impl TileRules<'_> {
         if self.rules.reads_neighbours() { self.left.rows(rect.y, rect.y + rect.height).collect() } else { Vec::new() }
     }
 
+    /// First column and row behind the last R-samples of the tile.
+    pub fn waiting_from(&self, rect: Rect) -> (u32, u32) {
+        let column = self.lattice.columns(rect.x, rect.x + rect.width).last();
+        let row = self.lattice.rows(rect.y, rect.y + rect.height).last();
+        let behind = |last: Option<u32>| last.map_or(u32::MAX, |last| last + 1);
+        (behind(column), behind(row))
+    }
+
     /// The X step: decides all samples on the R-rows of the tile. `closing` holds the samples of the closing column on these
     /// rows, if there is a tile to the right.
     pub fn step_x(&self, view: &mut TileView, closing: Option<&Forest>) {

@@ -101,6 +101,10 @@ impl Sampler for BlockSampler {
         self.rules.reads_neighbours()
     }
 
+    fn waiting_from(&self, view: &TileView) -> (u32, u32) {
+        self.tile(view).waiting_from(view.rect())
+    }
+
     fn step_x(&self, view: &mut TileView, right: Option<&Forest>) {
         self.tile(view).step_x(view, right);
     }

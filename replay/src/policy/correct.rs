@@ -48,13 +48,12 @@ fn contradicted(
     let (right, bottom) = (rect.x + rect.width, rect.y + rect.height);
     let mut found = Vec::new();
     for y in rect.y..bottom {
-        let (mut made, mut newly_read) = (Compared::default(), 0);
         for x in rect.x..right {
             if !matches!(view.state(x, y), Some((SampleState::Interpolated, _))) {
                 continue;
             }
             let (columns, rows) = (x.max(rect.x + 1) - 1..right.min(x + 2), y.max(rect.y + 1) - 1..bottom.min(y + 2));
-            let (doubted, before) = (&view.tree(x, y)[0], made.pairs);
+            let (doubted, mut made) = (&view.tree(x, y)[0], Compared::default());
             let around = rows.flat_map(|v| columns.clone().map(move |u| (u, v)));
             // The sample itself is interpolated, so it is no witness.
             let mut nearby = around.filter(|&(u, v)| {
@@ -63,12 +62,13 @@ fn contradicted(
             if nearby.any(|(u, v)| contradicts(doubted, &view.tree(u, v)[0], (tests, limit), &mut made)) {
                 found.push((x, y));
             }
-            if made.pairs > before && !std::mem::replace(&mut read[offset(view, x, y)], true) {
-                newly_read += 1;
+            if made.pairs == 0 {
+                continue;
             }
+            let is_new = !std::mem::replace(&mut read[offset(view, x, y)], true);
+            view.compared((x, y), round, made);
+            view.read_attributes((x, y), round, is_new.into());
         }
-        view.compared((rect.x, y), round, made);
-        view.read_attributes((rect.x, y), round, newly_read);
     }
     found
 }

@@ -109,6 +109,13 @@ pub trait Sampler: Send + Sync {
         false
     }
 
+    /// The columns and rows of a tile, in the frame's grid, that wait for its neighbours: from the first of these columns on it
+    /// takes samples of the tile to the right to decide, from the first of these rows on samples of the tile below. A machine
+    /// does what belongs to them when the neighbour has brought its samples. [`u32::MAX`] says that nothing waits.
+    fn waiting_from(&self, _view: &TileView) -> (u32, u32) {
+        (u32::MAX, u32::MAX)
+    }
+
     /// Second look at a tile. `right` holds the samples that the tile to the right shares, by row from top to bottom: nothing
     /// if there is no such tile, or it shares none.
     fn step_x(&self, _view: &mut TileView, _right: Option<&Forest>) {}

@@ -1,47 +1,20 @@
 //! A decided tile as work for the machine: the rays of its traced samples, round by round.
 //!
+//! A tile's last columns and rows are work of the tiles that close them (see [`Closer`]).
+//!
 //! Every path is known to lead through the tree, or checked while it is turned into operations. What a tile traces of its neighbours
 //! (`Apron::Retrace`) stands behind its own rays.
 
 use rayreel_formats::tile::{RayKind, RayNode, Tile};
 
+use super::part::{Part, Parts, bad};
 use super::recorded::PathsOf;
-use super::stream::Weigh;
 use crate::error::{RayStep, ReplayError, Result};
-use crate::policy::view::{RoundCounts, SampleState, TileView};
+use crate::policy::view::{CLOSERS, Closer, SampleState, TileView};
 use crate::source::PathSource;
-use rayreel_machine::work::check::{Fault, PathCounts, walk};
-use rayreel_machine::work::ops::Op;
+use rayreel_machine::work::check::{Fault, walk};
 use rayreel_machine::work::topology::Topology;
-use rayreel_machine::work::{NO_RAY, NO_TRIANGLE, RayWork, Round, TileWork};
-
-/// A tile as work, and what its paths ask for.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Built {
-    /// The work.
-    pub work: TileWork,
-    /// Sums over all its rays, apron included.
-    pub paths: PathCounts,
-}
-
-impl Weigh for Built {
-    fn bytes(&self) -> usize {
-        let TileWork { ops, rays, .. } = &self.work;
-        size_of::<Self>() + ops.capacity() * size_of::<Op>() + rays.capacity() * size_of::<RayWork>()
-    }
-}
-
-/// Rays of some samples of one recorded tile, numbered from 0.
-#[derive(Debug, Default)]
-pub(crate) struct Part {
-    rays: Vec<RayWork>,
-    rounds: Vec<Round>,
-    paths: PathCounts,
-    samples: u32,
-    secondary_hits: u32,
-    audited_samples: u32,
-    ops: Vec<Op>,
-}
+use rayreel_machine::work::{NO_RAY, NO_TRIANGLE, RayWork};
 
 /// Turns samples into rays.
 pub(crate) struct Builder<'a, S: ?Sized> {
@@ -55,15 +28,22 @@ pub(crate) struct Builder<'a, S: ?Sized> {
 const DEPTHS: usize = 16;
 
 impl<S: PathSource + ?Sized> Builder<'_, S> {
-    /// All that a tile traces, tests and interpolates itself.
-    pub fn tile(&self, view: &TileView, tile: &Tile, paths: PathsOf<'_>) -> Result<Part> {
-        let mut part = Part::default();
-        self.samples(&mut part, view, &mut Recorded::new(tile, paths)?, view.samples())?;
-        part.count(view.rounds());
+    /// All that is traced, tested and interpolated of a tile, by who does it.
+    pub fn tile(&self, view: &TileView, tile: &Tile, paths: PathsOf<'_>) -> Result<Parts> {
+        let mut recorded = Recorded::new(tile, paths)?;
+        let mut parts = Parts::default();
+        for closer in CLOSERS {
+            let part = &mut parts.0[closer as usize];
+            recorded.begin_part();
+            let samples = view.samples().filter(|&(x, y)| view.closer(x, y) == closer);
+            self.samples(part, view, &mut recorded, samples)?;
+            part.count(view.rounds(closer));
+        }
+        let part = &mut parts.0[Closer::Itself as usize];
         part.secondary_hits = view.secondary_hits();
         // Three channels of a pixel, each of its samples compared.
         part.audited_samples = (view.audits().values / 3) as u32 * self.samples_a_pixel;
-        Ok(part)
+        Ok(parts)
     }
 
     /// Those of `samples` that were traced.
@@ -214,6 +194,11 @@ impl<'a> Recorded<'a> {
         Ok(Self { tile, paths, index, copied })
     }
 
+    /// What is added from now on belongs to another part.
+    fn begin_part(&mut self) {
+        self.copied.fill(NOT_COPIED);
+    }
+
     /// Adds the path of a ray to `part`.
     ///
     /// # Errors
@@ -296,76 +281,6 @@ impl Ancestors {
     }
 }
 
-impl Part {
-    fn round(&mut self, round: u8) -> &mut Round {
-        let round = usize::from(round);
-        if self.rounds.len() <= round {
-            self.rounds.resize(round + 1, Round::default());
-        }
-        &mut self.rounds[round]
-    }
-
-    /// Adds what was tested and interpolated, round by round.
-    pub fn count(&mut self, rounds: &[RoundCounts]) {
-        for (round, counts) in (0..).zip(rounds) {
-            let round = self.round(round);
-            round.tests += counts.tests;
-            round.colours += counts.colours;
-            round.interpolated += counts.interpolated;
-            round.attributes += counts.attributes;
-        }
-    }
-
-    /// Joins what a tile does itself with what it does for its apron.
-    ///
-    /// # Errors
-    /// When the operations cannot be numbered.
-    pub fn join(mut self, apron: Self, tile: &Tile, border_samples: u32) -> Result<Built> {
-        let (op_base, ray_base) = (self.ops.len() as u32, self.rays.len() as u32);
-        if u32::try_from(self.ops.len() + apron.ops.len()).is_err() {
-            return Err(bad(tile, "its operations are more than a tile can have".into()));
-        }
-        self.ops.extend(apron.ops);
-        let moved = |ray: u32| if ray == NO_RAY { NO_RAY } else { ray + ray_base };
-        self.rays.extend(apron.rays.iter().map(|ray| RayWork {
-            ops_start: ray.ops_start + op_base,
-            reflect: moved(ray.reflect),
-            refract: moved(ray.refract),
-            ..*ray
-        }));
-        for (number, added) in (0..).zip(apron.rounds) {
-            let round = self.round(number);
-            round.tests += added.tests;
-            round.colours += added.colours;
-            round.interpolated += added.interpolated;
-            round.attributes += added.attributes;
-            round.starts.extend(added.starts.into_iter().map(moved));
-        }
-        while self.rounds.last().is_some_and(|round| *round == Round::default()) {
-            self.rounds.pop();
-        }
-        let mut paths = self.paths;
-        paths += apron.paths;
-        let work = TileWork {
-            frame: tile.frame,
-            tile: tile.index,
-            rect: tile.rect,
-            apron_samples: apron.samples,
-            border_samples,
-            audited_samples: self.audited_samples,
-            secondary_hits: self.secondary_hits,
-            rays: self.rays,
-            ops: self.ops,
-            rounds: self.rounds,
-        };
-        Ok(Built { work, paths })
-    }
-}
-
 fn lacking(tile: &Tile, at: (u32, u32)) -> ReplayError {
     bad(tile, format!("sample {at:?} lacks a ray that was spawned"))
-}
-
-fn bad(tile: &Tile, detail: String) -> ReplayError {
-    ReplayError::Corrupt { frame: tile.frame, tile: tile.index, ray: None, detail }
 }

@@ -80,7 +80,14 @@ fn assert_linked(work: &TileWork) {
     assert!(named.iter().all(|&n| n == 1), "a ray is named {named:?} times");
 }
 
-/// The samples of a tile's rounds are those of the state map; gives how many were found outside the tile.
+/// The tile that brings the R-samples behind sample (`x`, `y`), for blocks of `block` samples.
+fn closing_tile(meta: &Meta, block: u32, (x, y): (u32, u32)) -> u32 {
+    let (width, height) = meta.grid();
+    let tile = |at: u32, end: u32| at.next_multiple_of(block).min(end - 1) / meta.tile;
+    tile(y, height) * meta.tile_grid().0 + tile(x, width)
+}
+
+/// The samples of a tile's rounds are those of the state map; gives how many were found outside the tile, to its right or below.
 fn assert_rounds(work: &TileWork, frame: &FrameReplay) -> u32 {
     let rect = work.rect;
     let mut outside = 0;
@@ -90,10 +97,10 @@ fn assert_rounds(work: &TileWork, frame: &FrameReplay) -> u32 {
             let (x, y) = (work.rays[primary as usize].x, work.rays[primary as usize].y);
             assert_ne!(frame.states.state(x, y), SampleState::Interpolated);
             assert_eq!(usize::from(frame.states.round(x, y)), number);
-            if x < rect.x + rect.width && y < rect.y + rect.height {
+            if is_inside(work, primary) {
                 assert!(last < Some((y, x)) && outside_is_last(work, round.starts.as_slice(), primary));
                 last = Some((y, x));
-            } else {
+            } else if x >= rect.x + rect.width || y >= rect.y + rect.height {
                 outside += 1;
             }
         }
@@ -101,13 +108,14 @@ fn assert_rounds(work: &TileWork, frame: &FrameReplay) -> u32 {
     outside
 }
 
-/// Apron samples stand behind those of the tile in every round: their rays come later.
+/// Samples of other tiles stand behind those of the tile in every round: their rays come later.
 fn outside_is_last(work: &TileWork, primaries: &[u32], last: u32) -> bool {
-    let inside = |ray: u32| {
-        let (ray, rect) = (&work.rays[ray as usize], work.rect);
-        ray.x < rect.x + rect.width && ray.y < rect.y + rect.height
-    };
-    primaries.iter().take_while(|&&ray| ray != last).all(|&ray| inside(ray))
+    primaries.iter().take_while(|&&ray| ray != last).all(|&ray| is_inside(work, ray))
+}
+
+fn is_inside(work: &TileWork, ray: u32) -> bool {
+    let (ray, rect) = (&work.rays[ray as usize], work.rect);
+    (rect.x..rect.x + rect.width).contains(&ray.x) && (rect.y..rect.y + rect.height).contains(&ray.y)
 }
 
 #[test]
@@ -119,19 +127,28 @@ fn rays_and_rounds_are_those_of_the_policy() {
             assert_eq!(frame, plain, "a machine changes no picture");
             assert!(works.iter().map(|w| w.tile).eq(0..trace.meta().tile_count()));
             let (mut rays, mut interpolated) = (0, 0);
+            let again = matches!(&policy, Policy::Adaptive(adaptive) if adaptive.apron == Apron::Retrace);
+            let block = if let Policy::Adaptive(adaptive) = &policy { adaptive.block } else { 1 };
             for (work, stats) in works.iter().zip(&frame.stats.tiles) {
                 let counts = &stats.counts;
-                assert_eq!(kinds(work), counts.rays_traced + counts.rays_apron, "{policy:?}");
+                let mut primaries = work.rays.iter().filter(|ray| ray.kind == RayKind::Primary);
+                if again {
+                    assert_eq!(kinds(work), counts.rays_traced + counts.rays_apron, "{policy:?}");
+                } else {
+                    assert!(primaries.all(|ray| closing_tile(trace.meta(), block, (ray.x, ray.y)) == work.tile));
+                }
                 assert_eq!(u64::from(work.apron_samples), counts.samples_apron);
                 assert_linked(work);
                 assert_eq!(assert_rounds(work, &frame), work.apron_samples);
                 interpolated += work.rounds.iter().map(|w| u64::from(w.interpolated)).sum::<u64>();
-                let primaries: u64 = work.rounds.iter().map(|w| w.starts.len() as u64).sum();
-                assert_eq!(primaries, counts.samples_traced + counts.samples_apron);
                 rays += work.rays.len() as u64;
             }
             assert_eq!(paths.rays, rays);
-            let again = matches!(&policy, Policy::Adaptive(adaptive) if adaptive.apron == Apron::Retrace);
+            let all = works.iter().map(kinds).sum::<RayCounts>();
+            let counts = &frame.stats.counts;
+            assert_eq!(all, counts.rays_traced + counts.rays_apron, "{policy:?}");
+            let primaries: usize = works.iter().flat_map(|work| &work.rounds).map(|round| round.starts.len()).sum();
+            assert_eq!(primaries as u64, counts.samples_traced + counts.samples_apron);
             assert!(interpolated == frame.stats.counts.samples_interpolated || again && interpolated > 0, "{policy:?}");
         }
     }
@@ -176,9 +193,11 @@ fn tests_are_counted_by_round() {
                 let r_rows =
                     (work.rect.y..work.rect.y + work.rect.height).filter(|&y| y % n == 0 || y + 1 == h).count();
                 let shared = u32::from(left) * r_rows as u32 + u32::from(above) * work.rect.width;
-                let shared = shared - u32::from(left && above);
                 assert_eq!(work.border_samples, if apron == Apron::Share { shared } else { 0 });
             }
+            let [read, kept] = [|w: &TileWork| w.border_samples, |w: &TileWork| w.kept_samples]
+                .map(|of| works.iter().map(of).sum::<u32>());
+            assert_eq!(read, kept, "what is kept is read");
             assert!(frame.stats.counts.samples_interpolated > 0, "something to interpolate");
         }
     }

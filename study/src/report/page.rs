@@ -148,6 +148,7 @@ fn shader(f: &mut Formatter<'_>, stats: &Stats) -> fmt::Result {
         ("waits for attributes and texels", activity.memory),
         ("waits for the T&I unit", activity.unit),
         ("waits for transfers of tiles", activity.transfer),
+        ("waits for tiles beside its own", activity.border),
         ("has no tile", activity.idle),
     ] {
         line(f, name, String::new(), cycles, false)?;

@@ -201,8 +201,11 @@ pub fn empty(tile: u32, width: u32, height: u32) -> TileWork {
         frame: 0,
         tile,
         rect: Rect { x: tile * width, y: 0, width, height },
+        left: None,
+        above: None,
         apron_samples: 0,
         border_samples: 0,
+        kept_samples: 0,
         audited_samples: 0,
         secondary_hits: 0,
         rays: Vec::new(),
@@ -222,7 +225,7 @@ pub fn uniform(tile: u32, n: usize, material: Option<u32>, shadows: u8) -> TileW
 /// A tile of two rounds with hits of several materials, misses, shadow and reflection rays.
 pub fn mixed(tile: u32, n: usize, seed: u64) -> TileWork {
     let mut work = empty(tile, 16, 16);
-    work.border_samples = 8;
+    (work.border_samples, work.kept_samples) = (8, 8);
     for round in 0..2u32 {
         let primaries = (0..n as u64)
             .map(|i| {

@@ -5,6 +5,7 @@
 
 mod known;
 mod recorded;
+mod strips;
 
 use rayreel_formats::math::Vec3;
 use rayreel_formats::scene::{Camera, Rect};
@@ -19,6 +20,8 @@ use crate::source::TileSource;
 use known::Known;
 pub use known::KnownTrees;
 use recorded::Recorded;
+pub use strips::{CLOSERS, Closer, RoundCounts};
+use strips::{RoundsByCloser, Strips};
 
 /// What became of a sample.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -31,19 +34,6 @@ pub enum SampleState {
     Partial,
     /// An I-sample that was interpolated.
     Interpolated,
-}
-
-/// What was done in one round beside tracing.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct RoundCounts {
-    /// Similarity tests: pairs of hits that were compared.
-    pub tests: u32,
-    /// Differences of colours that were computed for these tests.
-    pub colours: u32,
-    /// Hits and whole subtrees that were interpolated; one for a sample of which nothing was traced.
-    pub interpolated: u32,
-    /// Interpolated hits of which later tests may read the attributes.
-    pub attributes: u32,
 }
 
 /// A tile in the hands of a policy. Coordinates are those of the frame's sample grid.
@@ -60,8 +50,12 @@ pub struct TileView {
     made: Vec<Node>,
     /// State and round of the samples that are known.
     states: Vec<Option<(SampleState, u8)>>,
-    /// Per round what was done beside tracing.
-    rounds: Vec<RoundCounts>,
+    /// Which samples wait for neighbours.
+    strips: Strips,
+    /// Per round what was done beside tracing, by the tile that does it.
+    rounds: RoundsByCloser,
+    /// The last round of the X step.
+    last_x_round: u8,
     /// The part of `rounds` on the first row: the tile above does it again if it does not share (`Apron::Retrace`).
     first_row: Vec<RoundCounts>,
     /// What audits of the tile found.
@@ -122,8 +116,21 @@ impl TileView {
         })?;
         let (traced, states) = (vec![false; recorded.nodes.len()], vec![None; rect.len()]);
         let (known, made) = (Known::new(rect.len()), Vec::new());
-        let (rounds, first_row, audited) = (vec![], vec![], SquaredError::default());
-        Ok(Self { index, rect, deep, recorded, traced, known, made, states, rounds, first_row, audited })
+        Ok(Self {
+            index,
+            rect,
+            deep,
+            recorded,
+            traced,
+            known,
+            made,
+            states,
+            strips: Strips::default(),
+            rounds: RoundsByCloser::default(),
+            last_x_round: 0,
+            first_row: Vec::new(),
+            audited: SquaredError::default(),
+        })
     }
 
     /// Tile number in the frame.
@@ -180,7 +187,7 @@ impl TileView {
     fn interpolate_read(&mut self, (x, y): (u32, u32), tree: &[Node], round: u8, read: u32) {
         let i = self.decide(x, y, SampleState::Interpolated, round);
         self.known.make(i, tree);
-        self.count(y, round, |counts| {
+        self.count((x, y), round, |counts| {
             counts.interpolated += 1;
             counts.attributes += read;
         });
@@ -231,33 +238,33 @@ impl TileView {
         self.known.make(i, &tree);
         let made = tree.len().saturating_sub(traced) as u32;
         self.made = tree;
-        self.count(y, round, |counts| {
+        self.count((x, y), round, |counts| {
             counts.interpolated += interpolated;
             counts.attributes += made;
         });
     }
 
     /// Notes `tests` similarity tests in round `round` that decide about sample (`x`, `y`) and others.
-    pub fn tested(&mut self, (_, y): (u32, u32), round: u8, tests: u32) {
-        self.count(y, round, |counts| counts.tests += tests);
+    pub fn tested(&mut self, at: (u32, u32), round: u8, tests: u32) {
+        self.count(at, round, |counts| counts.tests += tests);
     }
 
     /// Notes tests and differences of colours, as [`TileView::tested`].
-    pub(crate) fn compared(&mut self, (_, y): (u32, u32), round: u8, compared: Compared) {
-        self.count(y, round, |counts| {
+    pub(crate) fn compared(&mut self, at: (u32, u32), round: u8, compared: Compared) {
+        self.count(at, round, |counts| {
             counts.tests += compared.pairs;
             counts.colours += compared.colours;
         });
     }
 
     /// Notes `hits` interpolated hits whose attributes tests of round `round` read for the first time.
-    pub(crate) fn read_attributes(&mut self, (_, y): (u32, u32), round: u8, hits: u32) {
-        self.count(y, round, |counts| counts.attributes += hits);
+    pub(crate) fn read_attributes(&mut self, at: (u32, u32), round: u8, hits: u32) {
+        self.count(at, round, |counts| counts.attributes += hits);
     }
 
     /// Notes `colours` differences of colours that tests of round `round` compute, as [`TileView::tested`].
-    pub fn compared_colours(&mut self, (_, y): (u32, u32), round: u8, colours: u32) {
-        self.count(y, round, |counts| counts.colours += colours);
+    pub fn compared_colours(&mut self, at: (u32, u32), round: u8, colours: u32) {
+        self.count(at, round, |counts| counts.colours += colours);
     }
 
     /// Notes what an audit found: the squared error of values that the policy interpolated and then traced.
@@ -270,12 +277,33 @@ impl TileView {
         self.audited
     }
 
-    /// Per round what was done beside tracing; rounds that are not there did nothing.
-    pub fn rounds(&self) -> &[RoundCounts] {
-        &self.rounds
+    /// Per round what `closer` does beside tracing; rounds that are not there do nothing.
+    pub fn rounds(&self, closer: Closer) -> &[RoundCounts] {
+        self.rounds.of(closer)
     }
 
-    /// The part of [`TileView::rounds`] on the tile's first row.
+    /// The tile that decides sample (`x`, `y`).
+    pub fn closer(&self, x: u32, y: u32) -> Closer {
+        self.strips.closer(x, y)
+    }
+
+    /// Columns and rows from these on wait for the tile to the right, and for the one below. To be said before anything is
+    /// tested.
+    pub(crate) fn wait_from(&mut self, column: u32, row: u32) {
+        self.strips = Strips { column, row };
+    }
+
+    /// The X step is made.
+    pub(crate) fn end_step_x(&mut self) {
+        self.last_x_round = self.states.iter().flatten().map(|(_, round)| *round).max().unwrap_or(0);
+    }
+
+    /// The last round of the X step.
+    pub(crate) fn last_x_round(&self) -> u8 {
+        self.last_x_round
+    }
+
+    /// The part of all rounds on the tile's first row.
     pub fn first_row_rounds(&self) -> &[RoundCounts] {
         &self.first_row
     }
@@ -340,17 +368,11 @@ impl TileView {
         (start..start + self.rect.width as usize).for_each(|i| each(trees.of(i), self.states[i]));
     }
 
-    fn count(&mut self, y: u32, round: u8, add: impl Fn(&mut RoundCounts)) {
-        let round = usize::from(round);
-        let add_to = |rounds: &mut Vec<RoundCounts>| {
-            if rounds.len() <= round {
-                rounds.resize(round + 1, RoundCounts::default());
-            }
-            add(&mut rounds[round]);
-        };
-        add_to(&mut self.rounds);
+    fn count(&mut self, (x, y): (u32, u32), round: u8, add: impl Fn(&mut RoundCounts)) {
+        let closer = self.closer(x, y);
+        add(self.rounds.round_mut(closer, round));
         if y == self.rect.y {
-            add_to(&mut self.first_row);
+            add(strips::round_mut(&mut self.first_row, round));
         }
     }
 

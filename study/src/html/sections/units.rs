@@ -8,7 +8,7 @@ use crate::html::view::StudyView;
 use crate::schema::{Point, StateShare, Unit};
 
 /// States that are known, with their colour class and what they mean; any other is grey.
-const STATES: [(&str, &str, &str); 11] = [
+const STATES: [(&str, &str, &str); 12] = [
     ("busy", "s0", "works"),
     ("bypass", "s1", "passes operations whose data had missed"),
     ("fetch", "s2", "waits for the L1's latency or port"),
@@ -18,6 +18,7 @@ const STATES: [(&str, &str, &str); 11] = [
     ("output", "s5", "the queue of rays to the T&I unit is full"),
     ("unit", "s6", "waits for rays in the T&I unit"),
     ("transfer", "s4", "waits for a tile's transfers"),
+    ("border", "s3", "waits for the tiles beside its own"),
     ("starved", "s6", "rays are here, but none needs this stage"),
     ("idle", "s7", "no ray"),
 ];
