@@ -35,6 +35,10 @@ pub struct Args {
     /// Machine preset or file (.toml); none replays for pictures and ray counts only.
     #[arg(long, default_value = "sgrt-ti2", value_name = "NAME|FILE")]
     machine: String,
+    /// Caches keep what they hold from frame to frame, where frames that follow one another are simulated; else each begins with
+    /// empty ones.
+    #[arg(long)]
+    warm: bool,
     #[command(flatten)]
     detail: DetailArgs,
     /// Folder for traces and results.
@@ -52,7 +56,7 @@ pub struct Args {
 }
 
 pub fn run(args: &Args, quiet: bool) -> Result<Exit> {
-    let machines = if args.machine == "none" { None } else { Some(Machines::load(&args.machine)?) };
+    let machines = if args.machine == "none" { None } else { Some(Machines::load(&args.machine, args.warm)?) };
     for folder in [&args.cache, &args.out] {
         std::fs::create_dir_all(folder).with_context(|| format!("cannot create folder {}", folder.display()))?;
     }
@@ -126,6 +130,9 @@ fn command(args: &Args, (w, h): (u32, u32)) -> String {
     args.scenes.iter().for_each(|name| text += &format!(" --scene {name}"));
     if args.machine != "sgrt-ti2" {
         text += &format!(" --machine {}", args.machine);
+    }
+    if args.warm {
+        text += " --warm";
     }
     match args.detail.asked() {
         None => {}

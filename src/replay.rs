@@ -55,6 +55,9 @@ pub struct Args {
     /// Folder for pictures and stats.json; none are written without it.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
+    /// Caches keep what they hold from frame to frame (gpu.warm_caches); else each frame begins with empty ones.
+    #[arg(long)]
+    warm: bool,
     #[command(flatten)]
     detail: DetailArgs,
     /// Write how busy each unit was over time, as a Chrome trace: open it in ui.perfetto.dev. Needs --detail full.
@@ -66,9 +69,11 @@ pub struct Args {
 }
 
 pub fn run(args: &Args, quiet: bool) -> Result<Exit> {
-    let (machine, policy): (Vec<_>, Vec<_>) =
+    let (mut machine, policy): (Vec<_>, Vec<_>) =
         args.overrides.iter().cloned().partition(|text| is_machine_override(text));
     let policy = NamedPolicy::load(&args.policy, &policy)?;
+    // What is set by key comes later and decides.
+    machine.splice(0..0, (args.warm && args.machine != "none").then(|| "gpu.warm_caches=true".to_owned()));
     let machine = load_machine(args, &machine)?;
     let detail = detail(args)?;
     let trace = args.trace.open()?;
@@ -91,6 +96,9 @@ fn load_machine(args: &Args, overrides: &[String]) -> Result<Option<NamedMachine
     }
     if let Some(text) = overrides.first() {
         bail!("--set {text} is for a machine, and --machine none has none; name a machine or leave it out");
+    }
+    if args.warm {
+        bail!("--warm is for the caches of a machine, and --machine none has none; name a machine or leave it out");
     }
     if args.timeline.is_some() {
         bail!("--timeline shows the units of a machine, and --machine none has none; name a machine or leave it out");

@@ -10,7 +10,7 @@ use std::sync::Arc;
 use crate::component::{Component, Tick};
 use crate::config::MachineConfig;
 use crate::error::{MachineError, Result};
-use crate::functional::Checkpoint;
+use crate::functional::{CacheState, Checkpoint, CoreTags};
 use crate::link::RayUnit;
 use crate::memory::{Memory, MemorySystem, Port, Response};
 use crate::srp::{FrameShape, Srp, SrpContext, SrpPorts, SrpReport};
@@ -124,16 +124,30 @@ impl<'a> System<'a, MemorySystem> {
     /// under way in the T&I units.
     pub fn resume(config: &MachineConfig, tree: &'a Topology, shape: FrameShape, from: &Checkpoint) -> Self {
         let mut system = Self::new(config, tree, shape);
-        for (core, tags) in system.cores.iter_mut().zip(&from.warm.cores) {
-            core.ti.warm(&tags.trv, &tags.ist);
-            core.srp.warm(&tags.srp);
-        }
-        system.memory.warm(&from.warm.l2);
+        system.warm(&from.warm);
         for (core, rest) in &from.tiles {
             system.cores[*core].srp.resume(rest);
             system.tiles += 1;
         }
         system
+    }
+
+    /// Fills the caches, which are empty.
+    pub fn warm(&mut self, caches: &CacheState) {
+        for (core, tags) in self.cores.iter_mut().zip(&caches.cores) {
+            core.ti.warm(&tags.trv, &tags.ist);
+            core.srp.warm(&tags.srp);
+        }
+        self.memory.warm(&caches.l2);
+    }
+
+    /// What the caches hold, once all tiles are done.
+    pub fn caches(&self) -> CacheState {
+        let core = |core: &Core| {
+            let [trv, ist] = core.ti.tags();
+            CoreTags { trv, ist, srp: core.srp.l1().tags().clone() }
+        };
+        CacheState { cores: self.cores.iter().map(core).collect(), l2: self.memory.l2().tags().clone() }
     }
 
     /// What was counted before the cycle at hand. Operations that are certain to issue later are in it already.
@@ -245,14 +259,23 @@ impl<'a, M: Memory> System<'a, M> {
         self.cores.iter().position(|core| core.srp.wants_tile())
     }
 
+    /// Runs until all tiles are done.
+    ///
+    /// # Errors
+    /// As [`System::finish`].
+    pub fn drain<P: Probe>(&mut self, probe: &mut P) -> Result<()> {
+        while !self.is_done() {
+            self.advance(false, probe)?;
+        }
+        Ok(())
+    }
+
     /// Runs until all tiles are done and closes the accounts; gives what was counted, and the memory.
     ///
     /// # Errors
     /// [`MachineError::Deadlock`] if the machine stands still with work left.
     pub fn finish<P: Probe>(mut self, probe: &mut P) -> Result<(Stats, M)> {
-        while !self.is_done() {
-            self.advance(false, probe)?;
-        }
+        self.drain(probe)?;
         let end = self.now;
         // Writes that still wait for DRAM belong to this frame's energy, but nothing waits for them.
         while !self.memory.is_idle(self.now)

@@ -85,13 +85,17 @@ impl Stage {
 }
 
 impl Machines {
-    /// A preset or file.
+    /// A preset or file; with `warm` its caches keep what they hold from frame to frame.
     ///
     /// # Errors
     /// There is none, or it is wrong.
-    pub fn load(spec: &str) -> Result<Self> {
-        let load = |overrides: &[String]| NamedMachine::load(spec, overrides).map(Arc::new);
-        Ok(Self { spec: spec.into(), whole: load(&[])?, alone: load(&["srp.ideal=true".into()])? })
+    pub fn load(spec: &str, warm: bool) -> Result<Self> {
+        let warm = warm.then_some("gpu.warm_caches=true");
+        let load = |ideal: Option<&str>| {
+            let overrides: Vec<String> = warm.into_iter().chain(ideal).map(str::to_owned).collect();
+            NamedMachine::load(spec, &overrides).map(Arc::new)
+        };
+        Ok(Self { spec: spec.into(), whole: load(None)?, alone: load(Some("srp.ideal=true"))? })
     }
 }
 

@@ -65,7 +65,7 @@ impl<'a, S: TileSource + ?Sized> FrameLoop<'a, S> {
 }
 
 impl<S: PathSource + ?Sized> FrameLoop<'_, S> {
-    /// Replays the next frame, on a machine if there is one, with cold caches; `probe` may watch.
+    /// Replays the next frame, on a machine if there is one; `probe` may watch.
     ///
     /// # Errors
     /// A frame that the source does not hold or that cannot be read; a machine that cannot run the policy;

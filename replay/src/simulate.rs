@@ -69,7 +69,8 @@ impl MachineRun {
     }
 }
 
-/// Replays frame `frame` and runs its rays through a machine that starts with cold caches. `probe` may watch.
+/// Replays frame `frame` and runs its rays through a machine. Its caches are empty at first, or hold what the frame before left if
+/// they keep it (`gpu.warm_caches`). `probe` may watch.
 ///
 /// # Errors
 /// As [`Replayer::frame_with`]; [`RequestError::MissingKernel`] if the machine cannot run the policy; [`ReplayError::Machine`](crate::ReplayError::Machine) if
@@ -111,8 +112,14 @@ pub(crate) fn pass_all<S: PathSource + ?Sized, P: Probe>(
 ) -> Result<(PassedFrame, Vec<MachineRun>)> {
     let meta = replayer.source().meta();
     let reads = replayer.reads();
-    let mut systems: Vec<System<'_, _>> =
-        machines.iter().map(|(_, config)| System::new(config, tree, frame_shape(meta, config, reads))).collect();
+    let mut systems = Vec::new();
+    for (_, config) in machines {
+        let mut system = System::new(config, tree, frame_shape(meta, config, reads));
+        if let Some(caches) = replayer.caches.of(config, frame) {
+            system.warm(&caches);
+        }
+        systems.push(system);
+    }
     let passed = replayer.pass(frame, tree, |work| {
         machines.iter().try_for_each(|machine| check_kernels(*machine, &work))?;
         let Some((first, others)) = systems.split_first_mut() else { return Ok(()) };
@@ -120,7 +127,12 @@ pub(crate) fn pass_all<S: PathSource + ?Sized, P: Probe>(
         Ok(first.feed(work, probe)?)
     })?;
     let mut runs = Vec::new();
-    for (i, (system, (_, config))) in systems.into_iter().zip(machines).enumerate() {
+    for (i, (mut system, (_, config))) in systems.into_iter().zip(machines).enumerate() {
+        if i == 0 {
+            system.drain(probe)?;
+        }
+        system.drain(&mut NoProbe)?;
+        replayer.caches.keep(config, frame, || system.caches());
         let (stats, _) = if i == 0 { system.finish(probe)? } else { system.finish(&mut NoProbe)? };
         let energy = EnergyReport::new(config, &stats);
         runs.push(MachineRun { stats, energy, paths: passed.paths, estimate: None });

@@ -1,6 +1,6 @@
 //! The whole GPU: what the cores share and how they are coupled.
 
-use rayreel_settings::Rule::Integer;
+use rayreel_settings::Rule::{Flag, Integer};
 use rayreel_settings::{settings, words};
 
 words! {
@@ -42,5 +42,7 @@ settings! {
         hit_message_bytes: u32 = Integer(1, 256), "size of a hit on the interface", "bytes";
         geometry_buffer: GeometryBuffer = GeometryBuffer::RULE, "place of the geometry buffer";
         primary_visibility: PrimaryVisibility = PrimaryVisibility::RULE, "way to primary visibility";
+        warm_caches: bool = Flag,
+            "whether caches hold at the beginning of a frame what the frame before left, or nothing";
     }
 }

@@ -13,6 +13,7 @@
 //! [`System`](crate::system::System) may start in the middle of a frame.
 
 mod batches;
+mod caches;
 mod exact;
 mod features;
 mod in_flight;
@@ -21,11 +22,11 @@ mod rays;
 mod shader;
 #[cfg(test)]
 mod tests;
-mod warm;
 
+pub use caches::CacheState;
+pub(crate) use caches::CoreTags;
 pub use exact::exact_counters;
 pub use features::{FEATURES, Features};
-use warm::WarmState;
 
 use std::sync::Arc;
 
@@ -46,7 +47,7 @@ pub struct FunctionalMachine<'a> {
     tree: &'a Topology,
     rays: RayTracer,
     shader: Shader,
-    warm: WarmState,
+    warm: CacheState,
     memory: TagMemory,
     cores: Vec<Core>,
     /// Tiles that were given.
@@ -75,7 +76,7 @@ struct Core {
 /// A machine in the middle of a frame: what its caches hold, and what is left of the tiles that it works on.
 #[derive(Clone, Debug)]
 pub struct Checkpoint {
-    pub(crate) warm: WarmState,
+    pub(crate) warm: CacheState,
     /// What is left of the tiles, each with its core, by core.
     pub tiles: Vec<(usize, RestOfTile)>,
 }
@@ -90,7 +91,7 @@ impl<'a> FunctionalMachine<'a> {
             tree,
             rays: RayTracer::new(config),
             shader: Shader::new(config, shape),
-            warm: WarmState::cold(config),
+            warm: CacheState::cold(config),
             memory: TagMemory::new(config),
             cores: vec![core; config.gpu.cores as usize],
             given: 0,
@@ -103,6 +104,17 @@ impl<'a> FunctionalMachine<'a> {
             progress: 0.0,
             sizes: Vec::new(),
         }
+    }
+
+    /// The same with what the caches hold already.
+    #[must_use]
+    pub fn with_caches(self, caches: CacheState) -> Self {
+        Self { warm: caches, ..self }
+    }
+
+    /// What the caches hold.
+    pub fn caches(&self) -> &CacheState {
+        &self.warm
     }
 
     /// The first core with a free slot.

@@ -2,10 +2,10 @@
 
 use std::collections::VecDeque;
 
+use super::caches::CoreTags;
 use super::features::Features;
 use super::in_flight::InFlight;
 use super::memory::TagMemory;
-use super::warm::CoreTags;
 use crate::config::{MachineConfig, Pipeline};
 use crate::link::RayRef;
 use crate::memory::{CacheCounters, Tags};

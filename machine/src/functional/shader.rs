@@ -1,8 +1,8 @@
 //! The SRP without time: items of kernels, what `shade` reads, and the lines of transfers.
 
+use super::caches::CoreTags;
 use super::features::Features;
 use super::memory::TagMemory;
-use super::warm::CoreTags;
 use crate::config::{Interface, MachineConfig, PrimaryVisibility};
 use crate::memory::{Route, Tags};
 use crate::srp::{

@@ -149,6 +149,11 @@ impl L2Cache {
         self.tags.clone_from(tags);
     }
 
+    /// What it holds.
+    pub(crate) fn tags(&self) -> &Tags {
+        &self.tags
+    }
+
     /// Queues a request, or refuses it because its bank's queue is full.
     #[inline]
     pub fn request(&mut self, port: Port, line: u64, region: Region) -> bool {

@@ -100,6 +100,11 @@ impl FetchPort {
         None
     }
 
+    /// What the L1 holds.
+    pub fn tags(&self) -> &Tags {
+        self.buffer.l1().tags()
+    }
+
     /// Fills the empty L1.
     pub fn warm(&mut self, tags: &Tags) {
         self.buffer.l1_mut().warm(tags);

@@ -84,6 +84,11 @@ impl Ist {
         }
     }
 
+    /// What the L1 holds.
+    pub fn tags(&self) -> &Tags {
+        self.port.tags()
+    }
+
     /// Fills the empty L1.
     pub fn warm(&mut self, tags: &Tags) {
         self.port.warm(tags);

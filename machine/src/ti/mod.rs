@@ -136,6 +136,14 @@ impl TiUnit {
         self.ist.iter_mut().zip(ist).for_each(|(unit, tags)| unit.warm(tags));
     }
 
+    /// What the L1s hold: those of the traversal units, and those of the intersection units.
+    pub(crate) fn tags(&self) -> [Vec<Tags>; 2] {
+        [
+            self.trv.iter().map(|unit| unit.tags().clone()).collect(),
+            self.ist.iter().map(|unit| unit.tags().clone()).collect(),
+        ]
+    }
+
     /// A line left an inclusive L2.
     pub fn invalidate(&mut self, line: u64) {
         self.trv.iter_mut().for_each(|unit| unit.invalidate(line));

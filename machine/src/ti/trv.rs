@@ -183,6 +183,11 @@ impl Trv {
         }
     }
 
+    /// What the L1 holds.
+    pub fn tags(&self) -> &Tags {
+        self.port.tags()
+    }
+
     /// Fills the empty L1.
     pub fn warm(&mut self, tags: &Tags) {
         self.port.warm(tags);

@@ -4,6 +4,7 @@
 //! threads: the result is the same for any number of them.
 
 mod band;
+mod caches;
 mod canvas;
 mod replayer;
 mod several;

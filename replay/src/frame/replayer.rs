@@ -6,6 +6,7 @@ use rayreel_machine::work::topology::Topology;
 use rayreel_machine::work::{PolicyReads, TileWork};
 
 use super::band::{AdjacentBands, Band, Reader};
+use super::caches::KeptCaches;
 use super::canvas::{Canvas, FrameReplay};
 use super::states::Blocks;
 use crate::counts::TileStats;
@@ -44,6 +45,8 @@ pub struct Replayer<'a, S: ?Sized> {
     options: Options,
     comparer: Comparer,
     stop: Stop,
+    /// What machines keep from frame to frame.
+    pub(crate) caches: KeptCaches,
 }
 
 impl<'a, S: TileSource + ?Sized> Replayer<'a, S> {
@@ -58,7 +61,7 @@ impl<'a, S: TileSource + ?Sized> Replayer<'a, S> {
             return Err(RequestError::Nothing { what: "the sample grid of the trace is empty" }.into());
         }
         let (sampler, comparer) = (policy.sampler(meta)?, Comparer::new(meta, options.perception));
-        Ok(Self { source, sampler, options, comparer, stop: Stop::never() })
+        Ok(Self { source, sampler, options, comparer, stop: Stop::never(), caches: KeptCaches::default() })
     }
 
     /// Looks at `stop` before each tile that it reads or hands to a machine, and ends the frame with

@@ -58,12 +58,17 @@ pub fn simulate_estimated<S: PathSource + ?Sized, P: Probe>(
         let (passed, runs) = simulation.whole(machines)?;
         return Ok((simulation.replayer.finish(passed)?, runs));
     };
-    let (passed_frame, passed) = simulation.pass(machines, &places)?;
+    let (passed_frame, mut passed) = simulation.pass(machines, &places)?;
+    let left: Vec<_> = passed.iter_mut().map(|passed| passed.caches.take()).collect();
     let mut runs = Vec::new();
     for ((machine, places), passed) in machines.iter().zip(places).zip(passed) {
         let mut run = simulation.conclude(*machine, places, passed, &*begin)?;
         run.paths = passed_frame.paths;
         runs.push(run);
+    }
+    // The next frame begins with what the functional pass left, however often this one was passed.
+    for ((_, config), left) in machines.iter().zip(left) {
+        left.into_iter().for_each(|left| simulation.replayer.caches.keep(config, frame, || left));
     }
     Ok((simulation.replayer.finish(passed_frame)?, runs))
 }
@@ -93,7 +98,8 @@ impl<S: PathSource + ?Sized, P: Probe> Simulation<'_, '_, S, P> {
             .iter()
             .zip(places)
             .map(|((_, config), places)| {
-                MachinePass::new(config, tree, frame_shape(meta, config, reads), places.as_ref())
+                let caches = self.replayer.caches.of(config, self.frame);
+                MachinePass::new((config, caches), tree, frame_shape(meta, config, reads), places.as_ref())
             })
             .collect();
         let shared = Shared { tree, stop: &stop, room: &room };

@@ -5,7 +5,7 @@ use std::sync::{Arc, Condvar, Mutex, PoisonError};
 
 use rayon::Scope;
 use rayreel_machine::config::MachineConfig;
-use rayreel_machine::functional::{Checkpoint, Features, FunctionalMachine};
+use rayreel_machine::functional::{CacheState, Checkpoint, Features, FunctionalMachine};
 use rayreel_machine::srp::FrameShape;
 use rayreel_machine::stats::Stats;
 use rayreel_machine::work::TileWork;
@@ -26,6 +26,8 @@ pub struct Passed {
     pub sizes: Vec<f64>,
     /// What windows measured, in the order in which they began.
     pub windows: Vec<Measured>,
+    /// What the caches hold at the end, if the next frame begins with it.
+    pub caches: Option<CacheState>,
 }
 
 /// A machine in a pass.
@@ -33,6 +35,8 @@ pub struct MachinePass<'a> {
     config: &'a MachineConfig,
     shape: FrameShape,
     functional: FunctionalMachine<'a>,
+    /// Its caches were not empty at the beginning.
+    is_warm: bool,
     places: &'a [Place],
     slots: usize,
     /// Tiles that were given.
@@ -104,12 +108,23 @@ impl Drop for Occupied<'_> {
 }
 
 impl<'a> MachinePass<'a> {
-    /// A machine before the first tile. Without `places` nothing is simulated.
-    pub fn new(config: &'a MachineConfig, tree: &'a Topology, shape: FrameShape, places: Option<&'a Places>) -> Self {
+    /// A machine before the first tile, with what its caches hold if they are not empty. Without `places` nothing is simulated.
+    pub fn new(
+        (config, caches): (&'a MachineConfig, Option<CacheState>),
+        tree: &'a Topology,
+        shape: FrameShape,
+        places: Option<&'a Places>,
+    ) -> Self {
+        let (cold, is_warm) = (FunctionalMachine::new(config, tree, shape), caches.is_some());
+        let functional = match caches {
+            Some(caches) => cold.with_caches(caches),
+            None => cold,
+        };
         Self {
             config,
             shape,
-            functional: FunctionalMachine::new(config, tree, shape),
+            functional,
+            is_warm,
             places: places.map_or(&[], Places::list),
             slots: places.map_or(0, Places::slots),
             given: 0,
@@ -166,7 +181,7 @@ impl<'a> MachinePass<'a> {
             self.open.push(OpenWindow {
                 number: self.next,
                 place,
-                from: (self.given > 0).then(|| self.functional.checkpoint()),
+                from: (self.given > 0 || self.is_warm).then(|| self.functional.checkpoint()),
                 begin: done.cost(),
                 measured_from: None,
                 measured_to: None,
@@ -220,6 +235,7 @@ impl<'a> MachinePass<'a> {
             features: *self.functional.done(),
             sizes: self.functional.sizes().to_vec(),
             windows: windows.into_values().collect::<Result<_>>()?,
+            caches: self.config.gpu.warm_caches.then(|| self.functional.caches().clone()),
         })
     }
 }

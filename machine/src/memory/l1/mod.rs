@@ -97,6 +97,11 @@ impl L1Cache {
         self.tags.clone_from(tags);
     }
 
+    /// What it holds.
+    pub(crate) fn tags(&self) -> &Tags {
+        &self.tags
+    }
+
     /// Looks `line` up for `waiter` (0 to 127), who is told by [`L1Cache::fill`] when the line arrives.
     #[inline]
     pub fn access<M: Memory>(&mut self, now: TiCycle, line: u64, region: Region, waiter: u8, memory: &mut M) -> Access {

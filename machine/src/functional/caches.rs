@@ -5,7 +5,7 @@ use crate::memory::Tags;
 
 /// The tags of all caches.
 #[derive(Clone, Debug)]
-pub struct WarmState {
+pub struct CacheState {
     pub(crate) cores: Vec<CoreTags>,
     pub(crate) l2: Tags,
 }
@@ -18,7 +18,7 @@ pub(crate) struct CoreTags {
     pub(crate) srp: Tags,
 }
 
-impl WarmState {
+impl CacheState {
     /// Empty caches.
     pub fn cold(config: &MachineConfig) -> Self {
         let (ti, l2) = (&config.ti, &config.l2);
