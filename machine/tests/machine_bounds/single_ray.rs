@@ -11,7 +11,8 @@ use rayreel_machine::work::synthetic::{Random, balanced_topology, random_path, t
 use rayreel_machine::work::topology::Topology;
 use rayreel_machine::work::{NO_TRIANGLE, TileWork};
 
-use super::harness::{SHAPE, random_machine, run};
+use super::harness::{SHAPE, chain, machine, random_machine, repeated, run};
+use rayreel_formats::tile::step;
 
 /// When each line is here; caches are larger than the tree.
 type Cache = BTreeMap<u64, u64>;
@@ -177,4 +178,29 @@ fn one_ray_alone_takes_the_sum_of_its_latencies() {
         hits += u64::from(tile.rays[0].triangle != NO_TRIANGLE);
     }
     assert!(restarts > 50 && hits > 50, "{restarts} restarts, {hits} hits");
+}
+
+/// The frame that MODEL.md works by hand: one sample whose ray visits one node and hits the triangle of its leaf, on one core,
+/// before a memory that answers after 50 cycles.
+#[test]
+fn a_frame_worked_by_hand() {
+    let (tree, steps) = (chain(1), [step::LEFT, step::HIT]);
+    let tile = repeated(&tree, &steps, 1);
+    let config = machine("sgrt-ti2", &["gpu.cores=1"]);
+    let stats = run(&config, (&tree, std::slice::from_ref(&tile)), SHAPE, IdealMemory::new(50));
+    let ti = &stats.cores[0].ti;
+    let trv = ti.trv.iter().find(|unit| unit.events.rays > 0).unwrap();
+    let activity = |unit: &str| trv.stages.iter().find(|(name, _)| *name == unit).unwrap().1;
+    assert_eq!(stats.cycles, 259);
+    assert_eq!((trv.events.bypasses, trv.l1.misses, ti.ist[0].l1.misses), (5, 1, 1));
+    // In the unit from its dispatch in cycle 16 to its end in cycle 200.
+    assert_eq!(trv.events.ray_cycles, 200 - 16);
+    let (inner, leaf, stack) = (activity("inner"), activity("leaf"), activity("stack"));
+    assert_eq!((inner.busy, inner.bypass, leaf.busy, stack.busy), (1, 5, 1, 1));
+    let srp = &stats.cores[0].srp.activity;
+    assert_eq!((srp.raygen, srp.inspector, srp.shade, srp.resolve), (25, 1, 88, 9));
+    // From 493, when the shading is done, to 504, when the texel is here; from 25 to 404 the ray is out.
+    assert_eq!((srp.memory, srp.unit), (504 - 493, 404 - 25));
+    let page = include_str!("../../MODEL.md");
+    assert!(page.contains("| 257 | the pixel is written"), "the table of MODEL.md");
 }
