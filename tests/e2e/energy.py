@@ -41,11 +41,12 @@ def check(path):
     records = [n(f"ti/{unit}/buffer/{what}") for unit in ("trv", "ist") for what in ("record_writes", "record_reads", "parked", "slot_updates")]
     writes, reads, parked, updates = (records[i] + records[i + 4] for i in range(4))
     rows = lambda mode: constant["ti.accumulate_rows"] * line if constant[mode] == "accumulate" else 0
-    stack = (constant["ti.stack_entries"] or 64) * 4 * constant["ti.rays_per_trv"]
+    stack = (constant["ti.stack_entries"] or constant["ti.full_stack_entries"]) * constant["ti.stack_entry_bytes"] * constant["ti.rays_per_trv"]
+    record = constant["ti.ray_record_bytes"]
     buffers = (
-        cores * constant["ti.ray_fifo_entries"] * 64
-        + trvs * (constant["ti.rays_per_trv"] * 64 + rows("ti.miss_handling"))
-        + ists * (constant["ti.ist_entries"] * 64 + rows("ti.ist_miss_handling"))
+        cores * constant["ti.ray_fifo_entries"] * record
+        + trvs * (constant["ti.rays_per_trv"] * record + rows("ti.miss_handling"))
+        + ists * (constant["ti.ist_entries"] * record + rows("ti.ist_miss_handling"))
     )
     ops = sum(value for name, value in counter.items() if name.startswith("srp/kernel/") and name.endswith("/ops"))
     array = sum(value for name, value in counter.items() if name.startswith("srp/activity/")) - n("srp/activity/idle")
@@ -83,7 +84,7 @@ def check(path):
         "l2": (
             n("l2/hits") * fj("l2_read_pj") + (n("l2/misses") + n("l2/merges")) * fj("l2_miss_pj") + n("l2/fills") * fj("l2_fill_pj"),
             tree, 0, constant["l2.size"]),
-        "network": (n("l2/lookups") * (8 + line) * fj("network_pj_per_byte"), tree, 0, 0),
+        "network": (n("l2/lookups") * (constant["l2.request_bytes"] + line) * fj("network_pj_per_byte"), tree, 0, 0),
         "dram": (
             n("dram/activates") * fj("dram_row_pj") + n("dram/reads") * fj("dram_read_pj")
             + n("dram/writes") * fj("dram_write_pj") + n("dram/refreshes") * fj("dram_refresh_pj"),

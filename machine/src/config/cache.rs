@@ -38,6 +38,7 @@ settings! {
         ways: u32 = WAYS, "lines of a set";
         banks: u32 = Integer(1, 64), "banks, interleaved by line; each takes one request a cycle";
         queue_entries: u32 = Integer(1, 256), "requests that a bank can queue";
+        request_bytes: u32 = Integer(0, 256), "a request on the wires from a core, for energy", "bytes";
         mshrs: u32 = Integer(1, 1024), "lines that can be waited for at a time, all banks";
         latency_cycles: u32 = DEPTH, "hit latency", "cycles";
         replacement: Replacement = Replacement::RULE, "which line of a set makes room";

@@ -3,6 +3,7 @@
 use rayreel_settings::{Result, SettingsError};
 
 use super::cache::L1;
+use super::layout::LayoutSizes;
 use super::srp::Kernels;
 use super::ti::Pipeline;
 use super::whole::MachineConfig;
@@ -15,6 +16,7 @@ pub fn check(config: &MachineConfig, origin: &str) -> Result<()> {
     let found = caches(config)
         .or_else(|| ti(config))
         .or_else(|| dram(config))
+        .or_else(|| layout(&config.layout))
         .or_else(|| kernels(&config.srp.kernels))
         .or_else(|| srp(config));
     found.map_or(Ok(()), |detail| Err(SettingsError::Conflict { origin: origin.into(), detail }))
@@ -105,6 +107,13 @@ fn dram(config: &MachineConfig) -> Option<String> {
         (dram.write_low >= dram.write_high).then(|| {
             format!("dram.write_low = {} must be less than dram.write_high = {}", dram.write_low, dram.write_high)
         })
+    })
+}
+
+fn layout(layout: &LayoutSizes) -> Option<String> {
+    let (block, tile) = (layout.texture_block, layout.texture_tile);
+    powers_of_two(&[("layout.texture_block", block.into()), ("layout.texture_tile", tile.into())]).or_else(|| {
+        (block > tile).then(|| format!("layout.texture_block = {block} is more than layout.texture_tile = {tile}"))
     })
 }
 

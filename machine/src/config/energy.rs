@@ -34,8 +34,8 @@ settings! {
         l2_fill_pj: Picojoules = EVENT, "L2: fill of a line", "pJ";
         interface_pj_per_byte: Picojoules = EVENT, "direct interface", "pJ per byte";
         srp_op_pj: Picojoules = EVENT, "SRP operation, operands and configuration included", "pJ";
-        local_read_pj: Picojoules = EVENT, "SRP local memory: 4 bytes read", "pJ";
-        local_write_pj: Picojoules = EVENT, "SRP local memory: 4 bytes written", "pJ";
+        local_read_pj: Picojoules = EVENT, "SRP local memory: a word read", "pJ";
+        local_write_pj: Picojoules = EVENT, "SRP local memory: a word written", "pJ";
         dram_row_pj: Picojoules = EVENT, "DRAM: activate and precharge of a row", "pJ";
         dram_read_pj: Picojoules = EVENT, "DRAM: read of a burst, IO included", "pJ";
         dram_write_pj: Picojoules = EVENT, "DRAM: write of a burst, IO included", "pJ";

@@ -3,6 +3,8 @@
 use rayreel_settings::Rule::{Flag, Integer};
 use rayreel_settings::{settings, words};
 
+use super::rules::DEPTH;
+
 words! {
     /// How rays and hits travel between SRP and T&I unit.
     pub enum Interface {
@@ -38,8 +40,14 @@ settings! {
         interface: Interface = Interface::RULE, "way between SRP and T&I unit";
         interface_bytes_per_cycle: u32 = Integer(1, 1024),
             "width of the direct interface per direction", "bytes per T&I cycle";
+        interface_latency_cycles: u32 = DEPTH, "from the end of a message on the direct interface to the other side", "cycles";
         ray_message_bytes: u32 = Integer(1, 256), "size of a ray on the interface", "bytes";
         hit_message_bytes: u32 = Integer(1, 256), "size of a hit on the interface", "bytes";
+        stream_flush_cycles: u32 = Integer(1, 10_000), "messages through memory: time after which a partly filled line is written", "cycles";
+        // A stream's reads fit into the smallest ring (`layout.ring_lines`).
+        stream_reads: u32 = Integer(1, 256), "messages through memory: lines of a stream that can be waited for at a time";
+        stream_unwritten_lines: u32 = Integer(1, 4096),
+            "messages through memory: lines that wait to be written at which the SRP sends no more rays";
         geometry_buffer: GeometryBuffer = GeometryBuffer::RULE, "place of the geometry buffer";
         primary_visibility: PrimaryVisibility = PrimaryVisibility::RULE, "way to primary visibility";
         warm_caches: bool = Flag,

@@ -1,7 +1,10 @@
 //! What lies in memory and how large it is, and the rasteriser.
 
 use rayreel_settings::Rule::Integer;
-use rayreel_settings::{settings, words};
+use rayreel_settings::{Rule, settings, words};
+
+/// Edge of a square of texels; a power of two.
+const TEXELS: Rule = Integer(1, 256);
 
 words! {
     /// Order of the pixels in memory.
@@ -20,8 +23,11 @@ settings! {
     pub struct LayoutSizes {
         node_bytes: u32 = Integer(8, 256), "a node of two children", "bytes";
         triangle_bytes: u32 = Integer(8, 256), "a triangle", "bytes";
+        texture_block: u32 = TEXELS, "edge of the square of texels that lie together", "texels";
+        texture_tile: u32 = TEXELS, "edge of the square whose blocks lie together", "texels";
         framebuffer: Framebuffer = Framebuffer::RULE, "order of the pixels of the framebuffer";
         pixel_bytes: u32 = Integer(1, 32), "a pixel of the framebuffer", "bytes";
+        ring_lines: u32 = Integer(256, 65_536), "ring buffer in memory of a stream of messages", "lines";
     }
 
     /// The rasteriser of a hybrid GPU.

@@ -1,23 +1,25 @@
-//! Sizes of the memories of T&I units that follow from several settings: they leak by them and take area by them.
+//! Sizes that follow from several settings: those of the memories of T&I units, which leak and take area by them, and how many rays
+//! are few.
 
 use super::ti::MissHandling;
 use super::whole::MachineConfig;
 
-/// Bytes of a ray's record in a ray buffer.
-const RECORD_BYTES: u64 = 64;
-/// Bytes of a stack entry.
-const STACK_ENTRY_BYTES: u64 = 4;
-/// Entries of a full stack (`ti.stack_entries = 0`).
-const FULL_STACK_ENTRIES: u64 = 64;
-
 impl MachineConfig {
+    /// Rays that the T&I unit of a core holds.
+    pub fn unit_rays(&self) -> u32 {
+        self.ti.ray_fifo_entries + self.ti.trv * self.ti.rays_per_trv
+    }
+
+    /// With fewer rays out than this, a core's kernels that send rays go first.
+    pub fn low_rays(&self) -> u32 {
+        (self.unit_rays() * self.srp.rays_low_percent).div_ceil(100)
+    }
+
     /// Bytes of the stacks of a traversal unit.
     pub fn stack_bytes(&self) -> u64 {
-        let entries = match u64::from(self.ti.stack_entries) {
-            0 => FULL_STACK_ENTRIES,
-            entries => entries,
-        };
-        entries * STACK_ENTRY_BYTES * u64::from(self.ti.rays_per_trv)
+        let ti = &self.ti;
+        let entries = if ti.stack_entries == 0 { ti.full_stack_entries } else { ti.stack_entries };
+        u64::from(entries) * u64::from(ti.stack_entry_bytes) * u64::from(ti.rays_per_trv)
     }
 
     /// Bytes of the ray buffers of all cores, with the rows in which rays accumulate.
@@ -27,9 +29,10 @@ impl MachineConfig {
             MissHandling::Accumulate => u64::from(ti.accumulate_rows) * u64::from(self.l2.line_bytes),
             MissHandling::Retry | MissHandling::Reorder => 0,
         };
-        let core = u64::from(ti.ray_fifo_entries) * RECORD_BYTES
-            + u64::from(ti.trv) * (u64::from(ti.rays_per_trv) * RECORD_BYTES + rows(ti.miss_handling))
-            + u64::from(ti.ist) * (u64::from(ti.ist_entries) * RECORD_BYTES + rows(ti.ist_miss_handling));
+        let records = |count: u32| u64::from(count) * u64::from(ti.ray_record_bytes);
+        let core = records(ti.ray_fifo_entries)
+            + u64::from(ti.trv) * (records(ti.rays_per_trv) + rows(ti.miss_handling))
+            + u64::from(ti.ist) * (records(ti.ist_entries) + rows(ti.ist_miss_handling));
         u64::from(self.gpu.cores) * core
     }
 }

@@ -112,10 +112,18 @@ settings! {
         batch_min: u32 = Integer(1, 65_536),
             "a batch waits for so many items while others can run or the T&I unit still works";
         batch_max: u32 = Integer(1, 65_536), "most items of a batch";
+        // The L1 tells waiters apart by the bits of a mask of 128.
+        gather_entries: u32 = Integer(1, 128), "items whose reads can be gathered at a time: most items of a batch of shade";
+        output_rays: u32 = Integer(1, 65_536), "rays that the output queue holds";
+        output_high_percent: u32 = Integer(0, 100), "share of the output queue above which no primary rays are begun", "%";
+        rays_low_percent: u32 = Integer(0, 100),
+            "share of the rays that a T&I unit holds, below which kernels that send rays go first", "%";
+        dma_reads: u32 = Integer(1, 1024), "lines that the DMA engine can wait for at a time";
         kernels: Kernels, "kernels";
         test_ops: TestOps, "operations of a similarity test, by attribute";
         mix_ops: MixOps, "operations of an interpolated hit, by attribute";
         local_memory: Bytes = SMALL, "local memory", "bytes";
+        local_word_bytes: u32 = Integer(1, 64), "word of the local memory: what an access reads or writes", "bytes";
         sample: SampleFields, "what a sample takes in the tile buffer, by field";
         l1: L1, "L1 data cache: vertex attributes and texels";
         attribute_bytes: u32 = Integer(0, 1024), "vertex attributes read per hit", "bytes";

@@ -40,6 +40,7 @@ settings! {
         ray_fifo_entries: u32 = Integer(1, 1024), "entries of the dispatcher's ray buffer";
         // Slot masks have 128 bits.
         rays_per_trv: u32 = Integer(1, 128), "rays that a traversal unit holds";
+        ray_record_bytes: u32 = Integer(1, 1024), "a ray's record in a ray buffer", "bytes";
         ist_entries: u32 = Integer(1, 128), "entries of the input buffer of an intersection unit", "leaf tasks";
         miss_handling: MissHandling = MissHandling::RULE, "miss handling of traversal units";
         ist_miss_handling: MissHandling = MissHandling::RULE, "miss handling of intersection units";
@@ -53,6 +54,8 @@ settings! {
         ist_cycles: u32 = DEPTH, "depth of the triangle pipeline", "cycles";
         crossbar_cycles: u32 = DEPTH, "crossbar between TRV and IST units, per direction", "cycles";
         stack_entries: u32 = Integer(0, 64), "entries of the short stack; 0 is a full stack, never restarted";
+        full_stack_entries: u32 = Integer(1, 256), "entries of a full stack, for leakage and area";
+        stack_entry_bytes: u32 = Integer(1, 64), "an entry of a stack", "bytes";
         /// Banks by line: with one, a node that straddles two lines takes two cycles.
         trv_lines_per_cycle: u32 = Integer(1, 4), "neighbouring lines that a traversal unit reads from its L1 in a cycle";
         ist_lines_per_cycle: u32 = Integer(1, 4), "the same for the triangles of an intersection unit";

@@ -6,12 +6,12 @@
 //!   that are gated access by access (memories, buffers, wires) add `energy.clock_tree_percent` instead; DRAM and PHY do not,
 //!   for their figures hold it. The sum is rounded to a femtojoule once per component;
 //! - leakage is microwatts x time, time being cycles of the T&I clock over its megahertz, rounded once per component. Memories
-//!   leak by size: a ray's record is 64 bytes, a stack entry 4. The background power of the DRAM counts as its leakage;
+//!   leak by size. The background power of the DRAM counts as its leakage;
 //! - a lookup that hits, and a late read of a line that had missed, pay the read of a line; a lookup that misses or merges pays
 //!   the tags. Attempts that a full cache refuses are free: the request is held, not looked up again;
 //! - a ray passes the ray buffer once (a write and a read), a leaf task the crossbar twice (there and back);
 //! - a bypass pays for each stage of the pipeline that it passes;
-//! - what an L1 asks the L2 for travels there (an address of 8 bytes) and back (a line);
+//! - what an L1 asks the L2 for travels there (a request of `l2.request_bytes`) and back (a line);
 //! - a channel in power-down has a lower background power;
 //! - the direct interface is paid per byte; through memory, the traffic is paid at the DRAM instead;
 //! - a unified pipeline tests triangles in the traversal unit, and their energy stands there.
@@ -22,9 +22,6 @@ use crate::srp::SrpStats;
 use crate::stats::Stats;
 use crate::ti::{InputBufferCounters, IstStats, TiStats, TrvStats};
 use crate::work::layout::Region;
-
-/// Bytes of a request on its way to the L2.
-const ADDRESS_BYTES: u64 = 8;
 
 /// What a component belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -276,7 +273,7 @@ impl<'a> Sums<'a> {
 
     fn memory(&self) -> [Component; 4] {
         let (energy, l2, dram) = (&self.config.energy, &self.stats.memory.l2, &self.dram);
-        let network = l2.lookups * (ADDRESS_BYTES + u64::from(self.config.l2.line_bytes));
+        let network = l2.lookups * u64::from(self.config.l2.request_bytes + self.config.l2.line_bytes);
         let l2 =
             [(l2.hits, energy.l2_read_pj), (l2.misses + l2.merges, energy.l2_miss_pj), (l2.fills, energy.l2_fill_pj)];
         let rows = [

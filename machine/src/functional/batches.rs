@@ -4,7 +4,7 @@ use std::cmp::Reverse;
 
 use super::in_flight::InFlight;
 use crate::config::MachineConfig;
-use crate::srp::{KernelId, QueueId, READERS};
+use crate::srp::{KernelId, QueueId};
 
 /// What a core does next.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -27,6 +27,7 @@ pub(super) struct Batches {
     /// Items of a batch.
     least: usize,
     most: usize,
+    most_of_shade: usize,
     /// Rays that the T&I unit holds, and how many are few.
     room: usize,
     low: usize,
@@ -34,14 +35,14 @@ pub(super) struct Batches {
 
 impl Batches {
     pub fn new(config: &MachineConfig) -> Self {
-        let (ti, srp) = (&config.ti, &config.srp);
-        let room = (ti.ray_fifo_entries + ti.trv * ti.rays_per_trv) as usize;
+        let srp = &config.srp;
         Self {
             is_ideal: srp.ideal,
             least: srp.batch_min.max(1) as usize,
             most: srp.batch_max.max(1) as usize,
-            room,
-            low: room.div_ceil(2),
+            most_of_shade: srp.batch_max.min(srp.gather_entries).max(1) as usize,
+            room: config.unit_rays() as usize,
+            low: config.low_rays() as usize,
         }
     }
 
@@ -80,7 +81,7 @@ impl Batches {
         match kernel {
             KernelId::Raygen if self.is_ideal => self.room.saturating_sub(rays),
             _ if self.is_ideal => usize::MAX,
-            KernelId::Shade => self.most.min(READERS),
+            KernelId::Shade => self.most_of_shade,
             _ => self.most,
         }
     }

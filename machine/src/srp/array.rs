@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 
-use super::batch::{Batch, BatchContext, Choosing, OUTPUT_RAYS, Progress, choose, sent_ray};
+use super::batch::{Batch, BatchContext, Choosing, Progress, choose, sent_ray};
 use super::clock::Clock;
 use super::gather::Gather;
 use super::kernels::{Costs, KernelId, Sends};
@@ -47,6 +47,9 @@ pub struct Array {
     ideal: bool,
     batch_min: usize,
     batch_max: usize,
+    /// Rays that the output queue holds, and with more than how many no primaries are begun.
+    output_rays: usize,
+    output_high: usize,
     /// With fewer rays out than this, kernels that send rays go first.
     low_rays: usize,
     batch: Batch,
@@ -73,7 +76,9 @@ impl Array {
             ideal: config.srp.ideal,
             batch_min: config.srp.batch_min.max(1) as usize,
             batch_max: config.srp.batch_max.max(1) as usize,
-            low_rays: (config.ti.ray_fifo_entries + config.ti.trv * config.ti.rays_per_trv).div_ceil(2) as usize,
+            output_rays: config.srp.output_rays.max(1) as usize,
+            output_high: (config.srp.output_rays * config.srp.output_high_percent / 100) as usize,
+            low_rays: config.low_rays() as usize,
             batch: Batch::none(),
             running: None,
             output: VecDeque::new(),
@@ -134,7 +139,7 @@ impl Array {
             let choosing = Choosing {
                 batch_min: self.batch_min,
                 low: tiles.rays_out() < self.low_rays,
-                output_full: self.output.len() > OUTPUT_RAYS / 2,
+                output_full: self.output.len() > self.output_high,
             };
             let Some(choice) = choose(tiles.all(), choosing) else { return worked };
             let (slot, _) = tiles.slot_mut(choice.slot as usize);
@@ -153,6 +158,7 @@ impl Array {
             costs: &self.costs,
             slot,
             gather: &self.gather,
+            output_rays: self.output_rays,
             output: &mut self.output,
             rays_out,
             counters: &mut self.counters,
@@ -190,7 +196,7 @@ impl Array {
     }
 
     fn ideal_room(&self) -> usize {
-        OUTPUT_RAYS.saturating_sub(self.output.len())
+        self.output_rays.saturating_sub(self.output.len())
     }
 
     fn run_queue_ideally(&mut self, id: usize, queue: QueueId, tiles: &mut TileSlots) {

@@ -5,19 +5,19 @@
 //!
 //! * A queue is *ready* when it has `batch_min` items, or nothing can be added to it before it runs (the kernels without rays as
 //!   input get all items of a round at once; the others get no more when no ray of the tile is out), or its items send rays and
-//!   fewer rays of this core are out than half of what the T&I unit holds: then starving the unit costs more than a prologue.
-//! * `raygen` is not ready while the output queue is more than half full: the array would only wait.
+//!   fewer rays of this core are out than `rays_low_percent` of what the T&I unit holds: then starving the unit costs more than a prologue.
+//! * `raygen` is not ready while the output queue is more than `output_high_percent` full: the array would only wait.
 //! * Of the ready queues the longest runs, when the unit is low on rays the longest of those that send rays. Ties: the tile given
-//!   first, then the order of kernels, then the smaller material. At most `batch_max` items, of `shade` at most 128.
+//!   first, then the order of kernels, then the smaller material. At most `batch_max` items, of `shade` `gather_entries`.
 //! * Batches follow each other without a gap. The choice is made in the T&I cycle in which the batch before ends.
-//! * The rays of an item enter the output queue ([`OUTPUT_RAYS`] rays) when it is complete, in order: shadow rays, reflection,
+//! * The rays of an item enter the output queue (`output_rays` rays) when it is complete, in order: shadow rays, reflection,
 //!   refraction. While the queue is full the array stands still, and all later items move back.
 
 use std::cmp::Ordering;
 use std::collections::VecDeque;
 
 use super::clock::Clock;
-use super::gather::{Gather, READERS};
+use super::gather::Gather;
 use super::kernels::{Costs, KernelId, Sends};
 use super::queues::QueueId;
 use super::stats::ArrayCounters;
@@ -25,9 +25,6 @@ use super::tile::Slot;
 use crate::link::RayRef;
 use crate::time::{ClockCycle, SrpCycle, TiCycle};
 use crate::work::{NO_RAY, RayWork, TileWork};
-
-/// Rays that the output queue of the array holds.
-pub const OUTPUT_RAYS: usize = 32;
 
 /// A ready queue.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -48,7 +45,7 @@ pub struct Choosing {
     pub batch_min: usize,
     /// Whether few rays of this core are out.
     pub low: bool,
-    /// Whether the output queue is more than half full.
+    /// Whether the output queue is too full for primary rays.
     pub output_full: bool,
 }
 
@@ -138,6 +135,8 @@ pub struct BatchContext<'a> {
     pub slot: &'a mut Slot,
     /// Reads.
     pub gather: &'a Gather,
+    /// Rays that the output queue holds.
+    pub output_rays: usize,
     /// Output queue.
     pub output: &'a mut VecDeque<RayRef>,
     /// Rays of the core that are out.
@@ -152,7 +151,7 @@ impl Batch {
         Self {
             slot: 0,
             kernel: KernelId::Raygen,
-            rays: Vec::with_capacity(READERS),
+            rays: Vec::new(),
             items: 0,
             next: 0,
             branches: 1,
@@ -181,7 +180,7 @@ impl Batch {
         gather: &mut Gather,
     ) {
         let kernel = choice.queue.kernel;
-        let most = if kernel == KernelId::Shade { most.min(READERS) } else { most };
+        let most = if kernel == KernelId::Shade { most.min(gather.entries()) } else { most };
         self.rays.clear();
         self.items = slot.queues.take(choice.queue, most, &mut self.rays) as u64;
         (self.slot, self.kernel, self.at) = (choice.slot, kernel, at);
@@ -262,7 +261,7 @@ impl Batch {
     /// Sends the rays of the complete item. Returns whether all are out.
     fn send(&mut self, now: TiCycle, ray: u32, context: &mut BatchContext<'_>) -> bool {
         while let Some(sent) = sent_ray(self.kernel, &context.slot.work, ray, self.sent) {
-            if context.output.len() >= OUTPUT_RAYS {
+            if context.output.len() >= context.output_rays {
                 self.blocked = true;
                 return false;
             }
@@ -286,7 +285,7 @@ fn branches(kernel: KernelId, rays: &[u32], slot: &Slot) -> u64 {
     match kernel {
         KernelId::Shade => {
             let material = |&ray: &u32| slot.work.rays[ray as usize].material;
-            // Quadratic in the number of items, at most 128, and of few different materials.
+            // Quadratic in the number of items, at most `gather_entries`, and of few different materials.
             let first = |(i, ray): &(usize, &u32)| !rays[..*i].iter().any(|r| material(r) == material(ray));
             rays.iter().enumerate().filter(first).count() as u64
         }

@@ -1,18 +1,16 @@
 //! The DMA engine: blocks of lines to and from memory that only their tile waits for.
 //!
-//! Transfers run in the order in which they were asked for, one line a T&I cycle, at most [`READS`] reads outstanding. A write
+//! Transfers run in the order in which they were asked for, one line a T&I cycle, at most `srp.dma_reads` reads outstanding. A write
 //! is done when memory has accepted it, a read when its line has arrived. Partly covered lines count as whole lines. (Estimate.)
 
 use std::collections::VecDeque;
 
 use super::stats::DmaCounters;
 use crate::component::{Component, Tick};
+use crate::config::MachineConfig;
 use crate::memory::{Memory, Port, Request, Route};
 use crate::time::{TiCycle, When};
 use crate::work::layout::{Lines, Region};
-
-/// Reads outstanding of the DMA engine, and of each stream.
-pub const READS: usize = 16;
 
 #[derive(Clone, Copy, Debug)]
 struct Transfer {
@@ -36,6 +34,7 @@ pub struct Dma {
     line_bytes: u64,
     transfers: VecDeque<Transfer>,
     reads: Vec<OutstandingRead>,
+    reads_max: usize,
     /// Per slot the lines that are not done.
     pending: Vec<u64>,
     moved_at: Option<TiCycle>,
@@ -44,13 +43,15 @@ pub struct Dma {
 }
 
 impl Dma {
-    /// An engine for `slots` tile slots.
-    pub fn new(port: Port, line_bytes: u64, slots: usize) -> Self {
+    /// The engine of a core of a machine, at `port`, for `slots` tile slots.
+    pub fn new(config: &MachineConfig, port: Port, slots: usize) -> Self {
+        let reads_max = config.srp.dma_reads.max(1) as usize;
         Self {
             port,
-            line_bytes,
+            line_bytes: config.l2.line_bytes.into(),
             transfers: VecDeque::new(),
-            reads: Vec::with_capacity(READS),
+            reads: Vec::with_capacity(reads_max),
+            reads_max,
             pending: vec![0; slots],
             moved_at: None,
             refused: false,
@@ -101,7 +102,7 @@ impl Component for Dma {
     #[inline]
     fn next_event(&self, now: TiCycle) -> When {
         let Some(head) = self.transfers.front() else { return When::NEVER };
-        let waits = self.refused || (head.route != Route::Write && self.reads.len() >= READS);
+        let waits = self.refused || (head.route != Route::Write && self.reads.len() >= self.reads_max);
         When::only_if(!waits, now + 1)
     }
 
@@ -117,7 +118,7 @@ impl<M: Memory> Tick<&mut M> for Dma {
         self.refused = false;
         let Some(head) = self.transfers.front_mut() else { return };
         let read = head.route != Route::Write;
-        if self.moved_at == Some(now) || (read && self.reads.len() >= READS) {
+        if self.moved_at == Some(now) || (read && self.reads.len() >= self.reads_max) {
             return;
         }
         let request = Request { port: self.port, line: head.line, region: head.region, route: head.route };

@@ -4,7 +4,7 @@
 //!   `srp.l1.latency_cycles` SRP cycles later (at least 1), a miss when its line has arrived. While all MSHRs are taken no line
 //!   is looked up. An item is not complete before its lines are there; later items move back with it. (Estimate.)
 //! * Attributes: the lines of the hit triangle. Texel: one a hit, as if each sample covered one texel (a perfect choice of the
-//!   mip level): 4x4-texel blocks, tiled in the order of the screen, apart by material and by depth. (Estimate.)
+//!   mip level): square blocks of texels, tiled in the order of the screen, apart by material and by depth. (Estimate.)
 
 use std::collections::VecDeque;
 
@@ -17,8 +17,8 @@ use crate::time::{ClockCycle, SrpCycle, TiCycle, When};
 use crate::work::RayWork;
 use crate::work::layout::{Layout, Region};
 
-/// Most items of a batch that reads: the L1 tells waiters apart by 7 bits.
-pub const READERS: usize = 128;
+/// Items that the L1 can tell apart: the limit of `srp.gather_entries`.
+const ENTRIES_MAX: usize = L1Cache::WAITERS as usize;
 
 #[derive(Clone, Copy, Debug)]
 struct Read {
@@ -32,13 +32,23 @@ struct Read {
 pub struct ShadeReads {
     layout: Layout,
     texel_block_bytes: u64,
+    /// Logarithms of the edges of a block and of a tile of texels.
+    block_bits: u32,
+    tile_bits: u32,
     textures: bool,
 }
 
 impl ShadeReads {
     /// Those of a machine.
     pub fn new(config: &MachineConfig, layout: Layout) -> Self {
-        Self { layout, texel_block_bytes: 16 * u64::from(config.srp.texel_bytes), textures: config.srp.textures }
+        let edge = u64::from(config.layout.texture_block);
+        Self {
+            layout,
+            texel_block_bytes: edge * edge * u64::from(config.srp.texel_bytes),
+            block_bits: config.layout.texture_block.trailing_zeros(),
+            tile_bits: config.layout.texture_tile.trailing_zeros(),
+            textures: config.srp.textures,
+        }
     }
 
     /// The lines of the hit of `ray`, in order.
@@ -48,11 +58,15 @@ impl ShadeReads {
         (attributes.first..=attributes.last).map(|line| (line, Region::Attribute)).chain(texel)
     }
 
-    /// 2^30 bytes a material, a quarter of them for each of four depths. Textures are tiled: 8x8 blocks together, such squares row
-    /// by row, 512 a row. So the texels of a tile lie together, and not at a power of two from each other.
+    /// 2^30 bytes a material, a quarter of them for each of four depths: an address space of the model, not hardware. Textures are
+    /// tiled: the blocks of a tile together, tiles row by row, 512 a row. So the texels of a tile lie together, and not at a power
+    /// of two from each other.
     fn texel_address(&self, ray: &RayWork) -> u64 {
-        let square = u64::from(ray.y >> 5) << 9 | u64::from((ray.x >> 5) & 0x1ff);
-        let block = square << 6 | u64::from((ray.y >> 2) & 7) << 3 | u64::from((ray.x >> 2) & 7);
+        let (block_bits, tile_bits) = (self.block_bits, self.tile_bits);
+        let bits = tile_bits - block_bits;
+        let inside = |texel: u32| u64::from((texel >> block_bits) & ((1 << bits) - 1));
+        let tile = u64::from(ray.y >> tile_bits) << 9 | u64::from((ray.x >> tile_bits) & 0x1ff);
+        let block = tile << (2 * bits) | inside(ray.y) << bits | inside(ray.x);
         let plane = u64::from(ray.material & 0x3ff) << 30 | u64::from(ray.depth & 3) << 28;
         Region::Texture.base() + plane + ((block * self.texel_block_bytes) & 0x0fff_ffff)
     }
@@ -65,11 +79,12 @@ pub struct Gather {
     clock: Clock,
     latency_cycles: u64,
     mshrs: usize,
+    entries: usize,
     queue: VecDeque<Read>,
     outstanding: usize,
     /// Per item the lines that are not there, and since when the others are.
-    missing: [u32; READERS],
-    ready: [SrpCycle; READERS],
+    missing: [u32; ENTRIES_MAX],
+    ready: [SrpCycle; ENTRIES_MAX],
     looked_up: PerCycle,
     refused: bool,
 }
@@ -83,10 +98,11 @@ impl Gather {
             clock,
             latency_cycles: u64::from(config.srp.l1.latency_cycles.max(1)),
             mshrs: config.srp.l1.mshrs.max(1) as usize,
+            entries: (config.srp.gather_entries as usize).clamp(1, ENTRIES_MAX),
             queue: VecDeque::new(),
             outstanding: 0,
-            missing: [0; READERS],
-            ready: [SrpCycle::START; READERS],
+            missing: [0; ENTRIES_MAX],
+            ready: [SrpCycle::START; ENTRIES_MAX],
             looked_up: PerCycle::default(),
             refused: false,
         }
@@ -100,6 +116,11 @@ impl Gather {
     /// The L1, to drop lines that left an inclusive L2.
     pub fn l1_mut(&mut self) -> &mut L1Cache {
         &mut self.l1
+    }
+
+    /// Items whose reads can be gathered at a time.
+    pub fn entries(&self) -> usize {
+        self.entries
     }
 
     /// Queues the reads of the hit of `ray` for item `reader` of the batch.

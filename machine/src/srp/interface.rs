@@ -2,10 +2,10 @@
 //!
 //! * Direct link: a ray occupies its direction for `ceil(ray_message_bytes / interface_bytes_per_cycle)` T&I cycles, a hit
 //!   likewise, never less than one: at most one message a cycle and direction. A message that starts at cycle t and takes n
-//!   cycles is there at t + n + 1. While the unit has no room, the ray at the end of the link waits and no other starts. (The
+//!   cycles is there `interface_latency_cycles` after t + n. While the unit has no room, the ray at the end of the link waits and no other starts. (The
 //!   direct link: paper; width and latency: estimate.)
 //! * Memory: rays and hits are streams of lines (see `stream`); a ray enters the unit, and a hit the SRP, one a cycle. The SRP
-//!   does not begin new lines while [`UNWRITTEN_LINES`] wait for memory.
+//!   does not begin new lines while `stream_unwritten_lines` wait for memory.
 //! * A result never waits for the SRP: its item goes into local memory at once. So the unit always drains, rays that wait for
 //!   room always enter in the end, and there is no deadlock.
 //! * `srp.ideal`: the direct link takes no time; its bytes are counted.
@@ -22,13 +22,11 @@ use crate::memory::Memory;
 use crate::time::{TiCycle, When};
 use crate::work::layout::Region;
 
-/// Lines of rays that may wait to be written before the SRP's output queue stops draining.
-pub const UNWRITTEN_LINES: u64 = 16;
-
 /// One direction of the direct link.
 #[derive(Clone, Debug, Default)]
 struct Lane {
     message_cycles: u64,
+    latency_cycles: u64,
     free_at: TiCycle,
     messages: VecDeque<RayMessage>,
 }
@@ -38,7 +36,7 @@ impl Lane {
     fn start(&mut self, at: TiCycle, ray: RayRef) {
         let start = at.max(self.free_at);
         self.free_at = start + self.message_cycles;
-        self.messages.push_back(RayMessage { at: self.free_at + 1, ray });
+        self.messages.push_back(RayMessage { at: self.free_at + self.latency_cycles, ray });
     }
 
     /// When the first message is there.
@@ -55,9 +53,19 @@ impl Lane {
 
 #[derive(Clone, Debug)]
 enum Way {
-    Ideal { hits: VecDeque<RayRef> },
-    Direct { rays: Lane, hits: Lane },
-    Memory { rays: Box<Stream>, hits: Box<Stream> },
+    Ideal {
+        hits: VecDeque<RayRef>,
+    },
+    Direct {
+        rays: Lane,
+        hits: Lane,
+    },
+    /// New lines are begun while fewer than `unwritten_max` wait to be written.
+    Memory {
+        rays: Box<Stream>,
+        hits: Box<Stream>,
+        unwritten_max: u64,
+    },
 }
 
 /// Both directions between SRP and T&I unit.
@@ -78,14 +86,19 @@ impl Interface {
         let gpu = &config.gpu;
         let (ray_bytes, hit_bytes) = (u64::from(gpu.ray_message_bytes), u64::from(gpu.hit_message_bytes));
         let width = u64::from(gpu.interface_bytes_per_cycle.max(1));
-        let lane = |bytes: u64| Lane { message_cycles: bytes.div_ceil(width).max(1), ..Lane::default() };
-        let line_bytes = u64::from(config.l2.line_bytes);
+        let latency_cycles = gpu.interface_latency_cycles.into();
+        let lane =
+            |bytes: u64| Lane { message_cycles: bytes.div_ceil(width).max(1), latency_cycles, ..Lane::default() };
         let stream = |half: u64, bytes: u64| {
             let address = Region::Ray.base() + (u64::from(core) << 32) + (half << 31);
-            Box::new(Stream::new(ports.dma, Region::Ray, address / line_bytes, line_bytes, bytes))
+            Box::new(Stream::new(config, ports.dma, (Region::Ray, address), bytes))
         };
         let way = match gpu.interface {
-            Kind::Memory => Way::Memory { rays: stream(0, ray_bytes), hits: stream(1, hit_bytes) },
+            Kind::Memory => Way::Memory {
+                rays: stream(0, ray_bytes),
+                hits: stream(1, hit_bytes),
+                unwritten_max: gpu.stream_unwritten_lines.into(),
+            },
             Kind::Direct if config.srp.ideal => Way::Ideal { hits: VecDeque::new() },
             Kind::Direct => Way::Direct { rays: lane(ray_bytes), hits: lane(hit_bytes) },
         };
@@ -163,13 +176,13 @@ impl Interface {
                 !self.blocked
             }
             Way::Direct { rays, .. } => rays.free_at <= now && !rays.arrived(now),
-            Way::Memory { rays, .. } => rays.unwritten_lines() < UNWRITTEN_LINES,
+            Way::Memory { rays, unwritten_max, .. } => rays.unwritten_lines() < *unwritten_max,
         }
     }
 
     /// A line of a stream arrived; `false` if it belongs to none.
     pub fn respond(&mut self, line: u64) -> bool {
-        let Way::Memory { rays, hits } = &mut self.way else { return false };
+        let Way::Memory { rays, hits, .. } = &mut self.way else { return false };
         let Some(stream) = [rays, hits].into_iter().find(|s| s.owns(line)) else { return false };
         stream.respond(line);
         true
@@ -183,7 +196,7 @@ impl Interface {
 
     /// Whether memory refused a request of a stream.
     pub fn refused(&self) -> bool {
-        matches!(&self.way, Way::Memory { rays, hits } if rays.refused() || hits.refused())
+        matches!(&self.way, Way::Memory { rays, hits, .. } if rays.refused() || hits.refused())
     }
 
     /// What went through so far.
@@ -193,7 +206,7 @@ impl Interface {
 
     /// What its streams moved so far.
     pub fn traffic(&self) -> DmaCounters {
-        let Way::Memory { rays, hits } = &self.way else { return DmaCounters::default() };
+        let Way::Memory { rays, hits, .. } = &self.way else { return DmaCounters::default() };
         let mut sum = *rays.counters();
         sum += *hits.counters();
         sum
@@ -240,7 +253,7 @@ impl Component for Interface {
                 let enter = if self.blocked { When::NEVER } else { rays.next() };
                 hits.next().min(enter).after(now)
             }
-            Way::Memory { rays, hits } => {
+            Way::Memory { rays, hits, .. } => {
                 let ready = (rays.has_ready() && !self.blocked) || hits.has_ready();
                 let moved = rays.next_event(now).min(hits.next_event(now));
                 moved.min(When::only_if(ready, now + 1))
@@ -257,7 +270,7 @@ impl<U: RayUnit, M: Memory> Tick<SrpContext<'_, U, M>> for Interface {
     /// Takes the unit's results and moves lines of streams.
     fn tick(&mut self, now: TiCycle, SrpContext { unit, memory }: SrpContext<'_, U, M>) {
         self.take_results(now, unit);
-        if let Way::Memory { rays, hits } = &mut self.way {
+        if let Way::Memory { rays, hits, .. } = &mut self.way {
             rays.tick(now, &mut *memory);
             hits.tick(now, memory);
         }

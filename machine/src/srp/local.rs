@@ -6,7 +6,7 @@
 //! * `geometry_buffer = "external"`: only the colour stays in local memory. After each round `sample.total() - colour` bytes a
 //!   traced sample are written. At the beginning of a round each test reads what it tests of two samples, and each interpolated
 //!   hit what it is made of. The bytes of a round are packed densely into lines (estimate). Nothing spills.
-//! * Local memory is accessed in 4-byte words, each field rounded up. A shaded or missed primary writes a whole sample; a
+//! * Local memory is accessed in words of `local_word_bytes`, each field rounded up. A shaded or missed primary writes a whole sample; a
 //!   shaded or missed secondary ray and a shadow result read and write the colour; a test reads what it tests of two samples, and
 //!   a difference of colours two colours; an interpolation reads two colours and writes one; an interpolated hit that later tests
 //!   read reads what it is made of twice and writes it; resolve reads the colour; a rate is a word (estimate).
@@ -23,6 +23,7 @@ pub struct TileBuffer {
     fields: SampleFields,
     policy: PolicyReads,
     share_bytes: u64,
+    word_bytes: u32,
     /// Whether attributes are kept in memory.
     pub external: bool,
 }
@@ -34,6 +35,7 @@ impl TileBuffer {
             fields: fields_under(&config.srp.sample, policy),
             policy: *policy,
             share_bytes: config.srp.local_memory.0 / u64::from(config.gpu.tiles_in_flight.max(1)),
+            word_bytes: config.srp.local_word_bytes.max(1),
             external: config.gpu.geometry_buffer == GeometryBuffer::External,
         }
     }
@@ -97,6 +99,7 @@ impl TileBuffer {
     #[inline]
     pub fn count(&self, kernel: KernelId, primary: bool, items: u64, counters: &mut LocalCounters) {
         let f = &self.fields;
+        let words = |bytes: u32| u64::from(bytes.div_ceil(self.word_bytes));
         let colour = words(f.colour);
         let attributes = |of: u64| if self.external { 0 } else { of };
         let (reads, writes) = match kernel {
@@ -130,8 +133,4 @@ fn fields_under(fields: &SampleFields, policy: &PolicyReads) -> SampleFields {
         weights: only(fields.weights, policy.weights),
         ..fields.clone()
     }
-}
-
-fn words(bytes: u32) -> u64 {
-    u64::from(bytes.div_ceil(4))
 }

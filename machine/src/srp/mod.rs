@@ -3,7 +3,7 @@
 //! ```text
 //!            give_tile                    rays (direct link, or through memory)
 //! dispatcher ---------> tile slots  ---------------------------------------------> T&I unit
-//!                        | queues         output queue (32 rays)                       |
+//!                        | queues         output queue                                |
 //!                        v                     ^                                       |
 //!                       array: one batch ------+   hits: shade, miss, update items     |
 //!                        ^        at a time     <--------------------------------------+
@@ -18,8 +18,8 @@
 //! A hit becomes an item in the cycle in which it reaches the SRP; the item may be part of a batch that begins in that cycle.
 //!
 //! `srp.ideal`: items take no time. A hit's rays are in the output queue in the cycle of the hit, the direct link takes no time,
-//! and rays enter the unit as soon as it has room; `raygen` fills the output queue up to 32 rays. Reads of `shade` are made but
-//! not waited for. Transfers of tiles and an interface through memory take their time.
+//! and rays enter the unit as soon as it has room; `raygen` fills the output queue. Reads of `shade` are made but not
+//! waited for. Transfers of tiles and an interface through memory take their time.
 //!
 //! The owner ticks it at least at the cycles that its next event names and at every cycle at which the T&I unit or the memory
 //! did something, after the memory's responses. Ticks at other cycles change nothing.
@@ -45,19 +45,16 @@ mod tests;
 mod tile;
 mod transfers;
 
-pub use batch::OUTPUT_RAYS;
 pub(crate) use batch::{sent_ray, taker};
 pub(crate) use clock::srp_cycles;
 pub use context::{SrpContext, SrpPorts};
-pub(crate) use gather::{READERS, ShadeReads};
-pub use interface::UNWRITTEN_LINES;
+pub(crate) use gather::ShadeReads;
 pub(crate) use kernels::{Costs, Sends};
 pub use kernels::{KERNELS, KernelId, Needs, missing_kernels};
 pub(crate) use local::TileBuffer;
 pub(crate) use queues::{QueueId, Queues};
 pub use rest::RestOfTile;
 pub use stats::{DmaCounters, InterfaceCounters, KernelCounters, LocalCounters, SrpActivity, SrpReport, SrpStats};
-pub use stream::FLUSH_CYCLES;
 pub use tile::FrameShape;
 pub(crate) use tile::{border_offset, framebuffer_rows};
 

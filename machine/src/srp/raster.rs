@@ -31,13 +31,12 @@ pub struct Raster {
 impl Raster {
     /// The rasteriser of core `core`.
     pub fn new(config: &MachineConfig, core: u32, ports: SrpPorts) -> Self {
-        let line_bytes = u64::from(config.l2.line_bytes);
-        let first_line = (Region::GBuffer.base() + (u64::from(core) << 32)) / line_bytes;
+        let address = Region::GBuffer.base() + (u64::from(core) << 32);
         let bytes = u64::from(config.raster.gbuffer_bytes);
         Self {
             rate: config.raster.samples_per_cycle.max(1).into(),
             waiting: VecDeque::new(),
-            stream: Stream::new(ports.dma, Region::GBuffer, first_line, line_bytes, bytes),
+            stream: Stream::new(config, ports.dma, (Region::GBuffer, address), bytes),
             made: PerCycle::default(),
             taken: PerCycle::default(),
         }

@@ -111,8 +111,8 @@ counters! {
 counters! {
     /// Local memory and tiles.
     pub struct LocalCounters {
-        reads: "words", "4-byte reads of the tile buffer";
-        writes: "words", "4-byte writes of the tile buffer";
+        reads: "words", "reads of the tile buffer, a word each";
+        writes: "words", "writes of the tile buffer, a word each";
         spilled_samples: "samples", "samples that did not fit into the tile buffer";
         tiles: "tiles", "tiles finished";
     }

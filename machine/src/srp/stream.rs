@@ -1,24 +1,19 @@
 //! Messages through memory: written by one side, read by the other, out in order.
 //!
 //! Used for rays and hits of `interface = "memory"` and for the G-buffer of a rasteriser. As many messages as fit share a line
-//! and none straddles two unless it is larger than a line. A line is written when it is full, or [`FLUSH_CYCLES`] after its first
-//! message, so that few rays are not held back. One line a cycle is written and one read, at most [`READS`] reads outstanding,
-//! and a line is read at the earliest one cycle after memory accepted its write. (Estimate.)
+//! and none straddles two unless it is larger than a line. A line is written when it is full, or `gpu.stream_flush_cycles` after its
+//! first message, so that few rays are not held back. One line a cycle is written and one read, at most `gpu.stream_reads` reads
+//! outstanding, and a line is read at the earliest one cycle after memory accepted its write. (Estimate.)
 
 use std::collections::VecDeque;
 
-use super::dma::READS;
 use super::stats::DmaCounters;
 use crate::component::{Component, Tick};
+use crate::config::MachineConfig;
 use crate::link::RayRef;
 use crate::memory::{Memory, Port, Request, Route};
 use crate::time::{TiCycle, When};
 use crate::work::layout::Region;
-
-/// T&I cycles after which a partly filled line is written.
-pub const FLUSH_CYCLES: u64 = 64;
-/// Lines of the ring buffer that a stream runs through.
-const RING_LINES: u64 = 1 << 12;
 
 /// Lines that belong together: one line of several messages, or the lines of one large message.
 #[derive(Clone, Copy, Debug)]
@@ -38,6 +33,10 @@ pub struct Stream {
     line_bytes: u64,
     per_packet: u32,
     packet_lines: u64,
+    /// Lines of the ring buffer that it runs through.
+    ring_lines: u64,
+    flush_cycles: u64,
+    reads_max: usize,
     messages: VecDeque<RayRef>,
     open: u32,
     open_since: TiCycle,
@@ -55,17 +54,21 @@ pub struct Stream {
 }
 
 impl Stream {
-    /// A stream of messages of `message_bytes` from `first_line` on.
-    pub fn new(port: Port, region: Region, first_line: u64, line_bytes: u64, message_bytes: u64) -> Self {
-        let bytes = message_bytes.max(1);
+    /// A stream of messages of `message_bytes`, from an address of a region on.
+    pub fn new(config: &MachineConfig, port: Port, (region, address): (Region, u64), message_bytes: u64) -> Self {
+        let (line_bytes, bytes) = (u64::from(config.l2.line_bytes), message_bytes.max(1));
+        let packet_lines = bytes.div_ceil(line_bytes);
         Self {
             port,
             region,
-            first_line,
+            first_line: address / line_bytes,
             next_line: 0,
             line_bytes,
             per_packet: (line_bytes / bytes).max(1) as u32,
-            packet_lines: bytes.div_ceil(line_bytes),
+            packet_lines,
+            ring_lines: u64::from(config.layout.ring_lines) * packet_lines,
+            flush_cycles: config.gpu.stream_flush_cycles.into(),
+            reads_max: config.gpu.stream_reads.max(1) as usize,
             messages: VecDeque::new(),
             open: 0,
             open_since: TiCycle::default(),
@@ -103,14 +106,14 @@ impl Stream {
     pub fn close(&mut self) {
         if self.open > 0 {
             self.packets.push_back(Packet { messages: self.open, line: self.first_line + self.next_line, arrived: 0 });
-            self.next_line = (self.next_line + self.packet_lines) % (RING_LINES * self.packet_lines);
+            self.next_line = (self.next_line + self.packet_lines) % self.ring_lines;
             self.open = 0;
         }
     }
 
     /// Whether the stream uses this line.
     pub fn owns(&self, line: u64) -> bool {
-        (self.first_line..self.first_line + RING_LINES * self.packet_lines).contains(&line)
+        (self.first_line..self.first_line + self.ring_lines).contains(&line)
     }
 
     fn read_line<M: Memory>(&mut self, now: TiCycle, memory: &mut M) {
@@ -178,12 +181,12 @@ impl Component for Stream {
 
     /// Messages that can be taken are the taker's event.
     fn next_event(&self, now: TiCycle) -> When {
-        let reads = self.asked < self.written && self.outstanding < READS && !self.read_refused;
+        let reads = self.asked < self.written && self.outstanding < self.reads_max && !self.read_refused;
         let writes = self.unwritten_lines() > 0 && !self.write_refused;
         if reads || writes {
             return When::at(now + 1);
         }
-        When::only_if(self.open > 0, self.open_since + FLUSH_CYCLES).after(now)
+        When::only_if(self.open > 0, self.open_since + self.flush_cycles).after(now)
     }
 
     fn finish(&mut self, _: TiCycle) -> DmaCounters {
@@ -194,11 +197,11 @@ impl Component for Stream {
 impl<M: Memory> Tick<&mut M> for Stream {
     /// Moves a line each way. Reads come before writes: a line is read a cycle after it was written.
     fn tick(&mut self, now: TiCycle, memory: &mut M) {
-        if self.open > 0 && now >= self.open_since + FLUSH_CYCLES {
+        if self.open > 0 && now >= self.open_since + self.flush_cycles {
             self.close();
         }
         (self.read_refused, self.write_refused) = (false, false);
-        if self.asked < self.written && self.outstanding < READS && self.read_at != Some(now) {
+        if self.asked < self.written && self.outstanding < self.reads_max && self.read_at != Some(now) {
             self.read_line(now, memory);
         }
         if self.unwritten_lines() > 0 && self.wrote_at != Some(now) {

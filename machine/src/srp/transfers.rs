@@ -27,7 +27,7 @@ impl Transfers {
         let slots = config.gpu.tiles_in_flight.clamp(1, 255) as usize;
         let rasters = config.gpu.primary_visibility == PrimaryVisibility::Raster;
         Self {
-            dma: Dma::new(ports.dma, config.l2.line_bytes.into(), slots),
+            dma: Dma::new(config, ports.dma, slots),
             interface: Interface::new(config, core, ports),
             raster: rasters.then(|| Raster::new(config, core, ports)),
         }

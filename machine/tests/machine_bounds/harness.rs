@@ -184,6 +184,10 @@ pub fn random_machine(random: &mut Random) -> MachineConfig {
     config.gpu.cores = of(&[1, 2, 4]);
     config.gpu.tiles_in_flight = of(&[1, 2, 3]);
     config.gpu.interface_bytes_per_cycle = of(&[8, 16, 32]);
+    config.gpu.interface_latency_cycles = of(&[1, 2, 5]);
+    (config.srp.output_rays, config.srp.gather_entries) = (of(&[1, 8, 32]), of(&[1, 16, 128]));
+    config.srp.dma_reads = of(&[1, 16]);
+    (config.srp.output_high_percent, config.srp.rays_low_percent) = (of(&[0, 50, 100]), of(&[0, 50, 100]));
     config.srp.clock_mhz = of(&[500, 1000]);
     (config.layout.node_bytes, config.layout.triangle_bytes) = (of(&[40, 64]), of(&[36, 48, 64]));
     config.check().unwrap();

@@ -9,6 +9,7 @@ fn l2() -> config::L2 {
         size: Bytes(64 << 10),
         ways: 8,
         banks: 4,
+        request_bytes: 8,
         queue_entries: 8,
         mshrs: 32,
         latency_cycles: 10,

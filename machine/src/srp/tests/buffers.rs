@@ -3,7 +3,7 @@
 use super::mocks::{Mem, Unit, mixed, run, srp, uniform};
 use crate::config::{Bytes, GeometryBuffer, Interface, MachineConfig, PrimaryVisibility};
 use crate::memory::Route;
-use crate::srp::{FLUSH_CYCLES, Srp};
+use crate::srp::Srp;
 use crate::test_config::machine;
 use crate::work::layout::Region;
 use crate::work::{Round, TileWork};
@@ -57,11 +57,15 @@ fn an_external_geometry_buffer_is_written_and_read_by_rounds() {
 fn local_memory_is_counted_by_field() {
     let mut work = uniform(0, 2, Some(0), 1);
     work.rounds.push(Round { tests: 5, colours: 4, interpolated: 3, attributes: 2, ..Round::default() });
-    let (s, ..) = finished(&machine(), work);
+    let (s, ..) = finished(&machine(), work.clone());
     // Words: object 1, normal 1, position 2, shadow 1, colour 1, flags 1.
     let reads = 2 + 5 * 2 * 3 + 4 * 2 + 3 * 2 + 2 * 2 * 3 + 4;
     let writes = 2 * 7 + 2 + 3 * 2 + 2 * 3;
     assert_eq!((s.stats().local.reads, s.stats().local.writes), (reads, writes));
+    // A position of six bytes fits into a word of eight.
+    let mut wide = machine();
+    wide.srp.local_word_bytes = 8;
+    assert_eq!(finished(&wide, work).0.stats().local.writes, writes - 2);
 }
 
 #[test]
@@ -76,10 +80,35 @@ fn through_memory_a_ray_follows_its_line() {
     assert_eq!(rays[0].1.route, Route::Write);
     assert_eq!(rays[0].0, 16);
     assert_eq!((rays[1].0, rays[1].1.route, rays[1].1.line), (17, Route::Read, rays[0].1.line));
-    assert_eq!(unit.pushed.iter().map(|p| p.0).collect::<Vec<_>>(), [37, 38, 18 + FLUSH_CYCLES + 1 + 20]);
+    assert_eq!(unit.pushed.iter().map(|p| p.0).collect::<Vec<_>>(), [37, 38, 18 + 64 + 1 + 20]);
     // Hits at 87 and 88, and at 153: the first two share a line.
     let d = s.stats().dma;
     assert_eq!((d.ray_written, d.ray_read), (4 * 64, 4 * 64));
+    config.gpu.stream_flush_cycles = 10;
+    assert_eq!(finished(&config, uniform(0, 3, None, 0)).1.pushed[2].0, 18 + 10 + 1 + 20);
+}
+
+#[test]
+fn queues_hold_what_their_settings_say() {
+    let mut config = machine();
+    config.gpu.interface = Interface::Memory;
+    // Two rays a line. One read of a stream at a time is answered 20 cycles after it was asked.
+    config.gpu.stream_reads = 1;
+    let memory = finished(&config, uniform(0, 64, None, 0)).2;
+    let hits = (Region::Ray.base() + (1 << 31)) / 64;
+    let ray_reads = memory.log.iter().filter(|(_, r)| r.route == Route::Read && r.line < hits);
+    let reads: Vec<u64> = ray_reads.map(|(at, _)| *at).collect();
+    assert_eq!(reads.len(), 32);
+    assert!(reads.windows(2).all(|pair| pair[1] >= pair[0] + 20), "{reads:?}");
+    // A slower link and fewer items whose reads are gathered at a time cost time.
+    let mut config = machine();
+    let last = |config: &MachineConfig| finished(config, uniform(0, 64, Some(0), 1)).1.pushed.last().unwrap().0;
+    let before = last(&config);
+    config.gpu.interface_latency_cycles += 7;
+    assert!(last(&config) >= before + 7);
+    config.gpu.interface_latency_cycles -= 7;
+    config.srp.gather_entries = 1;
+    assert!(last(&config) > before);
 }
 
 #[test]
