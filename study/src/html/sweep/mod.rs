@@ -9,6 +9,7 @@ mod data;
 mod effects;
 mod explore;
 mod number;
+mod order;
 mod page;
 mod summary;
 mod view;

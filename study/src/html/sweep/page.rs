@@ -2,7 +2,7 @@
 
 use crate::html::shell::Shell;
 use crate::html::sweep::view::SweepView;
-use crate::html::sweep::{best, columns, data, effects, explore, summary};
+use crate::html::sweep::{best, columns, data, effects, explore, order, summary};
 use crate::html::text::{count, escape};
 use crate::table::Results;
 
@@ -29,6 +29,7 @@ pub fn page(results: &Results) -> String {
     let view = SweepView::new(results);
     let sections = [
         summary::section(&view),
+        order::section(&view),
         explore::pareto(),
         explore::heat(),
         effects::section(&view),

@@ -1,0 +1,155 @@
+//! In which order policies come, and whether that depends on what else was varied.
+//!
+//! A policy's gain is its result over that of `full` at the same values of all other dimensions; over several traces the geometric
+//! mean. A conclusion that holds at one value of an estimate and not at another is none.
+
+use std::collections::BTreeMap;
+
+use crate::analysis::dims::{DETAIL, Dimension, dimensions};
+use crate::table::{Field, Results};
+
+/// The policy that the others are compared with.
+const REFERENCE: &str = "full";
+
+/// Dimensions within each value of which policies are compared, and which gains are averaged over.
+const AVERAGED: [&str; 3] = ["trace", "first_frame", "frames"];
+
+/// The order of the policies, at each combination of the other dimensions.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PolicyOrder {
+    /// The policies, `full` not among them.
+    pub policies: Vec<String>,
+    /// In the order of the results.
+    pub rows: Vec<OrderRow>,
+}
+
+/// The order at one combination of values.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct OrderRow {
+    /// The values.
+    pub name: String,
+    /// For each policy its gain by trace.
+    pub gains: Vec<BTreeMap<String, f64>>,
+}
+
+impl OrderRow {
+    /// The gain of a policy over all traces.
+    pub fn mean(&self, policy: usize) -> Option<f64> {
+        let gains = &self.gains[policy];
+        (!gains.is_empty()).then(|| (gains.values().map(|gain| gain.ln()).sum::<f64>() / gains.len() as f64).exp())
+    }
+
+    /// For each trace the policy that gains most; only traces of which at least two are known.
+    pub fn first(&self) -> BTreeMap<&str, usize> {
+        let mut first: BTreeMap<&str, (usize, f64, usize)> = BTreeMap::new();
+        for (policy, gains) in self.gains.iter().enumerate() {
+            for (trace, gain) in gains {
+                let best = first.entry(trace).or_insert((policy, *gain, 0));
+                best.2 += 1;
+                if *gain > best.1 {
+                    (best.0, best.1) = (policy, *gain);
+                }
+            }
+        }
+        first.into_iter().filter(|(_, best)| best.2 > 1).map(|(trace, best)| (trace, best.0)).collect()
+    }
+}
+
+impl PolicyOrder {
+    /// By a result of which more is better. Nothing where fewer than two policies beside `full`, or nothing else, vary.
+    pub fn of(results: &Results, field: &Field) -> Option<Self> {
+        let all = dimensions(results);
+        let of_policy = all.iter().find(|dimension| dimension.name == "policy")?;
+        let reference = of_policy.values.iter().position(|policy| policy == REFERENCE)?;
+        let varied: Vec<&Dimension> =
+            all.iter().filter(|d| d.name != "policy" && d.name != DETAIL && !AVERAGED.contains(&&*d.name)).collect();
+        if of_policy.values.len() < 3 || varied.is_empty() {
+            return None;
+        }
+        let number = |row: usize| field.cells.number(row).filter(|value| *value > 0.0 && value.is_finite());
+        let averaged: Vec<&Dimension> = all.iter().filter(|d| AVERAGED.contains(&&*d.name)).collect();
+        let same = |dimensions: &[&Dimension], a: usize, b: usize| dimensions.iter().all(|d| d.of[a] == d.of[b]);
+        // An axis may not apply to `full`.
+        let fits = |full: usize, row: usize| varied.iter().all(|d| d.of[full].is_none() || d.of[full] == d.of[row]);
+        let references: Vec<usize> = (0..results.rows()).filter(|&row| of_policy.of[row] == Some(reference)).collect();
+        let others: Vec<usize> = (0..of_policy.values.len()).filter(|policy| *policy != reference).collect();
+        let (mut rows, mut known): (Vec<OrderRow>, Vec<usize>) = (Vec::new(), Vec::new());
+        for row in 0..results.rows() {
+            let Some(policy) = others.iter().position(|policy| of_policy.of[row] == Some(*policy)) else { continue };
+            let full = references.iter().find(|&&full| same(&averaged, full, row) && fits(full, row));
+            let Some((value, full)) = number(row).zip(full.and_then(|full| number(*full))) else { continue };
+            let at = known.iter().position(|&other| same(&varied, other, row)).unwrap_or_else(|| {
+                known.push(row);
+                rows.push(OrderRow { name: words(&varied, row), gains: vec![BTreeMap::new(); others.len()] });
+                rows.len() - 1
+            });
+            rows[at].gains[policy].insert(words(&averaged, row), value / full);
+        }
+        let policies = others.iter().map(|policy| of_policy.values[*policy].clone()).collect();
+        (rows.len() > 1).then_some(Self { policies, rows })
+    }
+
+    /// The traces of a row whose first policy is another than in the first row.
+    pub fn changed(&self, row: usize) -> Vec<&str> {
+        let base = self.rows[0].first();
+        let differs = |(trace, policy): (&str, usize)| base.get(trace).is_some_and(|first| *first != policy);
+        self.rows[row].first().into_iter().filter(|at| differs(*at)).map(|(trace, _)| trace).collect()
+    }
+}
+
+/// The values of a row, in words.
+fn words(dimensions: &[&Dimension], row: usize) -> String {
+    let values: Vec<&str> = dimensions.iter().filter_map(|d| Some(d.values[d.of[row]?].as_str())).collect();
+    values.join(", ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tables::{axis, figure, table, words};
+    use super::*;
+    use crate::table::{Cells, Role};
+
+    /// Three policies on two traces at two sizes of a cache; `full` has no angle.
+    fn results() -> Results {
+        let (mut trace, mut policy, mut size, mut angle, mut value) = (vec![], vec![], vec![], vec![], vec![]);
+        for (l2, gains) in [(64, [[2.0, 3.0], [4.0, 3.5]]), (256, [[2.0, 3.0], [4.0, 5.0]])] {
+            for (name, gains) in ["a", "b"].into_iter().zip(gains) {
+                for (number, of) in ["full", "x", "y"].into_iter().enumerate() {
+                    trace.push(name);
+                    policy.push(of);
+                    size.push(Some(l2));
+                    angle.push((number > 0).then_some(10));
+                    value.push(if number == 0 { 7.0 } else { 7.0 * gains[number - 1] });
+                }
+            }
+        }
+        table(vec![
+            words("trace", Role::Point, &trace),
+            words("policy", Role::Point, &policy),
+            axis("l2", Cells::Int(size)),
+            axis("angle", Cells::Int(angle)),
+            figure("perf_per_watt", &value),
+        ])
+    }
+
+    #[test]
+    fn gains_are_those_over_full_at_the_same_values() {
+        let results = results();
+        let order = PolicyOrder::of(&results, results.field("perf_per_watt").unwrap()).unwrap();
+        assert_eq!(order.policies, ["x", "y"]);
+        assert_eq!(order.rows.iter().map(|row| row.name.as_str()).collect::<Vec<_>>(), ["64", "256"]);
+        let mean = order.rows[0].mean(0).unwrap();
+        assert!((mean - 8.0_f64.sqrt()).abs() < 1e-12, "{mean}");
+        assert_eq!(order.rows[0].first(), BTreeMap::from([("a", 1), ("b", 0)]));
+        assert_eq!(order.rows[1].first(), BTreeMap::from([("a", 1), ("b", 1)]));
+        assert_eq!((order.changed(0), order.changed(1)), (vec![], vec!["b"]));
+    }
+
+    #[test]
+    fn one_policy_has_no_order() {
+        let mut results = results();
+        results.fields.remove(1);
+        let field = results.field("perf_per_watt").unwrap();
+        assert_eq!(PolicyOrder::of(&results, field), None);
+    }
+}

@@ -1,0 +1,104 @@
+//! Whether the order of the policies depends on what was varied: a table and a chart.
+
+use crate::analysis::order::{OrderRow, PolicyOrder};
+use crate::html::charts::WIDTH;
+use crate::html::charts::scale::{Scale, extent};
+use crate::html::charts::svg::{Svg, marker, shortened};
+use crate::html::parts::{Head, Section, card, how_to_read, legend, symbol, table};
+use crate::html::sweep::view::SweepView;
+use crate::html::text::{escape, fixed, or_dash};
+
+/// More rows than this are no table to read; the tools below find their way in them.
+const ROWS_MAX: usize = 60;
+
+/// Height of a row of the chart.
+const ROW: f64 = 19.0;
+
+/// The section.
+pub fn section(view: &SweepView<'_>) -> Option<Section> {
+    let field = ["gpu_perf_per_watt", "perf_per_watt"].into_iter().find_map(|name| view.results.field(name))?;
+    let order = PolicyOrder::of(view.results, field).filter(|order| order.rows.len() <= ROWS_MAX)?;
+    let changing = (0..order.rows.len()).filter(|row| !order.changed(*row).is_empty()).count();
+    let verdict = match changing {
+        0 => "The policy that is first in a trace is first there in every row.".to_owned(),
+        rows => {
+            format!("The order changes: in {rows} of {} rows another policy is first in some trace.", order.rows.len())
+        }
+    };
+    let read = format!(
+        "Gain in {} over full at the same values; over several traces the geometric mean. A trace stands under Changes if another \
+         policy is first there than in the first row. Estimates have intervals, which are not looked at here.",
+        field.name
+    );
+    let html = format!(
+        "<p>{}</p>\n{}{}{}",
+        escape(&verdict),
+        card("Gain over full", &(chart(&order) + &legend(&keys(&order))), ""),
+        rows(&order),
+        how_to_read(&read)
+    );
+    Section::new("order", "Order of the policies", html)
+}
+
+fn rows(order: &PolicyOrder) -> String {
+    let mut columns = vec![Head::words("Varied")];
+    columns.extend(order.policies.iter().map(|policy| Head::number(policy)));
+    columns.extend([Head::words("First in"), Head::words("Changes")]);
+    let row = |(i, row): (usize, &OrderRow)| {
+        let mut cells = vec![escape(&row.name)];
+        cells.extend((0..order.policies.len()).map(|policy| or_dash(row.mean(policy), |gain| fixed(gain, 2))));
+        cells.push(escape(&first_in(order, row)));
+        cells.push(escape(&order.changed(i).join(", ")));
+        (String::new(), cells)
+    };
+    table("Gain over full", &columns, &order.rows.iter().enumerate().map(row).collect::<Vec<_>>())
+}
+
+/// In how many traces each policy is first.
+fn first_in(order: &PolicyOrder, row: &OrderRow) -> String {
+    let first = row.first();
+    let count = |policy: usize| first.values().filter(|first| **first == policy).count();
+    let counts = order.policies.iter().enumerate().map(|(policy, name)| (name, count(policy)));
+    let words: Vec<String> =
+        counts.filter(|(_, count)| *count > 0).map(|(name, count)| format!("{name} {count}")).collect();
+    words.join(", ")
+}
+
+fn keys(order: &PolicyOrder) -> String {
+    let key = |(policy, name): (usize, &String)| {
+        symbol(&format!("<path d=\"{}\" class=\"dot {}\"/>", marker(policy, 8.0, 8.0), class(policy)), name)
+    };
+    order.policies.iter().enumerate().map(key).collect()
+}
+
+fn class(policy: usize) -> String {
+    format!("p{}", policy % 8)
+}
+
+/// A line a row, a marker a policy.
+fn chart(order: &PolicyOrder) -> String {
+    let gains = |row: &OrderRow| (0..order.policies.len()).filter_map(|policy| row.mean(policy)).collect::<Vec<_>>();
+    let Some(ends) = extent(order.rows.iter().flat_map(gains)) else { return String::new() };
+    let (left, top) = (WIDTH * 0.36, 8.0);
+    let bottom = top + ROW * order.rows.len() as f64;
+    let x = Scale::nice(ends, 5, [left, WIDTH - 12.0]);
+    let mut svg = Svg::new(WIDTH, bottom + 24.0);
+    for tick in x.ticks() {
+        svg.line([x.at(tick), top], [x.at(tick), bottom], "grid");
+        svg.text(x.at(tick), bottom + 15.0, "tick m", &(x.label(tick) + "×"));
+    }
+    for (i, row) in order.rows.iter().enumerate() {
+        let y = top + ROW * (i as f64 + 0.5);
+        svg.text(left - 8.0, y + 4.0, "tick e", &shortened(&row.name, 30));
+        for (policy, name) in order.policies.iter().enumerate() {
+            let Some(gain) = row.mean(policy) else { continue };
+            svg.raw(&format!(
+                "<path d=\"{}\" class=\"dot {}\" data-mark=\"\"><title>{}</title></path>",
+                marker(policy, x.at(gain), y),
+                class(policy),
+                escape(&format!("{}: {name} {}×", row.name, fixed(gain, 2)))
+            ));
+        }
+    }
+    svg.finish("Gain of each policy over full, a line for each combination of values", "")
+}
