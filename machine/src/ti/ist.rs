@@ -11,7 +11,7 @@ use super::stage::{Candidate, Idle, Stage};
 use super::wheel::{Event, EventKind, Wheel};
 use crate::config::MachineConfig;
 use crate::counters::{Activity, counters};
-use crate::memory::{CacheCounters, Memory, Port, Tags};
+use crate::memory::{CacheCounters, Memory, Port};
 use crate::time::TiCycle;
 use crate::work::layout::Region;
 
@@ -44,7 +44,7 @@ pub struct Ist {
     crossbar_cycles: u64,
     tasks: Vec<LeafTask>,
     free: Vec<u8>,
-    port: FetchPort,
+    pub(super) port: FetchPort,
     idle: Idle,
     stage: Stage,
     depth_cycles: u64,
@@ -82,16 +82,6 @@ impl Ist {
         while let Some((slot, op)) = self.port.next_filled(&mut fill) {
             self.issue(slot, op, wheel);
         }
-    }
-
-    /// What the L1 holds.
-    pub fn tags(&self) -> &Tags {
-        self.port.tags()
-    }
-
-    /// Fills the empty L1.
-    pub fn warm(&mut self, tags: &Tags) {
-        self.port.warm(tags);
     }
 
     /// A line left an inclusive L2.

@@ -132,15 +132,15 @@ impl TiUnit {
 
     /// Fills the empty L1s.
     pub(crate) fn warm(&mut self, trv: &[Tags], ist: &[Tags]) {
-        self.trv.iter_mut().zip(trv).for_each(|(unit, tags)| unit.warm(tags));
-        self.ist.iter_mut().zip(ist).for_each(|(unit, tags)| unit.warm(tags));
+        self.trv.iter_mut().zip(trv).for_each(|(unit, tags)| unit.port.warm(tags));
+        self.ist.iter_mut().zip(ist).for_each(|(unit, tags)| unit.port.warm(tags));
     }
 
     /// What the L1s hold: those of the traversal units, and those of the intersection units.
     pub(crate) fn tags(&self) -> [Vec<Tags>; 2] {
         [
-            self.trv.iter().map(|unit| unit.tags().clone()).collect(),
-            self.ist.iter().map(|unit| unit.tags().clone()).collect(),
+            self.trv.iter().map(|unit| unit.port.tags().clone()).collect(),
+            self.ist.iter().map(|unit| unit.port.tags().clone()).collect(),
         ]
     }
 

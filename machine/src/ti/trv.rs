@@ -15,7 +15,7 @@ use super::wheel::{Event, EventKind, Wheel};
 use crate::config::{MachineConfig, Pipeline};
 use crate::counters::{Activity, counters};
 use crate::link::RayRef;
-use crate::memory::{CacheCounters, Memory, Port, Tags};
+use crate::memory::{CacheCounters, Memory, Port};
 use crate::time::TiCycle;
 use crate::work::layout::{Lines, Region};
 use crate::work::ops::OpKind;
@@ -91,7 +91,7 @@ pub struct Trv {
     free: Vec<u8>,
     entered: Vec<TiCycle>,
     idle: Idle,
-    port: FetchPort,
+    pub(super) port: FetchPort,
     stages: [Stage; 3],
     /// Depths of the pipelines.
     setup_cycles: u64,
@@ -181,16 +181,6 @@ impl Trv {
         while let Some((slot, op)) = self.port.next_filled(&mut fill) {
             self.issue(slot, op, wheel);
         }
-    }
-
-    /// What the L1 holds.
-    pub fn tags(&self) -> &Tags {
-        self.port.tags()
-    }
-
-    /// Fills the empty L1.
-    pub fn warm(&mut self, tags: &Tags) {
-        self.port.warm(tags);
     }
 
     /// A line left an inclusive L2.
