@@ -10,7 +10,7 @@ use rayreel_formats::trace::Codec;
 use rayreel_tracer::{CaptureOutcome, CaptureOutput, Captured, capture};
 use serde_json::json;
 
-use crate::common::{GridArgs, build, frames, load_scene, meta, print, print_json, si};
+use crate::common::{GridArgs, build, frames, load_scene, meta, print, print_json, si, tile_of};
 use crate::exit::Exit;
 use crate::progress::{self, Progress};
 
@@ -26,9 +26,9 @@ pub struct Args {
     output: PathBuf,
     #[command(flatten)]
     grid: GridArgs,
-    /// Tile edge in samples.
-    #[arg(long, default_value_t = 32, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
-    tile: u32,
+    /// Tile edge in samples; 32 if not given, or a little more where that does not hold whole pixels.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
+    tile: Option<u32>,
     /// Frames of the camera path: A..B without B, or a single number.
     #[arg(long, default_value = "0", value_name = "A..B", value_parser = frames)]
     frames: (u32, u32),
@@ -74,7 +74,8 @@ pub fn run(args: &Args, quiet: bool) -> Result<Exit> {
     };
     let output = CaptureOutput { path: args.output.clone(), codec, level: args.level, resume: args.resume };
     let (first, count) = args.frames;
-    let meta = meta(&scene, &args.grid, args.tile, first, count);
+    let tile = args.tile.unwrap_or_else(|| tile_of(args.grid.samples));
+    let meta = meta(&scene, &args.grid, tile, first, count);
     let built = build(&scene)?;
     let stop = progress::stop_on_signal();
     let start = Instant::now();

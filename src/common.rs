@@ -21,7 +21,7 @@ pub struct GridArgs {
     /// Image size in pixels.
     #[arg(long, default_value = "1024x512", value_name = "WxH", value_parser = size)]
     pub size: (u32, u32),
-    /// Samples per pixel: 1x1 (pixel centres) or 2x2 (sub-pixels).
+    /// Samples per pixel: 1x1 (pixel centres), or sub-pixels: 2x2 to 8x8.
     #[arg(long, default_value = "2x2", value_name = "NxN", value_parser = samples)]
     pub samples: u32,
     /// Secondary bounces allowed; 0 is primary and shadow rays only.
@@ -43,13 +43,21 @@ pub fn size(text: &str) -> Result<(u32, u32), String> {
     Ok((width, height))
 }
 
-/// Parses `1x1` or `2x2`.
+/// Most samples of a pixel in a row: what a trace can hold.
+const SAMPLES_MAX: u32 = 8;
+
+/// Parses `NxN`.
 fn samples(text: &str) -> Result<u32, String> {
-    match text {
-        "1x1" => Ok(1),
-        "2x2" => Ok(2),
-        _ => Err("give 1x1 or 2x2".to_string()),
-    }
+    let known = (1..=SAMPLES_MAX).find(|n| text == format!("{n}x{n}"));
+    known.ok_or_else(|| {
+        format!("give as many samples across as down, from 1x1 to {SAMPLES_MAX}x{SAMPLES_MAX}, such as 2x2")
+    })
+}
+
+/// The tile edge that is taken where none is given, in samples: the first from 32 on that holds whole pixels, and whole blocks of 2,
+/// 4, 8 and 16 samples.
+pub fn tile_of(samples: u32) -> u32 {
+    (2..).map(|blocks| 16 * blocks).find(|tile| tile % samples == 0).unwrap_or(32)
 }
 
 /// Parses `A..B` or `A` to first frame and number of frames.
@@ -122,4 +130,25 @@ pub fn si(value: f64) -> String {
         _ => return format!("{value:.0}"),
     };
     format!("{:.2}{unit}", value / scale)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn samples_are_as_many_across_as_down() {
+        assert_eq!(
+            (1..=8).map(|n| samples(&format!("{n}x{n}"))).collect::<Vec<_>>(),
+            (1..=8).map(Ok).collect::<Vec<_>>()
+        );
+        for wrong in ["0x0", "9x9", "2x3", "2", "", "x", "02x02"] {
+            assert!(samples(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn tiles_hold_whole_pixels_and_blocks() {
+        assert_eq!((1..=8).map(tile_of).collect::<Vec<_>>(), [32, 32, 48, 32, 80, 48, 112, 32]);
+    }
 }

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use anyhow::{Result, bail};
 use rayreel_replay::image::{files, srgb};
 
-use crate::common::{GridArgs, build, load_scene, meta, render};
+use crate::common::{GridArgs, build, load_scene, meta, render, tile_of};
 use crate::exit::Exit;
 
 /// Render a scene straight from the tracer, without recording.
@@ -32,7 +32,8 @@ pub fn run(args: &Args) -> Result<Exit> {
     };
     let scene = load_scene(&args.scene)?;
     let built = build(&scene)?;
-    let image = render(&scene, &built, &meta(&scene, &args.grid, 32, args.frame, 1), args.frame)?;
+    let image =
+        render(&scene, &built, &meta(&scene, &args.grid, tile_of(args.grid.samples), args.frame, 1), args.frame)?;
     if exr {
         files::write_exr(&args.output, &image)?;
     } else {

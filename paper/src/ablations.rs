@@ -79,6 +79,10 @@ const fn tile() -> Variant {
 const fn block() -> Variant {
     base("block size", "2x2", PAPER)
 }
+/// Of 32 no block of 3 is a part.
+const fn thirds() -> Variant {
+    Variant { tile: 48, ..base("blocks in tiles of 48", "2x2", PAPER) }
+}
 const fn paper_tests() -> Variant {
     base("similarity tests of the paper", "all", PAPER)
 }
@@ -109,6 +113,9 @@ const VARIANTS: &[Variant] = &[
     block(),
     block().rules("4x4", &["block=4"]),
     block().rules("8x8", &["block=8"]),
+    thirds(),
+    thirds().rules("3x3", &["block=3"]),
+    thirds().rules("4x4", &["block=4"]),
     paper_tests(),
     paper_tests().rules("without object id", &["similarity.object_id=false"]),
     paper_tests().rules("without normal", &["similarity.normal_deg=off"]),
@@ -228,11 +235,13 @@ mod tests {
 
     #[test]
     fn every_group_begins_with_what_is_unchanged() {
-        let mut group = "";
+        let (mut group, mut tile) = ("", TILE);
         for variant in VARIANTS {
             assert_eq!(variant.base, variant.group != group, "{} {}", variant.group, variant.name);
-            group = variant.group;
-            let changes = variant.rules.len() + variant.machine.len() + usize::from(variant.tile != TILE);
+            if variant.base {
+                (group, tile) = (variant.group, variant.tile);
+            }
+            let changes = variant.rules.len() + variant.machine.len() + usize::from(variant.tile != tile);
             assert_eq!(changes, usize::from(!variant.base), "{} {}: one choice", variant.group, variant.name);
         }
     }

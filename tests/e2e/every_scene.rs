@@ -74,6 +74,29 @@ fn full_replay_is_the_render_1x1() {
     }
 }
 
+/// More samples than the paper's four: the same holds, blocks of 3 fit the tiles that are taken for them, and every machine's work is
+/// the policy's.
+#[test]
+fn three_and_four_samples_across_a_pixel() {
+    let folder = tempfile::tempdir().unwrap();
+    for (samples, tile, policy) in
+        [("3x3", 48, "adaptive --set block=3"), ("4x4", 32, "multirate"), ("8x8", 32, "adaptive-8")]
+    {
+        let (file, out) = (folder.path().join("a.rtrace"), folder.path().join("out"));
+        let grid = format!("--size 31x18 --samples {samples}");
+        capture("cornell", &format!("{grid} --force"), &file);
+        assert_eq!(rayreel!["info", "--json", &file].expect(0).json()["tile"], tile, "{samples}");
+        let full = replay(&file, &format!("--policy full --machine none --out {}", out.display())).expect(0).json();
+        let exr = folder.path().join("render.exr");
+        render("cornell", &grid, "0", &exr);
+        same(&out.join("result.exr"), &exr, samples);
+        let adaptive = replay(&file, &format!("--machine sgrt-ti2 --policy {policy}")).expect(0).json();
+        assert_eq!(adaptive["rays_full"], full["rays_full"], "{samples}");
+        assert_eq!(adaptive["rays_machine"], adaptive["rays_traced"], "{samples}");
+        assert!(adaptive["rays_traced"].as_u64() < adaptive["rays_full"].as_u64(), "{samples}");
+    }
+}
+
 /// The replay is the render at other depths too, and with a tile larger than the picture.
 #[test]
 fn full_replay_is_the_render_at_any_depth() {
