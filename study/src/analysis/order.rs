@@ -71,6 +71,9 @@ impl PolicyOrder {
         let same = |dimensions: &[&Dimension], a: usize, b: usize| dimensions.iter().all(|d| d.of[a] == d.of[b]);
         // An axis may not apply to `full`.
         let fits = |full: usize, row: usize| varied.iter().all(|d| d.of[full].is_none() || d.of[full] == d.of[row]);
+        // One trace alone is no dimension.
+        let only = results.field("trace").and_then(|field| field.cells.text(0)).unwrap_or_default();
+        let trace = |row: usize| if averaged.is_empty() { only.clone() } else { words(&averaged, row) };
         let references: Vec<usize> = (0..results.rows()).filter(|&row| of_policy.of[row] == Some(reference)).collect();
         let others: Vec<usize> = (0..of_policy.values.len()).filter(|policy| *policy != reference).collect();
         let (mut rows, mut known): (Vec<OrderRow>, Vec<usize>) = (Vec::new(), Vec::new());
@@ -83,7 +86,7 @@ impl PolicyOrder {
                 rows.push(OrderRow { name: words(&varied, row), gains: vec![BTreeMap::new(); others.len()] });
                 rows.len() - 1
             });
-            rows[at].gains[policy].insert(words(&averaged, row), value / full);
+            rows[at].gains[policy].insert(trace(row), value / full);
         }
         let policies = others.iter().map(|policy| of_policy.values[*policy].clone()).collect();
         (rows.len() > 1).then_some(Self { policies, rows })

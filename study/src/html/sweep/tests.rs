@@ -64,3 +64,21 @@ fn a_large_table_makes_a_page_of_bearable_size() {
     assert!(bytes < 16_000_000, "{bytes} bytes");
     eprintln!("{bytes} bytes of 10000 points and 200 columns");
 }
+
+#[test]
+fn the_order_of_policies_stands_there_where_it_may_change() {
+    let results = |gains: [f64; 6]| {
+        table(vec![
+            words("trace", Role::Point, &["a<b"; 6]),
+            words("policy", Role::Point, &["full", "x", "y", "full", "x", "y"]),
+            axis("l2", Cells::Int([64, 64, 64, 256, 256, 256].map(Some).into())),
+            figure("perf_per_watt", &gains),
+        ])
+    };
+    let changes = page::page(&results([1.0, 2.0, 3.0, 1.0, 4.0, 2.0]));
+    assert!(changes.contains("The order changes: in 1 of 2 rows another policy is first in some trace."));
+    assert!(changes.contains("<td>a&lt;b</td>") && changes.contains("256: x 4.00×"), "which trace, and by how much");
+    let holds = page::page(&results([1.0, 2.0, 3.0, 1.0, 2.0, 4.0]));
+    assert!(holds.contains("The policy that is first in a trace is first there in every row."));
+    assert!(!page::page(&of(6)).contains("Order of the policies"), "one policy has no order");
+}
