@@ -88,10 +88,10 @@ pub const ANCHORS: &[Anchor] = &[
         }),
         why: &[Why {
             of: &[],
-            below: "The units do less a cycle, not more: rays come in rounds of a tile and miss more, and tiles wait for those \
-                    beside them. At 128x64 pixels the triangle units test in 69 % of the cycles against 85 % (teapot), 45 against 77 (car), 36 against 51 (lab). \
-                    Clocks of units that have rays are paid whether they issue or not, but that is the smaller part. The paper \
-                    reports higher utilisation.",
+            below: "The units do less a cycle, not more: rays come in rounds of a tile and miss more, and tiles wait for \
+                    those beside them. At 128x64 pixels the triangle units test in 69 % of the cycles against 85 % \
+                    (teapot), 45 against 77 (car), 36 against 51 (lab). Clocks of units that have rays are paid whether \
+                    they issue or not, but that is the smaller part. The paper reports higher utilisation.",
             above: "",
         }],
     },
