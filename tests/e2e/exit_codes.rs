@@ -44,7 +44,7 @@ fn wrong_usage_is_2() {
         ("capture cornell", "--output"),
         ("capture cornell -o {}/x --size 0x5", "1024x512"),
         ("capture cornell -o {}/x --size 64", "1024x512"),
-        ("capture cornell -o {}/x --samples 3x3", "2x2"),
+        ("capture cornell -o {}/x --samples 9x9", "from 1x1 to 8x8"),
         ("capture cornell -o {}/x --frames 5..5", "A..B"),
         ("capture cornell -o {}/x --frames 9", "camera path"),
         ("capture cornell -o {}/x --depth 15", "14"),
