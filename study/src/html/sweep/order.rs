@@ -11,6 +11,9 @@ use crate::html::text::{escape, fixed, or_dash};
 /// More rows than this are no table to read; the tools below find their way in them.
 const ROWS_MAX: usize = 60;
 
+/// Width of a letter beside it, roughly.
+const LETTER: f64 = 6.0;
+
 /// Height of a row of the chart.
 const ROW: f64 = 19.0;
 
@@ -79,7 +82,7 @@ fn class(policy: usize) -> String {
 fn chart(order: &PolicyOrder) -> String {
     let gains = |row: &OrderRow| (0..order.policies.len()).filter_map(|policy| row.mean(policy)).collect::<Vec<_>>();
     let Some(ends) = extent(order.rows.iter().flat_map(gains)) else { return String::new() };
-    let (left, top) = (WIDTH * 0.36, 8.0);
+    let (left, top) = (WIDTH * 0.42, 8.0);
     let bottom = top + ROW * order.rows.len() as f64;
     let x = Scale::nice(ends, 5, [left, WIDTH - 12.0]);
     let mut svg = Svg::new(WIDTH, bottom + 24.0);
@@ -89,7 +92,7 @@ fn chart(order: &PolicyOrder) -> String {
     }
     for (i, row) in order.rows.iter().enumerate() {
         let y = top + ROW * (i as f64 + 0.5);
-        svg.text(left - 8.0, y + 4.0, "tick e", &shortened(&row.name, 30));
+        svg.text(left - 8.0, y + 4.0, "tick e", &shortened(&row.name, ((left - 8.0) / LETTER) as usize));
         for (policy, name) in order.policies.iter().enumerate() {
             let Some(gain) = row.mean(policy) else { continue };
             svg.raw(&format!(
