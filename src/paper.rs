@@ -56,6 +56,9 @@ pub struct Args {
 }
 
 pub fn run(args: &Args, quiet: bool) -> Result<Exit> {
+    if args.warm && args.machine == "none" {
+        bail!("--warm is for the caches of a machine, and --machine none has none; name a machine or leave it out");
+    }
     let machines = if args.machine == "none" { None } else { Some(Machines::load(&args.machine, args.warm)?) };
     for folder in [&args.cache, &args.out] {
         std::fs::create_dir_all(folder).with_context(|| format!("cannot create folder {}", folder.display()))?;
