@@ -46,19 +46,29 @@ impl AreaReport {
         let buffer = |bytes: u64| memory(bytes * 8, area.buffer_bit_nm2, area.array_percent);
         let local = memory(cores * srp.local_memory.0 * 8, area.sram_bit_nm2, area.array_percent);
         let of = |group, name, um2| ComponentArea { name, group, um2 };
-        let components = vec![
+        let processors = vec![
+            of(Group::Srp, "processors", trvs * area.processor_um2),
+            of(Group::Srp, "data_l1", l1(trvs, &ti.trv_l1)),
+            of(Group::Srp, "code_l1", l1(trvs, &config.processor.code_l1)),
+            of(Group::Srp, "stacks", buffer(trvs * config.stack_bytes())),
+            of(Group::Srp, "ray_buffers", buffer(config.ray_buffer_bytes())),
+        ];
+        let units = vec![
             of(Group::Ti, "trv", trvs * (area.trv_control_um2 + boxes + intersects)),
             of(Group::Ti, "stacks", buffer(trvs * config.stack_bytes())),
             of(Group::Ti, "ist", ists * area.triangle_um2),
             of(Group::Ti, "trv_l1", l1(trvs, &ti.trv_l1)),
             of(Group::Ti, "ist_l1", l1(ists, &ti.ist_l1)),
             of(Group::Ti, "ray_buffers", buffer(config.ray_buffer_bytes())),
+        ];
+        let shared = vec![
             of(Group::Srp, "srp", cores * area.srp_um2),
             of(Group::Srp, "srp_l1", l1(cores, &srp.l1)),
             of(Group::Srp, "local_memory", local),
             of(Group::Memory, "l2", cache(1, l2.size.0)),
         ];
-        Self { components }
+        let traversal = if ti.pipeline == Pipeline::Software { processors } else { units };
+        Self { components: [traversal, shared].concat() }
     }
 
     /// The T&I units, mm2.

@@ -43,9 +43,11 @@ pub mod stats;
 pub mod system;
 #[cfg(test)]
 pub(crate) mod test_config;
+pub mod threads;
 pub mod ti;
 pub mod time;
 pub mod timeline;
+pub mod tracing_unit;
 pub mod work;
 
 pub use area::AreaReport;

@@ -3,6 +3,7 @@
 use std::collections::VecDeque;
 
 use crate::time::TiCycle;
+use crate::work::layout::{Lines, Region};
 
 /// A ray of a tile that a core works on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -22,6 +23,23 @@ pub struct RayMessage {
     pub ray: RayRef,
 }
 
+/// Items of a kernel that a warp executes.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Job {
+    /// What its end is told by.
+    pub tag: u32,
+    /// Lanes that have an item.
+    pub lanes: u32,
+    /// Operations of the item that takes longest.
+    pub longest: u64,
+    /// Operations of all items.
+    pub operations: u64,
+    /// Its code.
+    pub code: Lines,
+    /// Lines that its items read.
+    pub reads: Vec<(u64, Region)>,
+}
+
 /// What the SRP sees of a T&I unit.
 pub trait RayUnit {
     /// Whether the ray buffer has a free entry.
@@ -38,4 +56,27 @@ pub trait RayUnit {
 
     /// Rays that were pushed and have not come out as results.
     fn rays_inside(&self) -> usize;
+
+    /// Items of kernels that can be given to it now, in warps: none where the SRP has an array for them.
+    fn job_room(&self) -> usize {
+        0
+    }
+
+    /// Gives it a warp of items at cycle `now`; it may start from `now + 1` on.
+    ///
+    /// # Panics
+    /// When it runs no kernels.
+    fn push_job(&mut self, _now: TiCycle, _job: Job) {
+        unreachable!("a unit that runs no kernels has no room for their items")
+    }
+
+    /// The tag of the next warp of items that is done.
+    fn finished_job(&mut self) -> Option<u32> {
+        None
+    }
+
+    /// Whether a warp of items is done that nobody has asked for yet.
+    fn has_finished_jobs(&self) -> bool {
+        false
+    }
 }

@@ -15,8 +15,9 @@ use crate::link::RayUnit;
 use crate::memory::{Memory, MemorySystem, Port, Response};
 use crate::srp::{FrameShape, Srp, SrpContext, SrpPorts, SrpReport};
 use crate::stats::{CoreStats, Stats};
-use crate::ti::{TiContext, TiUnit, Tiles};
+use crate::ti::{TiContext, Tiles};
 use crate::time::{TiCycle, When};
+use crate::tracing_unit::TracingUnit;
 use crate::work::TileWork;
 use crate::work::layout::Layout;
 use crate::work::topology::Topology;
@@ -35,8 +36,8 @@ const SRP_PORTS: u16 = 2;
 pub struct Core {
     /// The programmable shader with its tiles.
     pub srp: Srp,
-    /// The T&I unit.
-    pub ti: TiUnit,
+    /// The T&I unit, or what stands in its place.
+    pub ti: TracingUnit,
     srp_wake: When,
     ti_wake: When,
 }
@@ -57,21 +58,21 @@ pub struct System<'a, M> {
 
 impl Core {
     fn tick_srp<M: Memory>(&mut self, now: TiCycle, memory: &mut M) {
-        let inside = self.ti.rays_inside();
+        let (inside, room) = (self.ti.rays_inside(), self.ti.job_room());
         self.srp.tick(now, SrpContext { unit: &mut self.ti, memory });
         self.srp_wake = self.srp.next_event(now);
-        if self.ti.rays_inside() != inside {
+        if self.ti.rays_inside() != inside || self.ti.job_room() != room {
             self.ti_wake = self.ti_wake.min(self.ti.next_event(now));
         }
     }
 
     /// Returns whether a ray has finished.
     fn tick_ti<M: Memory>(&mut self, now: TiCycle, tree: &Topology, layout: &Layout, memory: &mut M) -> bool {
-        let (room, results) = (self.ti.has_room(), self.ti.results().len());
+        let (room, results, jobs) = (self.ti.has_room(), self.ti.results().len(), self.ti.job_room());
         self.ti.tick(now, TiContext { tree, layout, tiles: &self.srp, memory });
         self.ti_wake = self.ti.next_event(now);
-        let finished = self.ti.results().len() > results;
-        if finished || self.ti.has_room() != room {
+        let finished = self.ti.results().len() > results || self.ti.has_finished_jobs();
+        if finished || self.ti.has_room() != room || self.ti.job_room() != jobs {
             self.srp_wake = When::at(now + 1);
         }
         finished
@@ -79,7 +80,8 @@ impl Core {
 
     fn finish(&mut self, end: TiCycle) -> CoreStats {
         let SrpReport { stats, l1, cycles } = self.srp.finish(end);
-        CoreStats { ti: self.ti.finish(end), srp: stats, srp_l1: l1, srp_cycles: cycles }
+        let processors = self.ti.processor_report(end);
+        CoreStats { ti: self.ti.finish(end), processors, srp: stats, srp_l1: l1, srp_cycles: cycles }
     }
 }
 
@@ -154,7 +156,8 @@ impl<'a> System<'a, MemorySystem> {
     pub fn measure(&self) -> Stats {
         let core = |core: &Core| {
             let SrpReport { stats, l1, cycles } = core.srp.report(self.now);
-            CoreStats { ti: core.ti.report(self.now), srp: stats, srp_l1: l1, srp_cycles: cycles }
+            let processors = core.ti.processor_report(self.now);
+            CoreStats { ti: core.ti.report(self.now), processors, srp: stats, srp_l1: l1, srp_cycles: cycles }
         };
         let cores = self.cores.iter().map(core).collect();
         Stats { cycles: self.now.0, tiles: self.tiles, cores, memory: self.memory.report() }
@@ -197,14 +200,14 @@ impl<'a, M: Memory> System<'a, M> {
     /// An empty machine in front of another memory than its own.
     pub fn with_memory(config: &MachineConfig, tree: &'a Topology, shape: FrameShape, memory: M) -> Self {
         let layout = Layout::new(config);
-        let ti_ports = TiUnit::ports(config);
+        let ti_ports = TracingUnit::ports(config);
         let ports_per_core = ti_ports + SRP_PORTS;
         let core = |i: u32| {
             let first = i as u16 * ports_per_core;
             let ports = SrpPorts { l1: Port(first + ti_ports), dma: Port(first + ti_ports + 1) };
             Core {
                 srp: Srp::new(config, layout, i, ports, shape),
-                ti: TiUnit::new(config, Port(first)),
+                ti: TracingUnit::new(config, Port(first)),
                 srp_wake: When::at(TiCycle(0)),
                 ti_wake: When::at(TiCycle(0)),
             }

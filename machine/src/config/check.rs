@@ -34,6 +34,7 @@ fn caches(config: &MachineConfig) -> Option<String> {
         .or_else(|| l1("ti.trv_l1", &config.ti.trv_l1))
         .or_else(|| l1("ti.ist_l1", &config.ti.ist_l1))
         .or_else(|| l1("srp.l1", &config.srp.l1))
+        .or_else(|| l1("processor.code_l1", &config.processor.code_l1))
         .or_else(|| cache("l2", config.l2.size.0, config.l2.ways.into(), line))
         .or_else(|| {
             let sets = config.l2.size.0 / (u64::from(config.l2.ways) * line);
@@ -60,11 +61,49 @@ fn ti(config: &MachineConfig) -> Option<String> {
         (Pipeline::Unified, 1..) => {
             Some(format!("ti.pipeline = \"unified\" tests triangles itself, so ti.ist = {} must be 0", ti.ist))
         }
+        (Pipeline::Software, 1..) => {
+            Some(format!("ti.pipeline = \"software\" tests triangles by instructions, so ti.ist = {} must be 0", ti.ist))
+        }
+        (Pipeline::Software, 0) => processor(config),
         (Pipeline::Parallel | Pipeline::Single, 0) => {
             Some("ti.ist = 0 leaves nobody to test triangles; only ti.pipeline = \"unified\" can do without".into())
         }
         _ => None,
     }
+}
+
+fn processor(config: &MachineConfig) -> Option<String> {
+    let (ti, mix) = (&config.ti, &config.processor.kernel_mix);
+    let lanes = config.processor.lanes;
+    if !ti.rays_per_trv.is_multiple_of(lanes) {
+        let rays = ti.rays_per_trv;
+        return Some(format!("ti.rays_per_trv = {rays} is not a whole number of warps of processor.lanes = {lanes}"));
+    }
+    if lanes > ti.ray_fifo_entries {
+        let entries = ti.ray_fifo_entries;
+        return Some(format!("ti.ray_fifo_entries = {entries} does not hold a warp of processor.lanes = {lanes}"));
+    }
+    if ti.stack_entries > 0 {
+        let entries = ti.stack_entries;
+        return Some(format!("ti.pipeline = \"software\" has a full stack, so ti.stack_entries = {entries} must be 0"));
+    }
+    if config.srp.ideal {
+        return Some("ti.pipeline = \"software\" runs the kernels too, so srp.ideal = true leaves nothing to measure".into());
+    }
+    if config.srp.clock_mhz != ti.clock_mhz {
+        let (srp, ti) = (config.srp.clock_mhz, ti.clock_mhz);
+        return Some(format!("ti.pipeline = \"software\" has one clock, but srp.clock_mhz = {srp} and ti.clock_mhz = {ti}"));
+    }
+    let shares = [
+        mix.add_percent,
+        mix.multiply_percent,
+        mix.compare_percent,
+        mix.integer_percent,
+        mix.special_percent,
+        mix.memory_percent,
+    ];
+    let all: u32 = shares.iter().sum();
+    (all != 100).then(|| format!("the shares of processor.kernel_mix are {all} % together, not 100 %"))
 }
 
 fn dram(config: &MachineConfig) -> Option<String> {

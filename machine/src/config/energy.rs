@@ -15,6 +15,15 @@ settings! {
         bypass_stage_pj: Picojoules = EVENT, "a stage of a pipeline that an operation passes as a bypass", "pJ";
         trv_clock_pj: Picojoules = EVENT, "a cycle of a traversal unit whose clock runs: rays are in it", "pJ";
         ist_clock_pj: Picojoules = EVENT, "a cycle of an intersection unit whose clock runs: rays are in the T&I unit", "pJ";
+        processor_clock_pj: Picojoules = EVENT, "a cycle of a processor whose clock runs: warps are in it", "pJ";
+        instruction_pj: Picojoules = EVENT, "an instruction of a warp: fetch, decode, control", "pJ";
+        lane_pj: Picojoules = EVENT, "an instruction in a lane: operands and result", "pJ";
+        add_pj: Picojoules = EVENT, "a floating-point addition", "pJ";
+        multiply_pj: Picojoules = EVENT, "a floating-point multiplication", "pJ";
+        compare_pj: Picojoules = EVENT, "a minimum, maximum or comparison", "pJ";
+        integer_pj: Picojoules = EVENT, "an integer operation", "pJ";
+        special_pj: Picojoules = EVENT, "a reciprocal", "pJ";
+        word_pj: Picojoules = EVENT, "a word read from or written to a processor's data memory", "pJ";
         srp_clock_pj: Picojoules = EVENT, "an SRP cycle of an array whose clock runs: it has tiles", "pJ";
         network_pj_per_byte: Picojoules = EVENT, "wires between cores and L2, requests and lines", "pJ per byte";
         ray_buffer_read_pj: Picojoules = EVENT, "read of a ray's record from a ray buffer", "pJ";
@@ -46,6 +55,7 @@ settings! {
         sram_leakage_uw_per_kib: u64 = Integer(0, 1_000_000), "SRAM leakage", "uW per KiB";
         trv_leakage_uw: u64 = LEAKAGE, "logic leakage of a TRV unit", "uW";
         ist_leakage_uw: u64 = LEAKAGE, "logic leakage of an IST unit", "uW";
+        processor_leakage_uw: u64 = LEAKAGE, "logic leakage of a processor", "uW";
         srp_leakage_uw: u64 = LEAKAGE, "logic leakage of an SRP", "uW";
         clock_tree_percent: u64 = Integer(0, 100), "clock tree: share of dynamic energy of on-chip components whose clock is gated access by access", "%";
     }

@@ -15,6 +15,8 @@ words! {
         Single = "single",
         /// As `Single`, and triangle tests pass it too (RayCore): there is no separate intersection unit.
         Unified = "unified",
+        /// No pipeline: threads of processors walk the tree by instructions, and run the kernels too.
+        Software = "software",
     }
 
     /// What happens to an operation whose data miss the L1.

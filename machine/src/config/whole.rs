@@ -8,6 +8,7 @@ use super::dram::Dram;
 use super::energy::Energy;
 use super::gpu::Gpu;
 use super::layout::{LayoutSizes, Raster};
+use super::processor::Processor;
 use super::srp::Srp;
 use super::ti::Ti;
 
@@ -17,6 +18,7 @@ settings! {
     pub struct MachineConfig {
         gpu: Gpu, "what the cores share and how they are coupled";
         ti: Ti, "the traversal and intersection unit of a core";
+        processor: Processor, "the processors of a core without such units (ti.pipeline = software)";
         l2: L2, "the shared second-level cache";
         dram: Dram, "the memory";
         srp: Srp, "the programmable shader of a core";

@@ -14,11 +14,14 @@
 //! - what an L1 asks the L2 for travels there (a request of `l2.request_bytes`) and back (a line);
 //! - a channel in power-down has a lower background power;
 //! - the direct interface is paid per byte; through memory, the traffic is paid at the DRAM instead;
+//! - a processor pays for an instruction once a warp, for operands and operations in each lane at work, and for its data word by
+//!   word instead of line by line; it stands with the SRP, for it does the work of both;
 //! - a unified pipeline tests triangles in the traversal unit, and their energy stands there.
 
 use crate::config::{Energy, Interface, L1, MachineConfig, Picojoules, Pipeline};
 use crate::memory::{CacheCounters, ChannelCounters};
 use crate::srp::SrpStats;
+use crate::threads::ProcessorCounters;
 use crate::stats::Stats;
 use crate::ti::{InputBufferCounters, IstStats, TiStats, TrvStats};
 use crate::work::layout::Region;
@@ -79,7 +82,11 @@ impl EnergyReport {
     /// Energy of a run on a machine.
     pub fn new(config: &MachineConfig, stats: &Stats) -> Self {
         let sums = Sums::new(config, stats);
-        let components = [sums.ti().to_vec(), sums.srp().to_vec(), sums.memory().to_vec()].concat();
+        let traversal = match config.ti.pipeline {
+            Pipeline::Software => sums.processors().to_vec(),
+            _ => sums.ti().to_vec(),
+        };
+        let components = [traversal, sums.srp().to_vec(), sums.memory().to_vec()].concat();
         let mut report = Self { components, ti_memory_fj: 0 };
         report.ti_memory_fj = sums.ti_share(&report);
         report
@@ -236,6 +243,47 @@ impl<'a> Sums<'a> {
         ]
     }
 
+    /// Processors do the work of T&I units and of SRPs: there is no T&I unit to measure.
+    fn processors(&self) -> [Component; 5] {
+        let (energy, config) = (&self.config.energy, self.config);
+        let (mut all, mut code) = (ProcessorCounters::default(), CacheCounters::default());
+        for processor in self.stats.processors() {
+            all += processor.counters;
+            code += processor.code_l1;
+        }
+        let clock = self.stats.trv().map(|unit| unit.stages.first().map_or(0, |(_, a)| a.total() - a.idle)).sum();
+        let count = self.cores * u64::from(config.ti.trv);
+        let rays: u64 = self.stats.cores.iter().map(|core| core.ti.dispatch.rays).sum();
+        let of = |name, events: &[(u64, Picojoules)], bytes| self.component(name, Group::Srp, events, 0, bytes);
+        let none = Picojoules::default();
+        let records = [(rays, energy.ray_buffer_write_pj), (rays, energy.ray_buffer_read_pj)];
+        [
+            self.clocked(
+                "processors",
+                Group::Srp,
+                &[
+                    (all.instructions, energy.instruction_pj),
+                    (all.lane_instructions, energy.lane_pj),
+                    (all.add, energy.add_pj),
+                    (all.multiply, energy.multiply_pj),
+                    (all.compare, energy.compare_pj),
+                    (all.integer, energy.integer_pj),
+                    (all.special, energy.special_pj),
+                    (clock, energy.processor_clock_pj),
+                ],
+                count * energy.processor_leakage_uw,
+            ),
+            of(
+                "data_l1",
+                &[&[(all.words, energy.word_pj)][..], &l1_events(energy, &self.trv_l1, 0, none)].concat(),
+                count * l1_bytes(&config.ti.trv_l1),
+            ),
+            of("code_l1", &l1_events(energy, &code, 0, none), count * l1_bytes(&config.processor.code_l1)),
+            of("stacks", &[], count * config.stack_bytes()),
+            of("ray_buffers", &records, config.ray_buffer_bytes()),
+        ]
+    }
+
     fn srp(&self) -> [Component; 4] {
         let energy = &self.config.energy;
         let sum = |of: &dyn Fn(&SrpStats) -> u64| self.stats.cores.iter().map(|core| of(&core.srp)).sum::<u64>();
@@ -267,6 +315,7 @@ impl<'a> Sums<'a> {
             Pipeline::Parallel => ti.inner_cycles,
             Pipeline::Single => ti.inner_cycles + ti.leaf_cycles + ti.stack_cycles,
             Pipeline::Unified => ti.inner_cycles + ti.leaf_cycles + ti.stack_cycles + ti.ist_cycles,
+            Pipeline::Software => 0,
         };
         stages.into()
     }
@@ -331,6 +380,9 @@ impl<'a> Sums<'a> {
 
     /// The value of [`EnergyReport::ti_memory_fj`]. What an L1 of the T&I units misses, it asks the L2 for.
     fn ti_share(&self, report: &EnergyReport) -> u128 {
+        if self.config.ti.pipeline == Pipeline::Software {
+            return 0;
+        }
         let dynamic = |name: &str| report.component(name).map_or(0, |c| c.dynamic_fj);
         let share = |fj: u128, part: u64, all: u64| fj * u128::from(part.min(all)) / u128::from(all.max(1));
         let traffic = &self.stats.memory.traffic;

@@ -43,6 +43,8 @@ pub(super) struct RaysInside {
 pub(super) struct RayTracer {
     layout: Layout,
     unified: bool,
+    /// Rays keep their registers: there are no records.
+    software: bool,
     /// Entries of the short stack.
     short: u8,
     /// Lookups of a node visit: one a pass.
@@ -119,7 +121,8 @@ impl RayTracer {
         let ti = &config.ti;
         Self {
             layout: Layout::new(config),
-            unified: ti.pipeline == Pipeline::Unified,
+            unified: matches!(ti.pipeline, Pipeline::Unified | Pipeline::Software),
+            software: ti.pipeline == Pipeline::Software,
             short: if ti.stack_entries == 0 { u8::MAX } else { ti.stack_entries.min(255) as u8 },
             passes: (2 / ti.aabbs_per_cycle).into(),
             rays_per_trv: ti.rays_per_trv as usize,
@@ -173,8 +176,10 @@ impl RayTracer {
             tests += events.triangle_tests;
             misses += l1.misses;
             let counted = &mut counted.ti.trv[index];
-            counted.buffer.record_writes += events.node_visits * self.passes + events.triangle_tests;
-            counted.buffer.record_reads += events.node_visits * self.passes + events.triangle_tests;
+            if !self.software {
+                counted.buffer.record_writes += events.node_visits * self.passes + events.triangle_tests;
+                counted.buffer.record_reads += events.node_visits * self.passes + events.triangle_tests;
+            }
             counted.events += events;
             counted.l1 += l1;
         }

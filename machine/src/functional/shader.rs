@@ -3,7 +3,7 @@
 use super::caches::CoreTags;
 use super::features::Features;
 use super::memory::TagMemory;
-use crate::config::{Interface, MachineConfig, PrimaryVisibility};
+use crate::config::{Interface, MachineConfig, Pipeline, PrimaryVisibility};
 use crate::memory::{Route, Tags};
 use crate::srp::{
     Costs, FrameShape, KernelId, Queues, Sends, ShadeReads, TileBuffer, border_offset, framebuffer_rows, sent_ray,
@@ -11,7 +11,7 @@ use crate::srp::{
 };
 use crate::stats::CoreStats;
 use crate::work::layout::{Layout, Region};
-use crate::work::{Round, TileWork};
+use crate::work::{RayWork, Round, TileWork};
 use rayreel_formats::tile::RayKind;
 
 /// What the SRP does with a tile.
@@ -21,6 +21,8 @@ pub(super) struct Shader {
     costs: Costs,
     reads: ShadeReads,
     buffer: TileBuffer,
+    /// Kernels run on processors.
+    software: bool,
     rasters: bool,
     gbuffer_bytes: u64,
     direct: bool,
@@ -40,6 +42,7 @@ impl Shader {
             costs: Costs::new(config, &shape.policy),
             reads: ShadeReads::new(config, layout),
             buffer: TileBuffer::new(config, &shape.policy),
+            software: config.ti.pipeline == Pipeline::Software,
             rasters: gpu.primary_visibility == PrimaryVisibility::Raster,
             gbuffer_bytes: config.raster.gbuffer_bytes.into(),
             direct: gpu.interface == Interface::Direct,
@@ -142,15 +145,32 @@ impl Shader {
             cycles += self.costs.interval(kernel, sends) + self.costs.inspector(kernel, 1);
             self.buffer.count(kernel, ray.kind == RayKind::Primary, 1, &mut counted.srp.local);
             if kernel == KernelId::Shade {
-                for (line, region) in self.reads.lines(ray) {
-                    lines += 1;
-                    memory.look_up((&mut tags.srp, l2), line, region, &mut counted.srp_l1);
-                }
+                lines += self.read(number, ray, tags, (counted, l2, memory));
                 sent.extend((0..).map_while(|k| sent_ray(kernel, work, number, k)));
             }
         }
         counted.srp_l1.looked_up(lines);
         features.add_srp_cycles(cycles);
+    }
+
+    /// Looks up what a hit reads: in the L1 of the SRP, or of a processor that runs its kernels. Gives the lines of the former.
+    fn read(
+        &self,
+        number: u32,
+        ray: &RayWork,
+        tags: &mut CoreTags,
+        (counted, l2, memory): (&mut CoreStats, &mut Tags, &mut TagMemory),
+    ) -> u64 {
+        let lines = self.reads.lines(ray);
+        if !self.software {
+            return lines.map(|(line, region)| memory.look_up((&mut tags.srp, l2), line, region, &mut counted.srp_l1)).count() as u64;
+        }
+        // Items are dealt to the processors in turn.
+        let unit = number as usize % tags.trv.len();
+        let (tags, counted) = (&mut tags.trv[unit], &mut counted.ti.trv[unit].l1);
+        let looked_up = lines.map(|(line, region)| memory.look_up((&mut *tags, l2), line, region, counted)).count();
+        counted.looked_up(looked_up as u64);
+        0
     }
 
     /// The end of a tile: borders, what did not fit, resolve and pixels.

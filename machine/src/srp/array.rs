@@ -6,13 +6,14 @@ use super::batch::{Batch, BatchContext, Choosing, Progress, choose, sent_ray};
 use super::clock::Clock;
 use super::gather::Gather;
 use super::kernels::{Costs, KernelId, Sends};
+use super::on_threads::OnThreads;
 use super::queues::QueueId;
 use super::slots::TileSlots;
 use super::stats::ArrayCounters;
 use super::transfers::Transfers;
 use crate::component::Component;
-use crate::config::MachineConfig;
-use crate::link::RayRef;
+use crate::config::{MachineConfig, Pipeline};
+use crate::link::{RayRef, RayUnit};
 use crate::memory::Port;
 use crate::time::{ClockCycle, SrpCycle, TiCycle, When};
 use crate::work::PolicyReads;
@@ -58,6 +59,8 @@ pub struct Array {
     pub output: VecDeque<RayRef>,
     /// Reads of `shade`.
     pub gather: Gather,
+    /// Kernels run on threads: there is no array.
+    threads: Option<OnThreads>,
     /// SRP cycles before this one are in the counters.
     accounted: SrpCycle,
     gap: Gap,
@@ -69,10 +72,12 @@ pub struct Array {
 impl Array {
     /// The array of a machine under a policy; its L1 is at `port`.
     pub fn new(config: &MachineConfig, layout: Layout, port: Port, policy: &PolicyReads) -> Self {
-        let clock = Clock::new(config);
+        let (clock, costs) = (Clock::new(config), Costs::new(config, policy));
+        let has_threads = config.ti.pipeline == Pipeline::Software;
         Self {
             clock,
-            costs: Costs::new(config, policy),
+            threads: has_threads.then(|| OnThreads::new(config, layout, &costs)),
+            costs,
             ideal: config.srp.ideal,
             batch_min: config.srp.batch_min.max(1) as usize,
             batch_max: config.srp.batch_max.max(1) as usize,
@@ -96,9 +101,13 @@ impl Array {
         self.costs.sorts()
     }
 
-    /// Whether a batch runs.
+    /// Whether a batch runs, or items on threads.
     pub fn is_running(&self) -> bool {
-        self.running.is_some()
+        self.running.is_some() || self.has_jobs()
+    }
+
+    fn has_jobs(&self) -> bool {
+        self.threads.as_ref().is_some_and(OnThreads::is_running)
     }
 
     /// SRP cycles that begin before T&I cycle `now`.
@@ -122,8 +131,41 @@ impl Array {
     }
 
     /// Runs everything up to `now`, and the steps of tiles that this leads to. Returns whether something was done.
-    pub fn run(&mut self, now: TiCycle, tiles: &mut TileSlots, transfers: &mut Transfers) -> bool {
-        if self.ideal { self.run_ideally(tiles, transfers) } else { self.run_batches(now, tiles, transfers) }
+    pub fn run<U: RayUnit>(
+        &mut self,
+        now: TiCycle,
+        tiles: &mut TileSlots,
+        transfers: &mut Transfers,
+        unit: &mut U,
+    ) -> bool {
+        match &self.threads {
+            Some(_) => self.run_on_threads(now, tiles, transfers, unit),
+            None if self.ideal => self.run_ideally(tiles, transfers),
+            None => self.run_batches(now, tiles, transfers),
+        }
+    }
+
+    fn run_on_threads<U: RayUnit>(
+        &mut self,
+        now: TiCycle,
+        tiles: &mut TileSlots,
+        transfers: &mut Transfers,
+        unit: &mut U,
+    ) -> bool {
+        let Some(threads) = &mut self.threads else { return false };
+        let mut worked = threads.finish(unit, tiles, &mut self.output, &mut self.counters);
+        worked |= tiles.advance(transfers);
+        loop {
+            let choosing = Choosing {
+                batch_min: self.batch_min,
+                low: tiles.rays_out() < self.low_rays,
+                output_full: self.output.len() > self.output_high,
+            };
+            if !threads.start(now, unit, tiles, (&self.costs, choosing, &mut self.counters)) {
+                return worked;
+            }
+            worked = true;
+        }
     }
 
     fn run_batches(&mut self, now: TiCycle, tiles: &mut TileSlots, transfers: &mut Transfers) -> bool {
@@ -256,7 +298,7 @@ impl Array {
     #[inline]
     pub fn open_gap(&mut self, tiles: &TileSlots) {
         self.gap = match () {
-            () if tiles.rays_out() > 0 => Gap::Unit,
+            () if tiles.rays_out() > 0 || self.has_jobs() => Gap::Unit,
             () if tiles.taken() == 0 => Gap::Idle,
             () if tiles.all_wait() => Gap::Border,
             () => Gap::Transfer,

@@ -281,7 +281,7 @@ impl Batch {
 }
 
 /// Branches that a mixed batch takes.
-fn branches(kernel: KernelId, rays: &[u32], slot: &Slot) -> u64 {
+pub(super) fn branches(kernel: KernelId, rays: &[u32], slot: &Slot) -> u64 {
     match kernel {
         KernelId::Shade => {
             let material = |&ray: &u32| slot.work.rays[ray as usize].material;

@@ -33,6 +33,7 @@ mod gather;
 mod interface;
 mod kernels;
 mod local;
+mod on_threads;
 mod per_cycle;
 mod queues;
 mod raster;
@@ -247,7 +248,7 @@ impl Srp {
         transfers.interface.enter(now, unit);
         loop {
             let sent = transfers.interface.send(now, &mut array.output, unit);
-            let worked = array.run(now, tiles, transfers);
+            let worked = array.run(now, tiles, transfers, unit);
             // A batch that has just begun reads in this cycle already, and what hits may be all it waits for.
             let read = array.gather.look_up(now, memory);
             if !sent && !worked && !read {
@@ -292,7 +293,7 @@ impl<U: RayUnit, M: Memory> Tick<SrpContext<'_, U, M>> for Srp {
     fn tick(&mut self, now: TiCycle, context: SrpContext<'_, U, M>) {
         let unit = &mut *context.unit;
         let freed = self.refused || (self.transfers.interface.blocked() && unit.has_room());
-        let due = freed || self.next.is_due(now);
+        let due = freed || self.next.is_due(now) || unit.has_finished_jobs() || unit.job_room() > 0;
         if due || unit.results().front().is_some_and(|result| result.at <= now) {
             self.run(now, context);
         }

@@ -7,13 +7,16 @@ mod tests;
 
 use crate::memory::{CacheCounters, MemoryStats};
 use crate::srp::SrpStats;
+use crate::threads::ProcessorStats;
 use crate::ti::{IstStats, TiStats, TrvStats};
 
 /// One core.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct CoreStats {
-    /// T&I unit.
+    /// T&I unit; processors stand in the list of its traversal units.
     pub ti: TiStats,
+    /// What only processors count (`ti.pipeline = "software"`).
+    pub processors: Vec<ProcessorStats>,
     /// SRP, interface and DMA.
     pub srp: SrpStats,
     /// The SRP's L1.
@@ -58,6 +61,11 @@ impl Stats {
         self.cores.iter().flat_map(|core| &core.ti.ist)
     }
 
+    /// All processors of all cores.
+    pub fn processors(&self) -> impl Iterator<Item = &ProcessorStats> {
+        self.cores.iter().flat_map(|core| &core.processors)
+    }
+
     /// Rays that the T&I units took.
     pub fn rays(&self) -> u64 {
         self.cores.iter().map(|core| core.ti.dispatch.rays).sum()
@@ -78,6 +86,10 @@ impl CoreStats {
             ist.events += more.events;
             ist.buffer += more.buffer;
             ist.l1 += more.l1;
+        }
+        for (processor, more) in self.processors.iter_mut().zip(&other.processors) {
+            processor.counters += more.counters;
+            processor.code_l1 += more.code_l1;
         }
         self.srp.kernels.iter_mut().zip(&other.srp.kernels).for_each(|(kernel, more)| *kernel += *more);
         self.srp.activity += other.srp.activity;

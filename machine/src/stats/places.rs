@@ -3,10 +3,11 @@
 //! A counter of one kind stands in many units: its *kind* is the same in all of them, so that sums over units can be made.
 
 use super::{CoreStats, Stats};
-use crate::config::MachineConfig;
+use crate::config::{MachineConfig, Pipeline};
 use crate::counters::Activity;
 use crate::memory::ChannelCounters;
 use crate::srp::KERNELS;
+use crate::threads::ProcessorStats;
 use crate::ti::{IstStats, TiStats, TrvStats};
 
 /// Places between the kinds of two groups of counters: no group has as many.
@@ -17,13 +18,15 @@ impl Stats {
     pub fn shaped(config: &MachineConfig) -> Self {
         let ti = &config.ti;
         let stages = crate::ti::stage_names(ti.pipeline).iter().map(|name| (*name, Activity::default())).collect();
+        let processors = if ti.pipeline == Pipeline::Software { ti.trv } else { 0 };
         let trv = TrvStats { stages, ..TrvStats::default() };
         let ti = TiStats {
             trv: vec![trv; ti.trv as usize],
             ist: vec![IstStats::default(); ti.ist as usize],
             ..TiStats::default()
         };
-        let core = CoreStats { ti, ..CoreStats::default() };
+        let processors = vec![ProcessorStats::default(); processors as usize];
+        let core = CoreStats { ti, processors, ..CoreStats::default() };
         let mut stats = Self { cores: vec![core; config.gpu.cores as usize], ..Self::default() };
         stats.memory.channels = vec![ChannelCounters::default(); config.dram.channels as usize];
         stats
@@ -45,7 +48,7 @@ impl Stats {
         let [_, _, activity, ist, ist_buffer, ist_l1] = [(); 6].map(|()| next());
         let kernels = [(); KERNELS].map(|()| next())[0];
         let [srp, interface, dma, local, srp_l1] = [(); 5].map(|()| next());
-        let [l2, channel, read, written] = [(); 4].map(|()| next());
+        let [l2, channel, read, written, processor, code_l1] = [(); 6].map(|()| next());
         for core in &mut self.cores {
             visit(run + 2, &mut core.srp_cycles);
             core.ti.dispatch.each_mut(|i, c| visit(dispatch + i, c));
@@ -62,6 +65,10 @@ impl Stats {
                 unit.events.each_mut(|i, c| visit(ist + i, c));
                 unit.buffer.each_mut(|i, c| visit(ist_buffer + i, c));
                 unit.l1.each_mut(|i, c| visit(ist_l1 + i, c));
+            }
+            for unit in &mut core.processors {
+                unit.counters.each_mut(|i, c| visit(processor + i, c));
+                unit.code_l1.each_mut(|i, c| visit(code_l1 + i, c));
             }
             for (number, kernel) in core.srp.kernels.iter_mut().enumerate() {
                 kernel.each_mut(|i, c| visit(kernels + number * GROUP + i, c));

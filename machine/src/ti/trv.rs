@@ -61,6 +61,7 @@ pub fn stage_names(pipeline: Pipeline) -> &'static [&'static str] {
     match pipeline {
         Pipeline::Parallel => &["inner", "leaf", "stack"],
         Pipeline::Single | Pipeline::Unified => &["pipeline"],
+        Pipeline::Software => &["threads"],
     }
 }
 
@@ -108,7 +109,10 @@ impl Trv {
         let (inner, leaf, stack) = match ti.pipeline {
             Pipeline::Parallel => (ti.inner_cycles, ti.leaf_cycles, ti.stack_cycles),
             Pipeline::Single => [ti.inner_cycles + ti.leaf_cycles + ti.stack_cycles; 3].into(),
-            Pipeline::Unified => [ti.inner_cycles + ti.leaf_cycles + ti.stack_cycles + ti.ist_cycles; 3].into(),
+            // Of the two only the first has traversal units.
+            Pipeline::Unified | Pipeline::Software => {
+                [ti.inner_cycles + ti.leaf_cycles + ti.stack_cycles + ti.ist_cycles; 3].into()
+            }
         };
         let slots = ti.rays_per_trv as usize;
         let l1 = (&ti.trv_l1, ti.trv_lines_per_cycle);

@@ -26,11 +26,13 @@ pub enum Region {
     GBuffer = 7,
     /// The framebuffer.
     Framebuffer = 8,
+    /// Instructions.
+    Code = 9,
 }
 
 impl Region {
     /// All regions, in counter order.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 10] = [
         Self::Node,
         Self::Triangle,
         Self::Attribute,
@@ -40,6 +42,7 @@ impl Region {
         Self::Border,
         Self::GBuffer,
         Self::Framebuffer,
+        Self::Code,
     ];
 
     /// The byte after the last region.
@@ -57,6 +60,7 @@ impl Region {
             Self::Border => "border",
             Self::GBuffer => "gbuffer",
             Self::Framebuffer => "framebuffer",
+            Self::Code => "code",
         }
     }
 

@@ -1,7 +1,9 @@
 //! No run is faster than its busiest unit, and none moves more bytes than the DRAM can.
 
 use rayreel_formats::tile::RayKind;
-use rayreel_machine::config::{Divergence, Interface, Kernel, MachineConfig, Pipeline, PrimaryVisibility};
+use rayreel_machine::config::{
+    Block, Divergence, Interface, Kernel, MachineConfig, Pipeline, PrimaryVisibility, Processor,
+};
 use rayreel_machine::srp::KERNELS;
 use rayreel_machine::stats::Stats;
 use rayreel_machine::work::ops::OpKind;
@@ -85,7 +87,30 @@ impl Demand {
             Pipeline::Parallel => vec![("inner nodes", nodes), ("leaves", self.leaves), ("stack", self.stack)],
             Pipeline::Single => vec![("pipeline", nodes + self.leaves + self.stack)],
             Pipeline::Unified => vec![("pipeline", nodes + self.tests + self.stack)],
+            Pipeline::Software => self.instructions(config),
         }
+    }
+
+    /// Cycles that one processor would need, by class of instructions: all lanes at work, and every unit in every cycle.
+    fn instructions(&self, config: &MachineConfig) -> Vec<(&'static str, u64)> {
+        let Processor { units, code, lanes, issue, vector, kernel_mix, .. } = &config.processor;
+        let times =
+            [(code.ray, self.rays), (code.visit, self.visits), (code.triangle, self.tests), (code.pop, self.stack)];
+        let sum = |of: fn(&Block) -> u32| times.iter().map(|(block, times)| u64::from(of(block)) * times).sum::<u64>();
+        let kernels: u64 = self.items.iter().zip(intervals_and_ops(config)).map(|(n, k)| n * k.1).sum();
+        // Shares are rounded down item by item, and so by less than an operation each.
+        let shared = |percent: u32| (kernels * u64::from(percent) / 100).saturating_sub(self.items.iter().sum());
+        let all = [
+            ("adders", sum(|b| b.add) + shared(kernel_mix.add_percent), units.add),
+            ("multipliers", sum(|b| b.multiply) + shared(kernel_mix.multiply_percent), units.multiply),
+            ("comparators", sum(|b| b.compare) + shared(kernel_mix.compare_percent), units.compare),
+            ("integer units", sum(|b| b.integer) + shared(kernel_mix.integer_percent), units.integer),
+            ("reciprocals", sum(|b| b.special) + shared(kernel_mix.special_percent), units.special),
+            ("banks", sum(|b| b.memory) + shared(kernel_mix.memory_percent), units.memory),
+        ];
+        let issued: u64 = all.iter().map(|(_, operations, _)| operations).sum();
+        let issue = ("issue", issued / u64::from(lanes * vector * issue));
+        all.map(|(name, operations, units)| (name, operations / u64::from(units))).into_iter().chain([issue]).collect()
     }
 
     /// SRP cycles of all items, without prologues.
@@ -110,7 +135,7 @@ impl Demand {
         if ti.ist > 0 {
             all.push(("triangles", self.tests.div_ceil(cores * u64::from(ti.ist))));
         }
-        if !config.srp.ideal {
+        if !config.srp.ideal && ti.pipeline != Pipeline::Software {
             let cycles = self.kernels(config).div_ceil(cores);
             all.push(("SRP", cycles * u64::from(ti.clock_mhz) / u64::from(config.srp.clock_mhz)));
             let message = |bytes: u32| u64::from(bytes.div_ceil(config.gpu.interface_bytes_per_cycle));
@@ -152,7 +177,7 @@ pub fn assert_bounds(what: &str, config: &MachineConfig, tiles: &[TileWork], sta
 #[test]
 fn recorded_work_is_never_faster_than_its_busiest_unit() {
     for work in recorded() {
-        for name in ["sgrt-ti2", "hybrid-raster"] {
+        for name in ["sgrt-ti2", "hybrid-raster", "mimd-trax", "simt-mimd", "simt-mimd-vector"] {
             let config = machine(name, &[]);
             assert_bounds(&format!("{}, {name}", work.name), &config, &work.tiles, &work.real(&config));
         }

@@ -74,6 +74,7 @@ fn assert_accounts(what: &str, stats: &Stats) {
     assert_eq!((l2.lookups, l2.misses), (l2.hits + l2.misses + l2.merges, l2.fills), "{what}: L2");
     let asked: u64 = stats.cores.iter().flat_map(|c| c.ti.trv.iter().map(|t| t.l1.misses)).sum::<u64>()
         + stats.cores.iter().flat_map(|c| c.ti.ist.iter().map(|i| i.l1.misses)).sum::<u64>()
+        + stats.processors().map(|p| p.code_l1.misses).sum::<u64>()
         + stats.cores.iter().map(|c| c.srp_l1.misses).sum::<u64>();
     assert_eq!(l2.lookups, asked, "{what}: the L2 is asked for what the L1s miss");
     for c in &stats.memory.channels {
