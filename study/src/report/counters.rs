@@ -6,6 +6,7 @@ use rayreel_machine::counters::{Activity, Counter};
 use rayreel_machine::memory::CacheCounters;
 use rayreel_machine::srp::{KernelId, SrpStats};
 use rayreel_machine::stats::Stats;
+use rayreel_machine::threads::ProcessorCounters;
 use rayreel_machine::work::layout::Region;
 use rayreel_replay::simulate::MachineRun;
 
@@ -20,7 +21,9 @@ pub(super) fn counters(run: &MachineRun) -> Value {
     srp(&mut all, stats);
     all.add("l2", stats.memory.l2.list());
     all.add("dram", stats.memory.dram().list());
-    for (region, what) in REGIONS {
+    let has_processors = stats.processors().next().is_some();
+    // Instructions are read by processors only.
+    for (region, what) in REGIONS.into_iter().filter(|(region, _)| has_processors || *region != Region::Code) {
         let traffic = &stats.memory.traffic;
         let name = region.name();
         let (read, written) = (traffic.read[region as usize], traffic.written[region as usize]);
@@ -42,7 +45,7 @@ pub(super) fn timeless(run: &MachineRun) -> Value {
 }
 
 /// What traffic is for.
-const REGIONS: [(Region, &str); 9] = [
+const REGIONS: [(Region, &str); 10] = [
     (Region::Node, "inner nodes"),
     (Region::Triangle, "triangles"),
     (Region::Attribute, "vertex attributes"),
@@ -52,6 +55,7 @@ const REGIONS: [(Region, &str); 9] = [
     (Region::Border, "sample attributes kept for neighbouring tiles"),
     (Region::GBuffer, "the G-buffer of the rasteriser"),
     (Region::Framebuffer, "pixels"),
+    (Region::Code, "instructions"),
 ];
 
 /// Counters in order of the report.
@@ -89,6 +93,10 @@ fn ti(all: &mut List, stats: &Stats) {
     all.add("ti/ist", sum(stats.ist().map(|unit| unit.events)).list());
     all.add("ti/ist/buffer", sum(stats.ist().map(|unit| unit.buffer)).list());
     all.add("ti/ist/l1", ist_l1(stats).list());
+    if stats.processors().next().is_some() {
+        all.add("processors", processors(stats).list());
+        all.add("processors/code_l1", code_l1(stats).list());
+    }
 }
 
 fn srp(all: &mut List, stats: &Stats) {
@@ -128,6 +136,16 @@ pub(super) fn trv_l1(stats: &Stats) -> CacheCounters {
 /// L1s of the intersection units.
 pub(super) fn ist_l1(stats: &Stats) -> CacheCounters {
     sum(stats.ist().map(|unit| unit.l1))
+}
+
+/// Instructions and warps of all processors.
+pub(super) fn processors(stats: &Stats) -> ProcessorCounters {
+    sum(stats.processors().map(|processor| processor.counters))
+}
+
+/// Instruction caches of the processors.
+pub(super) fn code_l1(stats: &Stats) -> CacheCounters {
+    sum(stats.processors().map(|processor| processor.code_l1))
 }
 
 /// L1s of the SRPs.

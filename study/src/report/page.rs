@@ -4,7 +4,7 @@ use std::fmt::{self, Formatter};
 
 use crate::figures::RunCost;
 use crate::report::Report;
-use crate::report::counters::{ist_activity, ist_l1, srp_l1, srp_sum, stages, trv_l1};
+use crate::report::counters::{code_l1, ist_activity, ist_l1, processors, srp_l1, srp_sum, stages, trv_l1};
 use crate::report::detail::DetailReport;
 use crate::report::format::{amount, digits, grouped, percent};
 use rayreel_machine::AreaReport;
@@ -22,8 +22,12 @@ pub(super) fn write(f: &mut Formatter<'_>, report: &Report) -> fmt::Result {
     speed(f, report, config)?;
     // Where no cycle was simulated nobody waited.
     if !report.detail.as_ref().is_some_and(DetailReport::is_counts) {
-        utilisation(f, &run.stats)?;
-        shader(f, &run.stats)?;
+        if has_processors(&run.stats) {
+            processing(f, config, &run.stats)?;
+        } else {
+            utilisation(f, &run.stats)?;
+            shader(f, &run.stats)?;
+        }
     }
     caches(f, &run.stats)?;
     memory(f, config, &run.stats)?;
@@ -60,7 +64,12 @@ fn speed(f: &mut Formatter<'_>, report: &Report, config: &MachineConfig) -> fmt:
     let name = report.machine.as_deref().unwrap_or_default();
     let (cores, ti, srp) = (config.gpu.cores, config.ti.clock_mhz, config.srp.clock_mhz);
     let many = if cores == 1 { "core" } else { "cores" };
-    writeln!(f, "\nmachine {name}: {cores} {many}, T&I at {ti} MHz, SRP at {srp} MHz\n")?;
+    let run_stats = report.machine_run.as_ref().map(|(_, run)| &run.stats);
+    if run_stats.is_some_and(has_processors) {
+        writeln!(f, "\nmachine {name}: {cores} {many} of processors at {ti} MHz\n")?;
+    } else {
+        writeln!(f, "\nmachine {name}: {cores} {many}, T&I at {ti} MHz, SRP at {srp} MHz\n")?;
+    }
     let run = &report.run;
     let detail = report.detail.as_ref();
     detail.map_or(Ok(()), |detail| extent(f, detail))?;
@@ -156,13 +165,56 @@ fn shader(f: &mut Formatter<'_>, stats: &Stats) -> fmt::Result {
     Ok(())
 }
 
+/// Processors stand in the place of T&I units and of the SRPs' arrays.
+fn has_processors(stats: &Stats) -> bool {
+    stats.processors().next().is_some()
+}
+
+/// What the warps of processors did, how many instructions they issued, and the items of kernels among them.
+fn processing(f: &mut Formatter<'_>, config: &MachineConfig, stats: &Stats) -> fmt::Result {
+    let all = processors(stats);
+    let (cycles, units) = (stats.cycles * stats.processors().count() as u64, &config.processor.units);
+    writeln!(f, "\n{:<34} {:>15} {:>7}", "processors", "warp cycles", "% all")?;
+    let warp_cycles = all.executing + all.units + all.memory + all.empty;
+    for (name, count) in [
+        ("executing", all.executing),
+        ("waits for units that others have", all.units),
+        ("waits for data or instructions", all.memory),
+        ("empty", all.empty),
+    ] {
+        writeln!(f, "  {name:<32} {:>15} {:>7}", grouped(count), percent(count, warp_cycles))?;
+    }
+    let lanes = all.lane_instructions + all.lanes_off;
+    writeln!(f, "  {:<32} {:>15} {:>7}", "instructions times lanes at work", "", percent(all.lane_instructions, lanes))?;
+    writeln!(f, "\n{:<34} {:>15} {:>7}", "instructions", "operations", "% of peak")?;
+    for (name, count, per_cycle) in [
+        ("issued", all.instructions, config.processor.issue),
+        ("add", all.add, units.add),
+        ("multiply", all.multiply, units.multiply),
+        ("compare", all.compare, units.compare),
+        ("integer", all.integer, units.integer),
+        ("special", all.special, units.special),
+        ("words read and written", all.words, units.memory),
+    ] {
+        writeln!(f, "  {name:<32} {:>15} {:>7}", grouped(count), percent(count, cycles * u64::from(per_cycle)))?;
+    }
+    writeln!(f, "\n{:<34} {:>15} {:>15}", "kernels", "items", "operations")?;
+    let srp = srp_sum(stats);
+    KernelId::ALL.into_iter().try_for_each(|kernel| {
+        let counts = srp.kernels[kernel as usize];
+        writeln!(f, "  {:<32} {:>15} {:>15}", kernel.name(), grouped(counts.items), grouped(counts.ops))
+    })
+}
+
 fn caches(f: &mut Formatter<'_>, stats: &Stats) -> fmt::Result {
     writeln!(f, "\n{:<15}{:>15}{:>14}{:>12}{:>12}", "caches", "lookups", "hits %", "merged %", "misses %")?;
     let mut row = |name: &str, lookups: u64, hits: u64, merges: u64, misses: u64| {
         let [hits, merges, misses] = [hits, merges, misses].map(|n| percent(n, lookups));
         writeln!(f, "  {name:<13}{:>15}{hits:>14}{merges:>12}{misses:>12}", grouped(lookups))
     };
-    for (name, cache) in [("TRV L1", trv_l1(stats)), ("IST L1", ist_l1(stats)), ("SRP L1", srp_l1(stats))] {
+    let units = [("TRV L1", trv_l1(stats)), ("IST L1", ist_l1(stats)), ("SRP L1", srp_l1(stats))];
+    let processors = [("data L1", trv_l1(stats)), ("code L1", code_l1(stats))];
+    for (name, cache) in if has_processors(stats) { &processors[..] } else { &units[..] } {
         row(name, cache.lookups, cache.hits, cache.merges, cache.misses)?;
     }
     let l2 = stats.memory.l2;
@@ -235,6 +287,8 @@ fn area(f: &mut Formatter<'_>, report: &Report, config: &MachineConfig) -> fmt::
         writeln!(f, "{}", line.trim_end())
     };
     components.iter().try_for_each(|c| row(c.name, c.um2, None))?;
-    row("T&I units", ti, report.run.mrays_per_mm2)?;
+    if ti > 0 {
+        row("T&I units", ti, report.run.mrays_per_mm2)?;
+    }
     row("whole GPU", all, report.run.gpu_mrays_per_mm2)
 }

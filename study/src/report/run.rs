@@ -5,7 +5,7 @@ use serde_json::{Map, Value, json};
 
 use crate::figures::{RunCost, RunFigures};
 use rayreel_machine::AreaReport;
-use rayreel_machine::config::MachineConfig;
+use rayreel_machine::config::{MachineConfig, Pipeline};
 use rayreel_machine::energy::EnergyReport;
 use rayreel_replay::Detail;
 use rayreel_replay::simulate::MachineRun;
@@ -20,6 +20,7 @@ impl RunFigures {
         let area = AreaReport::new(config);
         let mrays_per_s = ratio(rays as f64 * 1e-6, seconds);
         let over = |mm2: f64| mrays_per_s.and_then(|mrays| ratio(mrays, mm2));
+        let has_units = config.ti.pipeline != Pipeline::Software;
         let timeless = run.estimate.as_ref().is_some_and(|estimate| estimate.detail == Detail::Counts);
         Self {
             cycles: (!timeless).then_some(cycles),
@@ -27,10 +28,11 @@ impl RunFigures {
             fps: ratio(frames as f64, seconds),
             rays_machine: Some(rays),
             mrays_per_s,
-            ti: cost(run.energy.ti_fj()),
-            ti_with_memory: Some(cost(run.energy.ti_with_memory_fj())),
+            // Processors do the work of the T&I units and of the SRPs: there is no unit to measure alone.
+            ti: if has_units { cost(run.energy.ti_fj()) } else { RunCost::default() },
+            ti_with_memory: has_units.then(|| cost(run.energy.ti_with_memory_fj())),
             gpu: Some(cost(run.energy.gpu_fj())),
-            ti_area_mm2: Some(area.ti_mm2()),
+            ti_area_mm2: has_units.then(|| area.ti_mm2()),
             gpu_area_mm2: Some(area.gpu_mm2()),
             mrays_per_mm2: over(area.ti_mm2()),
             gpu_mrays_per_mm2: over(area.gpu_mm2()),
