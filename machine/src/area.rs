@@ -35,8 +35,13 @@ impl AreaReport {
         let MachineConfig { gpu, ti, l2, srp, area, .. } = config;
         let cores = u64::from(gpu.cores);
         let (trvs, ists) = (cores * u64::from(ti.trv), cores * u64::from(ti.ist));
-        let boxes = u64::from(ti.aabbs_per_cycle) * area.box_um2;
-        let intersects = if ti.pipeline == Pipeline::Unified { area.triangle_um2 } else { 0 };
+        let gathers = ti.pipeline == Pipeline::Gathering;
+        let boxes = u64::from(if gathers { 2 * ti.gather_boxes } else { ti.aabbs_per_cycle }) * area.box_um2;
+        let intersects = match ti.pipeline {
+            Pipeline::Unified => area.triangle_um2,
+            Pipeline::Gathering => u64::from(ti.gather_triangles) * area.triangle_um2,
+            _ => 0,
+        };
         let line = u64::from(l2.line_bytes);
         let cache = |count: u64, bytes: u64| {
             let bits = bytes * 8 + bytes.div_ceil(line) * area.tag_bits;

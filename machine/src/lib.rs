@@ -34,6 +34,7 @@ pub mod counters;
 pub mod energy;
 mod error;
 pub mod functional;
+pub mod gathering;
 pub mod link;
 pub mod memory;
 pub mod probes;

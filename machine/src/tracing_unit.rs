@@ -1,10 +1,11 @@
-//! What takes rays through the tree in a core: a T&I unit, or processors.
+//! What takes rays through the tree in a core: a T&I unit of one kind or another, or processors.
 
 use std::collections::VecDeque;
 
 use crate::component::{Component, Tick};
 use crate::config::{MachineConfig, Pipeline};
 use crate::counters::StageBusy;
+use crate::gathering::GatherUnit;
 use crate::link::{Job, RayMessage, RayRef, RayUnit};
 use crate::memory::{Memory, Port, Tags};
 use crate::threads::{ProcessorStats, ThreadUnit};
@@ -16,6 +17,8 @@ use crate::time::{TiCycle, When};
 pub enum TracingUnit {
     /// A fixed-function unit.
     Fixed(Box<TiUnit>),
+    /// A unit that gathers rays (`ti.pipeline = "gathering"`).
+    Gathering(Box<GatherUnit>),
     /// Threads (`ti.pipeline = "software"`).
     Software(Box<ThreadUnit>),
 }
@@ -24,6 +27,7 @@ macro_rules! either {
     ($unit:expr, $name:ident => $what:expr) => {
         match $unit {
             TracingUnit::Fixed($name) => $what,
+            TracingUnit::Gathering($name) => $what,
             TracingUnit::Software($name) => $what,
         }
     };
@@ -33,6 +37,7 @@ impl TracingUnit {
     /// The unit of a core; its caches take the ports from `first_port` on, [`TracingUnit::ports`] of them.
     pub fn new(config: &MachineConfig, first_port: Port) -> Self {
         match config.ti.pipeline {
+            Pipeline::Gathering => Self::Gathering(Box::new(GatherUnit::new(config, first_port))),
             Pipeline::Software => Self::Software(Box::new(ThreadUnit::new(config, first_port))),
             _ => Self::Fixed(Box::new(TiUnit::new(config, first_port))),
         }
@@ -41,6 +46,7 @@ impl TracingUnit {
     /// Caches, and so ports, of a unit.
     pub fn ports(config: &MachineConfig) -> u16 {
         match config.ti.pipeline {
+            Pipeline::Gathering => GatherUnit::ports(config),
             Pipeline::Software => ThreadUnit::ports(config),
             _ => TiUnit::ports(config),
         }
@@ -55,6 +61,7 @@ impl TracingUnit {
     pub(crate) fn warm(&mut self, trv: &[Tags], ist: &[Tags]) {
         match self {
             Self::Fixed(unit) => unit.warm(trv, ist),
+            Self::Gathering(unit) => unit.warm(trv),
             Self::Software(unit) => unit.warm(trv),
         }
     }
@@ -63,6 +70,7 @@ impl TracingUnit {
     pub(crate) fn tags(&self) -> [Vec<Tags>; 2] {
         match self {
             Self::Fixed(unit) => unit.tags(),
+            Self::Gathering(unit) => [unit.tags(), Vec::new()],
             Self::Software(unit) => [unit.tags(), Vec::new()],
         }
     }
@@ -95,7 +103,7 @@ impl TracingUnit {
     /// The same of what only processors count.
     pub fn processor_report(&self, end: TiCycle) -> Vec<ProcessorStats> {
         match self {
-            Self::Fixed(_) => Vec::new(),
+            Self::Fixed(_) | Self::Gathering(_) => Vec::new(),
             Self::Software(unit) => unit.processor_report(end),
         }
     }

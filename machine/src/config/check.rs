@@ -64,12 +64,28 @@ fn ti(config: &MachineConfig) -> Option<String> {
         (Pipeline::Software, 1..) => {
             Some(format!("ti.pipeline = \"software\" tests triangles by instructions, so ti.ist = {} must be 0", ti.ist))
         }
-        (Pipeline::Software, 0) => processor(config),
+        (Pipeline::Software, 0) => processor(config).or_else(|| many_rays(config)),
+        (Pipeline::Gathering, 1..) => {
+            Some(format!("ti.pipeline = \"gathering\" tests triangles itself, so ti.ist = {} must be 0", ti.ist))
+        }
+        (Pipeline::Gathering, 0) => whole_stack(config),
         (Pipeline::Parallel | Pipeline::Single, 0) => {
             Some("ti.ist = 0 leaves nobody to test triangles; only ti.pipeline = \"unified\" can do without".into())
         }
-        _ => None,
+        _ => many_rays(config),
     }
+}
+
+fn many_rays(config: &MachineConfig) -> Option<String> {
+    let rays = config.ti.rays_per_trv;
+    (rays > 128).then(|| format!("ti.rays_per_trv = {rays} is more than 128, which only ti.pipeline = \"gathering\" can hold"))
+}
+
+fn whole_stack(config: &MachineConfig) -> Option<String> {
+    let entries = config.ti.stack_entries;
+    (entries > 0).then(|| {
+        format!("ti.pipeline = {:?} has a full stack, so ti.stack_entries = {entries} must be 0", config.ti.pipeline.name())
+    })
 }
 
 fn processor(config: &MachineConfig) -> Option<String> {
@@ -83,9 +99,8 @@ fn processor(config: &MachineConfig) -> Option<String> {
         let entries = ti.ray_fifo_entries;
         return Some(format!("ti.ray_fifo_entries = {entries} does not hold a warp of processor.lanes = {lanes}"));
     }
-    if ti.stack_entries > 0 {
-        let entries = ti.stack_entries;
-        return Some(format!("ti.pipeline = \"software\" has a full stack, so ti.stack_entries = {entries} must be 0"));
+    if let Some(detail) = whole_stack(config) {
+        return Some(detail);
     }
     if config.srp.ideal {
         return Some("ti.pipeline = \"software\" runs the kernels too, so srp.ideal = true leaves nothing to measure".into());

@@ -15,7 +15,7 @@ macro_rules! presets {
 /// The compiled-in presets: name and TOML text.
 pub const PRESETS: &[Preset] = presets! {
     "sgrt-ti2" "sgrt-ti1" "sgrt-ti2-retry" "sgrt-ti2-accumulate" "sgrt-ti2-rob" "sgrt-hybrid-number" "raycore"
-    "hybrid-raster" "external-buffers" "no-direct-interface" "mimd-trax" "simt-mimd" "simt-mimd-vector"
+    "hybrid-raster" "external-buffers" "no-direct-interface" "gr6500" "mimd-trax" "simt-mimd" "simt-mimd-vector"
 };
 
 static SCHEMA: LazyLock<Schema> = LazyLock::new(|| {

@@ -15,6 +15,8 @@ words! {
         Single = "single",
         /// As `Single`, and triangle tests pass it too (RayCore): there is no separate intersection unit.
         Unified = "unified",
+        /// Rays that need the same node or triangle are gathered and tested together (PowerVR's Wizard); triangles too.
+        Gathering = "gathering",
         /// No pipeline: threads of processors walk the tree by instructions, and run the kernels too.
         Software = "software",
     }
@@ -40,8 +42,12 @@ settings! {
         pipeline: Pipeline = Pipeline::RULE, "pipeline arrangement";
         aabbs_per_cycle: u32 = Integer(1, 2), "boxes tested per cycle: 2 tests a node's children together, 1 takes two passes";
         ray_fifo_entries: u32 = Integer(1, 1024), "entries of the dispatcher's ray buffer";
-        // Slot masks have 128 bits.
-        rays_per_trv: u32 = Integer(1, 128), "rays that a traversal unit holds";
+        // 128 but for `gathering`: slot masks have 128 bits.
+        rays_per_trv: u32 = Integer(1, 4096), "rays that a traversal unit holds; at most 128 unless they are gathered";
+        gather_boxes: u32 = Integer(1, 64), "rays of a queue that are tested against a node's boxes a cycle (gathering)";
+        gather_triangles: u32 = Integer(1, 64), "rays of a queue that are tested against a triangle a cycle (gathering)";
+        gather_queues: u32 = Integer(1, 128), "nodes and triangles that rays are gathered for at a time (gathering)";
+        gather_wait_cycles: u32 = Integer(0, 10_000), "a ray waits so long for others that need the same (gathering)", "cycles";
         ray_record_bytes: u32 = Integer(1, 1024), "a ray's record in a ray buffer", "bytes";
         ist_entries: u32 = Integer(1, 128), "entries of the input buffer of an intersection unit", "leaf tasks";
         miss_handling: MissHandling = MissHandling::RULE, "miss handling of traversal units";

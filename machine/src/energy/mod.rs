@@ -315,7 +315,7 @@ impl<'a> Sums<'a> {
             Pipeline::Parallel => ti.inner_cycles,
             Pipeline::Single => ti.inner_cycles + ti.leaf_cycles + ti.stack_cycles,
             Pipeline::Unified => ti.inner_cycles + ti.leaf_cycles + ti.stack_cycles + ti.ist_cycles,
-            Pipeline::Software => 0,
+            Pipeline::Software | Pipeline::Gathering => 0,
         };
         stages.into()
     }

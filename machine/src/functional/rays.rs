@@ -121,7 +121,7 @@ impl RayTracer {
         let ti = &config.ti;
         Self {
             layout: Layout::new(config),
-            unified: matches!(ti.pipeline, Pipeline::Unified | Pipeline::Software),
+            unified: matches!(ti.pipeline, Pipeline::Unified | Pipeline::Software | Pipeline::Gathering),
             software: ti.pipeline == Pipeline::Software,
             short: if ti.stack_entries == 0 { u8::MAX } else { ti.stack_entries.min(255) as u8 },
             passes: (2 / ti.aabbs_per_cycle).into(),

@@ -15,13 +15,14 @@ use super::events::{Event, Events, What};
 use super::places::Places;
 use super::program::{Asked, BlockId, CLASSES, Program};
 use super::stats::{ProcessorCounters, ProcessorStats};
-use super::warp::{Lane, State, Task, Want, Warp};
+use super::warp::{State, Task, Warp, is_in};
 use crate::config::MachineConfig;
 use crate::counters::Activity;
 use crate::link::{Job, RayRef};
 use crate::memory::{Access, L1Cache, Memory, Port, Tags};
 use crate::ti::{Tiles, TrvCounters, TrvStats, stage_names};
 use crate::time::TiCycle;
+use crate::work::cursor::Cursor;
 use crate::work::layout::{Layout, Lines, Region};
 
 /// What a processor works with.
@@ -113,7 +114,7 @@ impl Processor {
         let id = self.take_place(context.now);
         let (warp, leaves) = (&mut self.warps[usize::from(id)], &mut self.events.leaves);
         warp.lanes.clear();
-        warp.lanes.extend(rays.map(|ray| Lane::new(ray, context.now, context.tiles.work(ray.slot), leaves)));
+        warp.lanes.extend(rays.map(|ray| Cursor::new(ray, context.now, context.tiles.work(ray.slot), leaves)));
         warp.task = Task::Rays(BlockId::Ray);
         self.begin(id, context);
     }
@@ -162,7 +163,7 @@ impl Processor {
         let (code, asked) = match &warp.task {
             Task::Rays(block) => {
                 warp.data(*block, context.layout, &mut reads);
-                let active = warp.lanes.iter().filter(|lane| lane.is_in(*block)).count() as u64;
+                let active = warp.lanes.iter().filter(|lane| is_in(lane, *block)).count() as u64;
                 (self.program.code(*block), self.program.block(*block, active))
             }
             Task::Items(job) => {
@@ -262,8 +263,8 @@ impl Processor {
             Task::Rays(block) => {
                 let block = *block;
                 if block != BlockId::Ray {
-                    for lane in warp.lanes.iter_mut().filter(|lane| lane.is_in(block)) {
-                        count_done(&mut self.events, lane.want);
+                    for lane in warp.lanes.iter_mut().filter(|lane| is_in(lane, block)) {
+                        self.events.count(lane.want);
                         lane.go_on(&context.tiles.work(lane.ray.slot).ops, &mut self.events.leaves);
                     }
                 }
@@ -366,22 +367,5 @@ impl Processor {
         let all = self.warps.len() as u64 * end.0;
         counters.empty = all - counters.executing - counters.units - counters.memory;
         ProcessorStats { counters, code_l1: *self.code.counters() }
-    }
-}
-
-/// What a lane wanted is done.
-fn count_done(events: &mut TrvCounters, want: Want) {
-    match want {
-        Want::Visit { defers, .. } => {
-            events.node_visits += 1;
-            events.box_tests += 2;
-            events.pushes += u64::from(defers);
-        }
-        Want::Triangle(_) => events.triangle_tests += 1,
-        Want::Pop { culled } => {
-            events.stack_operations += 1;
-            events.culled += u64::from(culled);
-        }
-        Want::Nothing => {}
     }
 }

@@ -17,6 +17,7 @@ use crate::counters::{Activity, counters};
 use crate::link::RayRef;
 use crate::memory::{CacheCounters, Memory, Port};
 use crate::time::TiCycle;
+use crate::work::cursor::Want;
 use crate::work::layout::{Lines, Region};
 use crate::work::ops::OpKind;
 
@@ -35,6 +36,25 @@ counters! {
         restarts: "events", "pops that found the short stack empty while children were deferred";
         bypasses: "events", "operations that passed a pipeline without work";
         ray_cycles: "cycles", "cycles that rays spent here, summed over rays";
+    }
+}
+
+impl TrvCounters {
+    /// What a ray wanted is done.
+    pub(crate) fn count(&mut self, want: Want) {
+        match want {
+            Want::Visit { defers, .. } => {
+                self.node_visits += 1;
+                self.box_tests += 2;
+                self.pushes += u64::from(defers);
+            }
+            Want::Triangle(_) => self.triangle_tests += 1,
+            Want::Pop { culled } => {
+                self.stack_operations += 1;
+                self.culled += u64::from(culled);
+            }
+            Want::Nothing => {}
+        }
     }
 }
 
@@ -62,6 +82,7 @@ pub fn stage_names(pipeline: Pipeline) -> &'static [&'static str] {
         Pipeline::Parallel => &["inner", "leaf", "stack"],
         Pipeline::Single | Pipeline::Unified => &["pipeline"],
         Pipeline::Software => &["threads"],
+        Pipeline::Gathering => &["boxes", "triangles"],
     }
 }
 
@@ -109,8 +130,8 @@ impl Trv {
         let (inner, leaf, stack) = match ti.pipeline {
             Pipeline::Parallel => (ti.inner_cycles, ti.leaf_cycles, ti.stack_cycles),
             Pipeline::Single => [ti.inner_cycles + ti.leaf_cycles + ti.stack_cycles; 3].into(),
-            // Of the two only the first has traversal units.
-            Pipeline::Unified | Pipeline::Software => {
+            // Of the three only the first has traversal units.
+            Pipeline::Unified | Pipeline::Software | Pipeline::Gathering => {
                 [ti.inner_cycles + ti.leaf_cycles + ti.stack_cycles + ti.ist_cycles; 3].into()
             }
         };

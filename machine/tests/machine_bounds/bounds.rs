@@ -87,6 +87,10 @@ impl Demand {
             Pipeline::Parallel => vec![("inner nodes", nodes), ("leaves", self.leaves), ("stack", self.stack)],
             Pipeline::Single => vec![("pipeline", nodes + self.leaves + self.stack)],
             Pipeline::Unified => vec![("pipeline", nodes + self.tests + self.stack)],
+            Pipeline::Gathering => {
+                let [boxes, triangles] = [config.ti.gather_boxes, config.ti.gather_triangles].map(u64::from);
+                vec![("boxes", self.visits.div_ceil(boxes)), ("triangles", self.tests.div_ceil(triangles))]
+            }
             Pipeline::Software => self.instructions(config),
         }
     }
@@ -177,7 +181,7 @@ pub fn assert_bounds(what: &str, config: &MachineConfig, tiles: &[TileWork], sta
 #[test]
 fn recorded_work_is_never_faster_than_its_busiest_unit() {
     for work in recorded() {
-        for name in ["sgrt-ti2", "hybrid-raster", "mimd-trax", "simt-mimd", "simt-mimd-vector"] {
+        for name in ["sgrt-ti2", "hybrid-raster", "gr6500", "mimd-trax", "simt-mimd", "simt-mimd-vector"] {
             let config = machine(name, &[]);
             assert_bounds(&format!("{}, {name}", work.name), &config, &work.tiles, &work.real(&config));
         }

@@ -38,7 +38,7 @@ impl<'a> Sum<'a> {
         let (inner, leaf, stack) = match ti.pipeline {
             Pipeline::Parallel => (inner, leaf, stack),
             Pipeline::Single => [inner + leaf + stack; 3].into(),
-            Pipeline::Unified | Pipeline::Software => [inner + leaf + stack + ist; 3].into(),
+            Pipeline::Unified | Pipeline::Software | Pipeline::Gathering => [inner + leaf + stack + ist; 3].into(),
         };
         let layout = Layout::new(config);
         Self { config, tree, layout, latency, nodes: Cache::new(), triangles: Cache::new(), inner, leaf, stack }
