@@ -31,8 +31,6 @@ const TESTERS: usize = 2;
 struct Queue {
     region: Region,
     lines: Lines,
-    /// Node or triangle.
-    index: u32,
     /// In the order in which queues were opened.
     number: u64,
     /// Places of its rays, each with the cycle in which it came.
@@ -45,6 +43,9 @@ struct Queue {
     /// It has issued before.
     again: bool,
 }
+
+/// What a queue is for: region and number of node or triangle.
+type Key = Option<(Region, u32)>;
 
 /// A unit.
 #[derive(Debug)]
@@ -59,6 +60,14 @@ pub struct Gatherer {
     rays: Vec<Option<Cursor>>,
     free: Vec<u16>,
     queues: Vec<Option<Queue>>,
+    /// Of each queue what it is for, and when it can issue: searched and compared in every cycle.
+    keys: Vec<Key>,
+    issues_at: Vec<When>,
+    /// Queues whose lines are to be looked up, those that were opened first at first.
+    to_look_up: VecDeque<u8>,
+    /// Queues that are open, and those of them that have all lines, by tester.
+    open: [usize; TESTERS],
+    filled: [usize; TESTERS],
     opened: u64,
     /// Rays for which no queue is free.
     waiting: VecDeque<u16>,
@@ -106,6 +115,11 @@ impl Gatherer {
             rays: vec![None; ti.rays_per_trv as usize],
             free: (0..ti.rays_per_trv as u16).rev().collect(),
             queues: vec![None; ti.gather_queues as usize],
+            keys: vec![None; ti.gather_queues as usize],
+            issues_at: vec![When::NEVER; ti.gather_queues as usize],
+            to_look_up: VecDeque::new(),
+            open: [0; TESTERS],
+            filled: [0; TESTERS],
             opened: 0,
             waiting: VecDeque::new(),
             events: BinaryHeap::new(),
@@ -169,6 +183,7 @@ impl Gatherer {
             if let Some(queue) = &mut self.queues[id] {
                 queue.missing -= 1;
                 queue.ready = queue.ready.max(now);
+                self.note_lines(id);
             }
         }
         self.note_gaps();
@@ -237,33 +252,54 @@ impl Gatherer {
             Want::Triangle(triangle) => (Region::Triangle, triangle, layout.triangle(triangle)),
             _ => return true,
         };
-        let same = |queue: &&mut Queue| queue.region == region && queue.index == index;
-        if let Some(queue) = self.queues.iter_mut().flatten().find(same) {
-            queue.rays.push_back((place, now));
+        let key = Some((region, index));
+        if let Some(id) = self.keys.iter().position(|other| *other == key) {
+            if let Some(queue) = &mut self.queues[id] {
+                queue.rays.push_back((place, now));
+            }
+            self.plan(id);
             return true;
         }
-        let Some(free) = self.queues.iter_mut().find(|queue| queue.is_none()) else { return false };
-        let rays = VecDeque::from([(place, now)]);
-        let number = self.opened;
-        *free = Some(Queue { region, lines, index, number, rays, looked_up: 0, missing: 0, ready: now, again: false });
+        let Some(id) = self.keys.iter().position(Option::is_none) else { return false };
+        let (rays, number) = (VecDeque::from([(place, now)]), self.opened);
+        self.queues[id] = Some(Queue { region, lines, number, rays, looked_up: 0, missing: 0, ready: now, again: false });
+        self.keys[id] = key;
+        self.to_look_up.push_back(id as u8);
+        self.open[testers(region)] += 1;
         self.opened += 1;
         true
     }
 
-    /// Looks up what queues need, those that were opened first at first, until a lookup is refused.
+    /// Looks up what queues need, until a lookup is refused.
     fn look_up<M: Memory>(&mut self, now: TiCycle, memory: &mut M) {
-        loop {
-            let open = self.queues.iter_mut().enumerate().filter_map(|(id, queue)| Some((id, queue.as_mut()?)));
-            let open = open.filter(|(_, queue)| queue.looked_up <= queue.lines.last - queue.lines.first);
-            let Some((id, queue)) = open.min_by_key(|(_, queue)| queue.number) else { return };
+        while let Some(&id) = self.to_look_up.front() {
+            let Some(queue) = &mut self.queues[usize::from(id)] else { return };
             let line = queue.lines.first + queue.looked_up;
-            match self.l1.access(now, line, queue.region, id as u8, memory) {
+            match self.l1.access(now, line, queue.region, id, memory) {
                 Access::Hit => queue.ready = queue.ready.max(now + self.latency_cycles),
                 Access::Miss | Access::Merged => queue.missing += 1,
                 Access::Rejected => return,
             }
             queue.looked_up += 1;
+            if Self::is_looked_up(queue) {
+                self.to_look_up.pop_front();
+                self.note_lines(id.into());
+            }
         }
+    }
+
+    /// A queue may have all its lines.
+    fn note_lines(&mut self, id: usize) {
+        let all = |queue: &Queue| Self::is_looked_up(queue) && queue.missing == 0;
+        if let Some(queue) = self.queues[id].as_ref().filter(|queue| all(queue)) {
+            self.filled[testers(queue.region)] += 1;
+            self.plan(id);
+        }
+    }
+
+    /// Notes when a queue can issue: its rays or its lines have changed.
+    fn plan(&mut self, id: usize) {
+        self.issues_at[id] = self.queues[id].as_ref().map_or(When::NEVER, |queue| self.issue_of(queue));
     }
 
     fn is_looked_up(queue: &Queue) -> bool {
@@ -271,7 +307,7 @@ impl Gatherer {
     }
 
     /// When a queue can issue; never before its lines are here.
-    fn issues_at(&self, queue: &Queue) -> When {
+    fn issue_of(&self, queue: &Queue) -> When {
         if !Self::is_looked_up(queue) || queue.missing > 0 {
             return When::NEVER;
         }
@@ -285,10 +321,14 @@ impl Gatherer {
 
     /// The testers take rays of a queue; whether there was one.
     fn issue<T: Tiles>(&mut self, now: TiCycle, tester: usize, tiles: &T) -> bool {
-        let of_mine = |queue: &Queue| testers(queue.region) == tester && self.issues_at(queue).is_due(now);
-        let ready = self.queues.iter().enumerate().filter_map(|(id, queue)| Some((id, queue.as_ref()?)));
-        let ready = ready.filter(|(_, queue)| of_mine(queue));
-        let best = ready.max_by_key(|(_, queue)| (queue.rays.len(), Reverse(queue.number)));
+        let mut best: Option<(usize, (usize, Reverse<u64>))> = None;
+        for id in (0..self.keys.len()).filter(|&id| self.issues_at[id].is_due(now)) {
+            let Some(queue) = self.queues[id].as_ref().filter(|queue| testers(queue.region) == tester) else { continue };
+            let rank = (queue.rays.len(), Reverse(queue.number));
+            if best.is_none_or(|(_, other)| rank > other) {
+                best = Some((id, rank));
+            }
+        }
         let Some((id, _)) = best else { return false };
         let Some(queue) = &mut self.queues[id] else { return false };
         let lines = queue.lines.last - queue.lines.first + 1;
@@ -297,8 +337,11 @@ impl Gatherer {
         let take = queue.rays.len().min(self.width[tester]);
         let taken: Vec<_> = queue.rays.drain(..take).collect();
         if queue.rays.is_empty() {
-            self.queues[id] = None;
+            (self.queues[id], self.keys[id]) = (None, None);
+            self.open[tester] -= 1;
+            self.filled[tester] -= 1;
         }
+        self.plan(id);
         self.buffer.record_reads += take as u64;
         for (place, _) in taken {
             self.test(now, tester, place, tiles);
@@ -318,11 +361,10 @@ impl Gatherer {
     }
 
     fn gap_of(&self, tester: usize) -> Gap {
-        let mut mine = self.queues.iter().flatten().filter(|queue| testers(queue.region) == tester).peekable();
         match () {
             () if self.is_empty() => Gap::Idle,
-            () if mine.peek().is_none() => Gap::Starved,
-            () if mine.all(|queue| !Self::is_looked_up(queue) || queue.missing > 0) => Gap::Memory,
+            () if self.open[tester] == 0 => Gap::Starved,
+            () if self.filled[tester] == 0 => Gap::Memory,
             () => Gap::Company,
         }
     }
@@ -350,10 +392,10 @@ impl Gatherer {
     /// When something happens next; a refused lookup is tried again in the next cycle.
     pub fn next_event(&self, now: TiCycle) -> When {
         let event = When::from(self.events.peek().map(|Reverse((at, ..))| *at));
-        let refused = self.queues.iter().flatten().any(|queue| !Self::is_looked_up(queue));
-        let freed = !self.waiting.is_empty() && self.queues.iter().any(Option::is_none);
-        let queues = self.queues.iter().flatten().map(|queue| self.issues_at(queue));
-        queues.fold(event.min(When::only_if(refused || freed, now + 1)), When::min).after(now)
+        let refused = !self.to_look_up.is_empty();
+        let freed = !self.waiting.is_empty() && self.keys.contains(&None);
+        let first = event.min(When::only_if(refused || freed, now + 1));
+        self.issues_at.iter().fold(first, |next, at| next.min(*at)).after(now)
     }
 
     /// Cycles in which boxes, and triangles, were tested.
