@@ -6,9 +6,9 @@
 //! - a memory is its bits times the area of a cell, over the share of it that is cells, rounded once per component. A cache has the
 //!   tags of its lines too. Ray buffers and stacks have cells with two ports;
 //! - components are those of the energy. No source gives an area of crossbar, wires to the L2, ray setup, direct interface,
-//!   rasteriser, DRAM controller and PHY: they are left out, and totals are too small by them.
+//!   DRAM controller and PHY: they are left out, and totals are too small by them.
 
-use crate::config::{L1, MachineConfig, Pipeline};
+use crate::config::{L1, MachineConfig, Pipeline, PrimaryVisibility};
 use crate::energy::Group;
 
 /// Area of one component, all cores together.
@@ -66,14 +66,18 @@ impl AreaReport {
             of(Group::Ti, "ist_l1", l1(ists, &ti.ist_l1)),
             of(Group::Ti, "ray_buffers", buffer(config.ray_buffer_bytes())),
         ];
+        let rasterisers = match gpu.primary_visibility {
+            PrimaryVisibility::Raster => vec![of(Group::Srp, "rasteriser", cores * area.raster_um2)],
+            PrimaryVisibility::Traced => Vec::new(),
+        };
         let shared = vec![
             of(Group::Srp, "srp", cores * area.srp_um2),
             of(Group::Srp, "srp_l1", l1(cores, &srp.l1)),
             of(Group::Srp, "local_memory", local),
-            of(Group::Memory, "l2", cache(1, l2.size.0)),
         ];
+        let memory = vec![of(Group::Memory, "l2", cache(1, l2.size.0))];
         let traversal = if ti.pipeline == Pipeline::Software { processors } else { units };
-        Self { components: [traversal, shared].concat() }
+        Self { components: [traversal, shared, rasterisers, memory].concat() }
     }
 
     /// The T&I units, mm2.

@@ -37,7 +37,7 @@ fn the_keys_are_those_of_the_structs_in_their_order() {
 
 #[test]
 fn every_value_of_every_preset_has_a_class_and_a_source() {
-    assert_eq!(PRESETS.len(), 10);
+    assert_eq!(PRESETS.len(), 14);
     for (name, _) in PRESETS {
         let machine = load(name, &[]).unwrap();
         assert_eq!(machine.name, *name);
@@ -129,7 +129,31 @@ fn impossible_values_are_named() {
         (&["ti.ist=0"], "ti.ist = 0 leaves nobody to test triangles"),
         (&["ti.pipeline=unified"], "so ti.ist = 1 must be 0"),
         (&["ti.aabbs_per_cycle=3"], "from 1 to 2"),
-        (&["ti.rays_per_trv=129"], "from 1 to 128"),
+        (
+            &["ti.rays_per_trv=129"],
+            "ti.rays_per_trv = 129 is more than 128, which only ti.pipeline = \"gathering\" can hold",
+        ),
+        (&["ti.rays_per_trv=4097"], "from 1 to 4096"),
+        (&["ti.pipeline=gathering"], "ti.pipeline = \"gathering\" tests triangles itself, so ti.ist = 1 must be 0"),
+        (
+            &["ti.pipeline=gathering", "ti.ist=0"],
+            "ti.pipeline = \"gathering\" has a full stack, so ti.stack_entries = 8",
+        ),
+        (&["ti.pipeline=software"], "ti.pipeline = \"software\" tests triangles by instructions, so ti.ist = 1"),
+        (&["ti.pipeline=software", "ti.ist=0"], "ti.pipeline = \"software\" has a full stack, so ti.stack_entries = 8"),
+        (
+            &["ti.pipeline=software", "ti.ist=0", "ti.stack_entries=0"],
+            "ti.pipeline = \"software\" has one clock, but srp.clock_mhz = 1000 and ti.clock_mhz = 500",
+        ),
+        (
+            &["ti.pipeline=software", "ti.ist=0", "processor.lanes=12"],
+            "ti.rays_per_trv = 64 is not a whole number of warps of processor.lanes = 12",
+        ),
+        (
+            &["ti.pipeline=software", "ti.ist=0", "processor.lanes=32", "ti.ray_fifo_entries=31"],
+            "ti.ray_fifo_entries = 31 does not hold a warp of processor.lanes = 32",
+        ),
+        (&["processor.kernel_mix.add_percent=101"], "from 0 to 100"),
         (&["ti.ist_entries=129"], "from 1 to 128"),
         (
             &["ti.trv_l1.size=24KiB"],
@@ -181,6 +205,8 @@ fn impossible_values_are_named() {
         (&["=4"], "write key=value"),
         (&["ti.trv=[4]"], "ti.trv = [4] is not allowed"),
     ];
+    let mix = load("mimd-trax", &["processor.kernel_mix.add_percent=26"]).unwrap_err().to_string();
+    assert!(mix.contains("the shares of processor.kernel_mix are 101 % together, not 100 %"), "{mix}");
     for (overrides, part) in cases {
         let text = load("sgrt-ti2", overrides).expect_err(&format!("{overrides:?}")).to_string();
         assert!(text.contains(part), "{text:?} does not say {part:?}");
@@ -253,7 +279,7 @@ fn a_printed_machine_loads_again() {
     fs::write(folder.path().join("odd.toml"), odd).unwrap();
     let odd = folder.path().join("odd.toml").display().to_string();
     for name in PRESETS.iter().map(|(name, _)| *name).chain([odd.as_str()]) {
-        let machine = load(name, &["ti.ray_fifo_entries=7", "energy.reorder_pj=0.001"]).unwrap();
+        let machine = load(name, &["ti.ray_fifo_entries=77", "energy.reorder_pj=0.001"]).unwrap();
         for text in [machine.page(), machine.to_toml()] {
             let again = file(folder.path(), "again.toml", &text).unwrap();
             assert_eq!(again.config, machine.config);

@@ -17,6 +17,7 @@ settings! {
         triangle_um2: u64 = LOGIC, "logic that tests a triangle a cycle", "um2";
         trv_control_um2: u64 = LOGIC, "logic of a traversal unit beside its tests", "um2";
         processor_um2: u64 = LOGIC, "logic of a processor, registers included", "um2";
+        raster_um2: u64 = LOGIC, "logic of a rasteriser, on machines that have one", "um2";
         srp_um2: u64 = LOGIC, "logic of an SRP", "um2";
         sram_bit_nm2: u64 = BIT, "bit cell of caches and local memories", "nm2";
         buffer_bit_nm2: u64 = BIT, "bit cell of ray buffers and stacks, read and written in one cycle", "nm2";

@@ -61,9 +61,10 @@ fn ti(config: &MachineConfig) -> Option<String> {
         (Pipeline::Unified, 1..) => {
             Some(format!("ti.pipeline = \"unified\" tests triangles itself, so ti.ist = {} must be 0", ti.ist))
         }
-        (Pipeline::Software, 1..) => {
-            Some(format!("ti.pipeline = \"software\" tests triangles by instructions, so ti.ist = {} must be 0", ti.ist))
-        }
+        (Pipeline::Software, 1..) => Some(format!(
+            "ti.pipeline = \"software\" tests triangles by instructions, so ti.ist = {} must be 0",
+            ti.ist
+        )),
         (Pipeline::Software, 0) => processor(config).or_else(|| many_rays(config)),
         (Pipeline::Gathering, 1..) => {
             Some(format!("ti.pipeline = \"gathering\" tests triangles itself, so ti.ist = {} must be 0", ti.ist))
@@ -78,13 +79,17 @@ fn ti(config: &MachineConfig) -> Option<String> {
 
 fn many_rays(config: &MachineConfig) -> Option<String> {
     let rays = config.ti.rays_per_trv;
-    (rays > 128).then(|| format!("ti.rays_per_trv = {rays} is more than 128, which only ti.pipeline = \"gathering\" can hold"))
+    (rays > 128)
+        .then(|| format!("ti.rays_per_trv = {rays} is more than 128, which only ti.pipeline = \"gathering\" can hold"))
 }
 
 fn whole_stack(config: &MachineConfig) -> Option<String> {
     let entries = config.ti.stack_entries;
     (entries > 0).then(|| {
-        format!("ti.pipeline = {:?} has a full stack, so ti.stack_entries = {entries} must be 0", config.ti.pipeline.name())
+        format!(
+            "ti.pipeline = {:?} has a full stack, so ti.stack_entries = {entries} must be 0",
+            config.ti.pipeline.name()
+        )
     })
 }
 
@@ -103,11 +108,15 @@ fn processor(config: &MachineConfig) -> Option<String> {
         return Some(detail);
     }
     if config.srp.ideal {
-        return Some("ti.pipeline = \"software\" runs the kernels too, so srp.ideal = true leaves nothing to measure".into());
+        return Some(
+            "ti.pipeline = \"software\" runs the kernels too, so srp.ideal = true leaves nothing to measure".into(),
+        );
     }
     if config.srp.clock_mhz != ti.clock_mhz {
         let (srp, ti) = (config.srp.clock_mhz, ti.clock_mhz);
-        return Some(format!("ti.pipeline = \"software\" has one clock, but srp.clock_mhz = {srp} and ti.clock_mhz = {ti}"));
+        return Some(format!(
+            "ti.pipeline = \"software\" has one clock, but srp.clock_mhz = {srp} and ti.clock_mhz = {ti}"
+        ));
     }
     let shares = [
         mix.add_percent,

@@ -41,6 +41,8 @@ settings! {
         l2_read_pj: Picojoules = EVENT, "L2: read of a line that hits", "pJ";
         l2_miss_pj: Picojoules = EVENT, "L2: a lookup that misses", "pJ";
         l2_fill_pj: Picojoules = EVENT, "L2: fill of a line", "pJ";
+        raster_triangle_pj: Picojoules = EVENT, "a triangle in a tile: transformed, binned, set up", "pJ";
+        raster_sample_pj: Picojoules = EVENT, "a sample of a triangle: coverage, depth, attributes", "pJ";
         interface_pj_per_byte: Picojoules = EVENT, "direct interface", "pJ per byte";
         srp_op_pj: Picojoules = EVENT, "SRP operation, operands and configuration included", "pJ";
         local_read_pj: Picojoules = EVENT, "SRP local memory: a word read", "pJ";
@@ -56,6 +58,7 @@ settings! {
         trv_leakage_uw: u64 = LEAKAGE, "logic leakage of a TRV unit", "uW";
         ist_leakage_uw: u64 = LEAKAGE, "logic leakage of an IST unit", "uW";
         processor_leakage_uw: u64 = LEAKAGE, "logic leakage of a processor", "uW";
+        raster_leakage_uw: u64 = LEAKAGE, "logic leakage of a rasteriser, on machines that have one", "uW";
         srp_leakage_uw: u64 = LEAKAGE, "logic leakage of an SRP", "uW";
         clock_tree_percent: u64 = Integer(0, 100), "clock tree: share of dynamic energy of on-chip components whose clock is gated access by access", "%";
     }

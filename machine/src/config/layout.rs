@@ -35,6 +35,10 @@ settings! {
     #[serde(deny_unknown_fields)]
     pub struct Raster {
         samples_per_cycle: u32 = Integer(1, 64), "what the rasteriser of a core makes", "samples per T&I cycle";
+        setup_cycles: u32 = Integer(1, 1000), "a triangle set up by the rasteriser of a core", "cycles";
+        overdraw_percent: u32 = Integer(100, 10_000),
+            "triangles and samples that are rasterised, of those that are seen: others lie behind them", "%";
+        triangle_bytes: u32 = Integer(1, 1024), "a triangle in the list of its tile: written when it is binned, read by the rasteriser", "bytes";
         gbuffer_bytes: u32 = Integer(1, 256), "a G-buffer sample, written by the rasteriser and read by the SRP", "bytes";
     }
 }

@@ -18,11 +18,11 @@
 //!   word instead of line by line; it stands with the SRP, for it does the work of both;
 //! - a unified pipeline tests triangles in the traversal unit, and their energy stands there.
 
-use crate::config::{Energy, Interface, L1, MachineConfig, Picojoules, Pipeline};
+use crate::config::{Energy, Interface, L1, MachineConfig, Picojoules, Pipeline, PrimaryVisibility};
 use crate::memory::{CacheCounters, ChannelCounters};
-use crate::srp::SrpStats;
-use crate::threads::ProcessorCounters;
+use crate::srp::{RasterCounters, SrpStats};
 use crate::stats::Stats;
+use crate::threads::ProcessorCounters;
 use crate::ti::{InputBufferCounters, IstStats, TiStats, TrvStats};
 use crate::work::layout::Region;
 
@@ -86,7 +86,11 @@ impl EnergyReport {
             Pipeline::Software => sums.processors().to_vec(),
             _ => sums.ti().to_vec(),
         };
-        let components = [traversal, sums.srp().to_vec(), sums.memory().to_vec()].concat();
+        let raster = match config.gpu.primary_visibility {
+            PrimaryVisibility::Raster => vec![sums.raster()],
+            PrimaryVisibility::Traced => Vec::new(),
+        };
+        let components = [traversal, sums.srp().to_vec(), raster, sums.memory().to_vec()].concat();
         let mut report = Self { components, ti_memory_fj: 0 };
         report.ti_memory_fj = sums.ti_share(&report);
         report
@@ -306,6 +310,13 @@ impl<'a> Sums<'a> {
             of("local_memory", &local, 0, self.cores * local_size),
             of("interface", &[(bytes, energy.interface_pj_per_byte)], 0, 0),
         ]
+    }
+
+    fn raster(&self) -> Component {
+        let (energy, mut work) = (&self.config.energy, RasterCounters::default());
+        self.stats.cores.iter().for_each(|core| work += core.srp.raster);
+        let events = [(work.triangles, energy.raster_triangle_pj), (work.samples, energy.raster_sample_pj)];
+        self.component("rasteriser", Group::Srp, &events, self.cores * energy.raster_leakage_uw, 0)
     }
 
     /// Stages that a bypass passes in a traversal unit.

@@ -53,6 +53,39 @@ fn running(cycles: u64) -> Vec<(&'static str, Activity)> {
 }
 
 #[test]
+fn each_event_of_a_processor_and_of_a_rasteriser_costs_what_the_preset_says() {
+    let software = NamedMachine::load("mimd-trax", &[]).unwrap().config;
+    let hybrid = NamedMachine::load("hybrid-raster", &[]).unwrap().config;
+    type Change = fn(&mut CoreStats);
+    let cases: [(Change, &str, u128); 12] = [
+        (|c| c.processors[0].counters.instructions = 1, "processors", 1_600),
+        (|c| c.processors[0].counters.lane_instructions = 1, "processors", 680),
+        (|c| c.processors[0].counters.add = 1, "processors", 450),
+        (|c| c.processors[0].counters.multiply = 1, "processors", 850),
+        (|c| c.processors[0].counters.compare = 1, "processors", 50),
+        (|c| c.processors[0].counters.integer = 1, "processors", 40),
+        (|c| c.processors[0].counters.special = 1, "processors", 8_000),
+        (|c| c.processors[0].counters.lanes_off = 1, "processors", 0),
+        (|c| c.processors[0].counters.words = 10, "data_l1", 19_000 * 120 / 100),
+        (|c| c.processors[0].code_l1.fills = 10, "code_l1", 115_000 * 120 / 100),
+        (|c| c.ti.trv[0].stages[0].1.busy = 10, "processors", 146_000),
+        (|c| c.ti.trv[0].l1.hits = 10, "data_l1", 0),
+    ];
+    for (i, (change, name, fj)) in cases.into_iter().enumerate() {
+        let mut stats = Stats::shaped(&software);
+        change(&mut stats.cores[0]);
+        let report = EnergyReport::new(&software, &stats);
+        assert_eq!(report.component(name).map(|c| c.dynamic_fj), Some(fj), "case {i}");
+        assert_eq!((report.gpu_fj(), report.ti_fj(), report.ti_with_memory_fj()), (fj, 0, 0), "case {i}");
+    }
+    let mut stats = Stats::shaped(&hybrid);
+    stats.cores[0].srp.raster = RasterCounters { triangles: 10, samples: 100 };
+    let report = EnergyReport::new(&hybrid, &stats);
+    assert_eq!(report.component("rasteriser").map(|c| c.dynamic_fj), Some((1_600_000 + 1_050_000) * 120 / 100));
+    assert!(EnergyReport::new(&software, &Stats::shaped(&software)).component("rasteriser").is_none());
+}
+
+#[test]
 fn a_bypass_pays_for_every_stage_of_its_pipeline() {
     let bypass = |overrides: &[&str]| {
         let report = Run::new(|r| r.ti.trv[0].events.bypasses = 1).energy(&machine(overrides));

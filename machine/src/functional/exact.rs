@@ -1,7 +1,7 @@
 //! Which counters do not depend on time.
 
 use crate::config::{Interface, MachineConfig, PrimaryVisibility};
-use crate::srp::{DmaCounters, InterfaceCounters, LocalCounters};
+use crate::srp::{DmaCounters, InterfaceCounters, LocalCounters, RasterCounters};
 use crate::stats::Stats;
 use crate::ti::{IstCounters, TrvCounters};
 use crate::work::layout::Region;
@@ -37,6 +37,7 @@ pub fn exact_counters(config: &MachineConfig) -> Stats {
         core.srp.interface =
             InterfaceCounters { rays: 1, hits: 1, ray_bytes: 1, hit_bytes: 1, ray_busy: 1, hit_busy: 1 };
         core.srp.local = LocalCounters { reads: 1, writes: 1, spilled_samples: 1, tiles: 1 };
+        core.srp.raster = RasterCounters { triangles: 1, samples: 1 };
         core.srp.dma = DmaCounters {
             framebuffer_written: 1,
             sample_written: 1,

@@ -3,11 +3,11 @@
 use super::caches::CoreTags;
 use super::features::Features;
 use super::memory::TagMemory;
-use crate::config::{Interface, MachineConfig, Pipeline, PrimaryVisibility};
+use crate::config::{Interface, MachineConfig, Pipeline, PrimaryVisibility, Raster};
 use crate::memory::{Route, Tags};
 use crate::srp::{
-    Costs, FrameShape, KernelId, Queues, Sends, ShadeReads, TileBuffer, border_offset, framebuffer_rows, sent_ray,
-    taker,
+    Costs, FrameShape, KernelId, Queues, RasterCounters, RasterWork, Sends, ShadeReads, TileBuffer, border_offset,
+    framebuffer_rows, list_offset, sent_ray, taker,
 };
 use crate::stats::CoreStats;
 use crate::work::layout::{Layout, Region};
@@ -24,6 +24,7 @@ pub(super) struct Shader {
     /// Kernels run on processors.
     software: bool,
     rasters: bool,
+    raster: Raster,
     gbuffer_bytes: u64,
     direct: bool,
     message_bytes: [u64; 2],
@@ -44,6 +45,7 @@ impl Shader {
             buffer: TileBuffer::new(config, &shape.policy),
             software: config.ti.pipeline == Pipeline::Software,
             rasters: gpu.primary_visibility == PrimaryVisibility::Raster,
+            raster: config.raster.clone(),
             gbuffer_bytes: config.raster.gbuffer_bytes.into(),
             direct: gpu.interface == Interface::Direct,
             message_bytes,
@@ -81,6 +83,13 @@ impl Shader {
             }
         }
         self.stream((seen, self.gbuffer_bytes), Region::GBuffer, counted, memory);
+        if self.rasters {
+            let RasterWork { triangles, samples, list_bytes } = RasterWork::of(&self.raster, work, &round.starts);
+            counted.srp.raster += RasterCounters { triangles, samples };
+            for route in [Route::Write, Route::Read] {
+                self.transfer((Region::GBuffer, route), list_offset(work.tile), list_bytes, counted, memory);
+            }
+        }
     }
 
     /// The item of a ray waits.
@@ -163,7 +172,9 @@ impl Shader {
     ) -> u64 {
         let lines = self.reads.lines(ray);
         if !self.software {
-            return lines.map(|(line, region)| memory.look_up((&mut tags.srp, l2), line, region, &mut counted.srp_l1)).count() as u64;
+            return lines
+                .map(|(line, region)| memory.look_up((&mut tags.srp, l2), line, region, &mut counted.srp_l1))
+                .count() as u64;
         }
         // Items are dealt to the processors in turn.
         let unit = number as usize % tags.trv.len();

@@ -262,7 +262,8 @@ impl Gatherer {
         }
         let Some(id) = self.keys.iter().position(Option::is_none) else { return false };
         let (rays, number) = (VecDeque::from([(place, now)]), self.opened);
-        self.queues[id] = Some(Queue { region, lines, number, rays, looked_up: 0, missing: 0, ready: now, again: false });
+        self.queues[id] =
+            Some(Queue { region, lines, number, rays, looked_up: 0, missing: 0, ready: now, again: false });
         self.keys[id] = key;
         self.to_look_up.push_back(id as u8);
         self.open[testers(region)] += 1;
@@ -323,7 +324,9 @@ impl Gatherer {
     fn issue<T: Tiles>(&mut self, now: TiCycle, tester: usize, tiles: &T) -> bool {
         let mut best: Option<(usize, (usize, Reverse<u64>))> = None;
         for id in (0..self.keys.len()).filter(|&id| self.issues_at[id].is_due(now)) {
-            let Some(queue) = self.queues[id].as_ref().filter(|queue| testers(queue.region) == tester) else { continue };
+            let Some(queue) = self.queues[id].as_ref().filter(|queue| testers(queue.region) == tester) else {
+                continue;
+            };
             let rank = (queue.rays.len(), Reverse(queue.number));
             if best.is_none_or(|(_, other)| rank > other) {
                 best = Some((id, rank));

@@ -54,14 +54,18 @@ pub(crate) use kernels::{Costs, Sends};
 pub use kernels::{KERNELS, KernelId, Needs, missing_kernels};
 pub(crate) use local::TileBuffer;
 pub(crate) use queues::{QueueId, Queues};
+pub(crate) use raster::{RasterWork, list_offset};
 pub use rest::RestOfTile;
-pub use stats::{DmaCounters, InterfaceCounters, KernelCounters, LocalCounters, SrpActivity, SrpReport, SrpStats};
+pub use stats::{
+    DmaCounters, InterfaceCounters, KernelCounters, LocalCounters, RasterCounters, SrpActivity, SrpReport, SrpStats,
+};
 pub use tile::FrameShape;
 pub(crate) use tile::{border_offset, framebuffer_rows};
 
 use std::sync::Arc;
 
 use array::Array;
+use raster::Raster;
 use slots::TileSlots;
 use stats::ArrayCounters;
 use transfers::Transfers;
@@ -209,6 +213,7 @@ impl Srp {
             activity: array.activity,
             interface: *self.transfers.interface.counters(),
             dma: self.transfers.traffic(),
+            raster: self.transfers.raster.as_ref().map(Raster::work).unwrap_or_default(),
             local: *self.tiles.counters(),
         }
     }

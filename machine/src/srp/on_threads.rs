@@ -40,7 +40,8 @@ impl OnThreads {
     pub fn new(config: &MachineConfig, layout: Layout, costs: &Costs) -> Self {
         let mut code = CodeLayout::behind_traversal(config, &layout);
         let most = Sends { shadows: 2, secondary: 1 };
-        let instructions = |kernel| costs.ops(kernel, if kernel == KernelId::Shade { most } else { Sends::default() }, 1);
+        let instructions =
+            |kernel| costs.ops(kernel, if kernel == KernelId::Shade { most } else { Sends::default() }, 1);
         Self {
             lanes: config.processor.lanes as usize,
             reads: ShadeReads::new(config, layout),

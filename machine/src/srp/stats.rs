@@ -109,6 +109,14 @@ counters! {
 }
 
 counters! {
+    /// Work of a rasteriser; what lies behind what is seen is in it.
+    pub struct RasterCounters {
+        triangles: "triangles", "triangles set up, of each tile and round again";
+        samples: "samples", "samples rasterised";
+    }
+}
+
+counters! {
     /// Local memory and tiles.
     pub struct LocalCounters {
         reads: "words", "reads of the tile buffer, a word each";
@@ -155,6 +163,8 @@ pub struct SrpStats {
     pub interface: InterfaceCounters,
     /// DMA and streams.
     pub dma: DmaCounters,
+    /// Rasteriser, where there is one.
+    pub raster: RasterCounters,
     /// Local memory and tiles.
     pub local: LocalCounters,
 }

@@ -21,7 +21,7 @@ use super::dma::Dma;
 use super::kernels::KernelId;
 use super::local::TileBuffer;
 use super::queues::Queues;
-use super::raster::Raster;
+use super::raster::{Raster, list_offset};
 use super::rest::RestOfTile;
 use super::stats::LocalCounters;
 use crate::link::RayRef;
@@ -252,6 +252,12 @@ impl Slot {
         self.queue(KernelId::Attributes, attributes, context);
         let Some(round) = self.work.rounds.get(self.round) else { return };
         self.pending += round.starts.len() as u32;
+        if let Some(raster) = &mut context.raster {
+            let bytes = raster.begin(&self.work, &round.starts);
+            for route in [Route::Write, Route::Read] {
+                self.transfer(id, Region::GBuffer, route, 0, bytes, context);
+            }
+        }
         for &ray in &round.starts {
             match &mut context.raster {
                 // A rasteriser sees what the eye sees; rays from interpolated hits are traced.
@@ -283,6 +289,7 @@ impl Slot {
         }
         let part = match region {
             Region::Border => border_offset(self.work.tile),
+            Region::GBuffer => list_offset(self.work.tile),
             _ => (u64::from(context.core) * 256 + u64::from(id)) * SLOT_BYTES,
         };
         context.dma.add(id, region, route, context.layout.lines(region.base() + part + offset, bytes));

@@ -95,6 +95,7 @@ impl CoreStats {
         self.srp.activity += other.srp.activity;
         self.srp.interface += other.srp.interface;
         self.srp.dma += other.srp.dma;
+        self.srp.raster += other.srp.raster;
         self.srp.local += other.srp.local;
         self.srp_l1 += other.srp_l1;
         self.srp_cycles += other.srp_cycles;

@@ -48,7 +48,7 @@ impl Stats {
         let [_, _, activity, ist, ist_buffer, ist_l1] = [(); 6].map(|()| next());
         let kernels = [(); KERNELS].map(|()| next())[0];
         let [srp, interface, dma, local, srp_l1] = [(); 5].map(|()| next());
-        let [l2, channel, read, written, processor, code_l1] = [(); 6].map(|()| next());
+        let [l2, channel, read, written, processor, code_l1, raster] = [(); 7].map(|()| next());
         for core in &mut self.cores {
             visit(run + 2, &mut core.srp_cycles);
             core.ti.dispatch.each_mut(|i, c| visit(dispatch + i, c));
@@ -76,6 +76,7 @@ impl Stats {
             core.srp.activity.each_mut(|i, c| visit(srp + i, c));
             core.srp.interface.each_mut(|i, c| visit(interface + i, c));
             core.srp.dma.each_mut(|i, c| visit(dma + i, c));
+            core.srp.raster.each_mut(|i, c| visit(raster + i, c));
             core.srp.local.each_mut(|i, c| visit(local + i, c));
             core.srp_l1.each_mut(|i, c| visit(srp_l1 + i, c));
         }

@@ -115,7 +115,10 @@ impl ThreadUnit {
     pub fn describe(&self) -> String {
         let free: Vec<_> = self.processors.iter().map(Processor::free).collect();
         let (rays, items) = (self.ray_buffer.len(), self.jobs.len());
-        format!("ray buffer {rays} of {}, warps of items that wait {items}, free places of processors {free:?}", self.entries)
+        format!(
+            "ray buffer {rays} of {}, warps of items that wait {items}, free places of processors {free:?}",
+            self.entries
+        )
     }
 
     /// The work that is done, as [`cost`] counts it.
@@ -170,7 +173,11 @@ impl ThreadUnit {
     }
 
     /// Starts a warp, if one is ready and has a place.
-    fn dispatch<T: Tiles, M: Memory>(&mut self, now: TiCycle, TiContext { layout, tiles, memory, .. }: TiContext<'_, T, M>) {
+    fn dispatch<T: Tiles, M: Memory>(
+        &mut self,
+        now: TiCycle,
+        TiContext { layout, tiles, memory, .. }: TiContext<'_, T, M>,
+    ) {
         if !self.next_warp().is_due(now) {
             return;
         }
@@ -216,8 +223,15 @@ impl<T: Tiles, M: Memory> Tick<TiContext<'_, T, M>> for ThreadUnit {
         self.account(now);
         let Self { processors, events, finished_rays: rays, finished_jobs: jobs, .. } = self;
         while let Some(Event { processor, what }) = events.take(now) {
-            let mut context =
-                Context { now, layout, tiles, memory: &mut *memory, events: &mut *events, rays: &mut *rays, jobs: &mut *jobs };
+            let mut context = Context {
+                now,
+                layout,
+                tiles,
+                memory: &mut *memory,
+                events: &mut *events,
+                rays: &mut *rays,
+                jobs: &mut *jobs,
+            };
             let processor = &mut processors[usize::from(processor)];
             match what {
                 What::Done(warp) => processor.done(warp, &mut context),

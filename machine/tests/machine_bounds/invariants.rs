@@ -55,7 +55,7 @@ fn assert_work(what: &str, config: &MachineConfig, tiles: &[TileWork], stats: &S
 }
 
 /// Every cycle of every stage is in one class.
-fn assert_accounts(what: &str, stats: &Stats) {
+fn assert_accounts(what: &str, config: &MachineConfig, stats: &Stats) {
     for core in &stats.cores {
         for (name, activity) in core.ti.trv.iter().flat_map(|unit| &unit.stages) {
             assert_eq!(activity.total(), stats.cycles, "{what}: {name}");
@@ -64,6 +64,14 @@ fn assert_accounts(what: &str, stats: &Stats) {
             assert_eq!(unit.activity.total(), stats.cycles, "{what}: triangles");
         }
         assert_eq!(core.srp.activity.total(), core.srp_cycles, "{what}: SRP");
+        for processor in &core.processors {
+            let c = processor.counters;
+            let warps = u64::from(config.ti.rays_per_trv / config.processor.lanes);
+            let spent = c.executing + c.units + c.memory + c.empty;
+            assert_eq!(spent, warps * stats.cycles, "{what}: cycles of warps");
+            let lanes = u64::from(config.processor.lanes);
+            assert_eq!(c.lane_instructions + c.lanes_off, lanes * c.instructions, "{what}: lanes");
+        }
         let l1s = core.ti.trv.iter().map(|t| t.l1).chain(core.ti.ist.iter().map(|i| i.l1)).chain([core.srp_l1]);
         for l1 in l1s {
             assert_eq!(l1.lookups, l1.hits + l1.misses + l1.merges, "{what}");
@@ -110,7 +118,7 @@ fn assert_energy(what: &str, config: &MachineConfig, stats: &Stats) {
 
 fn assert_all(what: &str, config: &MachineConfig, tiles: &[TileWork], stats: &Stats) {
     assert_work(what, config, tiles, stats);
-    assert_accounts(what, stats);
+    assert_accounts(what, config, stats);
     assert_energy(what, config, stats);
 }
 

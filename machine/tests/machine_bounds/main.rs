@@ -8,5 +8,6 @@ mod harness;
 mod invariants;
 mod monotone;
 mod neighbours;
+mod other_units;
 mod single_ray;
 mod stepping;

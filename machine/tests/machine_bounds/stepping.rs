@@ -61,6 +61,9 @@ fn every_cycle_or_from_event_to_event() {
     for seed in 0..24 {
         let (tree, tiles) = random_work(seed);
         let mut config = random_machine(&mut Random(seed));
+        if let Some(name) = ["gr6500", "mimd-trax", "simt-mimd", "simt-mimd-vector"].get(seed as usize) {
+            config = machine(name, &[]);
+        }
         config.l2.inclusive = seed % 2 == 0;
         let memory = EveryCycle { inner: MemorySystem::new(&config), ticks: 0 };
         let (walked, memory) = run_keeping(&config, (&tree, &tiles), SHAPE, memory);

@@ -185,7 +185,13 @@ fn processing(f: &mut Formatter<'_>, config: &MachineConfig, stats: &Stats) -> f
         writeln!(f, "  {name:<32} {:>15} {:>7}", grouped(count), percent(count, warp_cycles))?;
     }
     let lanes = all.lane_instructions + all.lanes_off;
-    writeln!(f, "  {:<32} {:>15} {:>7}", "instructions times lanes at work", "", percent(all.lane_instructions, lanes))?;
+    writeln!(
+        f,
+        "  {:<32} {:>15} {:>7}",
+        "instructions times lanes at work",
+        "",
+        percent(all.lane_instructions, lanes)
+    )?;
     writeln!(f, "\n{:<34} {:>15} {:>7}", "instructions", "operations", "% of peak")?;
     for (name, count, per_cycle) in [
         ("issued", all.instructions, config.processor.issue),

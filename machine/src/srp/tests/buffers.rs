@@ -119,8 +119,20 @@ fn a_rasteriser_delivers_primaries() {
     let (s, unit, memory) = finished(&config, work);
     assert_eq!(unit.pushed.len(), 60, "shadow rays only");
     assert!(unit.pushed.iter().all(|(_, r)| r.ray % 3 != 0));
-    // 20 bytes a sample: 3 a line.
-    assert_eq!((s.stats().dma.gbuffer_written, s.stats().dma.gbuffer_read), (640, 640));
+    // 20 bytes a sample: 3 a line. 30 triangles, and half as many again behind each: 75 of 64 bytes, a line each.
+    let moved = 640 + 75 * 64;
+    assert_eq!((s.stats().dma.gbuffer_written, s.stats().dma.gbuffer_read), (moved, moved));
+    assert_eq!((s.stats().raster.triangles, s.stats().raster.samples), (75, 75));
+    // A triangle a cycle is set up before the first sample is made; the last of three a line is written.
+    let samples = |(_, r): &&(u64, crate::memory::Request)| {
+        r.region == Region::GBuffer && r.line < (Region::GBuffer.base() + (1 << 38)) / 64
+    };
+    let first_sample = memory.log.iter().find(samples).map(|(at, _)| *at);
+    assert_eq!(
+        first_sample,
+        Some(75 + 3),
+        "set up from cycle 0 on, made in cycles 75, 76 and 77, and written a cycle later"
+    );
     let first_read = memory.log.iter().find(|(_, r)| r.region == Region::GBuffer && r.route == Route::Read);
     assert!(first_read.is_some_and(|(at, _)| *at >= 3));
 }
