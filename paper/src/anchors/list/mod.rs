@@ -6,12 +6,21 @@ mod mechanisms;
 mod replays;
 mod sampling;
 mod speed;
+mod systems;
 
 use super::anchor::Anchor;
 
 /// All anchors, in the order of the table.
 pub fn all() -> impl Iterator<Item = &'static Anchor> {
-    [speed::ANCHORS, energy::ANCHORS, mechanisms::ANCHORS, area::ANCHORS, sampling::ANCHORS].into_iter().flatten()
+    let lists = [
+        speed::ANCHORS,
+        systems::ANCHORS,
+        energy::ANCHORS,
+        mechanisms::ANCHORS,
+        area::ANCHORS,
+        sampling::ANCHORS,
+    ];
+    lists.into_iter().flatten()
 }
 
 #[cfg(test)]
