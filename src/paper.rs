@@ -29,6 +29,10 @@ pub struct Args {
     /// Everything at the paper's size, and all frames of the animation, at 1x1 samples.
     #[arg(long)]
     full: bool,
+    /// Beside all this, every policy on every architecture: the samplers and the machines that the paper stands beside, 2x2 samples a
+    /// pixel.
+    #[arg(long)]
+    systems: bool,
     /// Scenes; the paper's five if none is named.
     #[arg(long = "scene", value_name = "NAME")]
     scenes: Vec<String>,
@@ -59,6 +63,9 @@ pub fn run(args: &Args, quiet: bool) -> Result<Exit> {
     if args.warm && args.machine == "none" {
         bail!("--warm is for the caches of a machine, and --machine none has none; name a machine or leave it out");
     }
+    if args.systems && args.machine == "none" {
+        bail!("--systems compares machines, and --machine none replays without one; leave one of them out");
+    }
     let machines = if args.machine == "none" { None } else { Some(Machines::load(&args.machine, args.warm)?) };
     for folder in [&args.cache, &args.out] {
         std::fs::create_dir_all(folder).with_context(|| format!("cannot create folder {}", folder.display()))?;
@@ -74,6 +81,7 @@ pub fn run(args: &Args, quiet: bool) -> Result<Exit> {
     let setup = Setup {
         size,
         full: args.full,
+        systems: args.systems,
         detail,
         command: command(args, size),
         tool: TOOL.into(),
@@ -128,6 +136,9 @@ fn command(args: &Args, (w, h): (u32, u32)) -> String {
     let mut text = "rayreel paper".to_owned();
     if args.full {
         text += " --full";
+    }
+    if args.systems {
+        text += " --systems";
     }
     text += &format!(" --size {w}x{h}");
     args.scenes.iter().for_each(|name| text += &format!(" --scene {name}"));

@@ -113,7 +113,7 @@ pub fn plan(setup: &Setup, plan: &mut Plan<'_>) -> Option<Planned> {
             let (pictures, files): (Vec<_>, Vec<_>) = shown.into_iter().unzip();
             let figures = Figures::Frames { compared: Compared::Valued, simulated };
             let wanted = Wanted { figures, views: Views { tiles: false, pictures } };
-            let machine = setup.machines.as_ref().map(|machines| Arc::clone(&machines.alone));
+            let machine = setup.machines.as_ref().map(|machines| Arc::clone(machines.traversal()));
             let (source, named, detail) = (String::new(), Arc::clone(named), setup.detail);
             let point = Point { source, frames, machine, policy: named, detail, wanted };
             let point = plan.point(capture, point, files);

@@ -12,7 +12,7 @@ use crate::meter::Tell;
 use crate::plan::Plan;
 use crate::setup::{Folders, Setup};
 use crate::study::Experiment;
-use crate::{ablations, animation, points, rows, study};
+use crate::{ablations, animation, points, rows, study, systems};
 
 /// What came of an experiment.
 pub struct Finished {
@@ -37,6 +37,7 @@ pub fn run(setup: &Setup, folders: &Folders, threads: usize, stop: &Stop, tell: 
         points: points::plan(setup, &mut plan),
         animation: animation::plan(setup, &mut plan),
         ablations: ablations::plan(setup, &mut plan)?,
+        systems: systems::plan(setup, &mut plan)?,
     };
     let found = |finished: usize, ledger: &Ledger<'_>| {
         points::found(setup, &experiment.points, finished, |point| ledger.row(point))

@@ -45,6 +45,7 @@ mod results;
 mod rows;
 mod setup;
 mod study;
+mod systems;
 mod table;
 mod traces;
 

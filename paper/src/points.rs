@@ -84,12 +84,16 @@ fn simulations(
         plan.point(capture, point, files)
     };
     let Some(machines) = &setup.machines else { return (point(None, shown), None, None) };
-    if !whole {
-        let alone = point(Some(&machines.alone), shown);
-        return (alone, None, Some(alone));
+    match &machines.alone {
+        Some(alone) if !whole => {
+            let alone = point(Some(alone), shown);
+            (alone, None, Some(alone))
+        }
+        alone => {
+            let gpu = point(Some(&machines.whole), shown);
+            (gpu, Some(gpu), alone.as_ref().map(|alone| point(Some(alone), Vec::new())))
+        }
     }
-    let gpu = point(Some(&machines.whole), shown);
-    (gpu, Some(gpu), Some(point(Some(&machines.alone), Vec::new())))
 }
 
 /// Whether the pictures of a policy are shown.

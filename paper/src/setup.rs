@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use rayreel_machine::config::NamedMachine;
+use rayreel_machine::config::{NamedMachine, Pipeline};
 use rayreel_replay::NamedPolicy;
 use rayreel_replay::detail::{Detail, Share};
 use rayreel_scenes::Scene;
@@ -38,6 +38,8 @@ pub struct Setup {
     pub size: (u32, u32),
     /// Whether everything is done, at any cost.
     pub full: bool,
+    /// Whether every policy is simulated on every architecture too.
+    pub systems: bool,
     /// How much is simulated cycle by cycle.
     pub detail: Detail,
     /// The command line that repeats it.
@@ -60,8 +62,8 @@ pub struct Machines {
     pub spec: String,
     /// The whole GPU.
     pub whole: Arc<NamedMachine>,
-    /// The T&I units alone.
-    pub alone: Arc<NamedMachine>,
+    /// The T&I units alone; nothing where processors do their work.
+    pub alone: Option<Arc<NamedMachine>>,
 }
 
 /// Folders of an experiment.
@@ -95,7 +97,15 @@ impl Machines {
             let overrides: Vec<String> = warm.into_iter().chain(ideal).map(str::to_owned).collect();
             NamedMachine::load(spec, &overrides).map(Arc::new)
         };
-        Ok(Self { spec: spec.into(), whole: load(None)?, alone: load(Some("srp.ideal=true"))? })
+        let whole = load(None)?;
+        let has_units = whole.config.ti.pipeline != Pipeline::Software;
+        let alone = if has_units { Some(load(Some("srp.ideal=true"))?) } else { None };
+        Ok(Self { spec: spec.into(), whole, alone })
+    }
+
+    /// What traverses: the T&I units alone, or the whole GPU where there are none.
+    pub fn traversal(&self) -> &Arc<NamedMachine> {
+        self.alone.as_ref().unwrap_or(&self.whole)
     }
 }
 
@@ -113,7 +123,8 @@ impl Setup {
         }
         let policies = policies::load()?;
         let tool = concat!("rayreel ", env!("CARGO_PKG_VERSION")).to_owned();
-        Ok(Self { stages, policies, machines, size: SIZE, full: false, detail: detail(), command: String::new(), tool })
+        let (size, detail, command) = (SIZE, detail(), String::new());
+        Ok(Self { stages, policies, machines, size, full: false, systems: false, detail, command, tool })
     }
 
     /// Whether a policy has rates that vary over the picture.

@@ -12,13 +12,14 @@ use crate::error::Result;
 use crate::policies::{Contender, MODES};
 use crate::results::Results;
 use crate::setup::{SIZE_FULL, Setup};
-use crate::{ablations, animation, estimates, points, reference};
+use crate::{ablations, animation, estimates, points, reference, systems};
 
 /// What is planned.
 pub(crate) struct Experiment {
     pub points: Vec<points::Planned>,
     pub animation: Option<animation::Planned>,
     pub ablations: Vec<ablations::Planned>,
+    pub systems: Vec<systems::Planned>,
 }
 
 impl Experiment {
@@ -56,6 +57,7 @@ pub fn study(setup: &Setup, experiment: &Experiment, results: &Results) -> Resul
         maps: animation.map(|animation| animation.maps(setup, results)).unwrap_or_default(),
         tracks: animation.map(|animation| animation.tracks(setup, results)).unwrap_or_default(),
         ablations: ablations::ablations(setup, &experiment.ablations, results),
+        systems: systems::systems(setup, &experiment.systems, results),
         viewer: points::viewer(setup, &experiment.points, results),
         config: setup.machines.as_ref().map(|m| config(&m.whole)).unwrap_or_default(),
     })

@@ -6,6 +6,7 @@ use rayreel_study::schema::{Ablation, Gain, Point, Study, Track};
 
 use crate::claims::claims;
 use crate::policies::{MODES, word};
+use crate::systems;
 
 /// Everything that is printed.
 pub fn table(study: &Study) -> String {
@@ -20,6 +21,7 @@ pub fn table(study: &Study) -> String {
     text += &all(study);
     text += &animation(&study.tracks);
     text += &ablations(&study.ablations);
+    text += &systems::table(study);
     text += "\nnotes\n";
     study.notes.iter().for_each(|note| text += &format!("- {note}\n"));
     text

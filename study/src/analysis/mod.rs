@@ -9,6 +9,7 @@ pub mod goals;
 pub mod load;
 pub mod order;
 pub mod pareto;
+pub mod systems;
 
 #[cfg(test)]
 pub mod tables;

@@ -110,6 +110,7 @@ impl<'a> StudyView<'a> {
         }
         let mut all: Vec<&str> = self.study.policies.iter().map(|p| p.name.as_str()).filter(|p| *p != "full").collect();
         let named = self.study.tracks.iter().map(|t| t.policy.as_str());
+        let named = named.chain(self.study.systems.iter().map(|p| p.policy.as_str()).filter(|p| *p != "full"));
         for name in self.points.iter().filter(|p| p.kind != "full").map(|p| p.policy.as_str()).chain(named) {
             if !all.contains(&name) {
                 all.push(name);

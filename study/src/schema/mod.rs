@@ -13,6 +13,7 @@ mod points;
 mod references;
 mod setup;
 mod study;
+mod systems;
 mod viewer;
 
 pub use ablations::Ablation;
@@ -21,4 +22,5 @@ pub use points::{Component, Cost, CostInterval, Gain, GainInterval, Kernel, Poin
 pub use references::{GainBand, ModePolicy, PaperKernel, PaperPsnr, References};
 pub use setup::{ConfigValue, ModeRays, Policy, Scene};
 pub use study::{FILE, SCHEMA, Study};
+pub use systems::SystemPoint;
 pub use viewer::{TileFigures, ViewerImages, ViewerSet};

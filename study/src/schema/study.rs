@@ -7,10 +7,11 @@ use crate::schema::animation::{Map, Track};
 use crate::schema::points::Point;
 use crate::schema::references::References;
 use crate::schema::setup::{ConfigValue, Policy, Scene};
+use crate::schema::systems::SystemPoint;
 use crate::schema::viewer::ViewerSet;
 
 /// Version of the structs below; a reader refuses any other.
-pub const SCHEMA: u32 = 2;
+pub const SCHEMA: u32 = 3;
 
 /// Name of the file in the study's folder.
 pub const FILE: &str = "study.json";
@@ -53,6 +54,8 @@ pub struct Study {
     pub tracks: Vec<Track>,
     /// One choice changed at a time.
     pub ablations: Vec<Ablation>,
+    /// Policies on machines.
+    pub systems: Vec<SystemPoint>,
     /// Pictures to look at closely.
     pub viewer: Vec<ViewerSet>,
     /// Every value of the machine.

@@ -10,6 +10,7 @@ mod policies;
 mod setup;
 mod srp;
 mod summary;
+mod systems;
 mod table1;
 mod units;
 pub mod viewer;
@@ -26,6 +27,7 @@ pub fn all(view: &StudyView<'_>, pictures: &Pictures) -> Vec<Section> {
         figure7::section(view),
         table1::section(view),
         policies::section(view),
+        systems::section(view),
         maps::section(view, pictures),
         animation::section(view),
         energy::section(view),
