@@ -54,7 +54,10 @@ impl Rules {
         let (size, mut audit) = (meta.grid(), None);
         let (apron, sampling) = match policy {
             // Blocks of one sample leave nothing to test, and nothing to correct.
-            Policy::Full => (Apron::Share, Sampling::NONE),
+            // Cells have rules of their own.
+            Policy::Full | Policy::Whitted1980(_) | Policy::Mitchell1987(_) | Policy::Jin2009(_) => {
+                (Apron::Share, Sampling::NONE)
+            }
             Policy::Adaptive(adaptive) => (adaptive.apron, adaptive.sampling.clone()),
             Policy::Multirate(multirate) => {
                 let every = multirate.target.psnr_db.value().map(|_| multirate.target.audit);

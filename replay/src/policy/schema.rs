@@ -6,7 +6,7 @@ use std::sync::LazyLock;
 use rayreel_settings::{Entry, Family, Key, Preset, Result, Rule, Schema, Settings, SettingsError};
 use toml::Value;
 
-use super::kinds::{Adaptive, Foveated, Multirate};
+use super::kinds::{Adaptive, Foveated, Jin2009, Mitchell1987, Multirate, Whitted1980};
 
 macro_rules! presets {
     ($($name:literal)*) => { &[$(($name, include_str!(concat!("../presets/", $name, ".toml"))),)*] };
@@ -15,10 +15,11 @@ macro_rules! presets {
 /// The compiled-in presets: name and TOML text.
 pub const PRESETS: &[Preset] = presets! {
     "full" "adaptive" "adaptive-4" "adaptive-8" "paper-ss" "paper-us" "multirate" "quality" "aggressive" "foveated"
+    "whitted1980" "mitchell1987" "jin2009"
 };
 
 /// Kinds of policies.
-pub const KINDS: &[&str] = &["full", "adaptive", "multirate", "foveated"];
+pub const KINDS: &[&str] = &["full", "adaptive", "multirate", "foveated", "whitted1980", "mitchell1987", "jin2009"];
 
 const KIND: Entry = Entry::Key(Key { name: "kind", rule: Rule::Word(KINDS), unit: "", meaning: "kind of the policy" });
 
@@ -27,6 +28,9 @@ static SCHEMAS: LazyLock<Vec<Schema>> = LazyLock::new(|| {
         "adaptive" => Adaptive::ENTRIES,
         "multirate" => Multirate::ENTRIES,
         "foveated" => Foveated::ENTRIES,
+        "whitted1980" => Whitted1980::ENTRIES,
+        "mitchell1987" => Mitchell1987::ENTRIES,
+        "jin2009" => Jin2009::ENTRIES,
         _ => &[],
     };
     let schema = |kind: &&str| Schema::new(format!("a policy of kind {kind:?}"), &[&[KIND], entries(kind)].concat());

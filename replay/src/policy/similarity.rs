@@ -217,7 +217,7 @@ pub fn difference(shares: (Vec3, Vec3), totals: (Vec3, Vec3)) -> f64 {
 
 /// True when the angle between `a` and `b` has at least this cosine. Lengths are divided out, since a unit vector of f32 is
 /// not quite one: equal normals pass at any limit.
-fn within_angle(a: Vec3, b: Vec3, cosine: f64) -> bool {
+pub fn within_angle(a: Vec3, b: Vec3, cosine: f64) -> bool {
     let (a, b) = (wide(a), wide(b));
     dot(a, b) >= cosine * (dot(a, a) * dot(b, b)).sqrt()
 }

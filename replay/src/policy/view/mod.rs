@@ -284,13 +284,16 @@ impl TileView {
 
     /// The tile that decides sample (`x`, `y`).
     pub fn closer(&self, x: u32, y: u32) -> Closer {
+        if self.strips.cells && matches!(self.state(x, y), Some((SampleState::Reference, _))) {
+            return Closer::Itself;
+        }
         self.strips.closer(x, y)
     }
 
-    /// Columns and rows from these on wait for the tile to the right, and for the one below. To be said before anything is
-    /// tested.
-    pub(crate) fn wait_from(&mut self, column: u32, row: u32) {
-        self.strips = Strips { column, row };
+    /// Columns and rows from these on wait for the tile to the right, and for the one below; with `cells` all but the R-samples
+    /// among them. To be said before anything is tested.
+    pub(crate) fn wait_from(&mut self, (column, row): (u32, u32), cells: bool) {
+        self.strips = Strips { column, row, cells };
     }
 
     /// The X step is made.
