@@ -4,7 +4,7 @@
 //! now known, and leave. So two bands are held at a time, whatever the height of the frame.
 
 use rayon::prelude::*;
-use rayreel_formats::scene::{Camera, Rect};
+use rayreel_formats::scene::Camera;
 
 use crate::counts::{Counts, RayCounts, TileStats};
 use crate::error::{ReplayError, Result};

@@ -1,6 +1,7 @@
 //! The policies of a [`Policy`] at work: blocks of samples, whose size each tile has from [`super::rate`] and whose steps are
 //! those of [`super::adaptive`].
 
+use rayreel_formats::math::Vec3;
 use rayreel_formats::scene::{Camera, Meta};
 
 use super::adaptive::{Rules, TileRules};
@@ -72,7 +73,8 @@ impl BlockSampler {
     }
 
     fn tile(&self, view: &TileView) -> TileRules<'_> {
-        self.rules.tile(self.now.rates.tile(view.index()))
+        let eye = self.now.camera.map_or(Vec3::ZERO, |camera| camera.eye);
+        self.rules.tile(self.now.rates.tile(view.index()), eye)
     }
 }
 

@@ -19,7 +19,7 @@
 //! result depends on the frame alone and not on its tiles, which only matter for accounting ([`Apron`]).
 //!
 //! The files, each of which uses only those before it: `limit`, `sampling`, `kinds`, `schema` and `load` (settings), `tree` (a sample's hits), `interpolate`,
-//! `similarity`, `lattice` (where R-samples stand), `view`, `reuse` (hit by hit), `correct`, `audit`, `target`, `rate` (blocks and
+//! `shade`, `similarity`, `lattice` (where R-samples stand), `view`, `reuse` (hit by hit), `correct`, `audit`, `target`, `rate` (blocks and
 //! limits of tiles), `sampler` (the seam), `cells` (what lies between four R-samples), `adaptive` (the steps on a tile), `blocks` (all of it
 //! as a sampler).
 
@@ -38,6 +38,7 @@ mod reuse;
 mod sampler;
 mod sampling;
 pub mod schema;
+mod shade;
 mod similarity;
 mod target;
 pub mod tree;
@@ -50,6 +51,6 @@ pub use kinds::{
 pub use limit::Limit;
 pub use load::NamedPolicy;
 pub use sampler::{SamplePolicy, Sampler};
-pub use sampling::{Apron, Correct, Refine, Sampling, Similarity};
+pub use sampling::{Apron, Correct, Refine, Sampling, Shade, Similarity};
 pub use schema::{POLICIES, PRESETS};
 pub use view::{SampleState, TileView};
