@@ -5,10 +5,14 @@ use std::path::Path;
 use proptest::prelude::*;
 use rayreel_formats::Limits;
 use rayreel_formats::trace::Trace;
-use rayreel_machine::work::TileWork;
+use rayreel_machine::config::NamedMachine;
+use rayreel_machine::srp::KernelId;
+use rayreel_machine::system::NoProbe;
+use rayreel_machine::work::{Round, TileWork};
 use rayreel_replay::counts::RayCounts;
 use rayreel_replay::image::resolve::Resolver;
 use rayreel_replay::policy::{Jin2009, Mitchell1987, Policy, Priorities, Thresholds, Whitted1980};
+use rayreel_replay::simulate::simulate;
 use rayreel_replay::{FrameReplay, NamedPolicy, Options, PathSource, ReplayError, Replayer, TileSource, replay};
 use rayreel_testkit::Random;
 use rayreel_testkit::cells::{self, Work};
@@ -256,7 +260,34 @@ fn machines_are_charged_for_what_is_done() {
     }
 }
 
-/// One row of two flat objects, the second from column 3 on: its colours are chance, so any two differ.
+/// Every kernel of a machine has as many items as the work says, and no machine changes a picture.
+#[test]
+fn machines_do_their_work() {
+    let trace = &traces()[1];
+    let frame = trace.meta().first_frame;
+    for (preset, machine) in
+        PRESETS.into_iter().flat_map(|preset| ["sgrt-ti2", "external-buffers"].map(|machine| (preset, machine)))
+    {
+        let policy = NamedPolicy::load(preset, &[]).unwrap().policy;
+        let (replayed, works) = works(trace, &policy);
+        let machine = NamedMachine::load(machine, &[]).unwrap();
+        let mut replayer = Replayer::new(trace, &policy, Options::default()).unwrap();
+        let named = (machine.name.as_str(), &machine.config);
+        let ran = simulate(&mut replayer, frame, &trace.topology(), named, &mut NoProbe).unwrap();
+        assert_eq!(ran.replay, replayed, "{preset}");
+        assert_eq!(ran.stats.rays(), replayed.stats.counts.rays_traced.total(), "{preset}");
+        let items = |kernel: KernelId| -> u64 {
+            ran.stats.cores.iter().map(|core| core.srp.kernels[kernel as usize].items).sum()
+        };
+        let sum = |of: fn(&Round) -> u32| works.iter().flat_map(|w| &w.rounds).map(|r| u64::from(of(r))).sum::<u64>();
+        assert_eq!(items(KernelId::Similarity), sum(|round| round.tests), "{preset}");
+        assert_eq!(items(KernelId::Colour), sum(|round| round.colours), "{preset}");
+        assert_eq!(items(KernelId::Interpolate), sum(|round| round.interpolated), "{preset}");
+        assert_eq!(items(KernelId::Attributes), 0, "{preset}");
+    }
+}
+
+/// One row of a flat object whose colours are chance, so any two differ.
 #[test]
 fn squares_are_halved_by_hand() {
     let source = Synthetic::new(Look::Flat, (9, 1), 1, 16, 0);

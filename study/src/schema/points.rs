@@ -16,7 +16,7 @@ pub struct Point {
     pub machine: Option<String>,
     /// Block edge, samples; null for `full` and where it varies.
     pub block: Option<u32>,
-    /// What the policy is: `full`, `adaptive`, `multirate`, `foveated`.
+    /// What the policy is: `full`, `adaptive`, `multirate`, `foveated`, `whitted1980`, `mitchell1987`, `jin2009`.
     pub kind: String,
     /// Rays of all samples.
     pub rays_full: u64,
