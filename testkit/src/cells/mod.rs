@@ -8,7 +8,7 @@ use rayreel_replay::TileSource;
 use rayreel_replay::policy::{Apron, Policy, Refine};
 
 use crate::policies::adaptive;
-use crate::recorded::{Frame, read};
+use crate::recorded::read;
 use crate::reference::area::{Area, on};
 use crate::reference::maker::{KnownSample, Maker};
 use crate::reference::{Origin, Outcome};
