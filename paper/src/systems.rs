@@ -85,7 +85,8 @@ pub fn plan(setup: &Setup, plan: &mut Plan<'_>) -> Result<Vec<Planned>> {
 /// The points with what their results hold.
 pub fn systems(setup: &Setup, planned: &[Planned], results: &Results) -> Vec<SystemPoint> {
     let frames = |p: &Planned| (results.frame(p.gpu), p.alone.map(|alone| results.frame(alone)));
-    let full = |p: &Planned| planned.iter().find(|f| (f.scene, f.machine, f.policy) == (p.scene, p.machine, 0)).map(frames);
+    let full =
+        |p: &Planned| planned.iter().find(|f| (f.scene, f.machine, f.policy) == (p.scene, p.machine, 0)).map(frames);
     let point = |p: &Planned| {
         let (gpu, alone) = frames(p);
         let full = full(p).filter(|_| p.policy != 0);
@@ -142,7 +143,10 @@ pub fn table(study: &Study) -> String {
         let _ = write!(text, " {psnr:>13}");
     }
     let first = systems.machines.first().copied().unwrap_or_default();
-    let _ = write!(text, "\n\nunder full: frames a joule over {first}\n\nbeaten by nothing in both frames a joule and PSNR\n");
+    let _ = write!(
+        text,
+        "\n\nunder full: frames a joule over {first}\n\nbeaten by nothing in both frames a joule and PSNR\n"
+    );
     for pair in systems.frontier() {
         let (policy, machine) = (systems.policies[pair.policy], systems.machines[pair.machine]);
         let _ = writeln!(text, "  {policy:<13} on {machine:<14} {:>6.2}  {:>6}", pair.merit, psnr(&pair));

@@ -122,6 +122,12 @@ fn errors_name_key_range_and_neighbours() {
         (message("adaptive", &["refine=fast"]), "\"direct\" or \"hierarchical\""),
         (message("adaptive", &["block"]), "write key=value"),
         (message("adaptive", &["=3"]), "write key=value"),
+        (message("adaptive", &["similarity.convexity=2"]), "a number from 0 to 1, or \"off\""),
+        (message("adaptive", &["shade=light"]), "\"colour\" or \"attributes\""),
+        (message("adaptive", &["shade=attributes"]), "shade_ambient = 0.0 is not allowed; it must be above 0"),
+        (message("kim2016", &["shade_ambient=0"]), "it must be above 0 with shade = \"attributes\""),
+        (message("kim2016", &["shade_ambient=11"]), "a number from 0 to 10"),
+        (message("kim2016", &["secondary=true"]), "secondary = true is not allowed; it must be false with shade"),
         (message("full", &["block=2"]), "policy of kind \"full\""),
         (message("adaptve", &[]), "did you mean adaptive"),
         (message("no/such/file.toml", &[]), "cannot read the policy file no/such/file.toml"),
@@ -204,7 +210,13 @@ fn a_printed_policy_loads_again() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("again.toml");
     for (name, _) in PRESETS {
-        let sets: &[&str] = if *name == "full" { &[] } else { &["similarity.colour=0.0000001", "secondary=true"] };
+        let sets: &[&str] = match load(name, &[]).unwrap().policy {
+            Policy::Full => &[],
+            Policy::Whitted1980(_) => &["colour=0.0000001"],
+            Policy::Mitchell1987(_) => &["red=0.0000001"],
+            Policy::Jin2009(_) => &["threshold.colour=0.0000001", "priority.ste=2"],
+            _ => &["similarity.colour=0.0000001", "shade=colour", "secondary=true"],
+        };
         let policy = load(name, sets).unwrap();
         for text in [policy.page(), policy.to_toml().unwrap()] {
             std::fs::write(&path, &text).unwrap();

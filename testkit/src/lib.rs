@@ -1,10 +1,12 @@
 //! What the tests of several crates share. Never part of a build: members name it in `[dev-dependencies]` only.
 //!
 //! [`Random`] knows no other member. With the feature `frames` there are also `synthetic` frames, a slow second
-//! implementation of the adaptive policies (`reference`), and a source that catches who reads what was not traced (`poison`).
+//! implementation of the policies (`reference` and `cells`), and a source that catches who reads what was not traced (`poison`).
 
 mod random;
 
+#[cfg(feature = "frames")]
+pub mod cells;
 #[cfg(feature = "frames")]
 pub mod poison;
 #[cfg(feature = "frames")]
@@ -15,6 +17,8 @@ mod recorded;
 pub mod reference;
 #[cfg(feature = "frames")]
 pub mod rules;
+#[cfg(feature = "frames")]
+mod shade;
 #[cfg(feature = "frames")]
 pub mod switches;
 #[cfg(feature = "frames")]

@@ -26,7 +26,8 @@ pub struct Hit {
     number: usize,
     /// `None` for a miss.
     pub surface: Option<Surface>,
-    local: Rgb,
+    /// Of the hit alone.
+    pub local: Rgb,
     /// With what the hits below add.
     pub colour: Rgb,
     /// The ray that found it and its shadow rays.
@@ -141,6 +142,16 @@ impl Judge<'_> {
         if let Some(limit) = rules.plane.value() {
             let n = x.normal.map(f64::from);
             pass &= (step[0] * n[0] + step[1] * n[1] + step[2] * n[2]).abs() <= limit * reach;
+        }
+        if let Some(limit) = rules.convexity.value() {
+            let lean = |n: [f32; 3]| {
+                let n = n.map(f64::from);
+                n[0] * step[0] + n[1] * step[1] + n[2] * step[2]
+            };
+            let (a, b) = (lean(x.normal), lean(y.normal));
+            let e = limit * (step[0] * step[0] + step[1] * step[1] + step[2] * step[2]).sqrt();
+            let same_way = a > e && b > e || a < -e && b < -e;
+            pass &= !same_way && !a.is_nan() && !b.is_nan() && !e.is_nan();
         }
         if let Some(limit) = rules.texture.value() {
             let found = difference((a.local, b.local), (a.local, b.local));

@@ -1,6 +1,6 @@
 //! Policies over many combinations of switches, for the comparison with the second implementation.
 
-use rayreel_replay::policy::{Adaptive, Apron, Correct, Limit, Refine};
+use rayreel_replay::policy::{Adaptive, Apron, Correct, Limit, Refine, Shade};
 
 use crate::policies::adaptive;
 use crate::random::Random;
@@ -22,7 +22,7 @@ fn one(random: &mut Random) -> Adaptive {
         value => Limit::At(value),
     };
     let mut policy = adaptive(pick(&[2.0, 3.0, 4.0, 8.0]).value().unwrap() as u32, refine, apron);
-    let tests = &mut policy.sampling.similarity;
+    let mut tests = &mut policy.sampling.similarity;
     (tests.object_id, tests.shadow, tests.predict, tests.secondary) = (object_id, shadow, predict, deep);
     tests.normal_deg = pick(&[-1.0, 5.0, 20.0, 20.0]);
     tests.position = pick(&[-1.0, -1.0, -1.0, 0.2]);
@@ -33,5 +33,11 @@ fn one(random: &mut Random) -> Adaptive {
     (policy.sampling.secondary, policy.sampling.stand_in) = (secondary, stand_in);
     policy.sampling.correct =
         Correct { passes: pick(&[0.0, 1.0, 8.0]).value().unwrap() as u32, colour: pick(&[-1.0, 0.02, 0.1]) };
+    tests = &mut policy.sampling.similarity;
+    tests.convexity = pick(&[-1.0, -1.0, 0.0, 0.1]);
+    if !secondary && pick(&[0.0, 1.0]) == Limit::At(1.0) {
+        policy.sampling.shade = Shade::Attributes;
+        policy.sampling.shade_ambient = 0.2;
+    }
     policy
 }

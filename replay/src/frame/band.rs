@@ -4,7 +4,7 @@
 //! now known, and leave. So two bands are held at a time, whatever the height of the frame.
 
 use rayon::prelude::*;
-use rayreel_formats::scene::{Camera, Rect};
+use rayreel_formats::scene::Camera;
 
 use crate::counts::{Counts, RayCounts, TileStats};
 use crate::error::{ReplayError, Result};
@@ -86,7 +86,8 @@ where
             let (column, row) = sampler.waiting_from(view);
             let has_right = view.index() % columns + 1 < columns;
             let has_below = view.index() / columns + 1 < rows;
-            view.wait_from(if has_right { column } else { u32::MAX }, if has_below { row } else { u32::MAX });
+            let from = (if has_right { column } else { u32::MAX }, if has_below { row } else { u32::MAX });
+            view.wait_from(from, sampler.shares_corner());
         }
     }
 }
@@ -110,7 +111,10 @@ impl Band {
         }
         tiles.par_iter_mut().enumerate().for_each(|(i, view)| {
             sampler.step_x(view, borders.get(i + 1).and_then(Option::as_ref));
-            view.end_step_x();
+            // Of cells only R-samples are read, so nobody waits for the end of this step.
+            if !sampler.shares_corner() {
+                view.end_step_x();
+            }
         });
         Ok(Self { tiles, recorded })
     }
@@ -120,16 +124,28 @@ impl Band {
     /// # Errors
     /// When it left a sample undecided.
     pub fn close(&mut self, sampler: &dyn Sampler, frame: u32, below: Option<&Self>) -> Result<Vec<TileStats>> {
-        self.tiles.par_iter_mut().enumerate().for_each(|(i, view)| {
-            let closing = below.filter(|_| sampler.shares_first_row()).map(|band| {
-                let Rect { x, y, width, .. } = band.tiles[i].rect();
-                forest(&band.tiles[i], (x..x + width).map(|x| (x, y)))
-            });
+        let corners: Vec<_> = (0..self.tiles.len()).map(|i| self.corners(sampler, below, i)).collect();
+        self.tiles.par_iter_mut().zip(corners).enumerate().for_each(|(i, (view, corners))| {
+            let closing = below.and_then(|band| closing_row(sampler, &band.tiles[i], corners));
             sampler.step_y(view, closing.as_ref());
         });
         let stats: Vec<_> =
             (0..self.tiles.len()).into_par_iter().map(|i| self.stats(sampler, frame, below, i)).collect();
         stats.into_iter().collect()
+    }
+
+    /// The last sample that the tile to the right of tile `i` shares and the first of the tile below that, for a sampler that
+    /// reads them.
+    fn corners(&self, sampler: &dyn Sampler, below: Option<&Self>, i: usize) -> Forest {
+        let mut corners = Forest::default();
+        let both = below.and_then(|band| band.tiles.get(i + 1)).zip(self.tiles.get(i + 1));
+        if let Some((across, right)) = both.filter(|_| sampler.shares_corner()) {
+            let (at, first) = (right.rect(), across.rect());
+            let last = sampler.shared_rows(right).last().copied();
+            last.into_iter().for_each(|y| corners.push(right.tree(at.x, y)));
+            corners.push(across.tree(first.x, first.y));
+        }
+        corners
     }
 
     fn stats(&self, sampler: &dyn Sampler, frame: u32, below: Option<&Self>, i: usize) -> Result<TileStats> {
@@ -169,7 +185,8 @@ impl Band {
             list.push(OutsideSamples { band: self, tile: i + 1, samples });
         }
         if let Some(band) = below.filter(|_| sampler.shares_first_row()) {
-            list.push(OutsideSamples { band, tile: i, samples: (rect.x..right).map(|x| (x, bottom)).collect() });
+            let row = sampler.shared_columns(&band.tiles[i]).into_iter().map(|x| (x, bottom)).collect();
+            list.push(OutsideSamples { band, tile: i, samples: row });
             if i + 1 < band.tiles.len() {
                 list.push(OutsideSamples { band, tile: i + 1, samples: vec![(right, bottom)] });
             }
@@ -228,9 +245,13 @@ impl Band {
             return Borders { read: 0, kept: 0, columns };
         }
         let column = |tile: &TileView| sampler.shared_rows(tile).len() as u32;
-        let row = if sampler.shares_first_row() { self.tiles[i].rect().width } else { 0 };
+        // Tiles above one another share the same columns.
+        let row = sampler.shared_columns(&self.tiles[i]).len() as u32;
+        let has_right = i + 1 < self.tiles.len();
+        let corner = |is_there: bool| u32::from(is_there && sampler.shares_corner());
         let read = if i > 0 { column(&self.tiles[i]) } else { 0 } + if is_first { 0 } else { row };
         let kept = self.tiles.get(i + 1).map_or(0, column) + if is_last { 0 } else { row };
+        let (read, kept) = (read + corner(i > 0 && !is_first), kept + corner(has_right && !is_last));
         Borders { read, kept, columns }
     }
 
@@ -269,6 +290,15 @@ struct OutsideSamples<'a> {
     tile: usize,
     /// Column and row in the frame's grid.
     samples: Vec<(u32, u32)>,
+}
+
+/// The samples that tile `view` shares with the one above it, followed by its `corners`; nothing if it shares none.
+fn closing_row(sampler: &dyn Sampler, view: &TileView, corners: Forest) -> Option<Forest> {
+    let y = view.rect().y;
+    let columns = sampler.shared_columns(view);
+    let mut row = (!columns.is_empty()).then(|| forest(view, columns.into_iter().map(|x| (x, y))))?;
+    (0..corners.samples()).for_each(|i| row.push(corners.tree(i)));
+    Some(row)
 }
 
 /// The trees of some samples of a tile.

@@ -13,10 +13,11 @@ use super::interpolate::{interpolate_tree, mix, nearer};
 use super::lattice::SampleLattice;
 use super::rate::TileRate;
 use super::reuse::Rebuild;
+use super::shade::Shading;
 use super::similarity::{Compared, Tests};
 use super::tree::{Forest, Node};
 use super::view::{KnownTrees, SampleState, TileView};
-use super::{Apron, Policy, Refine, Sampling};
+use super::{Apron, Policy, Refine, Sampling, Shade};
 use crate::error::Result;
 use rayreel_machine::work::PolicyReads;
 
@@ -29,6 +30,8 @@ pub struct Rules {
     /// Who pays for the far border of a tile.
     pub apron: Apron,
     sampling: Sampling,
+    /// How interpolated samples are shaded, if they are.
+    shading: Option<Shading>,
     /// Which pixels are audited, if any.
     pub audit: Option<Audit>,
 }
@@ -42,6 +45,8 @@ pub struct TileRules<'a> {
     /// Where the tile to the left has its R-rows.
     pub left: SampleLattice,
     tests: Tests,
+    /// Where the camera is, scene units.
+    eye: Vec3,
 }
 
 impl Rules {
@@ -54,7 +59,10 @@ impl Rules {
         let (size, mut audit) = (meta.grid(), None);
         let (apron, sampling) = match policy {
             // Blocks of one sample leave nothing to test, and nothing to correct.
-            Policy::Full => (Apron::Share, Sampling::NONE),
+            // Cells have rules of their own.
+            Policy::Full | Policy::Whitted1980(_) | Policy::Mitchell1987(_) | Policy::Jin2009(_) => {
+                (Apron::Share, Sampling::NONE)
+            }
             Policy::Adaptive(adaptive) => (adaptive.apron, adaptive.sampling.clone()),
             Policy::Multirate(multirate) => {
                 let every = multirate.target.psnr_db.value().map(|_| multirate.target.audit);
@@ -63,7 +71,10 @@ impl Rules {
             }
             Policy::Foveated(foveated) => (Apron::Share, foveated.sampling.clone()),
         };
-        Ok(Self { size, blocks: *policy != Policy::Full, apron, sampling, audit })
+        let is_shaded = sampling.shade == Shade::Attributes;
+        let shading =
+            is_shaded.then(|| Shading { ambient: sampling.shade_ambient as f32, lights: meta.lights.clone() });
+        Ok(Self { shading, size, blocks: *policy != Policy::Full, apron, sampling, audit })
     }
 
     /// True when the policy looks at more than primary hits.
@@ -74,13 +85,16 @@ impl Rules {
     /// What the SRP reads of hits to decide; `control` says whether tiles have rates or limits of their own.
     pub fn reads(&self, control: bool) -> PolicyReads {
         let Sampling { secondary, stand_in, similarity, .. } = &self.sampling;
+        // A lean is the product of a normal and an offset, as a distance from a plane is, measured by a distance. Light falls by
+        // normal and position.
+        let (bends, is_shaded) = (similarity.convexity.value().is_some(), self.shading.is_some());
         PolicyReads {
             object: similarity.object_id || *secondary,
-            normal: similarity.normal_deg.value().is_some(),
-            shadow: similarity.shadow,
-            position: similarity.position.value().is_some(),
-            plane: similarity.plane.value().is_some(),
-            local: similarity.texture.value().is_some() || *stand_in,
+            normal: similarity.normal_deg.value().is_some() || bends || is_shaded,
+            shadow: similarity.shadow || is_shaded,
+            position: similarity.position.value().is_some() || bends || is_shaded,
+            plane: similarity.plane.value().is_some() || bends,
+            local: similarity.texture.value().is_some() || *stand_in || is_shaded,
             weights: *secondary,
             control,
         }
@@ -91,11 +105,11 @@ impl Rules {
         self.blocks
     }
 
-    /// The rules for a tile of rate `rate`.
-    pub fn tile(&self, rate: TileRate) -> TileRules<'_> {
+    /// The rules for a tile of rate `rate`, seen from `eye`.
+    pub fn tile(&self, rate: TileRate, eye: Vec3) -> TileRules<'_> {
         let lattice = |block| SampleLattice { width: self.size.0, height: self.size.1, block };
         let tests = Tests::new(&self.sampling.similarity, rate.relax);
-        TileRules { rules: self, lattice: lattice(rate.block), left: lattice(rate.left), tests }
+        TileRules { rules: self, lattice: lattice(rate.block), left: lattice(rate.left), tests, eye }
     }
 }
 
@@ -152,7 +166,8 @@ impl TileRules<'_> {
             let mut line = Line { rules: self, view, axis: Axis::Y(x), round: 1 + self.levels(), far };
             ends.windows(2).for_each(|pair| line.decide(pair[0], pair[1], f64::INFINITY));
         }
-        correct(view, &self.rules.sampling.correct, &self.tests, 1 + 2 * self.levels());
+        let are_attributes_made = self.rules.shading.is_some();
+        correct(view, &self.rules.sampling.correct, &self.tests, 1 + 2 * self.levels(), are_attributes_made);
     }
 
     /// How many rounds one step may take.
@@ -216,7 +231,9 @@ impl<'a> Line<'a> {
         let (near, far) = if swap { (b, a) } else { (a, b) };
         let ends = self.ends();
         // Of what the Y step interpolates corrections read some, and note it.
-        let is_read = matches!(ends.axis, Axis::X(_));
+        let (shading, eye) = (&self.rules.rules.shading, self.rules.eye);
+        let mut is_shaded = false;
+        let is_read = shading.is_some() || matches!(ends.axis, Axis::X(_));
         self.view.interpolate_from(ends.axis.at(i), self.round, is_read, |known, out| {
             let (near, far) = (ends.tree(known, near), ends.tree(known, far));
             match ends.axis {
@@ -227,7 +244,13 @@ impl<'a> Line<'a> {
                     interpolate_tree(&[alone(near)], &[alone(far)], s, out);
                 }
             }
+            if let (Some(shading), Some(node)) = (shading, out.first_mut()) {
+                is_shaded = shading.shade(&near[0], &far[0], s, eye, node);
+            }
         });
+        if is_shaded {
+            self.view.shaded(self.at(i), self.round);
+        }
     }
 
     /// Traces sample `i` between `a` and `b`: whole, or what of it cannot be interpolated.

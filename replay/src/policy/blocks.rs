@@ -1,16 +1,18 @@
 //! The policies of a [`Policy`] at work: blocks of samples, whose size each tile has from [`super::rate`] and whose steps are
 //! those of [`super::adaptive`].
 
+use rayreel_formats::math::Vec3;
 use rayreel_formats::scene::{Camera, Meta};
 
 use super::adaptive::{Rules, TileRules};
+use super::lattice::check_tile;
 use super::rate::{RateController, Rates};
 use super::sampler::{SamplePolicy, Sampler};
 use super::tree::Forest;
 use super::view::TileView;
-use super::{Apron, NamedPolicy, Policy};
+use super::{Apron, NamedPolicy, Policy, cells};
 use crate::counts::TileStats;
-use crate::error::{RequestError, Result};
+use crate::error::Result;
 use rayreel_machine::work::PolicyReads;
 
 impl SamplePolicy for Policy {
@@ -23,6 +25,9 @@ impl SamplePolicy for Policy {
     }
 
     fn sampler(&self, meta: &Meta) -> Result<Box<dyn Sampler>> {
+        if let Some(sampler) = cells::sampler(self, meta)? {
+            return Ok(sampler);
+        }
         Ok(Box::new(BlockSampler::new(self, meta)?))
     }
 }
@@ -68,7 +73,8 @@ impl BlockSampler {
     }
 
     fn tile(&self, view: &TileView) -> TileRules<'_> {
-        self.rules.tile(self.now.rates.tile(view.index()))
+        let eye = self.now.camera.map_or(Vec3::ZERO, |camera| camera.eye);
+        self.rules.tile(self.now.rates.tile(view.index()), eye)
     }
 }
 
@@ -138,15 +144,4 @@ impl Sampler for BlockSampler {
     fn apron(&self) -> Apron {
         self.rules.apron
     }
-}
-
-/// Tiles must begin at R-samples of every block that they may have.
-fn check_tile(tile: u32, blocks: &[u32]) -> Result<()> {
-    let Some(&block) = blocks.iter().find(|b| !tile.is_multiple_of(**b)) else { return Ok(()) };
-    let fit = |b: &u32| tile.is_multiple_of(*b);
-    let blocks: Vec<_> = [2, 3, 4, 8, 16].into_iter().filter(fit).map(|b| b.to_string()).collect();
-    let below = tile / block * block;
-    let tiles: Vec<_> = [below, below + block].into_iter().filter(|&t| t > 0).map(|t| t.to_string()).collect();
-    let blocks = if blocks.is_empty() { "none does".into() } else { blocks.join(", ") };
-    Err(RequestError::TileSize { tile, block, blocks, tiles: tiles.join(" or ") }.into())
 }

@@ -11,8 +11,9 @@ use super::tree::Node;
 use super::view::{SampleState, TileView};
 use super::{Correct, Limit};
 
-/// Corrects a tile whose samples are all known. The first pass is round `round`, and each pass a round.
-pub fn correct(view: &mut TileView, rules: &Correct, tests: &Tests, round: u8) {
+/// Corrects a tile whose samples are all known. The first pass is round `round`, and each pass a round. The attributes
+/// of interpolated samples may be made already.
+pub fn correct(view: &mut TileView, rules: &Correct, tests: &Tests, round: u8, are_attributes_made: bool) {
     let limit = match rules.colour {
         Limit::Off => -1.0,
         Limit::At(limit) => limit,
@@ -20,7 +21,7 @@ pub fn correct(view: &mut TileView, rules: &Correct, tests: &Tests, round: u8) {
     // The samples that may contradict: in the first pass all.
     let mut witnesses = vec![true; view.rect().len()];
     // The interpolated samples whose attributes were looked at: they have to be interpolated too, once.
-    let mut read = vec![false; view.rect().len()];
+    let mut read = vec![are_attributes_made; view.rect().len()];
     for pass in 0..rules.passes {
         let round = round + pass as u8;
         let found = contradicted(view, (tests, limit), round, &witnesses, &mut read);

@@ -19,6 +19,12 @@ pub enum Policy {
     Multirate(Multirate),
     /// The same, with larger blocks away from where the eye looks.
     Foveated(Foveated),
+    /// Squares whose corners differ in their colours are subdivided.
+    Whitted1980(Whitted1980),
+    /// Where the contrast of neighbouring samples is high all are traced.
+    Mitchell1987(Mitchell1987),
+    /// Attributes with priorities say how many samples of a pixel are traced.
+    Jin2009(Jin2009),
 }
 
 impl Policy {
@@ -29,9 +35,18 @@ impl Policy {
             Self::Adaptive(_) => "adaptive",
             Self::Multirate(_) => "multirate",
             Self::Foveated(_) => "foveated",
+            Self::Whitted1980(_) => "whitted1980",
+            Self::Mitchell1987(_) => "mitchell1987",
+            Self::Jin2009(_) => "jin2009",
         }
     }
 }
+
+/// Block edges where all tiles have the same.
+const BLOCK: Rule = OneOf(&[2, 3, 4, 8, 16]);
+
+/// Priorities of [`Jin2009`].
+const PRIORITY: Rule = OneOf(&[0, 1, 2]);
 
 /// Block edges of tiles that differ in their blocks: each divides the next.
 const NESTED: Rule = OneOf(&[2, 4, 8, 16]);
@@ -39,7 +54,7 @@ const NESTED: Rule = OneOf(&[2, 4, 8, 16]);
 settings! {
     /// The values of [`Policy::Adaptive`].
     pub struct Adaptive {
-        block: u32 = OneOf(&[2, 3, 4, 8, 16]), "block edge in samples: one R-sample per block";
+        block: u32 = BLOCK, "block edge in samples: one R-sample per block";
         apron: Apron = Apron::RULE, "the far border of a tile: shared with its owner, or traced again";
         ..sampling: Sampling, "what is done within a block";
     }
@@ -84,5 +99,50 @@ settings! {
         /// It grows linearly from 1 at `inner`.
         relax: f64 = Number(100.0), "factor on the colour limit from the outer radius on";
         ..sampling: Sampling, "what is done within a block";
+    }
+
+    /// The values of [`Policy::Whitted1980`].
+    pub struct Whitted1980 {
+        block: u32 = BLOCK, "block edge in samples: one R-sample per block";
+        colour: f64 = Number(2.0), "largest difference of two corners' colours as displayed";
+        least: u32 = Count(1, 16), "squares are halved where they are longer than this", "samples";
+    }
+
+    /// The values of [`Policy::Mitchell1987`].
+    pub struct Mitchell1987 {
+        block: u32 = BLOCK, "block edge in samples: one R-sample per block";
+        red: f64 = Number(1.0), "largest contrast of the corners in red";
+        green: f64 = Number(1.0), "largest contrast of the corners in green";
+        blue: f64 = Number(1.0), "largest contrast of the corners in blue";
+    }
+
+    /// The values of [`Policy::Jin2009`].
+    pub struct Jin2009 {
+        block: u32 = BLOCK, "block edge in samples: one R-sample per block";
+        priority: Priorities, "what a difference asks for: 0 nothing, 1 half of the samples, 2 all";
+        threshold: Thresholds, "what a difference is";
+    }
+
+    /// The priorities of [`Jin2009`]: his rendering elements.
+    #[serde(deny_unknown_fields)]
+    pub struct Priorities {
+        colour: u32 = PRIORITY, "of the colours of the samples";
+        poid: u32 = PRIORITY, "of the objects of primary hits";
+        psn: u32 = PRIORITY, "of the normals of primary hits";
+        psc: u32 = PRIORITY, "of the shadow counts of primary hits";
+        pte: u32 = PRIORITY, "of the textures of primary hits";
+        soid: u32 = PRIORITY, "of the objects of secondary hits";
+        ssn: u32 = PRIORITY, "of the normals of secondary hits";
+        ssc: u32 = PRIORITY, "of the shadow counts of secondary hits";
+        ste: u32 = PRIORITY, "of the textures of secondary hits";
+    }
+
+    /// The thresholds of [`Jin2009`]; objects and shadow counts must be equal.
+    #[serde(deny_unknown_fields)]
+    pub struct Thresholds {
+        colour: f64 = Number(2.0), "largest difference of the colours as displayed";
+        normal_deg: f64 = Number(180.0), "largest angle between the shading normals", "degrees";
+        /// It stands for a texture's presence, which traces do not hold.
+        texture: f64 = Number(2.0), "largest difference of the hits' local colours as displayed";
     }
 }

@@ -1,5 +1,7 @@
 //! Where the R-samples of a frame stand.
 
+use crate::error::{RequestError, Result};
+
 /// The R-sample grid of a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SampleLattice {
@@ -33,6 +35,20 @@ impl SampleLattice {
         let lattice = *self;
         (from..to).filter(move |&y| lattice.is_row(y))
     }
+}
+
+/// Tiles must begin at R-samples of every block that they may have.
+///
+/// # Errors
+/// [`RequestError::TileSize`].
+pub fn check_tile(tile: u32, blocks: &[u32]) -> Result<()> {
+    let Some(&block) = blocks.iter().find(|b| !tile.is_multiple_of(**b)) else { return Ok(()) };
+    let fit = |b: &u32| tile.is_multiple_of(*b);
+    let blocks: Vec<_> = [2, 3, 4, 8, 16].into_iter().filter(fit).map(|b| b.to_string()).collect();
+    let below = tile / block * block;
+    let tiles: Vec<_> = [below, below + block].into_iter().filter(|&t| t > 0).map(|t| t.to_string()).collect();
+    let blocks = if blocks.is_empty() { "none does".into() } else { blocks.join(", ") };
+    Err(RequestError::TileSize { tile, block, blocks, tiles: tiles.join(" or ") }.into())
 }
 
 #[cfg(test)]

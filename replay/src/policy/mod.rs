@@ -14,16 +14,19 @@
 //! an I-sample need not be traced whole: each hit of its ray tree is decided by itself.
 //!
 //! The block is the same for all tiles (`adaptive`), follows each tile's similarity in the frame before (`multirate`), or the
-//! distance from a gaze point (`foveated`); `full` has blocks of one sample. But for blocks that differ and for correction, the
+//! distance from a gaze point (`foveated`); `full` has blocks of one sample. `whitted1980`, `mitchell1987` and `jin2009` decide
+//! between the four R-samples around a block instead, in `cells`. But for blocks that differ and for correction, the
 //! result depends on the frame alone and not on its tiles, which only matter for accounting ([`Apron`]).
 //!
 //! The files, each of which uses only those before it: `limit`, `sampling`, `kinds`, `schema` and `load` (settings), `tree` (a sample's hits), `interpolate`,
-//! `similarity`, `lattice` (where R-samples stand), `view`, `reuse` (hit by hit), `correct`, `audit`, `target`, `rate` (blocks and
-//! limits of tiles), `sampler` (the seam), `adaptive` (the steps on a tile), `blocks` (all of it as a sampler).
+//! `shade`, `similarity`, `lattice` (where R-samples stand), `view`, `reuse` (hit by hit), `correct`, `audit`, `target`, `rate` (blocks and
+//! limits of tiles), `sampler` (the seam), `cells` (what lies between four R-samples), `adaptive` (the steps on a tile), `blocks` (all of it
+//! as a sampler).
 
 mod adaptive;
 mod audit;
 mod blocks;
+mod cells;
 mod correct;
 mod interpolate;
 mod kinds;
@@ -35,16 +38,19 @@ mod reuse;
 mod sampler;
 mod sampling;
 pub mod schema;
+mod shade;
 mod similarity;
 mod target;
 pub mod tree;
 pub mod view;
 
 pub use interpolate::between;
-pub use kinds::{Adaptive, Foveated, Multirate, Policy, Target};
+pub use kinds::{
+    Adaptive, Foveated, Jin2009, Mitchell1987, Multirate, Policy, Priorities, Target, Thresholds, Whitted1980,
+};
 pub use limit::Limit;
 pub use load::NamedPolicy;
 pub use sampler::{SamplePolicy, Sampler};
-pub use sampling::{Apron, Correct, Refine, Sampling, Similarity};
+pub use sampling::{Apron, Correct, Refine, Sampling, Shade, Similarity};
 pub use schema::{POLICIES, PRESETS};
 pub use view::{SampleState, TileView};

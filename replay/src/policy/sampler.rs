@@ -109,6 +109,18 @@ pub trait Sampler: Send + Sync {
         false
     }
 
+    /// The columns in which the tile above reads a sample of the first row of `view`, ascending.
+    fn shared_columns(&self, view: &TileView) -> Vec<u32> {
+        let (x, width) = (view.rect().x, view.rect().width);
+        if self.shares_first_row() { (x..x + width).collect() } else { Vec::new() }
+    }
+
+    /// A tile reads the tile to the right of the one below, too: R-samples, as all that it reads of its neighbours. The columns
+    /// and rows that wait then begin with its own last R-samples, which do not wait.
+    fn shares_corner(&self) -> bool {
+        false
+    }
+
     /// The columns and rows of a tile, in the frame's grid, that wait for its neighbours: from the first of these columns on it
     /// takes samples of the tile to the right to decide, from the first of these rows on samples of the tile below. A machine
     /// does what belongs to them when the neighbour has brought its samples. [`u32::MAX`] says that nothing waits.
@@ -120,8 +132,9 @@ pub trait Sampler: Send + Sync {
     /// if there is no such tile, or it shares none.
     fn step_x(&self, _view: &mut TileView, _right: Option<&Forest>) {}
 
-    /// Last look at a tile. `below` holds the first row of the tile below, left to right: nothing if there is no such tile, or
-    /// it is not shared.
+    /// Last look at a tile. `below` holds the first row of the tile below, left to right, in the columns that it shares: nothing
+    /// if there is no such tile, or it shares none. With [`Sampler::shares_corner`], where there is a tile to the right, two
+    /// samples follow: the last that it shares, and the first of the tile below it.
     fn step_y(&self, _view: &mut TileView, _below: Option<&Forest>) {}
 
     /// Takes note of the next row of tiles that is decided, top to bottom; the row below it has begun by then.

@@ -1,6 +1,6 @@
 //! What all policies with blocks have: the settings of a block, whatever its size.
 
-use rayreel_settings::Rule::{Count, Flag, Limit as LimitUpTo};
+use rayreel_settings::Rule::{Count, Flag, Limit as LimitUpTo, Number};
 use rayreel_settings::{settings, words};
 
 use super::limit::Limit;
@@ -12,6 +12,14 @@ words! {
         Direct = "direct",
         /// The middle one is traced, and both halves are tested again.
         Hierarchical = "hierarchical",
+    }
+
+    /// Where the colour of an interpolated sample comes from.
+    pub enum Shade {
+        /// It is interpolated.
+        Colour = "colour",
+        /// It is computed from the interpolated attributes: [`super::shade`] has the rule.
+        Attributes = "attributes",
     }
 
     /// Who pays for the closing row and column of a tile: the samples of the next tiles that its tests read.
@@ -32,6 +40,10 @@ settings! {
         /// Else such a primary hit is traced with its children. [`super::reuse`] says what a stand-in means for a replay.
         stand_in: bool = Flag,
             "with secondary: children of interpolated primary hits are traced from recorded stand-ins";
+        /// Attributes are for whole samples: not with `secondary`.
+        shade: Shade = Shade::RULE, "interpolated samples: colours are interpolated, or shaded from attributes";
+        /// Above 0 if that is used: a trace does not hold it.
+        shade_ambient: f64 = Number(10.0), "with shade = attributes: ambient light, beside the lights of the trace";
         similarity: Similarity, "when two samples are similar";
         correct: Correct, "what is traced after all";
     }
@@ -44,6 +56,9 @@ settings! {
         shadow: bool = Flag, "the shadow rays must have found the same";
         position: Limit = LimitUpTo(1.0), "largest distance of the hit points", "fraction of the shorter ray";
         plane: Limit = LimitUpTo(1.0), "largest distance from the first tangent plane", "fraction of the shorter ray";
+        /// The lean of a normal is its part along the line between both hits. Where a surface bends one way, both lean apart or
+        /// together; the same way they lean on an S-bend and over a step.
+        convexity: Limit = LimitUpTo(1.0), "largest lean of both normals to the same side", "fraction of the distance";
         /// Where object, normal and shadows agree, texture is what is left to differ.
         texture: Limit = LimitUpTo(2.0), "largest difference of the hits' local colours as displayed";
         /// [`super::similarity::Tests::colour_limit`] has the rule for other gaps and numbers of rays.
@@ -71,6 +86,7 @@ impl Similarity {
         shadow: false,
         position: Limit::Off,
         plane: Limit::Off,
+        convexity: Limit::Off,
         texture: Limit::Off,
         colour: Limit::Off,
         predict: false,
@@ -85,6 +101,8 @@ impl Sampling {
         refine: Refine::Direct,
         secondary: false,
         stand_in: false,
+        shade: Shade::Colour,
+        shade_ambient: 0.0,
         similarity: Similarity::NONE,
         correct: Correct { passes: 0, colour: Limit::Off },
     };

@@ -6,7 +6,8 @@ use std::sync::LazyLock;
 use rayreel_settings::{Entry, Family, Key, Preset, Result, Rule, Schema, Settings, SettingsError};
 use toml::Value;
 
-use super::kinds::{Adaptive, Foveated, Multirate};
+use super::kinds::{Adaptive, Foveated, Jin2009, Mitchell1987, Multirate, Whitted1980};
+use super::sampling::Shade;
 
 macro_rules! presets {
     ($($name:literal)*) => { &[$(($name, include_str!(concat!("../presets/", $name, ".toml"))),)*] };
@@ -15,10 +16,11 @@ macro_rules! presets {
 /// The compiled-in presets: name and TOML text.
 pub const PRESETS: &[Preset] = presets! {
     "full" "adaptive" "adaptive-4" "adaptive-8" "paper-ss" "paper-us" "multirate" "quality" "aggressive" "foveated"
+    "whitted1980" "mitchell1987" "jin2009" "kim2016"
 };
 
 /// Kinds of policies.
-pub const KINDS: &[&str] = &["full", "adaptive", "multirate", "foveated"];
+pub const KINDS: &[&str] = &["full", "adaptive", "multirate", "foveated", "whitted1980", "mitchell1987", "jin2009"];
 
 const KIND: Entry = Entry::Key(Key { name: "kind", rule: Rule::Word(KINDS), unit: "", meaning: "kind of the policy" });
 
@@ -27,6 +29,9 @@ static SCHEMAS: LazyLock<Vec<Schema>> = LazyLock::new(|| {
         "adaptive" => Adaptive::ENTRIES,
         "multirate" => Multirate::ENTRIES,
         "foveated" => Foveated::ENTRIES,
+        "whitted1980" => Whitted1980::ENTRIES,
+        "mitchell1987" => Mitchell1987::ENTRIES,
+        "jin2009" => Jin2009::ENTRIES,
         _ => &[],
     };
     let schema = |kind: &&str| Schema::new(format!("a policy of kind {kind:?}"), &[&[KIND], entries(kind)].concat());
@@ -49,7 +54,7 @@ pub fn keys(kind: &str) -> Option<&'static [Key]> {
     KINDS.contains(&kind).then(|| (POLICIES.schema)(kind).keys())
 }
 
-/// Checks what one key alone cannot show: that ranges are not empty. `get` knows the values.
+/// Checks what one key alone cannot show: that ranges are not empty, and that values go together. `get` knows the values.
 ///
 /// # Errors
 /// [`SettingsError::BadValue`].
@@ -67,6 +72,15 @@ pub(super) fn check_order<'a>(get: impl Fn(&str) -> Option<&'a Value>, origin: &
             let allowed = format!("a value up to that of {large}, which is {high}");
             return Err(SettingsError::bad_value(origin, small, value, allowed));
         }
+    }
+    let is_shaded = get("shade").and_then(Value::as_str) == Some(Shade::Attributes.name());
+    if let Some(ambient) = get("shade_ambient").filter(|_| is_shaded && number("shade_ambient") == Some(0.0)) {
+        let allowed = "above 0 with shade = \"attributes\"";
+        return Err(SettingsError::bad_value(origin, "shade_ambient", ambient, allowed));
+    }
+    if let Some(secondary) = get("secondary").filter(|on| is_shaded && on.as_bool() == Some(true)) {
+        let allowed = "false with shade = \"attributes\", which shades whole samples";
+        return Err(SettingsError::bad_value(origin, "secondary", secondary, allowed));
     }
     Ok(())
 }

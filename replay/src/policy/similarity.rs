@@ -22,6 +22,7 @@ pub struct Tests {
     normal_cos: Option<f64>,
     position: Option<f64>,
     plane: Option<f64>,
+    convexity: Option<f64>,
     texture: Option<f64>,
     colour: Option<f64>,
     /// A well predicted middle sample passes the colour test for its halves.
@@ -49,6 +50,7 @@ impl Tests {
             normal_cos: cosine(similarity.normal_deg),
             position: similarity.position.value(),
             plane: similarity.plane.value(),
+            convexity: similarity.convexity.value(),
             texture: similarity.texture.value(),
             colour: similarity.colour.value().map(|limit| limit * relax),
             predict: similarity.predict,
@@ -180,6 +182,7 @@ impl Tests {
         self.normal_cos.is_none_or(|cosine| within_angle(a.normal, b.normal, cosine))
             && self.position.is_none_or(|limit| dot(between, between).sqrt() <= limit * reach)
             && self.plane.is_none_or(|limit| dot(between, wide(a.normal)).abs() <= limit * reach)
+            && self.convexity.is_none_or(|limit| bends_one_way(between, (a.normal, b.normal), limit))
     }
 }
 
@@ -217,9 +220,19 @@ pub fn difference(shares: (Vec3, Vec3), totals: (Vec3, Vec3)) -> f64 {
 
 /// True when the angle between `a` and `b` has at least this cosine. Lengths are divided out, since a unit vector of f32 is
 /// not quite one: equal normals pass at any limit.
-fn within_angle(a: Vec3, b: Vec3, cosine: f64) -> bool {
+pub fn within_angle(a: Vec3, b: Vec3, cosine: f64) -> bool {
     let (a, b) = (wide(a), wide(b));
     dot(a, b) >= cosine * (dot(a, a) * dot(b, b)).sqrt()
+}
+
+/// True unless the normals at both ends of `between` lean to the same side of it by more than `limit` of its length. On a
+/// convex patch both lean apart, on a concave one towards each other, on a flat one neither leans. The same way they lean where a
+/// surface bends first one way and then the other, and over a step.
+fn bends_one_way(between: [f64; 3], normals: (Vec3, Vec3), limit: f64) -> bool {
+    let (first, second) = (dot(wide(normals.0), between), dot(wide(normals.1), between));
+    let slack = limit * dot(between, between).sqrt();
+    // Written so that a NaN fails.
+    (first <= slack || second <= slack) && (first >= -slack || second >= -slack)
 }
 
 fn wide(v: Vec3) -> [f64; 3] {
@@ -295,6 +308,25 @@ mod tests {
         let plane = |v| Similarity { plane: Limit::At(v), ..Similarity::NONE };
         assert!(similar(&plane(0.0), a, beside));
         assert!(similar(&plane(0.1), a, behind) && !similar(&plane(0.09), a, behind));
+    }
+
+    #[test]
+    fn surfaces_bend_one_way() {
+        let one_way = |a: [f32; 3], b: [f32; 3], limit: f64| {
+            let first = SurfacePoint { normal: Vec3::from(a).normalized(), ..surface() };
+            let position = first.position + vec3(2.0, 0.0, 0.0);
+            let second = SurfacePoint { normal: Vec3::from(b).normalized(), position, ..first };
+            let like = |a, b| similar(&Similarity { convexity: Limit::At(limit), ..Similarity::NONE }, a, b);
+            assert_eq!(like(first, second), like(second, first));
+            like(first, second)
+        };
+        let (left, up, right) = ([-0.6, 0.0, 0.8], [0.0, 0.0, 1.0], [0.6, 0.0, 0.8]);
+        assert!(one_way(left, right, 0.0), "convex");
+        assert!(one_way(right, left, 0.0), "concave");
+        assert!(one_way(up, up, 0.0), "flat");
+        assert!(one_way(up, right, 0.0), "flat, then falling");
+        assert!(!one_way(right, right, 0.59) && one_way(right, right, 0.61), "a step");
+        assert!(!one_way(left, [-0.8, 0.0, 0.6], 0.59), "an S-bend");
     }
 
     #[test]

@@ -93,7 +93,8 @@ impl<'a> Systems<'a> {
         let base = self.all(self.machines[0], FULL)?;
         let is_full = self.policies[policy] == FULL;
         let gain = |gain: Option<Gain>| if is_full { Some(1.0) } else { gain.map(|gain| gain.perf_per_watt) };
-        let merit = |(point, base): (&&SystemPoint, &&SystemPoint)| Some(point.gpu?.perf_per_watt / base.gpu?.perf_per_watt);
+        let merit =
+            |(point, base): (&&SystemPoint, &&SystemPoint)| Some(point.gpu?.perf_per_watt / base.gpu?.perf_per_watt);
         let within = |point: &&SystemPoint| point.gpu_gain.and_then(|g| g.interval).map_or(0.0, |i| i.perf_per_watt);
         let squares: f64 = points.iter().map(within).map(|part| part * part).sum();
         let psnr: f64 = points.iter().map(|p| p.psnr_db.unwrap_or(f64::INFINITY)).sum();
@@ -216,7 +217,11 @@ mod tests {
         let points = points();
         let systems = Systems::of(&points).unwrap();
         let best: Vec<(usize, usize)> = systems.frontier().iter().map(|p| (p.machine, p.policy)).collect();
-        assert_eq!(best, [(0, 2), (0, 0)], "multirate beats paper-ss in both; machine b is beaten by the same pictures on a");
+        assert_eq!(
+            best,
+            [(0, 2), (0, 0)],
+            "multirate beats paper-ss in both; machine b is beaten by the same pictures on a"
+        );
         let verdicts = systems.verdicts();
         assert_eq!(verdicts.len(), 1, "of b a scene is missing");
         let gpu: Vec<bool> = verdicts[0].holds.iter().map(|both| both[1].unwrap().0).collect();

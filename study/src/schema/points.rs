@@ -16,7 +16,7 @@ pub struct Point {
     pub machine: Option<String>,
     /// Block edge, samples; null for `full` and where it varies.
     pub block: Option<u32>,
-    /// What the policy is: `full`, `adaptive`, `multirate`, `foveated`.
+    /// What the policy is: `full`, `adaptive`, `multirate`, `foveated`, `whitted1980`, `mitchell1987`, `jin2009`.
     pub kind: String,
     /// Rays of all samples.
     pub rays_full: u64,
@@ -49,7 +49,8 @@ pub struct Point {
 }
 
 /// Kernels of the SRP that sampling adds: tests with what they decide, and interpolation.
-pub const SAMPLING_KERNELS: [&[&str]; 2] = [&["similarity", "colour", "control"], &["interpolate", "attributes"]];
+pub const SAMPLING_KERNELS: [&[&str]; 2] =
+    [&["similarity", "colour", "control"], &["interpolate", "attributes", "reshade"]];
 
 impl Point {
     /// Shares of the busy cycles of the SRPs that tests (inspector included) and interpolation take; nothing without a machine.

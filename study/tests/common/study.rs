@@ -53,8 +53,11 @@ pub fn study() -> Study {
         summary: format!("what {name} does"),
         config_toml: "block = 2\n".into(),
     };
+    let systems = ["sgrt-ti2", "mimd-trax"].iter().flat_map(|machine| points.iter().map(move |p| (*machine, p)));
+    let systems = systems.filter(|(_, point)| point.mode == MODES[0]).map(|(machine, point)| system(machine, point));
     Study {
         schema: SCHEMA,
+        systems: systems.collect(),
         tool: "rayreel 0.0.0".into(),
         title: "A small study".into(),
         command: "rayreel paper".into(),
@@ -73,6 +76,23 @@ pub fn study() -> Study {
         ablations: [("on chip", true), ("external", false)].map(|(name, base)| ablation(name, base)).into(),
         viewer: vec![set("teapot", "paper-ss"), set("chess", "multirate")],
         config: vec![value("ti.trv", "4"), value("l2.size", "256 KiB")],
+    }
+}
+
+/// The point on a machine, of which only the first has T&I units.
+fn system(machine: &str, point: &Point) -> SystemPoint {
+    let has_units = machine == "sgrt-ti2";
+    SystemPoint {
+        scene: point.scene.clone(),
+        machine: machine.into(),
+        policy: point.policy.clone(),
+        rays_full: point.rays_full,
+        rays_traced: point.rays_traced,
+        psnr_db: point.quality.and_then(|quality| quality.psnr_db),
+        gpu: point.gpu,
+        ti: point.ti.filter(|_| has_units),
+        gpu_gain: point.gpu_gain,
+        ti_gain: point.ti_gain.filter(|_| has_units),
     }
 }
 

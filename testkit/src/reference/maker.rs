@@ -6,6 +6,7 @@ use super::area::Area;
 use super::outcome::Origin;
 use crate::recorded::Frame;
 use crate::rules::{Hit, Judge, between, difference, mix};
+use crate::shade::shade;
 
 /// What is known of a sample.
 #[derive(Clone)]
@@ -54,7 +55,8 @@ impl Maker<'_> {
         if self.judge(area, gap).samples(&a, &b, foreseen) {
             for (i, &at) in line.iter().enumerate().take(gap).skip(1) {
                 let (near, far, s) = nearer(&a, &b, i, gap);
-                let tree = between(near, far, s);
+                let mut tree = between(near, far, s);
+                shade(&self.policy.sampling, self.frame, (near, far), s, &mut tree);
                 self.known[at] = Some(KnownSample { tree, how: Origin::Interpolated, round });
             }
             return;

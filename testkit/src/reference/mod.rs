@@ -2,9 +2,9 @@
 //! not from the code it checks. It shares the trace format's functions (rays, colours, normals) and nothing else.
 
 mod account;
-mod area;
+pub(crate) mod area;
 mod audit;
-mod maker;
+pub(crate) mod maker;
 mod outcome;
 
 use rayreel_replay::TileSource;

@@ -12,14 +12,8 @@ use super::anchor::Anchor;
 
 /// All anchors, in the order of the table.
 pub fn all() -> impl Iterator<Item = &'static Anchor> {
-    let lists = [
-        speed::ANCHORS,
-        systems::ANCHORS,
-        energy::ANCHORS,
-        mechanisms::ANCHORS,
-        area::ANCHORS,
-        sampling::ANCHORS,
-    ];
+    let lists =
+        [speed::ANCHORS, systems::ANCHORS, energy::ANCHORS, mechanisms::ANCHORS, area::ANCHORS, sampling::ANCHORS];
     lists.into_iter().flatten()
 }
 

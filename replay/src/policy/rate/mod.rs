@@ -15,7 +15,7 @@ use rayreel_formats::scene::{Camera, Meta};
 
 use crate::counts::TileStats;
 use crate::policy::target::{FirstFrame, LimitController};
-use crate::policy::{Foveated, Multirate, Policy};
+use crate::policy::{Foveated, Jin2009, Mitchell1987, Multirate, Policy, Whitted1980};
 
 /// What a tile is sampled with.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -114,6 +114,9 @@ impl RateController {
         };
         match policy {
             Policy::Full => vec![1],
+            Policy::Whitted1980(Whitted1980 { block, .. })
+            | Policy::Mitchell1987(Mitchell1987 { block, .. })
+            | Policy::Jin2009(Jin2009 { block, .. }) => vec![*block],
             Policy::Adaptive(adaptive) => vec![adaptive.block],
             Policy::Multirate(multirate) => range(multirate.finest, multirate.coarsest),
             Policy::Foveated(foveated) => range(foveated.finest, foveated.coarsest),
@@ -126,6 +129,9 @@ impl RateController {
         let mut first = None;
         let tiles = match &self.policy {
             Policy::Full => vec![(1, 1.0); count],
+            Policy::Whitted1980(_) | Policy::Mitchell1987(_) | Policy::Jin2009(_) => {
+                Self::blocks(&self.policy).into_iter().flat_map(|block| vec![(block, 1.0); count]).collect()
+            }
             Policy::Adaptive(adaptive) => vec![(adaptive.block, 1.0); count],
             Policy::Foveated(rings) => (0..self.columns * self.rows).map(|tile| self.foveated(rings, tile)).collect(),
             Policy::Multirate(multirate) => match (&self.history, &self.target) {

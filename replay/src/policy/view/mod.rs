@@ -262,6 +262,11 @@ impl TileView {
         self.count(at, round, |counts| counts.attributes += hits);
     }
 
+    /// Notes that an interpolated sample was shaded from its attributes.
+    pub(crate) fn shaded(&mut self, at: (u32, u32), round: u8) {
+        self.count(at, round, |counts| counts.shaded += 1);
+    }
+
     /// Notes `colours` differences of colours that tests of round `round` compute, as [`TileView::tested`].
     pub fn compared_colours(&mut self, at: (u32, u32), round: u8, colours: u32) {
         self.count(at, round, |counts| counts.colours += colours);
@@ -284,13 +289,16 @@ impl TileView {
 
     /// The tile that decides sample (`x`, `y`).
     pub fn closer(&self, x: u32, y: u32) -> Closer {
+        if self.strips.cells && matches!(self.state(x, y), Some((SampleState::Reference, _))) {
+            return Closer::Itself;
+        }
         self.strips.closer(x, y)
     }
 
-    /// Columns and rows from these on wait for the tile to the right, and for the one below. To be said before anything is
-    /// tested.
-    pub(crate) fn wait_from(&mut self, column: u32, row: u32) {
-        self.strips = Strips { column, row };
+    /// Columns and rows from these on wait for the tile to the right, and for the one below; with `cells` all but the R-samples
+    /// among them. To be said before anything is tested.
+    pub(crate) fn wait_from(&mut self, (column, row): (u32, u32), cells: bool) {
+        self.strips = Strips { column, row, cells };
     }
 
     /// The X step is made.

@@ -11,6 +11,8 @@
 //!
 //! Nothing of a neighbour that comes later is known while a tile is worked on. So whoever brings the samples that close a strip
 //! does its tests and starts its rays.
+//!
+//! Where blocks are decided as cells with four corners, the strips begin with the tile's last R-samples: these are its own.
 
 /// What was done in one round beside tracing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -23,6 +25,8 @@ pub struct RoundCounts {
     pub interpolated: u32,
     /// Interpolated hits of which later tests may read the attributes.
     pub attributes: u32,
+    /// Interpolated samples that were shaded from their attributes.
+    pub shaded: u32,
 }
 
 /// Who decides a sample of a tile.
@@ -48,12 +52,14 @@ pub(super) struct Strips {
     pub column: u32,
     /// First row that waits for the tile below.
     pub row: u32,
+    /// R-samples never wait.
+    pub cells: bool,
 }
 
 impl Default for Strips {
     /// Nothing waits.
     fn default() -> Self {
-        Self { column: u32::MAX, row: u32::MAX }
+        Self { column: u32::MAX, row: u32::MAX, cells: false }
     }
 }
 

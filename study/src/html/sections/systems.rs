@@ -55,7 +55,11 @@ fn everything(view: &StudyView<'_>, systems: &Systems<'_>, pairs: &[Pair]) -> St
         .map(|pair| format!("{} on {}", systems.policies[pair.policy], systems.machines[pair.machine]))
         .collect();
     let caption = format!("Beaten by nothing: {}.", escape(&names.join(", ")));
-    card("All machines", &scatter(&dots, ["mean PSNR, dB", "performance per watt"], "All policies on all machines"), &caption)
+    card(
+        "All machines",
+        &scatter(&dots, ["mean PSNR, dB", "performance per watt"], "All policies on all machines"),
+        &caption,
+    )
 }
 
 fn by_machine(view: &StudyView<'_>, systems: &Systems<'_>, pairs: &[Pair]) -> String {
