@@ -14,9 +14,10 @@ pub fn section(view: &StudyView<'_>) -> Option<Section> {
     let mut html = view.legend(&policies);
     html += &grid(&(everything(view, &systems, &pairs) + &by_machine(view, &systems, &pairs)));
     html += &how_to_read(
-        "Means over all scenes, whole GPU, 2×2 samples a pixel. The first chart compares machines too: frames a second and watt over \
+        "Means over all scenes, 2×2 samples a pixel. The first chart compares machines too: frames a second and watt over \
          those of the first machine under full, one mark for each policy on each machine. The others compare the policies of one \
-         machine with full on it. The line joins what nothing beats in both.",
+         machine with full on it, for the whole GPU and, where there are any, for the T&I units alone. The line joins what nothing beats \
+         in both.",
     );
     html += &gains(&systems, &pairs);
     html += &verdicts(&systems);
@@ -69,12 +70,21 @@ fn by_machine(view: &StudyView<'_>, systems: &Systems<'_>, pairs: &[Pair]) -> St
         let dots: Vec<Dot> = of_machine
             .map(|pair| dot(view, systems, pair, systems.policies[pair.policy].to_owned(), pair.gain))
             .collect();
-        if dots.len() > 1 {
-            let chart = scatter(&dots, ["mean PSNR, dB", "performance per watt over full"], name);
-            html += &card(&escape(name), &chart, "");
-        }
+        html += &chart(&dots, name, "whole GPU");
+        let alone = pairs.iter().filter(|pair| pair.machine == machine).filter_map(|pair| {
+            Some(dot(view, systems, pair, systems.policies[pair.policy].to_owned(), pair.ti_gain?))
+        });
+        html += &chart(&alone.collect::<Vec<_>>(), name, "T&I units alone");
     }
     html
+}
+
+fn chart(dots: &[Dot], machine: &str, part: &str) -> String {
+    if dots.len() < 2 {
+        return String::new();
+    }
+    let title = format!("{machine}, {part}");
+    card(&escape(&title), &scatter(dots, ["mean PSNR, dB", "performance per watt over full"], &title), "")
 }
 
 fn gains(systems: &Systems<'_>, pairs: &[Pair]) -> String {
