@@ -78,7 +78,7 @@ fn assert_same<S: TileSource>(source: &S, frame: &FrameReplay, expected: &Outcom
     assert_eq!(kinds(counts.rays_traced), expected.rays_traced, "{what}");
     assert_eq!(kinds(counts.rays_full), expected.rays_full, "{what}");
     let tiles: Vec<_> = frame.stats.tiles.iter().map(|t| kinds(t.counts.rays_traced)).collect();
-    assert!(tiles.iter().eq(expected.tiles.iter().map(|(own, _)| own)), "{what}: tiles");
+    assert!(tiles.iter().eq(expected.tiles.iter().map(|(rays, _)| rays)), "{what}: tiles");
 }
 
 /// Sizes whose grids end in every way: on a block, past a block, on a tile, one sample past a tile, smaller than a block.

@@ -2,7 +2,7 @@
 
 use rayreel_replay::policy::Jin2009;
 
-use super::{Cell, Making};
+use super::making::{Cell, Making};
 use crate::rules::{Hit, difference};
 
 /// Priorities of object, normal, shadow count and texture.
@@ -22,13 +22,13 @@ pub fn jin(making: &mut Making<'_>, values: &Jin2009, cell: Cell) {
     }
     let Cell { xa, xb, ya, yb } = cell;
     let mut judge = Judge { values, p: 0, tests: 0, colours: 0 };
-    let own = making.hit(xa, ya);
+    let first = making.hit(xa, ya);
     let mut seen = vec![(xa, ya)];
     for at in [(xb, ya), (xa, yb), (xb, yb)] {
         // In the last column and row corners are the same samples.
         if !seen.contains(&at) {
             seen.push(at);
-            judge.samples(own, making.hit(at.0, at.1));
+            judge.samples(first, making.hit(at.0, at.1));
         }
     }
     let Judge { p, tests, colours, .. } = judge;

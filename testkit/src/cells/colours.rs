@@ -2,7 +2,7 @@
 
 use rayreel_replay::policy::{Mitchell1987, Whitted1980};
 
-use super::{Cell, Making};
+use super::making::{Cell, Making};
 use crate::rules::{difference, mix};
 
 type Rgb = [f32; 3];

@@ -3,43 +3,19 @@
 
 mod attributes;
 mod colours;
+mod making;
 
 use rayreel_replay::TileSource;
 use rayreel_replay::policy::{Apron, Policy, Refine};
 
 use crate::policies::adaptive;
-use crate::recorded::{Frame, read};
+use crate::recorded::read;
 use crate::reference::area::{Area, on};
-use crate::reference::maker::{KnownSample, Maker};
+use crate::reference::maker::Maker;
 use crate::reference::{Origin, Outcome};
-use crate::rules::Hit;
+use making::{Cell, Making};
 
-/// What was done in a round beside tracing.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Work {
-    /// Tests.
-    pub tests: u64,
-    /// Differences of colours.
-    pub colours: u64,
-    /// Samples that were interpolated.
-    pub interpolated: u64,
-}
-
-/// A cell: its first and its far column and row.
-#[derive(Clone, Copy, Debug)]
-struct Cell {
-    xa: usize,
-    xb: usize,
-    ya: usize,
-    yb: usize,
-}
-
-/// A frame in the making.
-struct Making<'a> {
-    maker: Maker<'a>,
-    width: usize,
-    rounds: Vec<Work>,
-}
+pub use making::Work;
 
 /// Replays one frame; what became of its samples, and what was done in each round.
 ///
@@ -85,52 +61,4 @@ pub fn replay<S: TileSource>(source: &S, policy: &Policy, frame: u32) -> (Outcom
     let Making { maker, rounds, .. } = making;
     let before = maker.traced.clone();
     (maker.account(&tiles, &before), rounds)
-}
-
-impl Cell {
-    /// All that it owns, row by row.
-    fn owned(self) -> Vec<(usize, usize)> {
-        let (right, bottom) = (self.xb.max(self.xa + 1), self.yb.max(self.ya + 1));
-        (self.ya..bottom).flat_map(|y| (self.xa..right).map(move |x| (x, y))).collect()
-    }
-
-    /// The same without its R-sample.
-    fn others(self) -> Vec<(usize, usize)> {
-        self.owned()[1..].to_vec()
-    }
-
-    /// It has one column or one row of R-samples only.
-    fn is_line(self) -> bool {
-        self.xa == self.xb || self.ya == self.yb
-    }
-}
-
-impl Making<'_> {
-    fn hit(&self, x: usize, y: usize) -> &Hit {
-        self.maker.tree(y * self.width + x)
-    }
-
-    fn colour(&self, x: usize, y: usize) -> [f32; 3] {
-        self.hit(x, y).colour
-    }
-
-    fn trace(&mut self, (x, y): (usize, usize), round: u8) {
-        self.maker.whole(y * self.width + x, Origin::Traced, round);
-    }
-
-    fn interpolate(&mut self, (x, y): (usize, usize), colour: [f32; 3], round: u8) {
-        // Nothing but the colour of an interpolated sample is looked at.
-        let mut tree = self.maker.frame.recorded[y * self.width + x].clone();
-        (tree.colour, tree.below) = (colour, [None, None]);
-        self.maker.known[y * self.width + x] = Some(KnownSample { tree, how: Origin::Interpolated, round });
-        self.work(round).interpolated += 1;
-    }
-
-    fn work(&mut self, round: u8) -> &mut Work {
-        let round = usize::from(round);
-        if self.rounds.len() <= round {
-            self.rounds.resize(round + 1, Work::default());
-        }
-        &mut self.rounds[round]
-    }
 }

@@ -52,7 +52,7 @@ impl Whitted {
         let middle = |(a, b): (u32, u32), is_halved: bool| if is_halved { a.midpoint(b) } else { b };
         let (u, v) = (middle(x, wide), middle(y, high));
         let (s, t) = (share(x, u), share(y, v));
-        let [own, right, below, across] = corners;
+        let [corner, right, below, across] = corners;
         let mut traced = |at, is_new: bool| {
             is_new.then(|| {
                 cell.trace(at, round);
@@ -81,7 +81,7 @@ impl Whitted {
         let centre = centre.unwrap_or(if wide { lower } else { beside });
         let (west, east) = ((x.0, u), (u, x.1));
         let (north, south) = ((y.0, v), (v, y.1));
-        self.decide(cell, Square { x: west, y: north, corners: [own, top, left, centre] }, round + 1);
+        self.decide(cell, Square { x: west, y: north, corners: [corner, top, left, centre] }, round + 1);
         if wide {
             self.decide(cell, Square { x: east, y: north, corners: [top, right, centre, beside] }, round + 1);
         }
