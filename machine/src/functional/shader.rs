@@ -68,6 +68,7 @@ impl Shader {
         self.items(KernelId::Colour, round.colours.into(), counted, features);
         self.items(KernelId::Interpolate, round.interpolated.into(), counted, features);
         self.items(KernelId::Attributes, round.attributes.into(), counted, features);
+        self.items(KernelId::Reshade, round.shaded.into(), counted, features);
         let mut seen = 0;
         for &ray in &round.starts {
             if self.rasters && work.rays[ray as usize].kind == RayKind::Primary {

@@ -11,7 +11,7 @@
 //!   rays)`: the first light is part of `shade`.
 //! * What a policy adds has kernels whose operations are counted from what it reads ([`PolicyReads`]): `similarity` the
 //!   attributes of a pair of hits, `colour` a difference of colours, `interpolate` the colour of a sample, `attributes` what
-//!   later tests read of an interpolated hit, `control` the rate or limit of a tile. Their interval is the operations over
+//!   later tests read of an interpolated hit, `control` the rate or limit of a tile; `reshade` is `shade` without its reads. Their interval is the operations over
 //!   `srp.ops_per_cycle`, rounded up, and the prologue so many stages of it.
 //!
 //! Class of these rules: estimate, except that kernels use inspector and executor (paper).
@@ -38,14 +38,16 @@ pub enum KernelId {
     Interpolate = 6,
     /// The attributes of an interpolated hit.
     Attributes = 7,
+    /// An interpolated sample that is shaded from its attributes.
+    Reshade = 8,
     /// The rate or limit of a tile.
-    Control = 8,
+    Control = 9,
     /// A sample averaged into its pixel.
-    Resolve = 9,
+    Resolve = 10,
 }
 
 /// Number of kernels.
-pub const KERNELS: usize = 10;
+pub const KERNELS: usize = 11;
 
 impl KernelId {
     /// All kernels, in order.
@@ -58,6 +60,7 @@ impl KernelId {
         Self::Colour,
         Self::Interpolate,
         Self::Attributes,
+        Self::Reshade,
         Self::Control,
         Self::Resolve,
     ];
@@ -73,6 +76,7 @@ impl KernelId {
             Self::Colour => "colour",
             Self::Interpolate => "interpolate",
             Self::Attributes => "attributes",
+            Self::Reshade => "reshade",
             Self::Control => "control",
             Self::Resolve => "resolve",
         }
@@ -157,6 +161,8 @@ impl Costs {
                 made(&k.colour, 0),
                 made(&k.interpolate, 0),
                 made(&k.attributes, mixed),
+                // The material is that of the ends, its texel is in their colours: nothing is gathered, no ray is sent.
+                k.shade,
                 made(&k.control, 0),
                 k.resolve,
             ],

@@ -116,6 +116,7 @@ impl TileBuffer {
                 let mixed = self.mixed().into_iter().map(words).sum::<u64>();
                 (attributes(2 * mixed), attributes(mixed))
             }
+            KernelId::Reshade => (colour + attributes(self.mixed().into_iter().map(words).sum()), colour),
             KernelId::Control => (0, 1),
             KernelId::Resolve => (colour, 0),
         };

@@ -26,6 +26,7 @@ counters! {
         colour: "SRP cycles", "in the colour kernel";
         interpolate: "SRP cycles", "in the interpolate kernel";
         attributes: "SRP cycles", "in the attributes kernel";
+        reshade: "SRP cycles", "in the reshade kernel";
         control: "SRP cycles", "in the control kernel";
         resolve: "SRP cycles", "in the resolve kernel";
         inspector: "SRP cycles", "sorting items by branch";
@@ -60,6 +61,7 @@ impl SrpActivity {
             KernelId::Colour => self.colour,
             KernelId::Interpolate => self.interpolate,
             KernelId::Attributes => self.attributes,
+            KernelId::Reshade => self.reshade,
             KernelId::Control => self.control,
             KernelId::Resolve => self.resolve,
         }
@@ -75,6 +77,7 @@ impl SrpActivity {
             KernelId::Colour => &mut self.colour,
             KernelId::Interpolate => &mut self.interpolate,
             KernelId::Attributes => &mut self.attributes,
+            KernelId::Reshade => &mut self.reshade,
             KernelId::Control => &mut self.control,
             KernelId::Resolve => &mut self.resolve,
         } += cycles;

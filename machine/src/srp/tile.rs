@@ -247,9 +247,11 @@ impl Slot {
     }
 
     fn begin_samples(&mut self, id: u8, context: &mut TileContext<'_>) {
-        let (interpolated, attributes) = self.round().map_or((0, 0), |w| (w.interpolated, w.attributes));
+        let of = |w: &Round| (w.interpolated, w.attributes, w.shaded);
+        let (interpolated, attributes, shaded) = self.round().map_or((0, 0, 0), of);
         self.queue(KernelId::Interpolate, interpolated, context);
         self.queue(KernelId::Attributes, attributes, context);
+        self.queue(KernelId::Reshade, shaded, context);
         let Some(round) = self.work.rounds.get(self.round) else { return };
         self.pending += round.starts.len() as u32;
         for &ray in &round.starts {

@@ -60,6 +60,8 @@ pub struct Round {
     pub interpolated: u32,
     /// Interpolated hits of which later tests read the attributes.
     pub attributes: u32,
+    /// Interpolated samples that are shaded from their attributes.
+    pub shaded: u32,
     /// The rays that the SRP starts, as indices into [`TileWork::rays`], row by row: primary rays, and rays of any kind that
     /// leave an interpolated hit. All others are spawned by a hit that comes back.
     pub starts: Vec<u32>,

@@ -2,7 +2,7 @@
 
 use rayreel_formats::tile::RayKind;
 use rayreel_machine::config::{Divergence, Interface, Kernel, MachineConfig, Pipeline, PrimaryVisibility};
-use rayreel_machine::srp::KERNELS;
+use rayreel_machine::srp::{KERNELS, KernelId};
 use rayreel_machine::stats::Stats;
 use rayreel_machine::work::ops::OpKind;
 use rayreel_machine::work::synthetic::Random;
@@ -53,11 +53,11 @@ impl Demand {
                 }
             }
             for round in &tile.rounds {
-                let counts = [round.tests, round.colours, round.interpolated, round.attributes];
-                sum.items[4..8].iter_mut().zip(counts).for_each(|(sum, count)| *sum += u64::from(count));
+                let counts = [round.tests, round.colours, round.interpolated, round.attributes, round.shaded];
+                sum.items[4..9].iter_mut().zip(counts).for_each(|(sum, count)| *sum += u64::from(count));
             }
             sum.items[5] += u64::from(tile.audited_samples);
-            sum.items[9] += tile.rect.len() as u64;
+            sum.items[KernelId::Resolve as usize] += tile.rect.len() as u64;
         }
         sum
     }
@@ -207,6 +207,7 @@ pub fn intervals_and_ops(config: &MachineConfig) -> [(u64, u64); KERNELS] {
         made(k.colour.ops),
         made(k.interpolate.ops),
         made(k.attributes.ops + mix.identity + mix.normal),
+        fixed(k.shade),
         made(k.control.ops),
         fixed(k.resolve),
     ]

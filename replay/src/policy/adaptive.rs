@@ -232,6 +232,7 @@ impl<'a> Line<'a> {
         let ends = self.ends();
         // Of what the Y step interpolates corrections read some, and note it.
         let (shading, eye) = (&self.rules.rules.shading, self.rules.eye);
+        let mut is_shaded = false;
         let is_read = shading.is_some() || matches!(ends.axis, Axis::X(_));
         self.view.interpolate_from(ends.axis.at(i), self.round, is_read, |known, out| {
             let (near, far) = (ends.tree(known, near), ends.tree(known, far));
@@ -244,9 +245,12 @@ impl<'a> Line<'a> {
                 }
             }
             if let (Some(shading), Some(node)) = (shading, out.first_mut()) {
-                shading.shade(&near[0], &far[0], s, eye, node);
+                is_shaded = shading.shade(&near[0], &far[0], s, eye, node);
             }
         });
+        if is_shaded {
+            self.view.shaded(self.at(i), self.round);
+        }
     }
 
     /// Traces sample `i` between `a` and `b`: whole, or what of it cannot be interpolated.

@@ -22,9 +22,9 @@ pub struct Shading {
 
 impl Shading {
     /// Shades the hit `node`, interpolated `s` of the way from `near` to `far`, as it is seen from `eye`: its local colour and its
-    /// colour. A miss stays as it is.
-    pub fn shade(&self, near: &Node, far: &Node, s: f32, eye: Vec3, node: &mut Node) {
-        let (Some(a), Some(b), Some(c)) = (&near.surface, &far.surface, &node.surface) else { return };
+    /// colour. A miss stays as it is; false says so.
+    pub fn shade(&self, near: &Node, far: &Node, s: f32, eye: Vec3, node: &mut Node) -> bool {
+        let (Some(a), Some(b), Some(c)) = (&near.surface, &far.surface, &node.surface) else { return false };
         // An interpolated normal has been divided by its length; so are those of the ends, or equal ends would have another light.
         let (at_near, at_far) = (self.light(a, a.normal.normalized(), eye), self.light(b, b.normal.normalized(), eye));
         let here = self.light(c, c.normal, eye);
@@ -32,6 +32,7 @@ impl Shading {
         let local = mix(near.local.times(ratio(here, at_near)), far.local.times(ratio(here, at_far)), s);
         node.colour = node.colour + (local - node.local);
         node.local = local;
+        true
     }
 
     /// The light that a diffuse surface of reflectance 1 sends to `eye`, per channel.

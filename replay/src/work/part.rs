@@ -86,6 +86,7 @@ impl Part {
             round.colours += counts.colours;
             round.interpolated += counts.interpolated;
             round.attributes += counts.attributes;
+            round.shaded += counts.shaded;
         }
     }
 
@@ -126,6 +127,7 @@ impl Part {
             round.colours += added.colours;
             round.interpolated += added.interpolated;
             round.attributes += added.attributes;
+            round.shaded += added.shaded;
             round.starts.extend(added.starts.into_iter().map(moved));
         }
         self.paths += other.paths;

@@ -56,11 +56,11 @@ fn an_external_geometry_buffer_is_written_and_read_by_rounds() {
 #[test]
 fn local_memory_is_counted_by_field() {
     let mut work = uniform(0, 2, Some(0), 1);
-    work.rounds.push(Round { tests: 5, colours: 4, interpolated: 3, attributes: 2, ..Round::default() });
+    work.rounds.push(Round { tests: 5, colours: 4, interpolated: 3, attributes: 2, shaded: 2, ..Round::default() });
     let (s, ..) = finished(&machine(), work.clone());
     // Words: object 1, normal 1, position 2, shadow 1, colour 1, flags 1.
-    let reads = 2 + 5 * 2 * 3 + 4 * 2 + 3 * 2 + 2 * 2 * 3 + 4;
-    let writes = 2 * 7 + 2 + 3 * 2 + 2 * 3;
+    let reads = 2 + 5 * 2 * 3 + 4 * 2 + 3 * 2 + 2 * 2 * 3 + 2 * (1 + 3) + 4;
+    let writes = 2 * 7 + 2 + 3 * 2 + 2 * 3 + 2;
     assert_eq!((s.stats().local.reads, s.stats().local.writes), (reads, writes));
     // A position of six bytes fits into a word of eight.
     let mut wide = machine();

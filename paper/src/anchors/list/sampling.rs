@@ -14,7 +14,7 @@ const WHOLE: &[Of] = &[supersampling(On::Row)];
 
 /// The kernels that test and interpolate.
 const TESTS: &[&str] = &["similarity", "colour"];
-const MIXES: &[&str] = &["interpolate", "attributes"];
+const MIXES: &[&str] = &["interpolate", "attributes", "reshade"];
 
 const SRP: &str =
     "Lee et al. 2016: similarity checks 5 % and interpolation 6 % of the SRP's cycles; half to twice as much";

@@ -262,6 +262,11 @@ impl TileView {
         self.count(at, round, |counts| counts.attributes += hits);
     }
 
+    /// Notes that an interpolated sample was shaded from its attributes.
+    pub(crate) fn shaded(&mut self, at: (u32, u32), round: u8) {
+        self.count(at, round, |counts| counts.shaded += 1);
+    }
+
     /// Notes `colours` differences of colours that tests of round `round` compute, as [`TileView::tested`].
     pub fn compared_colours(&mut self, at: (u32, u32), round: u8, colours: u32) {
         self.count(at, round, |counts| counts.colours += colours);

@@ -25,6 +25,8 @@ pub struct RoundCounts {
     pub interpolated: u32,
     /// Interpolated hits of which later tests may read the attributes.
     pub attributes: u32,
+    /// Interpolated samples that were shaded from their attributes.
+    pub shaded: u32,
 }
 
 /// Who decides a sample of a tile.

@@ -8,8 +8,14 @@ use crate::html::view::StudyView;
 use crate::schema::{Kernel, Point};
 
 /// The kernels that sampling adds, with their colour class; the others are grey.
-const COLOURS: [(&str, &str); 5] =
-    [("similarity", "k0"), ("colour", "k0"), ("control", "k0"), ("interpolate", "k1"), ("attributes", "k1")];
+const COLOURS: [(&str, &str); 6] = [
+    ("similarity", "k0"),
+    ("colour", "k0"),
+    ("control", "k0"),
+    ("interpolate", "k1"),
+    ("attributes", "k1"),
+    ("reshade", "k1"),
+];
 
 /// What the colours mean.
 const KEYS: [(&str, &str); 3] = [("similarity", "k0"), ("interpolation", "k1"), ("other kernels", "k2")];
@@ -26,7 +32,7 @@ pub fn section(view: &StudyView<'_>) -> Option<Section> {
     });
     html += &how_to_read(
         "Busy cycles of the SRPs by kernel; the number is the share that adaptive sampling adds: similarity tests with \
-         their colours and inspector, and interpolation with its attributes. The grey rest is ray generation, shading and the resolve step.",
+         their colours and inspector, and interpolation with its attributes and shading. The grey rest is ray generation, shading and the resolve step.",
     );
     Section::new("srp", "What the SRP does", html)
 }

@@ -24,7 +24,7 @@ const STATES: [(&str, &str, &str); 12] = [
 ];
 
 /// What an SRP works on: its kernels, and the step that sorts items by branch before them.
-const KERNELS: [&str; 11] = [
+const KERNELS: [&str; 12] = [
     "raygen",
     "shade",
     "miss",
@@ -33,6 +33,7 @@ const KERNELS: [&str; 11] = [
     "colour",
     "interpolate",
     "attributes",
+    "reshade",
     "control",
     "resolve",
     "inspector",
