@@ -5,9 +5,8 @@
 //! ```
 //!
 //! A machine is a [`MachineConfig`], from a preset or a file ([`NamedMachine`]). Its input is [`TileWork`]: rays with the
-//! operations that traversal does, in rounds. It decides when work is done, never what, and it knows neither the columns of a
-//! trace nor policies nor pictures; `rayreel-replay` makes the work of a recorded frame. `MODEL.md` beside the crate states
-//! every rule.
+//! operations that traversal does, in rounds. It decides when work is done, never what, and knows neither traces nor policies nor
+//! pictures; `rayreel-replay` makes the work of a recorded frame. `MODEL.md` beside the crate states every rule.
 //!
 //! Time is whole cycles of each unit's clock ([`time`]) and energy whole femtojoules; no float decides an event.
 //!
@@ -34,7 +33,6 @@ pub mod counters;
 pub mod energy;
 mod error;
 pub mod functional;
-pub mod gathering;
 pub mod link;
 pub mod memory;
 pub mod probes;
@@ -44,11 +42,10 @@ pub mod stats;
 pub mod system;
 #[cfg(test)]
 pub(crate) mod test_config;
-pub mod threads;
 pub mod ti;
 pub mod time;
 pub mod timeline;
-pub mod tracing_unit;
+pub mod traversal;
 pub mod work;
 
 pub use area::AreaReport;

@@ -17,7 +17,7 @@ use crate::srp::{FrameShape, Srp, SrpContext, SrpPorts, SrpReport};
 use crate::stats::{CoreStats, Stats};
 use crate::ti::{TiContext, Tiles};
 use crate::time::{TiCycle, When};
-use crate::tracing_unit::TracingUnit;
+use crate::traversal::TracingUnit;
 use crate::work::TileWork;
 use crate::work::layout::Layout;
 use crate::work::topology::Topology;

@@ -23,7 +23,7 @@ const ORDERS: [(&str, &str); 11] = [
     ("settings/src/lib.rs", "near units rule key declare source error schema family file chain loaded text"),
     (
         "machine/src/lib.rs",
-        "time component counters error config work link memory ti srp stats functional energy area system run probes timeline",
+        "time component counters error config work link memory ti traversal srp stats functional energy area system run probes timeline",
     ),
     ("replay/src/lib.rs", "error stop image counts source policy work frame maps detail simulate windows sequence"),
     ("store/src/lib.rs", "traffic cache location options remote open"),

@@ -18,11 +18,12 @@
 //!   word instead of line by line; it stands with the SRP, for it does the work of both;
 //! - a unified pipeline tests triangles in the traversal unit, and their energy stands there.
 
+mod others;
+
 use crate::config::{Energy, Interface, L1, MachineConfig, Picojoules, Pipeline, PrimaryVisibility};
 use crate::memory::{CacheCounters, ChannelCounters};
-use crate::srp::{RasterCounters, SrpStats};
+use crate::srp::SrpStats;
 use crate::stats::Stats;
-use crate::threads::ProcessorCounters;
 use crate::ti::{InputBufferCounters, IstStats, TiStats, TrvStats};
 use crate::work::layout::Region;
 
@@ -247,47 +248,6 @@ impl<'a> Sums<'a> {
         ]
     }
 
-    /// Processors do the work of T&I units and of SRPs: there is no T&I unit to measure.
-    fn processors(&self) -> [Component; 5] {
-        let (energy, config) = (&self.config.energy, self.config);
-        let (mut all, mut code) = (ProcessorCounters::default(), CacheCounters::default());
-        for processor in self.stats.processors() {
-            all += processor.counters;
-            code += processor.code_l1;
-        }
-        let clock = self.stats.trv().map(|unit| unit.stages.first().map_or(0, |(_, a)| a.total() - a.idle)).sum();
-        let count = self.cores * u64::from(config.ti.trv);
-        let rays: u64 = self.stats.cores.iter().map(|core| core.ti.dispatch.rays).sum();
-        let of = |name, events: &[(u64, Picojoules)], bytes| self.component(name, Group::Srp, events, 0, bytes);
-        let none = Picojoules::default();
-        let records = [(rays, energy.ray_buffer_write_pj), (rays, energy.ray_buffer_read_pj)];
-        [
-            self.clocked(
-                "processors",
-                Group::Srp,
-                &[
-                    (all.instructions, energy.instruction_pj),
-                    (all.lane_instructions, energy.lane_pj),
-                    (all.add, energy.add_pj),
-                    (all.multiply, energy.multiply_pj),
-                    (all.compare, energy.compare_pj),
-                    (all.integer, energy.integer_pj),
-                    (all.special, energy.special_pj),
-                    (clock, energy.processor_clock_pj),
-                ],
-                count * energy.processor_leakage_uw,
-            ),
-            of(
-                "data_l1",
-                &[&[(all.words, energy.word_pj)][..], &l1_events(energy, &self.trv_l1, 0, none)].concat(),
-                count * l1_bytes(&config.ti.trv_l1),
-            ),
-            of("code_l1", &l1_events(energy, &code, 0, none), count * l1_bytes(&config.processor.code_l1)),
-            of("stacks", &[], count * config.stack_bytes()),
-            of("ray_buffers", &records, config.ray_buffer_bytes()),
-        ]
-    }
-
     fn srp(&self) -> [Component; 4] {
         let energy = &self.config.energy;
         let sum = |of: &dyn Fn(&SrpStats) -> u64| self.stats.cores.iter().map(|core| of(&core.srp)).sum::<u64>();
@@ -310,13 +270,6 @@ impl<'a> Sums<'a> {
             of("local_memory", &local, 0, self.cores * local_size),
             of("interface", &[(bytes, energy.interface_pj_per_byte)], 0, 0),
         ]
-    }
-
-    fn raster(&self) -> Component {
-        let (energy, mut work) = (&self.config.energy, RasterCounters::default());
-        self.stats.cores.iter().for_each(|core| work += core.srp.raster);
-        let events = [(work.triangles, energy.raster_triangle_pj), (work.samples, energy.raster_sample_pj)];
-        self.component("rasteriser", Group::Srp, &events, self.cores * energy.raster_leakage_uw, 0)
     }
 
     /// Stages that a bypass passes in a traversal unit.

@@ -79,7 +79,7 @@ fn each_event_of_a_processor_and_of_a_rasteriser_costs_what_the_preset_says() {
         assert_eq!((report.gpu_fj(), report.ti_fj(), report.ti_with_memory_fj()), (fj, 0, 0), "case {i}");
     }
     let mut stats = Stats::shaped(&hybrid);
-    stats.cores[0].srp.raster = RasterCounters { triangles: 10, samples: 100 };
+    stats.cores[0].srp.raster = crate::srp::RasterCounters { triangles: 10, samples: 100 };
     let report = EnergyReport::new(&hybrid, &stats);
     assert_eq!(report.component("rasteriser").map(|c| c.dynamic_fj), Some((1_600_000 + 1_050_000) * 120 / 100));
     assert!(EnergyReport::new(&software, &Stats::shaped(&software)).component("rasteriser").is_none());

@@ -1,7 +1,7 @@
 //! Which counters do not depend on time.
 
-use crate::config::{Interface, MachineConfig, PrimaryVisibility};
-use crate::srp::{DmaCounters, InterfaceCounters, LocalCounters, RasterCounters};
+use crate::config::{Divergence, Interface, MachineConfig, Pipeline, PrimaryVisibility};
+use crate::srp::{DmaCounters, InterfaceCounters, KernelId, LocalCounters, RasterCounters};
 use crate::stats::Stats;
 use crate::ti::{IstCounters, TrvCounters};
 use crate::work::layout::Region;
@@ -10,6 +10,8 @@ use crate::work::layout::Region;
 pub fn exact_counters(config: &MachineConfig) -> Stats {
     let mut exact = Stats::shaped(config);
     exact.tiles = 1;
+    let alone = config.ti.pipeline == Pipeline::Software && config.processor.lanes == 1;
+    let predicated = config.srp.divergence == Divergence::Naive && !alone;
     for core in &mut exact.cores {
         core.ti.dispatch.rays = 1;
         for unit in &mut core.ti.trv {
@@ -31,8 +33,9 @@ pub fn exact_counters(config: &MachineConfig) -> Stats {
         for unit in &mut core.ti.ist {
             unit.events = IstCounters { tasks: 1, triangle_tests: 1, bypasses: 0 };
         }
-        for kernel in &mut core.srp.kernels {
-            (kernel.items, kernel.ops) = (1, 1);
+        for (id, kernel) in KernelId::ALL.into_iter().zip(&mut core.srp.kernels) {
+            // Predicated, an item does the operations of the branches of its batch.
+            (kernel.items, kernel.ops) = (1, u64::from(!predicated || !id.branches()));
         }
         core.srp.interface =
             InterfaceCounters { rays: 1, hits: 1, ray_bytes: 1, hit_bytes: 1, ray_busy: 1, hit_busy: 1 };

@@ -11,8 +11,8 @@ use super::slots::TileSlots;
 use super::stats::ArrayCounters;
 use crate::config::MachineConfig;
 use crate::link::{Job, RayRef, RayUnit};
-use crate::threads::CodeLayout;
 use crate::time::TiCycle;
+use crate::traversal::CodeLayout;
 use crate::work::layout::{Layout, Lines, Region};
 
 /// Items that a warp has.

@@ -7,8 +7,8 @@ mod tests;
 
 use crate::memory::{CacheCounters, MemoryStats};
 use crate::srp::SrpStats;
-use crate::threads::ProcessorStats;
 use crate::ti::{IstStats, TiStats, TrvStats};
+use crate::traversal::ProcessorStats;
 
 /// One core.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]

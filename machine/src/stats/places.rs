@@ -7,8 +7,8 @@ use crate::config::{MachineConfig, Pipeline};
 use crate::counters::Activity;
 use crate::memory::ChannelCounters;
 use crate::srp::KERNELS;
-use crate::threads::ProcessorStats;
 use crate::ti::{IstStats, TiStats, TrvStats};
+use crate::traversal::ProcessorStats;
 
 /// Places between the kinds of two groups of counters: no group has as many.
 const GROUP: usize = 32;

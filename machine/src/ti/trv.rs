@@ -17,7 +17,6 @@ use crate::counters::{Activity, counters};
 use crate::link::RayRef;
 use crate::memory::{CacheCounters, Memory, Port};
 use crate::time::TiCycle;
-use crate::work::cursor::Want;
 use crate::work::layout::{Lines, Region};
 use crate::work::ops::OpKind;
 
@@ -36,25 +35,6 @@ counters! {
         restarts: "events", "pops that found the short stack empty while children were deferred";
         bypasses: "events", "operations that passed a pipeline without work";
         ray_cycles: "cycles", "cycles that rays spent here, summed over rays";
-    }
-}
-
-impl TrvCounters {
-    /// What a ray wanted is done.
-    pub(crate) fn count(&mut self, want: Want) {
-        match want {
-            Want::Visit { defers, .. } => {
-                self.node_visits += 1;
-                self.box_tests += 2;
-                self.pushes += u64::from(defers);
-            }
-            Want::Triangle(_) => self.triangle_tests += 1,
-            Want::Pop { culled } => {
-                self.stack_operations += 1;
-                self.culled += u64::from(culled);
-            }
-            Want::Nothing => {}
-        }
     }
 }
 

@@ -6,7 +6,6 @@
 //! and secondary rays) are spawned by the machine when that hit comes back.
 
 pub mod check;
-pub mod cursor;
 pub mod layout;
 pub mod ops;
 pub mod recorded;

@@ -6,7 +6,7 @@ use rayreel_machine::counters::{Activity, Counter};
 use rayreel_machine::memory::CacheCounters;
 use rayreel_machine::srp::{KernelId, SrpStats};
 use rayreel_machine::stats::Stats;
-use rayreel_machine::threads::ProcessorCounters;
+use rayreel_machine::traversal::ProcessorCounters;
 use rayreel_machine::work::layout::Region;
 use rayreel_replay::simulate::MachineRun;
 

@@ -71,9 +71,10 @@ fn by_machine(view: &StudyView<'_>, systems: &Systems<'_>, pairs: &[Pair]) -> St
             .map(|pair| dot(view, systems, pair, systems.policies[pair.policy].to_owned(), pair.gain))
             .collect();
         html += &chart(&dots, name, "whole GPU");
-        let alone = pairs.iter().filter(|pair| pair.machine == machine).filter_map(|pair| {
-            Some(dot(view, systems, pair, systems.policies[pair.policy].to_owned(), pair.ti_gain?))
-        });
+        let alone = pairs
+            .iter()
+            .filter(|pair| pair.machine == machine)
+            .filter_map(|pair| Some(dot(view, systems, pair, systems.policies[pair.policy].to_owned(), pair.ti_gain?)));
         html += &chart(&alone.collect::<Vec<_>>(), name, "T&I units alone");
     }
     html

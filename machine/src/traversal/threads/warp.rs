@@ -7,7 +7,7 @@
 use super::program::{Asked, BlockId};
 use crate::link::Job;
 use crate::time::TiCycle;
-use crate::work::cursor::{Cursor, Want};
+use crate::traversal::cursor::{Cursor, Want};
 use crate::work::layout::{Layout, Region};
 
 /// The block that does what a ray wants.

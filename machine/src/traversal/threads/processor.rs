@@ -22,7 +22,7 @@ use crate::link::{Job, RayRef};
 use crate::memory::{Access, L1Cache, Memory, Port, Tags};
 use crate::ti::{Tiles, TrvCounters, TrvStats, stage_names};
 use crate::time::TiCycle;
-use crate::work::cursor::Cursor;
+use crate::traversal::cursor::Cursor;
 use crate::work::layout::{Layout, Lines, Region};
 
 /// What a processor works with.
@@ -264,7 +264,7 @@ impl Processor {
                 let block = *block;
                 if block != BlockId::Ray {
                     for lane in warp.lanes.iter_mut().filter(|lane| is_in(lane, block)) {
-                        self.events.count(lane.want);
+                        lane.want.count(&mut self.events);
                         lane.go_on(&context.tiles.work(lane.ray.slot).ops, &mut self.events.leaves);
                     }
                 }

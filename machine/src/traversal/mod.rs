@@ -1,14 +1,22 @@
 //! What takes rays through the tree in a core: a T&I unit of one kind or another, or processors.
 
+mod cursor;
+mod gathering;
+mod threads;
+
+pub(crate) use threads::CodeLayout;
+pub use threads::{ProcessorCounters, ProcessorStats};
+
 use std::collections::VecDeque;
+
+use gathering::GatherUnit;
+use threads::ThreadUnit;
 
 use crate::component::{Component, Tick};
 use crate::config::{MachineConfig, Pipeline};
 use crate::counters::StageBusy;
-use crate::gathering::GatherUnit;
 use crate::link::{Job, RayMessage, RayRef, RayUnit};
 use crate::memory::{Memory, Port, Tags};
-use crate::threads::{ProcessorStats, ThreadUnit};
 use crate::ti::{TiContext, TiStats, TiUnit, Tiles};
 use crate::time::{TiCycle, When};
 

@@ -1,9 +1,10 @@
 //! A ray on its way through its operations, for units that keep a whole stack: what it wants next, triangle by triangle.
 
-use super::TileWork;
-use super::ops::{Op, OpKind};
 use crate::link::RayRef;
+use crate::ti::TrvCounters;
 use crate::time::TiCycle;
+use crate::work::TileWork;
+use crate::work::ops::{Op, OpKind};
 
 /// What a ray wants next.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -24,6 +25,25 @@ pub enum Want {
     },
     /// Nothing: the ray is through.
     Nothing,
+}
+
+impl Want {
+    /// It is done.
+    pub fn count(self, events: &mut TrvCounters) {
+        match self {
+            Self::Visit { defers, .. } => {
+                events.node_visits += 1;
+                events.box_tests += 2;
+                events.pushes += u64::from(defers);
+            }
+            Self::Triangle(_) => events.triangle_tests += 1,
+            Self::Pop { culled } => {
+                events.stack_operations += 1;
+                events.culled += u64::from(culled);
+            }
+            Self::Nothing => {}
+        }
+    }
 }
 
 /// A ray on its way.

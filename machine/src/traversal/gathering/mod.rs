@@ -4,6 +4,7 @@
 //! The dispatcher gives a ray a cycle to the unit with most free places, the first of equals.
 
 mod gatherer;
+mod queues;
 
 use std::collections::VecDeque;
 

@@ -13,62 +13,26 @@
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, VecDeque};
 
+use super::queues::{Queues, TESTERS, Taken};
 use crate::config::MachineConfig;
 use crate::counters::Activity;
 use crate::link::RayRef;
-use crate::memory::{Access, L1Cache, Memory, Port, Tags};
+use crate::memory::{L1Cache, Memory, Port, Tags};
 use crate::ti::{InputBufferCounters, Tiles, TrvCounters, TrvStats, stage_names};
 use crate::time::{TiCycle, When};
-use crate::work::cursor::{Cursor, Want};
-use crate::work::layout::{Layout, Lines, Region};
+use crate::traversal::cursor::{Cursor, Want};
+use crate::work::layout::{Layout, Region};
 use crate::work::ops::Op;
-
-/// Testers: of boxes, and of triangles.
-const TESTERS: usize = 2;
-
-/// Rays that need the same.
-#[derive(Clone, Debug)]
-struct Queue {
-    region: Region,
-    lines: Lines,
-    /// In the order in which queues were opened.
-    number: u64,
-    /// Places of its rays, each with the cycle in which it came.
-    rays: VecDeque<(u16, TiCycle)>,
-    /// Lines that were looked up, and that have not come.
-    looked_up: u64,
-    missing: u32,
-    /// When its data can be read; known once all lines are here.
-    ready: TiCycle,
-    /// It has issued before.
-    again: bool,
-}
-
-/// What a queue is for: region and number of node or triangle.
-type Key = Option<(Region, u32)>;
 
 /// A unit.
 #[derive(Debug)]
 pub struct Gatherer {
-    /// Rays of a queue that testers take a cycle.
-    width: [usize; TESTERS],
     depth: [u64; TESTERS],
-    wait_cycles: u64,
     setup_cycles: u64,
     stack_cycles: u64,
-    latency_cycles: u64,
     rays: Vec<Option<Cursor>>,
     free: Vec<u16>,
-    queues: Vec<Option<Queue>>,
-    /// Of each queue what it is for, and when it can issue: searched and compared in every cycle.
-    keys: Vec<Key>,
-    issues_at: Vec<When>,
-    /// Queues whose lines are to be looked up, those that were opened first at first.
-    to_look_up: VecDeque<u8>,
-    /// Queues that are open, and those of them that have all lines, by tester.
-    open: [usize; TESTERS],
-    filled: [usize; TESTERS],
-    opened: u64,
+    queues: Queues,
     /// Rays for which no queue is free.
     waiting: VecDeque<u16>,
     /// What rays are through with when: setup, a test, a stack operation.
@@ -96,31 +60,17 @@ enum Gap {
     Memory,
 }
 
-/// The testers of a region.
-fn testers(region: Region) -> usize {
-    usize::from(region == Region::Triangle)
-}
-
 impl Gatherer {
     /// A unit of a machine, its L1 at `port`.
     pub fn new(config: &MachineConfig, port: Port) -> Self {
         let ti = &config.ti;
         Self {
-            width: [ti.gather_boxes as usize, ti.gather_triangles as usize],
             depth: [ti.inner_cycles.into(), ti.ist_cycles.into()],
-            wait_cycles: ti.gather_wait_cycles.into(),
             setup_cycles: ti.setup_cycles.into(),
             stack_cycles: ti.stack_cycles.into(),
-            latency_cycles: ti.trv_l1.latency_cycles.into(),
             rays: vec![None; ti.rays_per_trv as usize],
             free: (0..ti.rays_per_trv as u16).rev().collect(),
-            queues: vec![None; ti.gather_queues as usize],
-            keys: vec![None; ti.gather_queues as usize],
-            issues_at: vec![When::NEVER; ti.gather_queues as usize],
-            to_look_up: VecDeque::new(),
-            open: [0; TESTERS],
-            filled: [0; TESTERS],
-            opened: 0,
+            queues: Queues::new(config),
             waiting: VecDeque::new(),
             events: BinaryHeap::new(),
             booked: 0,
@@ -162,7 +112,7 @@ impl Gatherer {
     fn pass_stack(&mut self, cursor: &mut Cursor, mut at: TiCycle, ops: &[Op]) -> TiCycle {
         while let Want::Pop { .. } = cursor.want {
             at += self.stack_cycles;
-            self.counted.count(cursor.want);
+            cursor.want.count(&mut self.counted);
             cursor.go_on(ops, &mut self.counted.leaves);
         }
         at
@@ -180,11 +130,7 @@ impl Gatherer {
         while waiters != 0 {
             let id = waiters.trailing_zeros() as usize;
             waiters &= waiters - 1;
-            if let Some(queue) = &mut self.queues[id] {
-                queue.missing -= 1;
-                queue.ready = queue.ready.max(now);
-                self.note_lines(id);
-            }
+            self.queues.fill(now, id);
         }
         self.note_gaps();
     }
@@ -209,7 +155,7 @@ impl Gatherer {
             }
             self.waiting.pop_front();
         }
-        self.look_up(now, memory);
+        self.queues.look_up(now, &mut self.l1, memory);
         for tester in 0..TESTERS {
             if self.issue(now, tester, tiles) {
                 self.activity[tester].busy += 1;
@@ -252,101 +198,15 @@ impl Gatherer {
             Want::Triangle(triangle) => (Region::Triangle, triangle, layout.triangle(triangle)),
             _ => return true,
         };
-        let key = Some((region, index));
-        if let Some(id) = self.keys.iter().position(|other| *other == key) {
-            if let Some(queue) = &mut self.queues[id] {
-                queue.rays.push_back((place, now));
-            }
-            self.plan(id);
-            return true;
-        }
-        let Some(id) = self.keys.iter().position(Option::is_none) else { return false };
-        let (rays, number) = (VecDeque::from([(place, now)]), self.opened);
-        self.queues[id] =
-            Some(Queue { region, lines, number, rays, looked_up: 0, missing: 0, ready: now, again: false });
-        self.keys[id] = key;
-        self.to_look_up.push_back(id as u8);
-        self.open[testers(region)] += 1;
-        self.opened += 1;
-        true
-    }
-
-    /// Looks up what queues need, until a lookup is refused.
-    fn look_up<M: Memory>(&mut self, now: TiCycle, memory: &mut M) {
-        while let Some(&id) = self.to_look_up.front() {
-            let Some(queue) = &mut self.queues[usize::from(id)] else { return };
-            let line = queue.lines.first + queue.looked_up;
-            match self.l1.access(now, line, queue.region, id, memory) {
-                Access::Hit => queue.ready = queue.ready.max(now + self.latency_cycles),
-                Access::Miss | Access::Merged => queue.missing += 1,
-                Access::Rejected => return,
-            }
-            queue.looked_up += 1;
-            if Self::is_looked_up(queue) {
-                self.to_look_up.pop_front();
-                self.note_lines(id.into());
-            }
-        }
-    }
-
-    /// A queue may have all its lines.
-    fn note_lines(&mut self, id: usize) {
-        let all = |queue: &Queue| Self::is_looked_up(queue) && queue.missing == 0;
-        if let Some(queue) = self.queues[id].as_ref().filter(|queue| all(queue)) {
-            self.filled[testers(queue.region)] += 1;
-            self.plan(id);
-        }
-    }
-
-    /// Notes when a queue can issue: its rays or its lines have changed.
-    fn plan(&mut self, id: usize) {
-        self.issues_at[id] = self.queues[id].as_ref().map_or(When::NEVER, |queue| self.issue_of(queue));
-    }
-
-    fn is_looked_up(queue: &Queue) -> bool {
-        queue.looked_up > queue.lines.last - queue.lines.first
-    }
-
-    /// When a queue can issue; never before its lines are here.
-    fn issue_of(&self, queue: &Queue) -> When {
-        if !Self::is_looked_up(queue) || queue.missing > 0 {
-            return When::NEVER;
-        }
-        let company = match queue.rays.front() {
-            Some(_) if queue.rays.len() >= self.width[testers(queue.region)] => TiCycle(0),
-            Some((_, came)) => *came + self.wait_cycles,
-            None => return When::NEVER,
-        };
-        When::at(queue.ready.max(company))
+        self.queues.join(now, place, (region, index), lines)
     }
 
     /// The testers take rays of a queue; whether there was one.
     fn issue<T: Tiles>(&mut self, now: TiCycle, tester: usize, tiles: &T) -> bool {
-        let mut best: Option<(usize, (usize, Reverse<u64>))> = None;
-        for id in (0..self.keys.len()).filter(|&id| self.issues_at[id].is_due(now)) {
-            let Some(queue) = self.queues[id].as_ref().filter(|queue| testers(queue.region) == tester) else {
-                continue;
-            };
-            let rank = (queue.rays.len(), Reverse(queue.number));
-            if best.is_none_or(|(_, other)| rank > other) {
-                best = Some((id, rank));
-            }
-        }
-        let Some((id, _)) = best else { return false };
-        let Some(queue) = &mut self.queues[id] else { return false };
-        let lines = queue.lines.last - queue.lines.first + 1;
-        self.buffer.late_reads += if queue.again { lines } else { 0 };
-        queue.again = true;
-        let take = queue.rays.len().min(self.width[tester]);
-        let taken: Vec<_> = queue.rays.drain(..take).collect();
-        if queue.rays.is_empty() {
-            (self.queues[id], self.keys[id]) = (None, None);
-            self.open[tester] -= 1;
-            self.filled[tester] -= 1;
-        }
-        self.plan(id);
-        self.buffer.record_reads += take as u64;
-        for (place, _) in taken {
+        let Some(Taken { places, late_reads }) = self.queues.take(now, tester) else { return false };
+        self.buffer.late_reads += late_reads;
+        self.buffer.record_reads += places.len() as u64;
+        for place in places {
             self.test(now, tester, place, tiles);
         }
         true
@@ -356,7 +216,7 @@ impl Gatherer {
     fn test<T: Tiles>(&mut self, now: TiCycle, tester: usize, place: u16, tiles: &T) {
         let Some(mut cursor) = self.rays[usize::from(place)] else { return };
         let ops = &tiles.work(cursor.ray.slot).ops;
-        self.counted.count(cursor.want);
+        cursor.want.count(&mut self.counted);
         cursor.go_on(ops, &mut self.counted.leaves);
         let at = self.pass_stack(&mut cursor, now + self.depth[tester], ops);
         self.rays[usize::from(place)] = Some(cursor);
@@ -364,11 +224,11 @@ impl Gatherer {
     }
 
     fn gap_of(&self, tester: usize) -> Gap {
-        match () {
-            () if self.is_empty() => Gap::Idle,
-            () if self.open[tester] == 0 => Gap::Starved,
-            () if self.filled[tester] == 0 => Gap::Memory,
-            () => Gap::Company,
+        match self.queues.state(tester) {
+            _ if self.is_empty() => Gap::Idle,
+            (false, _) => Gap::Starved,
+            (true, false) => Gap::Memory,
+            (true, true) => Gap::Company,
         }
     }
 
@@ -395,10 +255,8 @@ impl Gatherer {
     /// When something happens next; a refused lookup is tried again in the next cycle.
     pub fn next_event(&self, now: TiCycle) -> When {
         let event = When::from(self.events.peek().map(|Reverse((at, ..))| *at));
-        let refused = !self.to_look_up.is_empty();
-        let freed = !self.waiting.is_empty() && self.keys.contains(&None);
-        let first = event.min(When::only_if(refused || freed, now + 1));
-        self.issues_at.iter().fold(first, |next, at| next.min(*at)).after(now)
+        let freed = !self.waiting.is_empty() && self.queues.has_free();
+        event.min(When::only_if(freed, now + 1)).min(self.queues.next_event(now)).after(now)
     }
 
     /// Cycles in which boxes, and triangles, were tested.
