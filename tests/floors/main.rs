@@ -35,7 +35,7 @@ const ORDERS: [(&str, &str); 11] = [
     ),
     (
         "paper/src/lib.rs",
-        "error frame identity live lockstep policies claims reference results rows setup plan ablations animation ledger meter points estimates study table traces jobs maker execute experiment anchors",
+        "error frame identity live lockstep policies claims reference results rows setup plan ablations animation ledger meter points systems estimates study table traces jobs maker execute experiment anchors",
     ),
     ("testkit/src/lib.rs", "random policies switches trees synthetic rules recorded shade reference cells poison"),
     (
