@@ -156,8 +156,9 @@ impl Gatherer {
             self.waiting.pop_front();
         }
         self.queues.look_up(now, &mut self.l1, memory);
-        for tester in 0..TESTERS {
-            if self.issue(now, tester, tiles) {
+        let best = self.queues.best(now);
+        for (tester, queue) in best.into_iter().enumerate() {
+            if self.issue(now, (tester, queue), tiles) {
                 self.activity[tester].busy += 1;
             } else {
                 self.charge(tester, self.gap_of(tester), 1);
@@ -202,8 +203,8 @@ impl Gatherer {
     }
 
     /// The testers take rays of a queue; whether there was one.
-    fn issue<T: Tiles>(&mut self, now: TiCycle, tester: usize, tiles: &T) -> bool {
-        let Some(Taken { places, late_reads }) = self.queues.take(now, tester) else { return false };
+    fn issue<T: Tiles>(&mut self, now: TiCycle, (tester, queue): (usize, Option<usize>), tiles: &T) -> bool {
+        let Some(Taken { places, late_reads }) = queue.and_then(|id| self.queues.take(id)) else { return false };
         self.buffer.late_reads += late_reads;
         self.buffer.record_reads += places.len() as u64;
         for place in places {

@@ -16,8 +16,19 @@ pub fn testers(region: Region) -> usize {
     usize::from(region == Region::Triangle)
 }
 
-/// What a queue is for: region and number of node or triangle.
-pub type Key = (Region, u32);
+/// What a queue is for: region and number of node or triangle, as one number that is fast to look for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Key(u64);
+
+impl Key {
+    /// A queue that is free.
+    const FREE: Self = Self(u64::MAX);
+
+    /// Of a node or triangle.
+    pub fn new(region: Region, index: u32) -> Self {
+        Self((region as u64) << 32 | u64::from(index))
+    }
+}
 
 /// Rays that need the same.
 #[derive(Clone, Debug)]
@@ -55,7 +66,7 @@ pub struct Queues {
     latency_cycles: u64,
     queues: Vec<Option<Queue>>,
     /// Of each queue what it is for, and when it can issue: searched and compared in every cycle.
-    keys: Vec<Option<Key>>,
+    keys: Vec<Key>,
     issues_at: Vec<When>,
     /// Queues whose lines are to be looked up, those that were opened first at first.
     to_look_up: VecDeque<u8>,
@@ -85,7 +96,7 @@ impl Queues {
             wait_cycles: ti.gather_wait_cycles.into(),
             latency_cycles: ti.trv_l1.latency_cycles.into(),
             queues: vec![None; count],
-            keys: vec![None; count],
+            keys: vec![Key::FREE; count],
             issues_at: vec![When::NEVER; count],
             to_look_up: VecDeque::new(),
             open: [0; TESTERS],
@@ -95,8 +106,8 @@ impl Queues {
     }
 
     /// The ray at `place` joins the queue of what it needs, or opens it; false where none is free.
-    pub fn join(&mut self, now: TiCycle, place: u16, key: Key, lines: Lines) -> bool {
-        let key = Some(key);
+    pub fn join(&mut self, now: TiCycle, place: u16, (region, index): (Region, u32), lines: Lines) -> bool {
+        let key = Key::new(region, index);
         if let Some(id) = self.keys.iter().position(|other| *other == key) {
             if let Some(queue) = &mut self.queues[id] {
                 queue.rays.push_back((place, now));
@@ -104,8 +115,7 @@ impl Queues {
             self.plan(id);
             return true;
         }
-        let Some(id) = self.keys.iter().position(Option::is_none) else { return false };
-        let Some((region, _)) = key else { return false };
+        let Some(id) = self.keys.iter().position(|other| *other == Key::FREE) else { return false };
         let (rays, number) = (VecDeque::from([(place, now)]), self.opened);
         self.queues[id] =
             Some(Queue { region, lines, number, rays, looked_up: 0, missing: 0, ready: now, again: false });
@@ -169,26 +179,29 @@ impl Queues {
         When::at(queue.ready.max(company))
     }
 
-    /// The rays that testers take in cycle `now`, if there is a queue for them: the fullest, of equals the first.
-    pub fn take(&mut self, now: TiCycle, tester: usize) -> Option<Taken> {
-        let mut best: Option<(usize, (usize, Reverse<u64>))> = None;
-        for id in (0..self.keys.len()).filter(|&id| self.issues_at[id].is_due(now)) {
-            let Some(queue) = self.queues[id].as_ref().filter(|queue| testers(queue.region) == tester) else {
-                continue;
-            };
-            let rank = (queue.rays.len(), Reverse(queue.number));
+    /// For each kind of testers the queue that they take in cycle `now`: the fullest, of equals the first.
+    pub fn best(&self, now: TiCycle) -> [Option<usize>; TESTERS] {
+        let mut best: [Option<(usize, (usize, Reverse<u64>))>; TESTERS] = [None; TESTERS];
+        let due = self.issues_at.iter().enumerate().filter(|(_, at)| at.is_due(now));
+        for (id, queue) in due.filter_map(|(id, _)| Some((id, self.queues[id].as_ref()?))) {
+            let (best, rank) = (&mut best[testers(queue.region)], (queue.rays.len(), Reverse(queue.number)));
             if best.is_none_or(|(_, other)| rank > other) {
-                best = Some((id, rank));
+                *best = Some((id, rank));
             }
         }
-        let (id, _) = best?;
+        best.map(|best| best.map(|(id, _)| id))
+    }
+
+    /// Takes rays of queue `id`, as many as its testers test in a cycle.
+    pub fn take(&mut self, id: usize) -> Option<Taken> {
         let queue = self.queues[id].as_mut()?;
         let late_reads = if queue.again { queue.lines.last - queue.lines.first + 1 } else { 0 };
         queue.again = true;
+        let tester = testers(queue.region);
         let take = queue.rays.len().min(self.width[tester]);
         let places = queue.rays.drain(..take).map(|(place, _)| place).collect();
         if queue.rays.is_empty() {
-            (self.queues[id], self.keys[id]) = (None, None);
+            (self.queues[id], self.keys[id]) = (None, Key::FREE);
             self.open[tester] -= 1;
             self.filled[tester] -= 1;
         }
@@ -203,12 +216,16 @@ impl Queues {
 
     /// Whether a queue is free.
     pub fn has_free(&self) -> bool {
-        self.keys.contains(&None)
+        self.keys.contains(&Key::FREE)
     }
 
     /// When something happens next by itself: a refused lookup is tried again in the next cycle.
     pub fn next_event(&self, now: TiCycle) -> When {
-        let refused = When::only_if(!self.to_look_up.is_empty(), now + 1);
-        self.issues_at.iter().fold(refused, |next, at| next.min(*at))
+        let soonest = When::at(now + 1);
+        // Mostly a queue can issue in the next cycle, and then it does not matter which.
+        if !self.to_look_up.is_empty() || self.issues_at.iter().any(|at| *at <= soonest) {
+            return soonest;
+        }
+        self.issues_at.iter().copied().fold(When::NEVER, When::min)
     }
 }
