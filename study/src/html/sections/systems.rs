@@ -55,7 +55,7 @@ fn everything(view: &StudyView<'_>, systems: &Systems<'_>, pairs: &[Pair]) -> St
         .iter()
         .map(|pair| format!("{} on {}", systems.policies[pair.policy], systems.machines[pair.machine]))
         .collect();
-    let caption = format!("Beaten by nothing: {}.", escape(&names.join(", ")));
+    let caption = format!("Beaten by nothing: {}.", names.join(", "));
     card(
         "All machines",
         &scatter(&dots, ["mean PSNR, dB", "performance per watt"], "All policies on all machines"),
@@ -85,7 +85,7 @@ fn chart(dots: &[Dot], machine: &str, part: &str) -> String {
         return String::new();
     }
     let title = format!("{machine}, {part}");
-    card(&escape(&title), &scatter(dots, ["mean PSNR, dB", "performance per watt over full"], &title), "")
+    card(&title, &scatter(dots, ["mean PSNR, dB", "performance per watt over full"], &title), "")
 }
 
 fn gains(systems: &Systems<'_>, pairs: &[Pair]) -> String {
@@ -110,7 +110,7 @@ fn gains(systems: &Systems<'_>, pairs: &[Pair]) -> String {
     let mut last = vec!["Mean PSNR".to_owned(), String::new()];
     last.extend(others.iter().map(quality));
     rows.push(("strong".into(), last));
-    table("Performance per watt over full on the same machine, whole GPU (T&amp;I units alone)", &columns, &rows)
+    table("Performance per watt over full on the same machine, whole GPU (T&I units alone)", &columns, &rows)
 }
 
 fn verdicts(systems: &Systems<'_>) -> String {
