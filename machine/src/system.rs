@@ -18,7 +18,7 @@ use crate::stats::{CoreStats, Stats};
 use crate::ti::{TiContext, Tiles};
 use crate::time::{TiCycle, When};
 use crate::traversal::TracingUnit;
-use crate::work::TileWork;
+use crate::work::{TileWork, cost};
 use crate::work::layout::Layout;
 use crate::work::topology::Topology;
 
@@ -192,7 +192,8 @@ impl<'a> System<'a, MemorySystem> {
 
     /// The work that is done, as [`crate::functional::Features::cost`] counts it.
     pub fn done(&self) -> f64 {
-        self.cores.iter().map(|core| core.ti.done()).sum()
+        // A primary that is rasterised counts as a ray that is not traced: else tiles without other rays would count for nothing.
+        self.cores.iter().map(|core| core.ti.done() + cost(0, 0, core.srp.primaries_delivered())).sum()
     }
 }
 

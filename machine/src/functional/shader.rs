@@ -83,6 +83,7 @@ impl Shader {
                 queues.push_ray(KernelId::Raygen, ray);
             }
         }
+        features.add_traversal(0, 0, seen);
         self.stream((seen, self.gbuffer_bytes), Region::GBuffer, counted, memory);
         if self.rasters {
             let RasterWork { triangles, samples, list_bytes } = RasterWork::of(&self.raster, work, &round.starts);

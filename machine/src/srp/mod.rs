@@ -223,6 +223,11 @@ impl Srp {
         &self.array.counters().activity
     }
 
+    /// Primaries that a rasteriser has delivered.
+    pub(crate) fn primaries_delivered(&self) -> u64 {
+        self.transfers.raster.as_ref().map_or(0, Raster::delivered)
+    }
+
     /// Tiles that are done.
     pub fn tiles_done(&self) -> u64 {
         self.tiles.counters().tiles

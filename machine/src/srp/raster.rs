@@ -74,6 +74,8 @@ pub struct Raster {
     /// The triangles at hand are set up.
     set_up: Option<TiCycle>,
     work: RasterCounters,
+    /// Primaries that it has delivered.
+    delivered: u64,
     stream: Stream,
     made: PerCycle,
     taken: PerCycle,
@@ -88,6 +90,7 @@ impl Raster {
             config: config.raster.clone(),
             set_up: None,
             work: RasterCounters::default(),
+            delivered: 0,
             rate: config.raster.samples_per_cycle.max(1).into(),
             waiting: VecDeque::new(),
             stream: Stream::new(config, ports.dma, (Region::GBuffer, address), bytes),
@@ -111,6 +114,11 @@ impl Raster {
         self.waiting.push_back(Item::Sample(ray));
     }
 
+    /// Primaries that it has delivered.
+    pub fn delivered(&self) -> u64 {
+        self.delivered
+    }
+
     /// What it rasterised so far.
     pub fn work(&self) -> RasterCounters {
         self.work
@@ -123,6 +131,7 @@ impl Raster {
             return None;
         }
         let ray = self.stream.pop();
+        self.delivered += u64::from(ray.is_some());
         *taken += u64::from(ray.is_some());
         ray
     }

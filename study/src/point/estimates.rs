@@ -11,6 +11,10 @@ use serde_json::{Map, Value};
 use crate::point::known::{INTERVALS, REPLICATES};
 use rayreel_replay::detail::half_width;
 
+/// The widest interval of a ratio, relative to it: an estimate that may be off by more is worth nothing, and a ratio whose reference may
+/// be 0 would have none that can be written down.
+const WIDEST: f64 = 100.0;
+
 /// What is known of the estimates of a row; nothing of a row of every cycle.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RowEstimates {
@@ -46,13 +50,14 @@ impl RowEstimates {
 
     /// The same of its ratio to the column of another row, relative to that ratio.
     pub fn interval_of_ratio(&self, other: &Self, name: &str) -> f64 {
-        match (self.of(name), other.of(name)) {
+        let width = match (self.of(name), other.of(name)) {
             (Some(of_self), Some(of_other)) if of_self.len() == of_other.len() => {
                 let ratios: Vec<f64> = of_self.iter().zip(&of_other).map(|(a, b)| a / b).collect();
                 half_width(1.0, &ratios, self.freedom.min(other.freedom))
             }
             _ => self.interval(name).hypot(other.interval(name)),
-        }
+        };
+        if width.is_finite() { width.min(WIDEST) } else { WIDEST }
     }
 
     /// Replicates of a column over its estimate: of a base figure, or of one that is a ratio of such.
@@ -101,5 +106,8 @@ mod tests {
         assert!((within(&exact, "perf_per_watt") - 0.04).abs() < 1e-12);
         assert_eq!((exact.interval_of_ratio(&exact, "cycles"), within(&b, "rays_traced")), (0.0, 0.0));
         assert_eq!((a.interval("cycles"), a.interval("rays_traced")), (0.03, 0.0));
+        // A reference that may be nothing.
+        let lost = run(json!({ "freedom": 4, "cycles": [-1_000_000, 900_000, 0], "energy_mj": [0, 0, 0] }));
+        assert_eq!(a.interval_of_ratio(&lost, "cycles"), WIDEST);
     }
 }
