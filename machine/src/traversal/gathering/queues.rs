@@ -57,6 +57,9 @@ pub struct Taken {
     pub late_reads: u64,
 }
 
+/// Which of two queues is taken: the fuller, of equals the one that was opened first.
+type Rank = (usize, Reverse<u64>);
+
 /// The queues of a unit.
 #[derive(Debug)]
 pub struct Queues {
@@ -181,7 +184,7 @@ impl Queues {
 
     /// For each kind of testers the queue that they take in cycle `now`: the fullest, of equals the first.
     pub fn best(&self, now: TiCycle) -> [Option<usize>; TESTERS] {
-        let mut best: [Option<(usize, (usize, Reverse<u64>))>; TESTERS] = [None; TESTERS];
+        let mut best: [Option<(usize, Rank)>; TESTERS] = [None; TESTERS];
         let due = self.issues_at.iter().enumerate().filter(|(_, at)| at.is_due(now));
         for (id, queue) in due.filter_map(|(id, _)| Some((id, self.queues[id].as_ref()?))) {
             let (best, rank) = (&mut best[testers(queue.region)], (queue.rays.len(), Reverse(queue.number)));

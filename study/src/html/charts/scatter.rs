@@ -112,7 +112,7 @@ fn names_of(svg: &mut Svg, dots: &[Dot], best: &[bool], place: impl Fn(&Dot) -> 
     let mut taken: Vec<[f64; 4]> = dots.iter().map(|d| around(place(d))).collect();
     for dot in dots.iter().zip(best).filter(|(_, on)| **on).map(|(dot, _)| dot) {
         let (text, [x, y]) = (shortened(&dot.name, 16), place(dot));
-        let width = text_width(&text) * 0.9;
+        let width = text_width(&text);
         let tries = [
             (x + 9.0, y - 2.0, "s"),
             (x - 9.0, y - 4.0, "e"),
