@@ -18,9 +18,9 @@ use crate::stats::{CoreStats, Stats};
 use crate::ti::{TiContext, Tiles};
 use crate::time::{TiCycle, When};
 use crate::traversal::TracingUnit;
-use crate::work::{TileWork, cost};
 use crate::work::layout::Layout;
 use crate::work::topology::Topology;
+use crate::work::{TileWork, cost};
 
 /// Cycles without any finished ray, tile or memory response after which the machine is taken to stand still. The longest
 /// legal silence is that of a refresh or of a full kernel batch, thousands of cycles.
