@@ -1,5 +1,6 @@
 //! What takes rays through the tree in a core: a T&I unit of one kind or another, or processors.
 
+mod buffer;
 mod cursor;
 mod gathering;
 mod threads;

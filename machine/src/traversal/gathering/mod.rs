@@ -15,22 +15,18 @@ use crate::config::{MachineConfig, Pipeline};
 use crate::counters::StageBusy;
 use crate::link::{RayMessage, RayRef, RayUnit};
 use crate::memory::{Memory, Port, Tags};
-use crate::ti::{DispatchCounters, TiContext, TiStats, Tiles, stage_names};
+use crate::ti::{TiContext, TiStats, Tiles, stage_names};
 use crate::time::{TiCycle, When};
+use crate::traversal::buffer::RayBuffer;
 use crate::work::cost;
 
 /// The units of a core.
 #[derive(Debug)]
 pub struct GatherUnit {
-    entries: usize,
-    ray_buffer: VecDeque<RayMessage>,
+    buffer: RayBuffer,
     units: Vec<Gatherer>,
     first_port: u16,
     finished: VecDeque<RayRef>,
-    results: VecDeque<RayMessage>,
-    inside: usize,
-    accounted: TiCycle,
-    counters: DispatchCounters,
 }
 
 impl GatherUnit {
@@ -38,15 +34,10 @@ impl GatherUnit {
     pub fn new(config: &MachineConfig, first_port: Port) -> Self {
         let port = |i: u32| Port(first_port.0 + i as u16);
         Self {
-            entries: config.ti.ray_fifo_entries as usize,
-            ray_buffer: VecDeque::new(),
+            buffer: RayBuffer::new(config.ti.ray_fifo_entries),
             units: (0..config.ti.trv).map(|i| Gatherer::new(config, port(i))).collect(),
             first_port: first_port.0,
             finished: VecDeque::new(),
-            results: VecDeque::new(),
-            inside: 0,
-            accounted: TiCycle::default(),
-            counters: DispatchCounters::default(),
         }
     }
 
@@ -86,35 +77,23 @@ impl GatherUnit {
     /// What is inside, for the message about a machine that stands still.
     pub fn describe(&self) -> String {
         let free: Vec<_> = self.units.iter().map(Gatherer::free).collect();
-        format!("ray buffer {} of {}, free places of gathering units {free:?}", self.ray_buffer.len(), self.entries)
+        format!("{}, free places of gathering units {free:?}", self.buffer.describe())
     }
 
     /// The work that is done, as [`cost`] counts it.
     pub(crate) fn done(&self) -> f64 {
         let sum = |sum: (u64, u64), unit: &Gatherer| (sum.0 + unit.work_done().0, sum.1 + unit.work_done().1);
         let (visits, tests) = self.units.iter().fold((0, 0), sum);
-        cost(visits, tests, self.counters.rays)
+        cost(visits, tests, self.buffer.rays())
     }
 
     /// What was counted before cycle `end`.
     pub fn report(&self, end: TiCycle) -> TiStats {
         TiStats {
-            dispatch: self.counters_before(end),
+            dispatch: self.buffer.counters_before(end, self.most_free().1),
             trv: self.units.iter().map(|unit| unit.report(end)).collect(),
             ist: Vec::new(),
         }
-    }
-
-    fn account(&mut self, now: TiCycle) {
-        self.counters = self.counters_before(now);
-        self.accounted = now;
-    }
-
-    fn counters_before(&self, now: TiCycle) -> DispatchCounters {
-        let (mut counters, gap) = (self.counters, now.since(self.accounted));
-        counters.active += if self.inside > 0 { gap } else { 0 };
-        counters.full += if !self.ray_buffer.is_empty() && self.most_free().1 == 0 { gap } else { 0 };
-        counters
     }
 
     /// The first unit with most free places, and how many.
@@ -127,12 +106,8 @@ impl GatherUnit {
 
     fn dispatch<T: Tiles>(&mut self, now: TiCycle, tiles: &T) {
         let (unit, free) = self.most_free();
-        if free > 0
-            && self.ray_buffer.front().is_some_and(|ray| ray.at <= now)
-            && let Some(RayMessage { ray, .. }) = self.ray_buffer.pop_front()
-        {
-            self.counters.rays += 1;
-            self.units[unit].enter(now, ray, tiles);
+        if free > 0 {
+            self.buffer.take(now, 1).for_each(|ray| self.units[unit].enter(now, ray, tiles));
         }
     }
 }
@@ -141,7 +116,7 @@ impl Component for GatherUnit {
     type Report = TiStats;
 
     fn next_event(&self, now: TiCycle) -> When {
-        let ray = When::from(self.ray_buffer.front().filter(|_| self.most_free().1 > 0).map(|ray| ray.at)).after(now);
+        let ray = if self.most_free().1 > 0 { self.buffer.taken_from(0).after(now) } else { When::NEVER };
         self.units.iter().map(|unit| unit.next_event(now)).fold(ray, When::min)
     }
 
@@ -153,36 +128,33 @@ impl Component for GatherUnit {
 impl<T: Tiles, M: Memory> Tick<TiContext<'_, T, M>> for GatherUnit {
     /// Runs cycle `now`, after the lines of this cycle were filled.
     fn tick(&mut self, now: TiCycle, TiContext { layout, tiles, memory, .. }: TiContext<'_, T, M>) {
-        self.account(now);
+        self.buffer.account(now, self.most_free().1);
         self.dispatch(now, tiles);
         for unit in &mut self.units {
             unit.tick(now, (layout, tiles, &mut *memory), &mut self.finished);
         }
-        self.inside -= self.finished.len();
-        self.results.extend(self.finished.drain(..).map(|ray| RayMessage { at: now, ray }));
+        self.buffer.finish(now, &mut self.finished);
     }
 }
 
 impl RayUnit for GatherUnit {
     #[inline]
     fn has_room(&self) -> bool {
-        self.ray_buffer.len() < self.entries
+        self.buffer.has_room()
     }
 
     fn push(&mut self, now: TiCycle, ray: RayRef) {
-        assert!(self.has_room(), "the ray buffer is full");
-        self.account(now);
-        self.ray_buffer.push_back(RayMessage { at: now + 1, ray });
-        self.inside += 1;
+        self.buffer.account(now, self.most_free().1);
+        self.buffer.push(now, ray);
     }
 
     #[inline]
     fn results(&mut self) -> &mut VecDeque<RayMessage> {
-        &mut self.results
+        self.buffer.results()
     }
 
     #[inline]
     fn rays_inside(&self) -> usize {
-        self.inside
+        self.buffer.inside()
     }
 }

@@ -31,27 +31,23 @@ use crate::config::MachineConfig;
 use crate::counters::StageBusy;
 use crate::link::{Job, RayMessage, RayRef, RayUnit};
 use crate::memory::{Memory, Port, Tags};
-use crate::ti::{DispatchCounters, TiContext, TiStats, Tiles};
+use crate::ti::{TiContext, TiStats, Tiles};
 use crate::time::{TiCycle, When};
+use crate::traversal::buffer::RayBuffer;
 use crate::work::cost;
 
 /// The processors of a core.
 #[derive(Debug)]
 pub struct ThreadUnit {
-    entries: usize,
     lanes: usize,
     wait_cycles: u64,
-    ray_buffer: VecDeque<RayMessage>,
+    buffer: RayBuffer,
     jobs: VecDeque<(TiCycle, Job)>,
     processors: Vec<Processor>,
     first_port: u16,
     events: Events,
-    results: VecDeque<RayMessage>,
     finished_rays: VecDeque<RayRef>,
     finished_jobs: VecDeque<u32>,
-    inside: usize,
-    accounted: TiCycle,
-    counters: DispatchCounters,
 }
 
 impl ThreadUnit {
@@ -61,20 +57,15 @@ impl ThreadUnit {
         let ti = &config.ti;
         let port = |i: u32| Port(first_port.0 + i as u16);
         Self {
-            entries: ti.ray_fifo_entries as usize,
             lanes: config.processor.lanes as usize,
             wait_cycles: config.processor.warp_wait_cycles.into(),
-            ray_buffer: VecDeque::new(),
+            buffer: RayBuffer::new(ti.ray_fifo_entries),
             jobs: VecDeque::new(),
             processors: (0..ti.trv).map(|i| Processor::new(config, i as u8, port(i), port(ti.trv + i))).collect(),
             first_port: first_port.0,
             events: Events::default(),
-            results: VecDeque::new(),
             finished_rays: VecDeque::new(),
             finished_jobs: VecDeque::new(),
-            inside: 0,
-            accounted: TiCycle::default(),
-            counters: DispatchCounters::default(),
         }
     }
 
@@ -114,11 +105,8 @@ impl ThreadUnit {
     /// What is inside, for the message about a machine that stands still.
     pub fn describe(&self) -> String {
         let free: Vec<_> = self.processors.iter().map(Processor::free).collect();
-        let (rays, items) = (self.ray_buffer.len(), self.jobs.len());
-        format!(
-            "ray buffer {rays} of {}, warps of items that wait {items}, free places of processors {free:?}",
-            self.entries
-        )
+        let (buffer, items) = (self.buffer.describe(), self.jobs.len());
+        format!("{buffer}, warps of items that wait {items}, free places of processors {free:?}")
     }
 
     /// The work that is done, as [`cost`] counts it.
@@ -128,13 +116,13 @@ impl ThreadUnit {
             (sum.0 + visits, sum.1 + tests)
         };
         let (visits, tests) = self.processors.iter().fold((0, 0), sum);
-        cost(visits, tests, self.counters.rays)
+        cost(visits, tests, self.buffer.rays())
     }
 
     /// What was counted before cycle `end`; processors stand in the list of traversal units.
     pub fn report(&self, end: TiCycle) -> TiStats {
         TiStats {
-            dispatch: self.counters_before(end),
+            dispatch: self.buffer.counters_before(end, self.free()),
             trv: self.processors.iter().map(|processor| processor.report(end)).collect(),
             ist: Vec::new(),
         }
@@ -145,20 +133,6 @@ impl ThreadUnit {
         self.processors.iter().map(|processor| processor.processor_report(end)).collect()
     }
 
-    fn account(&mut self, now: TiCycle) {
-        self.counters = self.counters_before(now);
-        self.accounted = now;
-    }
-
-    fn counters_before(&self, now: TiCycle) -> DispatchCounters {
-        let (mut counters, gap) = (self.counters, now.since(self.accounted));
-        counters.active += if self.inside > 0 { gap } else { 0 };
-        if !self.ray_buffer.is_empty() && self.free() == 0 {
-            counters.full += gap;
-        }
-        counters
-    }
-
     /// Free places of all processors.
     fn free(&self) -> usize {
         self.processors.iter().map(Processor::free).sum()
@@ -167,9 +141,9 @@ impl ThreadUnit {
     /// When the next warp can start; its place is free.
     fn next_warp(&self) -> When {
         let job = When::from(self.jobs.front().map(|(at, _)| *at));
-        let full = When::from(self.ray_buffer.get(self.lanes - 1).map(|ray| ray.at));
-        let late = When::from(self.ray_buffer.front().map(|ray| ray.at + self.wait_cycles));
-        job.min(full).min(late)
+        let full = self.buffer.taken_from(self.lanes - 1);
+        let late = self.buffer.taken_from(0).cycle().map(|at| at + self.wait_cycles);
+        job.min(full).min(When::from(late))
     }
 
     /// Starts a warp, if one is ready and has a place.
@@ -197,9 +171,7 @@ impl ThreadUnit {
         {
             return processors[best].start_job(job, &mut context);
         }
-        let ready = self.ray_buffer.iter().take(self.lanes).take_while(|ray| ray.at <= now).count();
-        self.counters.rays += ready as u64;
-        processors[best].start_rays(self.ray_buffer.drain(..ready).map(|message| message.ray), &mut context);
+        processors[best].start_rays(self.buffer.take(now, self.lanes), &mut context);
     }
 }
 
@@ -220,7 +192,7 @@ impl Component for ThreadUnit {
 impl<T: Tiles, M: Memory> Tick<TiContext<'_, T, M>> for ThreadUnit {
     /// Runs cycle `now`, after the lines of this cycle were filled.
     fn tick(&mut self, now: TiCycle, TiContext { tree, layout, tiles, memory }: TiContext<'_, T, M>) {
-        self.account(now);
+        self.buffer.account(now, self.free());
         let Self { processors, events, finished_rays: rays, finished_jobs: jobs, .. } = self;
         while let Some(Event { processor, what }) = events.take(now) {
             let mut context = Context {
@@ -238,8 +210,7 @@ impl<T: Tiles, M: Memory> Tick<TiContext<'_, T, M>> for ThreadUnit {
                 What::Retry => processor.retry(&mut context),
             }
         }
-        self.inside -= rays.len();
-        self.results.extend(rays.drain(..).map(|ray| RayMessage { at: now, ray }));
+        self.buffer.finish(now, &mut self.finished_rays);
         self.dispatch(now, TiContext { tree, layout, tiles, memory });
     }
 }
@@ -247,24 +218,22 @@ impl<T: Tiles, M: Memory> Tick<TiContext<'_, T, M>> for ThreadUnit {
 impl RayUnit for ThreadUnit {
     #[inline]
     fn has_room(&self) -> bool {
-        self.ray_buffer.len() < self.entries
+        self.buffer.has_room()
     }
 
     fn push(&mut self, now: TiCycle, ray: RayRef) {
-        assert!(self.has_room(), "the ray buffer is full");
-        self.account(now);
-        self.ray_buffer.push_back(RayMessage { at: now + 1, ray });
-        self.inside += 1;
+        self.buffer.account(now, self.free());
+        self.buffer.push(now, ray);
     }
 
     #[inline]
     fn results(&mut self) -> &mut VecDeque<RayMessage> {
-        &mut self.results
+        self.buffer.results()
     }
 
     #[inline]
     fn rays_inside(&self) -> usize {
-        self.inside
+        self.buffer.inside()
     }
 
     fn job_room(&self) -> usize {
