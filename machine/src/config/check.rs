@@ -118,15 +118,7 @@ fn processor(config: &MachineConfig) -> Option<String> {
             "ti.pipeline = \"software\" has one clock, but srp.clock_mhz = {srp} and ti.clock_mhz = {ti}"
         ));
     }
-    let shares = [
-        mix.add_percent,
-        mix.multiply_percent,
-        mix.compare_percent,
-        mix.integer_percent,
-        mix.special_percent,
-        mix.memory_percent,
-    ];
-    let all: u32 = shares.iter().sum();
+    let all: u32 = mix.percents().iter().sum();
     (all != 100).then(|| format!("the shares of processor.kernel_mix are {all} % together, not 100 %"))
 }
 

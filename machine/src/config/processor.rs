@@ -77,3 +77,19 @@ settings! {
         code_l1: L1, "instruction cache of a processor";
     }
 }
+
+impl Block {
+    /// Instructions by class: add, multiply, compare, integer, special, memory.
+    pub fn counts(&self) -> [u32; 6] {
+        [self.add, self.multiply, self.compare, self.integer, self.special, self.memory]
+    }
+}
+
+impl KernelMix {
+    /// Percent by class, in the order of [`Block::counts`].
+    pub fn percents(&self) -> [u32; 6] {
+        let Self { add_percent, multiply_percent, compare_percent, .. } = self;
+        let Self { integer_percent, special_percent, memory_percent, .. } = self;
+        [add_percent, multiply_percent, compare_percent, integer_percent, special_percent, memory_percent].map(|p| *p)
+    }
+}

@@ -156,11 +156,8 @@ impl Array {
         let mut worked = threads.finish(unit, tiles, &mut self.output, &mut self.counters);
         worked |= tiles.advance(transfers);
         loop {
-            let choosing = Choosing {
-                batch_min: self.batch_min,
-                low: tiles.rays_out() < self.low_rays,
-                output_full: self.output.len() > self.output_high,
-            };
+            let choosing = self.choosing(tiles);
+            let Some(threads) = &mut self.threads else { return worked };
             if !threads.start(now, unit, tiles, (&self.costs, choosing, &mut self.counters)) {
                 return worked;
             }
@@ -178,11 +175,7 @@ impl Array {
                 }
                 tiles.advance(transfers);
             }
-            let choosing = Choosing {
-                batch_min: self.batch_min,
-                low: tiles.rays_out() < self.low_rays,
-                output_full: self.output.len() > self.output_high,
-            };
+            let choosing = self.choosing(tiles);
             let Some(choice) = choose(tiles.all(), choosing) else { return worked };
             let (slot, _) = tiles.slot_mut(choice.slot as usize);
             self.batch.begin(self.accounted, choice, self.batch_max, slot, &self.costs, &mut self.gather);
@@ -211,6 +204,15 @@ impl Array {
         self.accounted = self.batch.at();
         self.running = (progress != Progress::Ended).then_some(progress);
         progress == Progress::Ended
+    }
+
+    /// What the choice of the next queue depends on.
+    fn choosing(&self, tiles: &TileSlots) -> Choosing {
+        Choosing {
+            batch_min: self.batch_min,
+            low: tiles.rays_out() < self.low_rays,
+            output_full: self.output.len() > self.output_high,
+        }
     }
 
     /// All items at once, without time (`srp.ideal`).

@@ -1,6 +1,6 @@
 //! What a block of code asks of a processor: instructions, places of functional units, operations; and where code lies.
 
-use crate::config::{Block, KernelMix, MachineConfig};
+use crate::config::{Block, MachineConfig};
 use crate::work::layout::{Layout, Lines, Region};
 
 /// Classes of instructions, in the order of [`Block`]: add, multiply, compare, integer, special, memory.
@@ -53,19 +53,7 @@ pub struct Program {
 }
 
 fn counts(block: &Block) -> ByClass {
-    [block.add, block.multiply, block.compare, block.integer, block.special, block.memory].map(u64::from)
-}
-
-fn percents(mix: &KernelMix) -> ByClass {
-    [
-        mix.add_percent,
-        mix.multiply_percent,
-        mix.compare_percent,
-        mix.integer_percent,
-        mix.special_percent,
-        mix.memory_percent,
-    ]
-    .map(u64::from)
+    block.counts().map(u64::from)
 }
 
 /// The blocks of the traversal, in order of [`BlockId`].
@@ -81,7 +69,7 @@ impl Program {
         let mut code = CodeLayout::new(config, layout);
         Self {
             blocks: blocks(config),
-            mix: percents(&processor.kernel_mix),
+            mix: processor.kernel_mix.percents().map(u64::from),
             lanes: processor.lanes.into(),
             vector: processor.vector.into(),
             load_cycles: config.ti.trv_l1.latency_cycles.into(),
