@@ -159,10 +159,16 @@ impl Shadows {
         (self.0 >> (2 * light) & 3 != 0).then(|| below.count())
     }
 
+    /// The low bit of each light towards which a ray was cast.
+    #[inline]
+    pub fn places(self) -> Self {
+        Self((self.0 | self.0 >> 1) & 0x5555_5555)
+    }
+
     /// Number of shadow rays.
     #[inline]
     pub fn count(self) -> u32 {
-        ((self.0 | self.0 >> 1) & 0x5555_5555).count_ones()
+        self.places().0.count_ones()
     }
 }
 

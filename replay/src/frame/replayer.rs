@@ -266,5 +266,6 @@ where
     let below = above.as_ref();
     let stats = band.close(sampler, reader.frame, below)?;
     sampler.end_row(&stats);
+    sampler.keep(&band.tiles);
     give(Closed { sampler, band, stats, below })
 }

@@ -9,15 +9,16 @@ use rayreel_formats::scene::{Meta, Rect};
 
 use super::audit::Audit;
 use super::correct::correct;
+use super::history::History;
 use super::interpolate::{interpolate_tree, mix, nearer};
 use super::lattice::SampleLattice;
 use super::rate::TileRate;
-use super::reuse::Rebuild;
+use super::reuse::{Eye, Rebuild};
 use super::shade::Shading;
 use super::similarity::{Compared, Tests};
 use super::tree::{Forest, Node};
 use super::view::{KnownTrees, SampleState, TileView};
-use super::{Apron, Policy, Refine, Sampling, Shade};
+use super::{Apron, HistoryRules, Policy, Refine, Sampling, Shade, Temporal};
 use crate::error::Result;
 use rayreel_machine::work::PolicyReads;
 
@@ -34,6 +35,8 @@ pub struct Rules {
     shading: Option<Shading>,
     /// Which pixels are audited, if any.
     pub audit: Option<Audit>,
+    /// What is kept from frame to frame, if anything.
+    pub history: Option<HistoryRules>,
 }
 
 /// The rules for one tile.
@@ -47,6 +50,8 @@ pub struct TileRules<'a> {
     tests: Tests,
     /// Where the camera is, scene units.
     eye: Vec3,
+    /// The frame, and what is known of the one before.
+    past: Option<(u32, &'a History)>,
 }
 
 impl Rules {
@@ -57,6 +62,10 @@ impl Rules {
     pub fn new(policy: &Policy, meta: &Meta) -> Result<Self> {
         policy.check()?;
         let (size, mut audit) = (meta.grid(), None);
+        let history = match policy {
+            Policy::Temporal(temporal) => Some(temporal.history.clone()),
+            _ => None,
+        };
         let (apron, sampling) = match policy {
             // Blocks of one sample leave nothing to test, and nothing to correct.
             // Cells have rules of their own.
@@ -64,9 +73,10 @@ impl Rules {
                 (Apron::Share, Sampling::NONE)
             }
             Policy::Adaptive(adaptive) => (adaptive.apron, adaptive.sampling.clone()),
-            Policy::Multirate(multirate) => {
+            Policy::Multirate(multirate) | Policy::Temporal(Temporal { multirate, .. }) => {
                 let every = multirate.target.psnr_db.value().map(|_| multirate.target.audit);
-                audit = every.map(|every| Audit { every, samples: meta.samples, width: meta.width });
+                let partial = history.is_some();
+                audit = every.map(|every| Audit { every, samples: meta.samples, width: meta.width, partial });
                 (Apron::Share, multirate.sampling.clone())
             }
             Policy::Foveated(foveated) => (Apron::Share, foveated.sampling.clone()),
@@ -74,12 +84,12 @@ impl Rules {
         let is_shaded = sampling.shade == Shade::Attributes;
         let shading =
             is_shaded.then(|| Shading { ambient: sampling.shade_ambient as f32, lights: meta.lights.clone() });
-        Ok(Self { shading, size, blocks: *policy != Policy::Full, apron, sampling, audit })
+        Ok(Self { shading, size, blocks: *policy != Policy::Full, apron, sampling, audit, history })
     }
 
     /// True when the policy looks at more than primary hits.
     pub fn deep(&self) -> bool {
-        self.sampling.secondary || self.sampling.similarity.secondary
+        self.sampling.secondary || self.sampling.similarity.secondary || self.history.is_some()
     }
 
     /// What the SRP reads of hits to decide; `control` says whether tiles have rates or limits of their own.
@@ -106,10 +116,10 @@ impl Rules {
     }
 
     /// The rules for a tile of rate `rate`, seen from `eye`.
-    pub fn tile(&self, rate: TileRate, eye: Vec3) -> TileRules<'_> {
+    pub fn tile<'a>(&'a self, rate: TileRate, eye: Vec3, past: Option<(u32, &'a History)>) -> TileRules<'a> {
         let lattice = |block| SampleLattice { width: self.size.0, height: self.size.1, block };
         let tests = Tests::new(&self.sampling.similarity, rate.relax);
-        TileRules { rules: self, lattice: lattice(rate.block), left: lattice(rate.left), tests, eye }
+        TileRules { rules: self, lattice: lattice(rate.block), left: lattice(rate.left), tests, eye, past }
     }
 }
 
@@ -120,12 +130,29 @@ impl TileRules<'_> {
         for y in rect.y..rect.y + rect.height {
             if self.lattice.is_row(y) {
                 for x in self.lattice.columns(rect.x, rect.x + rect.width) {
-                    view.trace(x, y, SampleState::Reference, 0);
+                    self.trace(view, (x, y), SampleState::Reference, 0);
                 }
             } else if rect.x > 0 && self.left.is_row(y) {
-                view.trace(rect.x, y, SampleState::Reference, 0);
+                self.trace(view, (rect.x, y), SampleState::Reference, 0);
             }
         }
+    }
+
+    /// Traces a sample whole, but for rays to lights that are known.
+    fn trace(&self, view: &mut TileView, (x, y): (u32, u32), state: SampleState, round: u8) {
+        let Some(history) = self.looks_at(x, y) else { return view.trace(x, y, state, round) };
+        let mut eye = Eye::new(Some(history));
+        view.build((x, y), round, state == SampleState::Reference, |tracer, _, out| {
+            eye.subtree(tracer, 0, 1, out);
+            0
+        });
+        view.looked_back((x, y), round, eye.place);
+    }
+
+    /// The history that a sample looks at; nothing if there is none, or it looks for its lights in any case.
+    fn looks_at(&self, x: u32, y: u32) -> Option<&History> {
+        let (frame, history) = self.past?;
+        (!history.refreshes(frame, x, y)).then_some(history)
     }
 
     /// The rows on which a sample of the tile's first column closes an R-row of the tile to its left, top to bottom.
@@ -233,11 +260,14 @@ impl<'a> Line<'a> {
         // Of what the Y step interpolates corrections read some, and note it.
         let (shading, eye) = (&self.rules.rules.shading, self.rules.eye);
         let mut is_shaded = false;
-        let is_read = shading.is_some() || matches!(ends.axis, Axis::X(_));
+        let (x, y) = self.at(i);
+        let keeps = self.rules.rules.history.as_ref().is_some_and(|history| history.keeps(x, y));
+        let is_read = shading.is_some() || keeps || matches!(ends.axis, Axis::X(_));
         self.view.interpolate_from(ends.axis.at(i), self.round, is_read, |known, out| {
             let (near, far) = (ends.tree(known, near), ends.tree(known, far));
             match ends.axis {
                 Axis::X(_) => interpolate_tree(near, far, s, out),
+                Axis::Y(_) if keeps => interpolate_tree(near, far, s, out),
                 // No further sample is interpolated from this one, so its primary hit is enough.
                 Axis::Y(_) => {
                     let alone = |tree: &[Node]| Node { reflect: None, refract: None, len: 1, ..tree[0] };
@@ -257,21 +287,24 @@ impl<'a> Line<'a> {
     fn trace(&mut self, a: u32, b: u32, i: u32) {
         let (x, y) = self.at(i);
         if !self.rules.rules.sampling.secondary {
-            return self.view.trace(x, y, SampleState::Traced, self.round);
+            return self.rules.trace(self.view, (x, y), SampleState::Traced, self.round);
         }
         let (swap, s) = nearer(i - a, b - a);
         let (near, far) = if swap { (b, a) } else { (a, b) };
+        let (eye, mut place) = (Eye::new(self.rules.looks_at(x, y)), None);
         let (tests, gap, mut made) = (&self.rules.tests, b - a, Compared::default());
         let (stand_in, ends) = (self.rules.rules.sampling.stand_in, self.ends());
         self.view.rebuild(x, y, self.round, |tracer, known, out| {
             let (near, far) = (ends.tree(known, near), ends.tree(known, far));
             let (totals, compared) = ((near[0].colour, far[0].colour), Compared::default());
-            let mut rebuild = Rebuild { tests, stand_in, tracer, out, gap, s, totals, compared, interpolated: 0 };
+            let mut rebuild = Rebuild { tests, stand_in, tracer, out, gap, s, totals, compared, interpolated: 0, eye };
             rebuild.build(near, far);
             made = rebuild.compared;
+            place = rebuild.eye.place;
             rebuild.interpolated
         });
         self.view.compared((x, y), self.round, made);
+        self.view.looked_back((x, y), self.round, place);
     }
 
     /// The colour that sample `i` would have by interpolation.
@@ -284,7 +317,7 @@ impl<'a> Line<'a> {
     /// How far `colour` is off the colour of sample `i`; infinite if that was not traced whole.
     fn miss(&self, i: u32, colour: Vec3) -> f64 {
         let (x, y) = self.at(i);
-        if !matches!(self.view.state(x, y), Some((SampleState::Traced, _))) {
+        if !self.view.is_seen(x, y) {
             return f64::INFINITY;
         }
         let both = (colour, self.tree(i)[0].colour);

@@ -20,13 +20,15 @@ pub struct Audit {
     pub samples: u32,
     /// Pixels in a row of the picture.
     pub width: u32,
+    /// The same for samples of which some rays were traced.
+    pub partial: bool,
 }
 
 impl Audit {
     /// Whether pixel (`x`, `y`) of frame `frame` is audited.
     pub fn picks(&self, frame: u32, x: u32, y: u32) -> bool {
         let place = u64::from(y) * u64::from(self.width) + u64::from(x);
-        mix(place ^ u64::from(frame) << 40).is_multiple_of(u64::from(self.every))
+        scramble(place ^ u64::from(frame) << 40).is_multiple_of(u64::from(self.every))
     }
 
     /// Audits a tile whose samples are all decided. Pixels that reach into another tile are left out.
@@ -54,8 +56,10 @@ impl Audit {
 
     fn trace(&self, view: &mut TileView, x: u32, y: u32) {
         for (x, y) in self.inside(x, y) {
-            if let Some((SampleState::Interpolated, round)) = view.state(x, y) {
-                view.correct(x, y, round);
+            match view.state(x, y) {
+                Some((SampleState::Interpolated, round)) => view.correct(x, y, round),
+                Some(_) if self.partial && !view.is_whole(x, y) => view.complete(x, y),
+                _ => {}
             }
         }
     }
@@ -71,7 +75,7 @@ impl Audit {
 }
 
 /// The finaliser of SplitMix64 (Steele, Lea, Flood 2014), whose output bits all depend on all of its input.
-fn mix(value: u64) -> u64 {
+pub(super) fn scramble(value: u64) -> u64 {
     let z = value.wrapping_add(0x9E37_79B9_7F4A_7C15);
     let z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
     let z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);

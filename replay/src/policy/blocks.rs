@@ -9,6 +9,7 @@ use super::lattice::check_tile;
 use super::rate::{RateController, Rates};
 use super::sampler::{SamplePolicy, Sampler};
 use super::tree::Forest;
+use super::history::History;
 use super::view::TileView;
 use super::{Apron, NamedPolicy, Policy, cells};
 use crate::counts::TileStats;
@@ -54,6 +55,17 @@ struct BlockSampler {
     /// Each tile has a block or a limit of its own.
     has_rates: bool,
     now: Now,
+    /// What the frame before brought, and what is kept of this one.
+    histories: Option<Histories>,
+}
+
+/// Two histories that take turns.
+#[derive(Clone)]
+struct Histories {
+    before: History,
+    /// The one before may be looked at.
+    is_open: bool,
+    now: History,
 }
 
 /// The frame at work.
@@ -68,13 +80,21 @@ impl BlockSampler {
     fn new(policy: &Policy, meta: &Meta) -> Result<Self> {
         let rules = Rules::new(policy, meta)?;
         check_tile(meta.tile, &RateController::blocks(policy))?;
-        let has_rates = matches!(policy, Policy::Multirate(_) | Policy::Foveated(_));
-        Ok(Self { rules, control: RateController::new(policy, meta), has_rates, now: Now::default() })
+        let has_rates = policy.multirate().is_some() || matches!(policy, Policy::Foveated(_));
+        let histories = match policy {
+            Policy::Temporal(temporal) => {
+                let empty = History::new(&temporal.history, meta);
+                Some(Histories { before: empty.clone(), is_open: false, now: empty })
+            }
+            _ => None,
+        };
+        Ok(Self { rules, control: RateController::new(policy, meta), has_rates, now: Now::default(), histories })
     }
 
     fn tile(&self, view: &TileView) -> TileRules<'_> {
         let eye = self.now.camera.map_or(Vec3::ZERO, |camera| camera.eye);
-        self.rules.tile(self.now.rates.tile(view.index()), eye)
+        let past = self.histories.as_ref().filter(|histories| histories.is_open);
+        self.rules.tile(self.now.rates.tile(view.index()), eye, past.map(|past| (self.now.frame, &past.before)))
     }
 }
 
@@ -93,6 +113,11 @@ impl Sampler for BlockSampler {
 
     fn begin_frame(&mut self, frame: u32, camera: &Camera) {
         self.now = Now { frame, camera: Some(*camera), rates: self.control.rates(frame, camera) };
+        if let Some(histories) = &mut self.histories {
+            std::mem::swap(&mut histories.before, &mut histories.now);
+            histories.is_open = !self.now.rates.is_first();
+            histories.now.begin(camera);
+        }
     }
 
     fn begin_tile(&self, view: &mut TileView) {
@@ -125,6 +150,12 @@ impl Sampler for BlockSampler {
 
     fn end_row(&mut self, row: &[TileStats]) {
         self.now.rates.finished(row);
+    }
+
+    fn keep(&mut self, tiles: &[TileView]) {
+        if let Some(histories) = &mut self.histories {
+            tiles.iter().for_each(|tile| histories.now.keep(tile));
+        }
     }
 
     fn end_frame(&mut self, tiles: &[TileStats]) {

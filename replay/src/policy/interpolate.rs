@@ -76,6 +76,7 @@ pub fn interpolate_node(near: &Node, far: &Node, s: f32) -> Node {
         reflect: weight(near.reflect, far.reflect),
         refract: weight(near.refract, far.refract),
         len: 1,
+        age: near.age.max(far.age),
         ..*near
     }
 }
@@ -99,6 +100,7 @@ mod tests {
             hit_rays: 1,
             rays: 1,
             len: 1,
+            age: 0,
         }
     }
 

@@ -17,6 +17,8 @@ pub enum Policy {
     Adaptive(Adaptive),
     /// The same, with the block of each tile chosen by its similarity in the frame before.
     Multirate(Multirate),
+    /// The same, with what the frame before brought of a place.
+    Temporal(Temporal),
     /// The same, with larger blocks away from where the eye looks.
     Foveated(Foveated),
     /// Squares whose corners differ in their colours are subdivided.
@@ -34,10 +36,20 @@ impl Policy {
             Self::Full => "full",
             Self::Adaptive(_) => "adaptive",
             Self::Multirate(_) => "multirate",
+            Self::Temporal(_) => "temporal",
             Self::Foveated(_) => "foveated",
             Self::Whitted1980(_) => "whitted1980",
             Self::Mitchell1987(_) => "mitchell1987",
             Self::Jin2009(_) => "jin2009",
+        }
+    }
+
+    /// The values by which each tile has a block that follows the frame before, if it has.
+    pub(super) fn multirate(&self) -> Option<&Multirate> {
+        match self {
+            Self::Multirate(multirate) => Some(multirate),
+            Self::Temporal(temporal) => Some(&temporal.multirate),
+            _ => None,
         }
     }
 }
@@ -75,6 +87,26 @@ settings! {
         cut_change: f64 = Number(1.0), "a mean change of the similarity ratios above this is a cut";
         target: Target, "the picture's quality that the colour limit is moved to hold";
         ..sampling: Sampling, "what is done within a block";
+    }
+
+    /// The values of [`Policy::Temporal`]: as [`Multirate`], with a history.
+    pub struct Temporal {
+        history: HistoryRules, "what is taken from the frame before";
+        ..multirate: Multirate, "what is traced of the rest";
+    }
+
+    /// Which lights are taken from the frame before: [`super::history`] has the rules.
+    #[serde(deny_unknown_fields)]
+    pub struct HistoryRules {
+        /// Entries stand where both coordinates are multiples of this.
+        step: u32 = OneOf(&[1, 2, 4]), "from one entry of the history to the next", "samples";
+        depth: u32 = Count(0, 14), "hits below so many bounces are kept of a sample";
+        refresh: u32 = Count(1, 1024), "of so many samples one looks for its lights in any case, another one in each frame";
+        age: u32 = Count(1, 255), "frames since an entry looked for its lights, at most";
+        cover: f64 = Number(1.0), "least share of the four entries around a place that is of its surface";
+        plane: f64 = Number(1.0), "largest distance of an entry from the tangent plane", "fraction of the distance from the eye";
+        normal_deg: f64 = Number(180.0), "largest angle between the normals of a hit and of its like in an entry", "degrees";
+        distance: f64 = Number(100.0), "hits below: largest difference of the lengths of both rays", "fraction of the length";
     }
 
     /// The quality to hold, and how far the colour limit may be moved for it: [`super::target`] has the rules.

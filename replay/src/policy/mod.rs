@@ -28,6 +28,7 @@ mod audit;
 mod blocks;
 mod cells;
 mod correct;
+mod history;
 mod interpolate;
 mod kinds;
 mod lattice;
@@ -46,7 +47,8 @@ pub mod view;
 
 pub use interpolate::between;
 pub use kinds::{
-    Adaptive, Foveated, Jin2009, Mitchell1987, Multirate, Policy, Priorities, Target, Thresholds, Whitted1980,
+    Adaptive, Foveated, HistoryRules, Jin2009, Mitchell1987, Multirate, Policy, Priorities, Target, Temporal, Thresholds,
+    Whitted1980,
 };
 pub use limit::Limit;
 pub use load::NamedPolicy;

@@ -24,6 +24,7 @@
 
 use rayreel_formats::math::Vec3;
 
+use super::history::{History, Past};
 use super::interpolate::{interpolate_node, interpolate_tree};
 use super::similarity::{Compared, Tests};
 use super::tree::{Node, finish};
@@ -49,6 +50,59 @@ pub struct Rebuild<'a, 't> {
     pub compared: Compared,
     /// Hits interpolated.
     pub interpolated: u32,
+    /// Whose lights may be known.
+    pub eye: Eye<'a>,
+}
+
+/// How hits are traced: with all their shadow rays, or without those that the history makes needless.
+#[derive(Clone, Default)]
+pub struct Eye<'a> {
+    history: Option<&'a History>,
+    past: Option<Past<'a>>,
+    /// The place that was looked up.
+    pub place: Option<u32>,
+}
+
+impl<'a> Eye<'a> {
+    /// One that looks back, if there is a history.
+    pub fn new(history: Option<&'a History>) -> Self {
+        Self { history, ..Self::default() }
+    }
+
+    /// Traces hit `node`, which is at `path`.
+    fn hit(&mut self, tracer: &mut HitTracer<'_>, node: usize, path: u16) -> Node {
+        let Some(history) = self.history else { return tracer.hit(node) };
+        let seen = tracer.look(node);
+        let Some(surface) = &seen.surface else { return tracer.hit(node) };
+        if path == 1 {
+            (self.place, self.past) = history.find(surface);
+        }
+        match self.past.as_ref().and_then(|past| Some((past.lights(path, surface)?, past.age))) {
+            Some((lights, age)) => Node { age, ..tracer.shade(node, lights) },
+            None => tracer.hit(node),
+        }
+    }
+
+    /// Appends hit `node`, which is at `path`, and all below it, all traced.
+    pub fn subtree(&mut self, tracer: &mut HitTracer<'_>, node: usize, path: u16, out: &mut Vec<Node>) {
+        if self.history.is_none() || self.past.is_none() && path > 1 {
+            return out.extend_from_slice(tracer.subtree(node));
+        }
+        let traced = self.hit(tracer, node, path);
+        self.below(tracer, (node, path, traced), out);
+    }
+
+    /// Appends a hit that was traced, and all below it, all traced.
+    fn below(&mut self, tracer: &mut HitTracer<'_>, (node, path, traced): (usize, u16, Node), out: &mut Vec<Node>) {
+        let at = out.len();
+        out.push(traced);
+        let mut child = node + 1;
+        for (branch, _) in (0..).zip([traced.reflect, traced.refract]).filter(|(_, weight)| weight.is_some()) {
+            self.subtree(tracer, child, 2 * path + branch, out);
+            child += tracer.len(child);
+        }
+        finish(&mut out[at..]);
+    }
 }
 
 /// The same hit in three trees: those of both ends, the nearer first, and the recorded one.
@@ -58,20 +112,22 @@ struct SameHit<'a> {
     far: &'a [Node],
     /// Its number in the recorded tree.
     recorded: usize,
+    /// The way down to it.
+    path: u16,
     /// What a unit of colour here adds to either end.
     weights: (Vec3, Vec3),
-    primary: bool,
 }
 
 impl Rebuild<'_, '_> {
     /// Builds the tree between `near` and `far`, which are not similar as a whole.
     pub fn build(&mut self, near: &[Node], far: &[Node]) {
-        self.hit(SameHit { near, far, recorded: 0, weights: (Vec3::ONE, Vec3::ONE), primary: true });
+        self.hit(SameHit { near, far, recorded: 0, path: 1, weights: (Vec3::ONE, Vec3::ONE) });
     }
 
     /// Appends the sample's hit and everything below it.
     fn hit(&mut self, hit: SameHit<'_>) {
-        let SameHit { near, far, recorded, weights, primary } = hit;
+        let SameHit { near, far, recorded, path, weights } = hit;
+        let primary = path == 1;
         if !primary && self.tests.similar_below((near, far), weights, self.totals, self.gap, &mut self.compared) {
             interpolate_tree(near, far, self.s, self.out);
             self.interpolated += 1;
@@ -85,11 +141,9 @@ impl Rebuild<'_, '_> {
             self.out.push(interpolate_node(a, b, self.s));
             self.interpolated += 1;
         } else {
-            let traced = self.tracer.hit(recorded);
+            let traced = self.eye.hit(self.tracer, recorded, path);
             if !branches || !self.on_one_surface(a, b, &traced) {
-                let subtree = self.tracer.subtree(recorded);
-                self.out.extend_from_slice(subtree);
-                return;
+                return self.eye.below(self.tracer, (recorded, path, traced), self.out);
             }
             self.out.push(traced);
         }
@@ -101,11 +155,13 @@ impl Rebuild<'_, '_> {
     fn children(&mut self, hit: SameHit<'_>) {
         let (a, b) = (&hit.near[0], &hit.far[0]);
         let (mut i, mut j, mut k) = (1, 1, hit.recorded + 1);
-        for weights in [a.reflect.zip(b.reflect), a.refract.zip(b.refract)].into_iter().flatten() {
+        let branches = (0..).zip([a.reflect.zip(b.reflect), a.refract.zip(b.refract)]);
+        for (branch, weights) in branches.filter_map(|(branch, weights)| Some((branch, weights?))) {
+            let path = 2 * hit.path + branch;
             let weights = (hit.weights.0.times(weights.0), hit.weights.1.times(weights.1));
             let (near, far) = (&hit.near[i..], &hit.far[j..]);
             let (near, far) = (&near[..near[0].len as usize], &far[..far[0].len as usize]);
-            self.hit(SameHit { near, far, recorded: k, weights, primary: false });
+            self.hit(SameHit { near, far, recorded: k, path, weights });
             (i, j, k) = (i + near.len(), j + far.len(), k + self.tracer.len(k));
         }
     }

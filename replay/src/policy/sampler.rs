@@ -140,6 +140,9 @@ pub trait Sampler: Send + Sync {
     /// Takes note of the next row of tiles that is decided, top to bottom; the row below it has begun by then.
     fn end_row(&mut self, _row: &[TileStats]) {}
 
+    /// Keeps of the tiles of a row, all decided, what it wants for later frames: all that it knew of them.
+    fn keep(&mut self, _tiles: &[TileView]) {}
+
     /// Takes note of the tiles of the frame, in order.
     fn end_frame(&mut self, _tiles: &[TileStats]) {}
 

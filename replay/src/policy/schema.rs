@@ -6,7 +6,7 @@ use std::sync::LazyLock;
 use rayreel_settings::{Entry, Family, Key, Preset, Result, Rule, Schema, Settings, SettingsError};
 use toml::Value;
 
-use super::kinds::{Adaptive, Foveated, Jin2009, Mitchell1987, Multirate, Whitted1980};
+use super::kinds::{Adaptive, Foveated, Jin2009, Mitchell1987, Multirate, Temporal, Whitted1980};
 use super::sampling::Shade;
 
 macro_rules! presets {
@@ -15,12 +15,12 @@ macro_rules! presets {
 
 /// The compiled-in presets: name and TOML text.
 pub const PRESETS: &[Preset] = presets! {
-    "full" "adaptive" "adaptive-4" "adaptive-8" "paper-ss" "paper-us" "multirate" "quality" "aggressive" "foveated"
+    "full" "adaptive" "adaptive-4" "adaptive-8" "paper-ss" "paper-us" "multirate" "quality" "aggressive" "temporal" "foveated"
     "whitted1980" "mitchell1987" "jin2009" "kim2016"
 };
 
 /// Kinds of policies.
-pub const KINDS: &[&str] = &["full", "adaptive", "multirate", "foveated", "whitted1980", "mitchell1987", "jin2009"];
+pub const KINDS: &[&str] = &["full", "adaptive", "multirate", "temporal", "foveated", "whitted1980", "mitchell1987", "jin2009"];
 
 const KIND: Entry = Entry::Key(Key { name: "kind", rule: Rule::Word(KINDS), unit: "", meaning: "kind of the policy" });
 
@@ -28,6 +28,7 @@ static SCHEMAS: LazyLock<Vec<Schema>> = LazyLock::new(|| {
     let entries = |kind: &str| match kind {
         "adaptive" => Adaptive::ENTRIES,
         "multirate" => Multirate::ENTRIES,
+        "temporal" => Temporal::ENTRIES,
         "foveated" => Foveated::ENTRIES,
         "whitted1980" => Whitted1980::ENTRIES,
         "mitchell1987" => Mitchell1987::ENTRIES,

@@ -72,7 +72,7 @@ mod tests {
         let position = vec3(x, 0.0, 0.0);
         let surface = Some(SurfacePoint { object: 1, shadows: Shadows(1), normal, position, t: 5.0 });
         let (local, colour) = (Vec3::splat(local), Vec3::splat(local + 0.125));
-        Node { surface, local, colour, reflect: None, refract: None, hit_rays: 2, rays: 2, len: 1 }
+        Node { surface, local, colour, reflect: None, refract: None, hit_rays: 2, rays: 2, len: 1, age: 0 }
     }
 
     fn shaded(a: &Node, b: &Node) -> (Node, Node) {

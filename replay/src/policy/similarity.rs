@@ -260,7 +260,7 @@ mod tests {
     }
 
     fn node(surface: Option<SurfacePoint>, colour: Vec3) -> Node {
-        Node { surface, local: colour, colour, reflect: None, refract: None, hit_rays: 3, rays: 3, len: 1 }
+        Node { surface, local: colour, colour, reflect: None, refract: None, hit_rays: 3, rays: 3, len: 1, age: 0 }
     }
 
     fn pass(rules: &Similarity, a: &Node, b: &Node, gap: u32) -> bool {

@@ -42,6 +42,8 @@ pub struct Node {
     pub rays: u32,
     /// Hits of the whole subtree.
     pub len: u32,
+    /// Frames since the oldest of what it was made of was traced.
+    pub age: u8,
 }
 
 impl Node {

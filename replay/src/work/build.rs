@@ -10,7 +10,7 @@ use rayreel_formats::tile::{RayKind, RayNode, Tile};
 use super::part::{Part, Parts, bad};
 use super::recorded::PathsOf;
 use crate::error::{RayStep, ReplayError, Result};
-use crate::policy::view::{CLOSERS, Closer, SampleState, TileView};
+use crate::policy::view::{CLOSERS, Closer, SampleState, TileView, Traced};
 use crate::source::PathSource;
 use rayreel_machine::work::check::{Fault, walk};
 use rayreel_machine::work::topology::Topology;
@@ -86,7 +86,7 @@ impl<S: PathSource + ?Sized> Builder<'_, S> {
         &self,
         part: &mut Part,
         recorded: &mut Recorded<'_>,
-        (sample, round, traces): (usize, u8, impl Fn(usize) -> bool),
+        (sample, round, traces): (usize, u8, impl Fn(usize) -> Traced),
         at: (u32, u32),
     ) -> Result<()> {
         // Per depth the last hit: its ray if it was traced, what it is, and whether its children were announced.
@@ -95,14 +95,15 @@ impl<S: PathSource + ?Sized> Builder<'_, S> {
         for (i, node) in nodes.clone().enumerate() {
             let hit = &tile.tree.nodes[node];
             let parent = ancestors.parent(hit, i == 0).map_err(|detail| bad(tile, detail))?;
-            let ray = traces(i).then_some(part.rays.len() as u32);
+            let traced = traces(i);
+            let ray = (traced != Traced::No).then_some(part.rays.len() as u32);
             if let Some(ray) = ray {
                 match parent.map(|up| &mut part.rays[up as usize]) {
                     Some(up) if hit.class.kind() == RayKind::Reflection => up.reflect = ray,
                     Some(up) => up.refract = ray,
                     None => part.round(round).starts.push(ray),
                 }
-                self.rays(part, recorded, node, at)?;
+                self.rays(part, recorded, node, traced, at)?;
             }
             ancestors.note(hit, ray).map_err(|()| lacking(tile, at))?;
         }
@@ -110,10 +111,18 @@ impl<S: PathSource + ?Sized> Builder<'_, S> {
     }
 
     /// Appends the ray of a node and the shadow rays of its hit.
-    fn rays(&self, part: &mut Part, recorded: &mut Recorded<'_>, node: usize, (x, y): (u32, u32)) -> Result<()> {
+    fn rays(
+        &self,
+        part: &mut Part,
+        recorded: &mut Recorded<'_>,
+        node: usize,
+        traced: Traced,
+        (x, y): (u32, u32),
+    ) -> Result<()> {
         let (tile, number) = (recorded.tile, recorded.index[node]);
         let hit = &tile.tree.nodes[node];
         let triangle = tile.hits[node].triangle;
+        let known = if let Traced::But(known) = traced { known } else { 0 };
         let shadows = hit.shadows.count();
         if hit.hit != (triangle < self.tree.triangles) || !hit.hit && (shadows > 0 || hit.reflect || hit.refract) {
             return Err(bad(tile, format!("ray {number} of sample ({x}, {y}) and its hit disagree")));
@@ -122,7 +131,7 @@ impl<S: PathSource + ?Sized> Builder<'_, S> {
             ops_start: 0,
             ops_len: 0,
             kind: hit.class.kind(),
-            shadows: shadows as u8,
+            shadows: (shadows - known.count_ones()) as u8,
             triangle: if hit.hit { triangle } else { NO_TRIANGLE },
             material: if hit.hit { self.source.material_of(triangle) } else { 0 },
             reflect: NO_RAY,
@@ -134,7 +143,8 @@ impl<S: PathSource + ?Sized> Builder<'_, S> {
         self.ray(part, recorded, number, ray)?;
         // Shadow rays have the place of the ray they hang on, and no surface of their own.
         (ray.kind, ray.shadows, ray.triangle, ray.material) = (RayKind::Shadow, 0, NO_TRIANGLE, 0);
-        (1..=shadows).try_for_each(|shadow| self.ray(part, recorded, number + shadow, ray))
+        let cast = (1..).zip(hit.shadows.cast()).filter(|(_, light)| known >> (2 * light) & 1 == 0);
+        cast.into_iter().try_for_each(|(shadow, _)| self.ray(part, recorded, number + shadow, ray))
     }
 
     /// Appends a ray with its path.

@@ -15,7 +15,7 @@ use rayreel_formats::scene::{Camera, Meta};
 
 use crate::counts::TileStats;
 use crate::policy::target::{FirstFrame, LimitController};
-use crate::policy::{Foveated, Jin2009, Mitchell1987, Multirate, Policy, Whitted1980};
+use crate::policy::{Foveated, Jin2009, Mitchell1987, Multirate, Policy, Temporal, Whitted1980};
 
 /// What a tile is sampled with.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -44,6 +44,11 @@ impl Rates {
         let (block, relax) = self.tiles[tile as usize];
         let left = if tile.is_multiple_of(self.columns) { block } else { self.tiles[tile as usize - 1].0 };
         TileRate { block, left, relax }
+    }
+
+    /// Nothing is known of the frame before, or it does not count.
+    pub fn is_first(&self) -> bool {
+        self.first.is_some()
     }
 
     /// Takes note of the next row of tiles that is finished, top to bottom. In a first frame it moves the colour limit of the
@@ -100,10 +105,7 @@ impl RateController {
     /// Prepares `policy` for the tiles of a trace.
     pub fn new(policy: &Policy, meta: &Meta) -> Self {
         let (columns, rows) = meta.tile_grid();
-        let target = match policy {
-            Policy::Multirate(multirate) => Some(LimitController::new(&multirate.target)),
-            _ => None,
-        };
+        let target = policy.multirate().map(|multirate| LimitController::new(&multirate.target));
         Self { columns, rows, tile: meta.tile, grid: meta.grid(), policy: policy.clone(), history: None, target }
     }
 
@@ -118,7 +120,9 @@ impl RateController {
             | Policy::Mitchell1987(Mitchell1987 { block, .. })
             | Policy::Jin2009(Jin2009 { block, .. }) => vec![*block],
             Policy::Adaptive(adaptive) => vec![adaptive.block],
-            Policy::Multirate(multirate) => range(multirate.finest, multirate.coarsest),
+            Policy::Multirate(multirate) | Policy::Temporal(Temporal { multirate, .. }) => {
+                range(multirate.finest, multirate.coarsest)
+            }
             Policy::Foveated(foveated) => range(foveated.finest, foveated.coarsest),
         }
     }
@@ -134,7 +138,7 @@ impl RateController {
             }
             Policy::Adaptive(adaptive) => vec![(adaptive.block, 1.0); count],
             Policy::Foveated(rings) => (0..self.columns * self.rows).map(|tile| self.foveated(rings, tile)).collect(),
-            Policy::Multirate(multirate) => match (&self.history, &self.target) {
+            Policy::Multirate(multirate) | Policy::Temporal(Temporal { multirate, .. }) => match (&self.history, &self.target) {
                 (Some(history), target) if !self.is_cut(multirate, history, frame, camera) => {
                     let factor = target.as_ref().map_or(1.0, LimitController::factor);
                     history.tiles.iter().map(|memory| (memory.block, factor)).collect()
@@ -151,7 +155,7 @@ impl RateController {
 
     /// Takes note of what the tiles of `frame` were like under `rates`.
     pub fn learn(&mut self, frame: u32, camera: &Camera, rates: &Rates, stats: &[TileStats]) {
-        let Policy::Multirate(multirate) = &self.policy else { return };
+        let Some(multirate) = self.policy.multirate() else { return };
         let fresh = rates.tiles.iter().map(|&(block, _)| TileHistory { block, ratio: None, asked: 0 }).collect();
         let known = self.history.take().filter(|history| !self.is_cut(multirate, history, frame, camera));
         if let Some(target) = &mut self.target {

@@ -9,10 +9,11 @@ mod strips;
 
 use rayreel_formats::math::Vec3;
 use rayreel_formats::scene::{Camera, Rect};
-use rayreel_formats::tile::Tile;
+use rayreel_formats::tile::{Shadows, Tile};
 
+use super::history::KnownLights;
 use super::similarity::Compared;
-use super::tree::Node;
+use super::tree::{Node, SurfacePoint};
 use crate::counts::RayCounts;
 use crate::error::{ReplayError, Result};
 use crate::image::psnr::SquaredError;
@@ -43,8 +44,8 @@ pub struct TileView {
     /// Trees have all their hits; else each sample is one.
     deep: bool,
     recorded: Recorded,
-    /// Per recorded hit whether its rays were traced.
-    traced: Vec<bool>,
+    /// Per recorded hit which of its rays were traced.
+    traced: Vec<Traced>,
     known: Known,
     /// Memory for the tree that is being made.
     made: Vec<Node>,
@@ -65,20 +66,59 @@ pub struct TileView {
 /// The recorded ray tree of one sample, of which hits may be traced one by one.
 pub struct HitTracer<'a> {
     nodes: &'a [Node],
-    traced: &'a mut [bool],
+    traced: &'a mut [Traced],
+}
+
+/// Which rays of a recorded hit were traced.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) enum Traced {
+    /// None.
+    #[default]
+    No,
+    /// The ray that met it, and the shadow rays to all lights but these: the low bit of each light is set.
+    But(u32),
+}
+
+impl Traced {
+    /// All rays.
+    pub const WHOLE: Self = Self::But(0);
 }
 
 impl HitTracer<'_> {
     /// Traces hit `node` and its shadow rays.
     pub fn hit(&mut self, node: usize) -> Node {
-        self.traced[node] = true;
+        self.traced[node] = Traced::WHOLE;
         self.nodes[node]
+    }
+
+    /// Traces the ray that meets hit `node`, and no shadow ray yet: no colour is known then, and of the lights whether rays would be
+    /// cast at them, in the low bit of each.
+    pub fn look(&mut self, node: usize) -> Node {
+        let seen = self.nodes[node];
+        // Whether a light is behind a surface the hit itself says.
+        let surface = seen.surface.map(|surface| SurfacePoint { shadows: surface.shadows.places(), ..surface });
+        if self.traced[node] == Traced::No {
+            self.traced[node] = Traced::But(surface.map_or(0, |surface| surface.shadows.0));
+        }
+        Node { surface, local: Vec3::ZERO, colour: Vec3::ZERO, hit_rays: 1, rays: 1, ..seen }
+    }
+
+    /// Traces the shadow rays of hit `node`, which was looked at, but for those to lights that are known, and shades it. A trace holds
+    /// no shader: it has the colour for the states that were recorded; for any others that of `known` stands.
+    pub fn shade(&mut self, node: usize, known: KnownLights) -> Node {
+        self.traced[node] = Traced::But(known.lights);
+        let recorded = self.nodes[node];
+        let Some(surface) = recorded.surface else { return recorded };
+        let both = known.lights | known.lights << 1;
+        let shadows = Shadows(surface.shadows.0 & !both | known.shadows.0 & both);
+        let local = if shadows == surface.shadows { recorded.local } else { known.local };
+        Node { surface: Some(SurfacePoint { shadows, ..surface }), local, ..recorded }
     }
 
     /// Traces hit `node` and everything below it.
     pub fn subtree(&mut self, node: usize) -> &[Node] {
         let range = node..node + self.nodes[node].len as usize;
-        self.traced[range.clone()].fill(true);
+        self.traced[range.clone()].fill(Traced::WHOLE);
         &self.nodes[range]
     }
 
@@ -114,7 +154,7 @@ impl TileView {
             tile: index,
             detail,
         })?;
-        let (traced, states) = (vec![false; recorded.nodes.len()], vec![None; rect.len()]);
+        let (traced, states) = (vec![Traced::No; recorded.nodes.len()], vec![None; rect.len()]);
         let (known, made) = (Known::new(rect.len()), Vec::new());
         Ok(Self {
             index,
@@ -157,7 +197,7 @@ impl TileView {
         assert!(matches!(state, SampleState::Reference | SampleState::Traced), "a traced sample cannot be {state:?}");
         let i = self.decide(x, y, state, round);
         let range = self.recorded.range(i);
-        self.traced[range.clone()].fill(true);
+        self.traced[range.clone()].fill(Traced::WHOLE);
         self.known.trace(i, range);
     }
 
@@ -221,6 +261,17 @@ impl TileView {
         round: u8,
         build: impl FnOnce(&mut HitTracer<'_>, KnownTrees<'_>, &mut Vec<Node>) -> u32,
     ) {
+        self.build((x, y), round, false, build);
+    }
+
+    /// As [`TileView::rebuild`]; an R-sample stays one.
+    pub(crate) fn build(
+        &mut self,
+        (x, y): (u32, u32),
+        round: u8,
+        is_reference: bool,
+        build: impl FnOnce(&mut HitTracer<'_>, KnownTrees<'_>, &mut Vec<Node>) -> u32,
+    ) {
         let i = self.offset(x, y);
         let range = self.recorded.range(i);
         let mut tree = std::mem::take(&mut self.made);
@@ -228,10 +279,12 @@ impl TileView {
         let known = KnownTrees { rect: self.rect, known: &self.known, recorded: &self.recorded };
         let (nodes, traced) = (&self.recorded.nodes[range.clone()], &mut self.traced[range.clone()]);
         let interpolated = build(&mut HitTracer { nodes, traced }, known, &mut tree);
-        let traced = self.traced[range.clone()].iter().filter(|t| **t).count();
+        let of_sample = &self.traced[range.clone()];
+        let traced = of_sample.iter().filter(|traced| **traced != Traced::No).count();
         let state = match (traced, interpolated) {
+            _ if is_reference => SampleState::Reference,
             (0, _) => SampleState::Interpolated,
-            (_, 0) => SampleState::Traced,
+            (_, 0) if of_sample.iter().all(|traced| *traced == Traced::WHOLE) => SampleState::Traced,
             _ => SampleState::Partial,
         };
         let i = self.decide(x, y, state, round);
@@ -260,6 +313,32 @@ impl TileView {
     /// Notes `hits` interpolated hits whose attributes tests of round `round` read for the first time.
     pub(crate) fn read_attributes(&mut self, at: (u32, u32), round: u8, hits: u32) {
         self.count(at, round, |counts| counts.attributes += hits);
+    }
+
+    /// Notes `lookups` in the history in round `round`.
+    pub(crate) fn looked_back(&mut self, at: (u32, u32), round: u8, place: Option<u32>) {
+        self.count(at, round, |counts| counts.looked_back += u32::from(place.is_some()));
+    }
+
+    /// Whether an I-sample was traced, all its hits by rays: no part of it is interpolated.
+    pub(crate) fn is_seen(&self, x: u32, y: u32) -> bool {
+        let i = self.offset(x, y);
+        let is_traced = matches!(self.states[i], Some((SampleState::Traced | SampleState::Partial, _)));
+        is_traced && self.traced[self.recorded.range(i)].iter().all(|traced| *traced != Traced::No)
+    }
+
+    /// Whether all rays of a sample were traced.
+    pub(crate) fn is_whole(&self, x: u32, y: u32) -> bool {
+        self.traced[self.recorded.range(self.offset(x, y))].iter().all(|traced| *traced == Traced::WHOLE)
+    }
+
+    /// Traces whole what was not, of a sample that is decided: it keeps its round, and an R-sample stays one.
+    pub(crate) fn complete(&mut self, x: u32, y: u32) {
+        let i = self.offset(x, y);
+        let Some((state, round)) = self.states[i] else { return };
+        let state = if state == SampleState::Reference { state } else { SampleState::Traced };
+        self.states[i] = None;
+        self.trace(x, y, state, round);
     }
 
     /// Notes that an interpolated sample was shaded from its attributes.
@@ -343,12 +422,15 @@ impl TileView {
     /// When the sample is outside the tile.
     pub fn traced_rays(&self, x: u32, y: u32) -> Option<RayCounts> {
         let range = self.recorded.range(self.offset(x, y));
-        let rays = range.filter(|&node| self.traced[node]).map(|node| self.recorded.rays[node]);
+        let rays = range.filter_map(|node| match (self.traced[node], self.recorded.rays[node]) {
+            (Traced::No, _) => None,
+            (Traced::But(known), all) => Some(RayCounts { shadow: all.shadow - u64::from(known.count_ones()), ..all }),
+        });
         rays.fold(None, |sum, rays| Some(sum.unwrap_or_default() + rays))
     }
 
-    /// Whether the rays of the `node`-th recorded hit of a sample were traced.
-    pub(crate) fn traces_hit(&self, sample: usize, node: usize) -> bool {
+    /// Which rays of the `node`-th recorded hit of a sample were traced.
+    pub(crate) fn traces_hit(&self, sample: usize, node: usize) -> Traced {
         self.traced[self.recorded.range(sample).start + if self.deep { node } else { 0 }]
     }
 

@@ -27,6 +27,8 @@ pub struct RoundCounts {
     pub attributes: u32,
     /// Interpolated samples that were shaded from their attributes.
     pub shaded: u32,
+    /// Places that were looked up in the history.
+    pub looked_back: u32,
 }
 
 /// Who decides a sample of a tile.
