@@ -81,6 +81,7 @@ settings! {
         colour: PolicyKernel, "a difference of two colours as displayed: of a test, a correction, an audited sample";
         interpolate: PolicyKernel, "an interpolated sample: its colour";
         attributes: PolicyKernel, "an interpolated hit that later tests read: its attributes";
+        look_back: PolicyKernel, "a hit whose lights are looked for in the frame before";
         control: PolicyKernel, "a tile whose rate or limit the policy chooses";
         resolve: Kernel, "a sample averaged into its pixel";
     }

@@ -47,12 +47,14 @@ pub fn exact_counters(config: &MachineConfig) -> Stats {
             sample_read: 1,
             border_written: 1,
             border_read: 1,
+            history_written: 1,
+            history_read: 1,
             ..streams(config)
         };
         core.srp_l1.lookups = 1;
     }
     let traffic = &mut exact.memory.traffic;
-    for region in [Region::Framebuffer, Region::Sample, Region::Border] {
+    for region in [Region::Framebuffer, Region::Sample, Region::Border, Region::History] {
         (traffic.read[region as usize], traffic.written[region as usize]) = (1, 1);
     }
     exact

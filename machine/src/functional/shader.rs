@@ -10,6 +10,7 @@ use crate::srp::{
     framebuffer_rows, list_offset, sent_ray, taker,
 };
 use crate::stats::CoreStats;
+use crate::work::history::HistoryLayout;
 use crate::work::layout::{Layout, Region};
 use crate::work::{RayWork, Round, TileWork};
 use rayreel_formats::tile::RayKind;
@@ -17,6 +18,7 @@ use rayreel_formats::tile::RayKind;
 /// What the SRP does with a tile.
 pub(super) struct Shader {
     layout: Layout,
+    history: HistoryLayout,
     shape: FrameShape,
     costs: Costs,
     reads: ShadeReads,
@@ -39,6 +41,7 @@ impl Shader {
         let width = u64::from(gpu.interface_bytes_per_cycle.max(1));
         Self {
             layout,
+            history: HistoryLayout::new(&config.srp.sample),
             shape,
             costs: Costs::new(config, &shape.policy),
             reads: ShadeReads::new(config, layout),
@@ -65,6 +68,11 @@ impl Shader {
         features: &mut Features,
     ) {
         self.transfer((Region::Sample, Route::Read), 0, self.buffer.round_read_bytes(round), counted, memory);
+        if number == 0 {
+            for (offset, bytes) in self.history.reads(work.frame, &work.history) {
+                self.transfer((Region::History, Route::Read), offset, bytes, counted, memory);
+            }
+        }
         if number == 1 {
             let border = u64::from(work.border_samples) * self.buffer.sample_bytes();
             self.transfer((Region::Border, Route::Read), border_offset(work.tile), border, counted, memory);
@@ -74,6 +82,7 @@ impl Shader {
         self.items(KernelId::Interpolate, round.interpolated.into(), counted, features);
         self.items(KernelId::Attributes, round.attributes.into(), counted, features);
         self.items(KernelId::Reshade, round.shaded.into(), counted, features);
+        self.items(KernelId::LookBack, round.looked_back.into(), counted, features);
         let mut seen = 0;
         for &ray in &round.starts {
             if self.rasters && work.rays[ray as usize].kind == RayKind::Primary {
@@ -196,6 +205,9 @@ impl Shader {
         }
         let kept = u64::from(work.kept_samples) * sample;
         self.transfer((Region::Border, Route::Write), border_offset(work.tile), kept, counted, memory);
+        for (offset, bytes) in self.history.writes(work.frame, work.tile, &work.history) {
+            self.transfer((Region::History, Route::Write), offset, bytes, counted, memory);
+        }
         self.items(KernelId::Colour, work.audited_samples.into(), counted, features);
         self.items(KernelId::Control, self.shape.policy.control.into(), counted, features);
         self.items(KernelId::Resolve, work.rect.len() as u64, counted, features);

@@ -7,10 +7,10 @@
 //!   inspector, `inspector_cycles` an item, which sorts items by branch; a batch then has one branch.
 //! * `divergence = "naive"`: one batch holds items of k branches and each item pays for all of them (predicated execution):
 //!   `prologue + k x intervals`. `similarity` has k = 2 in a round that both interpolates and traces.
-//! * The interval of a `shade` item is `shade.ii + light.ii x (shadow rays - 1) + secondary.ii x (reflection and refraction
+//! * The interval of a `shade` item is `shade.ii + light.ii x (lights - 1) + secondary.ii x (reflection and refraction
 //!   rays)`: the first light is part of `shade`.
 //! * What a policy adds has kernels whose operations are counted from what it reads ([`PolicyReads`]): `similarity` the
-//!   attributes of a pair of hits, `colour` a difference of colours, `interpolate` the colour of a sample, `attributes` what
+//!   attributes of a pair of hits, `colour` a difference of colours, `look_back` a hit in the history, `interpolate` the colour of a sample, `attributes` what
 //!   later tests read of an interpolated hit, `control` the rate or limit of a tile; `reshade` is `shade` without its reads. Their interval is the operations over
 //!   `srp.ops_per_cycle`, rounded up, and the prologue so many stages of it.
 //!
@@ -40,14 +40,16 @@ pub enum KernelId {
     Attributes = 7,
     /// An interpolated sample that is shaded from its attributes.
     Reshade = 8,
+    /// A hit whose lights are looked for in the frame before.
+    LookBack = 9,
     /// The rate or limit of a tile.
-    Control = 9,
+    Control = 10,
     /// A sample averaged into its pixel.
-    Resolve = 10,
+    Resolve = 11,
 }
 
 /// Number of kernels.
-pub const KERNELS: usize = 11;
+pub const KERNELS: usize = 12;
 
 impl KernelId {
     /// All kernels, in order.
@@ -61,6 +63,7 @@ impl KernelId {
         Self::Interpolate,
         Self::Attributes,
         Self::Reshade,
+        Self::LookBack,
         Self::Control,
         Self::Resolve,
     ];
@@ -77,6 +80,7 @@ impl KernelId {
             Self::Interpolate => "interpolate",
             Self::Attributes => "attributes",
             Self::Reshade => "reshade",
+            Self::LookBack => "look_back",
             Self::Control => "control",
             Self::Resolve => "resolve",
         }
@@ -103,11 +107,18 @@ impl KernelId {
 pub struct Sends {
     /// Shadow rays.
     pub shadows: u8,
+    /// Lights that are shaded without a ray.
+    pub known: u8,
     /// Reflection and refraction rays.
     pub secondary: u8,
 }
 
 impl Sends {
+    /// Lights beyond the first.
+    fn more_lights(self) -> u64 {
+        u64::from((self.shadows + self.known).saturating_sub(1))
+    }
+
     /// Those of an item of `kernel`.
     #[inline]
     pub fn of(kernel: KernelId, ray: &RayWork) -> Self {
@@ -115,7 +126,7 @@ impl Sends {
             return Self::default();
         }
         let secondary = u8::from(ray.reflect != NO_RAY) + u8::from(ray.refract != NO_RAY);
-        Self { shadows: ray.shadows, secondary }
+        Self { shadows: ray.shadows, known: ray.known_lights, secondary }
     }
 }
 
@@ -163,6 +174,7 @@ impl Costs {
                 made(&k.attributes, mixed),
                 // The material is that of the ends, its texel is in their colours: nothing is gathered, no ray is sent.
                 k.shade,
+                made(&k.look_back, 0),
                 made(&k.control, 0),
                 k.resolve,
             ],
@@ -196,7 +208,7 @@ impl Costs {
     pub fn interval(&self, kernel: KernelId, sends: Sends) -> u64 {
         let first = u64::from(self.kernels[kernel as usize].ii_cycles);
         first
-            + u64::from(self.light.ii_cycles) * u64::from(sends.shadows.saturating_sub(1))
+            + u64::from(self.light.ii_cycles) * sends.more_lights()
             + u64::from(self.secondary.ii_cycles) * u64::from(sends.secondary)
     }
 
@@ -205,7 +217,7 @@ impl Costs {
     #[inline]
     pub fn ops(&self, kernel: KernelId, sends: Sends, branches: u64) -> u64 {
         let first = u64::from(self.kernels[kernel as usize].ops);
-        let rays = u64::from(self.light.ops) * u64::from(sends.shadows.saturating_sub(1))
+        let rays = u64::from(self.light.ops) * sends.more_lights()
             + u64::from(self.secondary.ops) * u64::from(sends.secondary);
         let inspector = if self.sorts() && kernel.branches() { self.inspector_ops } else { 0 };
         (first + rays) * branches + inspector

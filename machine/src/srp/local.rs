@@ -88,6 +88,12 @@ impl TileBuffer {
         ]
     }
 
+    /// Bytes of an entry of a history that is looked at, by field.
+    fn looked_at(&self) -> [u32; 5] {
+        let f = &self.fields;
+        [f.object, f.normal, f.shadow, f.flags, f.distance]
+    }
+
     /// Bytes of a sample that an interpolated hit is made of and has, by field.
     fn mixed(&self) -> [u32; 8] {
         let mut mixed = self.tested();
@@ -117,6 +123,8 @@ impl TileBuffer {
                 (attributes(2 * mixed), attributes(mixed))
             }
             KernelId::Reshade => (colour + attributes(self.mixed().into_iter().map(words).sum()), colour),
+            // A sample with its hits below, each read whole.
+            KernelId::LookBack => (attributes(4 * self.looked_at().into_iter().map(words).sum::<u64>()), 0),
             KernelId::Control => (0, 1),
             KernelId::Resolve => (colour, 0),
         };

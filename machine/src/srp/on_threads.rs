@@ -39,7 +39,7 @@ impl OnThreads {
     /// Of a machine whose kernels cost so much.
     pub fn new(config: &MachineConfig, layout: Layout, costs: &Costs) -> Self {
         let mut code = CodeLayout::behind_traversal(config, &layout);
-        let most = Sends { shadows: 2, secondary: 1 };
+        let most = Sends { shadows: 2, known: 0, secondary: 1 };
         let instructions =
             |kernel| costs.ops(kernel, if kernel == KernelId::Shade { most } else { Sends::default() }, 1);
         Self {

@@ -13,6 +13,7 @@ use super::tile::{FrameShape, Slot, TileContext};
 use super::transfers::Transfers;
 use crate::config::MachineConfig;
 use crate::link::RayRef;
+use crate::work::history::HistoryLayout;
 use crate::work::layout::Layout;
 use crate::work::{Neighbour, TileWork};
 
@@ -26,6 +27,7 @@ pub struct TileSlots {
     rays_out: usize,
     buffer: TileBuffer,
     layout: Layout,
+    history: HistoryLayout,
     shape: FrameShape,
     core: u32,
     counters: LocalCounters,
@@ -42,6 +44,7 @@ impl TileSlots {
             rays_out: 0,
             buffer: TileBuffer::new(config, &shape.policy),
             layout,
+            history: HistoryLayout::new(&config.srp.sample),
             shape,
             core,
             counters: LocalCounters::default(),
@@ -202,6 +205,7 @@ impl TileSlots {
             raster: transfers.raster.as_mut(),
             buffer: &self.buffer,
             layout: self.layout,
+            history: self.history,
             shape: self.shape,
             core: self.core,
             counters: &mut self.counters,

@@ -27,6 +27,7 @@ counters! {
         interpolate: "SRP cycles", "in the interpolate kernel";
         attributes: "SRP cycles", "in the attributes kernel";
         reshade: "SRP cycles", "in the reshade kernel";
+        look_back: "SRP cycles", "in the look_back kernel";
         control: "SRP cycles", "in the control kernel";
         resolve: "SRP cycles", "in the resolve kernel";
         inspector: "SRP cycles", "sorting items by branch";
@@ -62,6 +63,7 @@ impl SrpActivity {
             KernelId::Interpolate => self.interpolate,
             KernelId::Attributes => self.attributes,
             KernelId::Reshade => self.reshade,
+            KernelId::LookBack => self.look_back,
             KernelId::Control => self.control,
             KernelId::Resolve => self.resolve,
         }
@@ -78,6 +80,7 @@ impl SrpActivity {
             KernelId::Interpolate => &mut self.interpolate,
             KernelId::Attributes => &mut self.attributes,
             KernelId::Reshade => &mut self.reshade,
+            KernelId::LookBack => &mut self.look_back,
             KernelId::Control => &mut self.control,
             KernelId::Resolve => &mut self.resolve,
         } += cycles;
@@ -104,6 +107,8 @@ counters! {
         sample_read: "bytes", "sample attributes read";
         border_written: "bytes", "border samples written for neighbouring tiles";
         border_read: "bytes", "border samples of neighbouring tiles read";
+        history_written: "bytes", "samples kept for the next frame";
+        history_read: "bytes", "samples that the frame before kept read";
         gbuffer_written: "bytes", "G-buffer written by the rasteriser";
         gbuffer_read: "bytes", "G-buffer read by the SRP";
         ray_written: "bytes", "rays and hits written (interface through memory)";
@@ -136,6 +141,8 @@ impl DmaCounters {
             (Region::Framebuffer, _) => &mut self.framebuffer_written,
             (Region::Border, false) => &mut self.border_written,
             (Region::Border, true) => &mut self.border_read,
+            (Region::History, false) => &mut self.history_written,
+            (Region::History, true) => &mut self.history_read,
             (Region::GBuffer, false) => &mut self.gbuffer_written,
             (Region::GBuffer, true) => &mut self.gbuffer_read,
             (Region::Ray, false) => &mut self.ray_written,

@@ -26,6 +26,7 @@ use super::rest::RestOfTile;
 use super::stats::LocalCounters;
 use crate::link::RayRef;
 use crate::memory::Route;
+use crate::work::history::{HistoryLayout, HistoryWork};
 use crate::work::layout::{Layout, Region};
 use crate::work::{Neighbour, PolicyReads, Round, TileWork};
 use rayreel_formats::scene::Rect;
@@ -69,6 +70,8 @@ pub struct TileContext<'a> {
     pub buffer: &'a TileBuffer,
     /// Addresses.
     pub layout: Layout,
+    /// Histories.
+    pub history: HistoryLayout,
     /// Framebuffer.
     pub shape: FrameShape,
     /// Core.
@@ -109,6 +112,7 @@ impl Slot {
             kept_samples: 0,
             audited_samples: 0,
             secondary_hits: 0,
+            history: HistoryWork::default(),
             rays: Vec::new(),
             ops: Vec::new(),
             rounds: Vec::new(),
@@ -239,6 +243,12 @@ impl Slot {
     fn read_round(&mut self, id: u8, context: &mut TileContext<'_>) {
         let bytes = self.round().map_or(0, |round| context.buffer.round_read_bytes(round));
         self.transfer(id, Region::Sample, Route::Read, 0, bytes, context);
+        if self.round == 0 {
+            let history = context.history;
+            for (offset, bytes) in history.reads(self.work.frame, &self.work.history) {
+                self.move_history(id, Route::Read, offset, bytes, context);
+            }
+        }
         if self.round == 1 {
             let border = u64::from(self.work.border_samples) * context.buffer.sample_bytes();
             self.transfer(id, Region::Border, Route::Read, 0, border, context);
@@ -247,11 +257,12 @@ impl Slot {
     }
 
     fn begin_samples(&mut self, id: u8, context: &mut TileContext<'_>) {
-        let of = |w: &Round| (w.interpolated, w.attributes, w.shaded);
-        let (interpolated, attributes, shaded) = self.round().map_or((0, 0, 0), of);
+        let of = |w: &Round| (w.interpolated, w.attributes, w.shaded, w.looked_back);
+        let (interpolated, attributes, shaded, looked_back) = self.round().map_or((0, 0, 0, 0), of);
         self.queue(KernelId::Interpolate, interpolated, context);
         self.queue(KernelId::Attributes, attributes, context);
         self.queue(KernelId::Reshade, shaded, context);
+        self.queue(KernelId::LookBack, looked_back, context);
         let Some(round) = self.work.rounds.get(self.round) else { return };
         self.pending += round.starts.len() as u32;
         if let Some(raster) = &mut context.raster {
@@ -281,6 +292,10 @@ impl Slot {
         }
         let kept = u64::from(self.work.kept_samples) * sample;
         self.transfer(id, Region::Border, Route::Write, 0, kept, context);
+        let work = &self.work;
+        for (offset, bytes) in context.history.writes(work.frame, work.tile, &work.history) {
+            self.move_history(id, Route::Write, offset, bytes, context);
+        }
         self.phase = Phase::Traffic;
     }
 
@@ -295,6 +310,11 @@ impl Slot {
             _ => (u64::from(context.core) * 256 + u64::from(id)) * SLOT_BYTES,
         };
         context.dma.add(id, region, route, context.layout.lines(region.base() + part + offset, bytes));
+    }
+
+    fn move_history(&self, id: u8, route: Route, offset: u64, bytes: u64, context: &mut TileContext<'_>) {
+        let lines = context.layout.lines(Region::History.base() + offset, bytes);
+        context.dma.add(id, Region::History, route, lines);
     }
 
     fn store(&self, id: u8, context: &mut TileContext<'_>) {

@@ -28,11 +28,13 @@ pub enum Region {
     Framebuffer = 8,
     /// Instructions.
     Code = 9,
+    /// What is kept of samples for the next frame.
+    History = 10,
 }
 
 impl Region {
     /// All regions, in counter order.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 11] = [
         Self::Node,
         Self::Triangle,
         Self::Attribute,
@@ -43,6 +45,7 @@ impl Region {
         Self::GBuffer,
         Self::Framebuffer,
         Self::Code,
+        Self::History,
     ];
 
     /// The byte after the last region.
@@ -61,6 +64,7 @@ impl Region {
             Self::GBuffer => "gbuffer",
             Self::Framebuffer => "framebuffer",
             Self::Code => "code",
+            Self::History => "history",
         }
     }
 

@@ -6,6 +6,7 @@
 //! and secondary rays) are spawned by the machine when that hit comes back.
 
 pub mod check;
+pub mod history;
 pub mod layout;
 pub mod ops;
 pub mod recorded;
@@ -15,6 +16,7 @@ pub mod topology;
 use rayreel_formats::scene::Rect;
 use rayreel_formats::tile::RayKind;
 
+use self::history::HistoryWork;
 use self::ops::Op;
 
 /// No ray.
@@ -47,6 +49,8 @@ pub struct RayWork {
     pub y: u32,
     /// Bounces before this ray.
     pub depth: u8,
+    /// Lights that shine on its hit or do not, as is known without shadow rays: they are shaded, and no ray is sent.
+    pub known_lights: u8,
 }
 
 /// One round of a tile.
@@ -62,6 +66,8 @@ pub struct Round {
     pub attributes: u32,
     /// Interpolated samples that are shaded from their attributes.
     pub shaded: u32,
+    /// Hits whose lights were looked for in the history.
+    pub looked_back: u32,
     /// The rays that the SRP starts, as indices into [`TileWork::rays`], row by row: primary rays, and rays of any kind that
     /// leave an interpolated hit. All others are spawned by a hit that comes back.
     pub starts: Vec<u32>,
@@ -87,6 +93,8 @@ pub struct PolicyReads {
     pub weights: bool,
     /// Each tile has a rate or a limit of its own, which the SRP computes.
     pub control: bool,
+    /// Samples are kept for the next frame, and looked for in it.
+    pub history: bool,
 }
 
 impl PolicyReads {
@@ -100,11 +108,12 @@ impl PolicyReads {
         local: false,
         weights: false,
         control: false,
+        history: false,
     };
 
     /// Whether lengths of rays are read: distances are relative to them.
     pub fn distance(&self) -> bool {
-        self.position || self.plane
+        self.position || self.plane || self.history
     }
 }
 
@@ -142,6 +151,8 @@ pub struct TileWork {
     pub audited_samples: u32,
     /// Secondary hits that its similarity tests look at, kept beside the samples.
     pub secondary_hits: u32,
+    /// What it reads of the history of the frame before, and keeps for the next.
+    pub history: HistoryWork,
     /// The traced rays: each sample's in ray order (closest-hit ray, its shadow rays, then its children's subtrees).
     pub rays: Vec<RayWork>,
     /// The operations of all rays: every ray's are a valid path through the tree. Rays of one path may share them.

@@ -6,6 +6,7 @@ use rayreel_formats::bvh::{Child, MAX_LEAF_TRIANGLES, MAX_TREE_DEPTH};
 use rayreel_formats::scene::Rect;
 use rayreel_formats::tile::{RayKind, step};
 
+use crate::work::history::HistoryWork;
 use super::check::{PathCounts, walk};
 use super::ops::Op;
 use super::topology::Topology;
@@ -137,6 +138,7 @@ pub fn tile_of(frame: u32, tile: u32, paths: &[Path]) -> TileWork {
         kept_samples: 0,
         audited_samples: 0,
         secondary_hits: 0,
+        history: HistoryWork::default(),
         rays: Vec::new(),
         ops: Vec::new(),
         rounds: vec![Round { starts: (0..paths.len() as u32).collect(), ..Round::default() }],
@@ -163,6 +165,7 @@ pub fn push_ray(work: &mut TileWork, path: &Path, kind: RayKind) -> u32 {
         x: 0,
         y: 0,
         depth: 0,
+        known_lights: 0,
     });
     work.ops.extend_from_slice(&path.ops);
     ray

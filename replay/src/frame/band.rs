@@ -231,7 +231,8 @@ impl Band {
                 let closes = Closes { left: std::mem::replace(&mut left, right), above, above_rounds };
                 let borders = self.borders(sampler, i, (is_first, below.is_none()));
                 left_over.push(last_rows(&mut parts, &self.tiles[i], below.map(|band| &band.tiles[i])));
-                put(parts.take(Closer::Itself).join(closes, apron, &self.recorded[i].tile, borders)?)?;
+                let history = |places: &[u32]| sampler.history(&self.tiles[i], places);
+                put(parts.take(Closer::Itself).join(closes, apron, &self.recorded[i].tile, (borders, history))?)?;
             }
         }
         Ok(LeftOver(left_over))

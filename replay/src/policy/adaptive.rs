@@ -107,6 +107,7 @@ impl Rules {
             local: similarity.texture.value().is_some() || *stand_in || is_shaded,
             weights: *secondary,
             control,
+            history: self.history.is_some(),
         }
     }
 
@@ -146,7 +147,7 @@ impl TileRules<'_> {
             eye.subtree(tracer, 0, 1, out);
             0
         });
-        view.looked_back((x, y), round, eye.place);
+        view.looked_back((x, y), round, eye.place, eye.hits);
     }
 
     /// The history that a sample looks at; nothing if there is none, or it looks for its lights in any case.
@@ -291,7 +292,7 @@ impl<'a> Line<'a> {
         }
         let (swap, s) = nearer(i - a, b - a);
         let (near, far) = if swap { (b, a) } else { (a, b) };
-        let (eye, mut place) = (Eye::new(self.rules.looks_at(x, y)), None);
+        let (eye, mut looked) = (Eye::new(self.rules.looks_at(x, y)), (None, 0));
         let (tests, gap, mut made) = (&self.rules.tests, b - a, Compared::default());
         let (stand_in, ends) = (self.rules.rules.sampling.stand_in, self.ends());
         self.view.rebuild(x, y, self.round, |tracer, known, out| {
@@ -300,11 +301,11 @@ impl<'a> Line<'a> {
             let mut rebuild = Rebuild { tests, stand_in, tracer, out, gap, s, totals, compared, interpolated: 0, eye };
             rebuild.build(near, far);
             made = rebuild.compared;
-            place = rebuild.eye.place;
+            looked = (rebuild.eye.place, rebuild.eye.hits);
             rebuild.interpolated
         });
         self.view.compared((x, y), self.round, made);
-        self.view.looked_back((x, y), self.round, place);
+        self.view.looked_back((x, y), self.round, looked.0, looked.1);
     }
 
     /// The colour that sample `i` would have by interpolation.

@@ -15,6 +15,7 @@ use super::{Apron, NamedPolicy, Policy, cells};
 use crate::counts::TileStats;
 use crate::error::Result;
 use rayreel_machine::work::PolicyReads;
+use rayreel_machine::work::history::HistoryWork;
 
 impl SamplePolicy for Policy {
     fn name(&self) -> String {
@@ -79,7 +80,9 @@ struct Now {
 impl BlockSampler {
     fn new(policy: &Policy, meta: &Meta) -> Result<Self> {
         let rules = Rules::new(policy, meta)?;
-        check_tile(meta.tile, &RateController::blocks(policy))?;
+        let mut edges = RateController::blocks(policy);
+        edges.extend(rules.history.as_ref().map(|history| history.step));
+        check_tile(meta.tile, &edges)?;
         let has_rates = policy.multirate().is_some() || matches!(policy, Policy::Foveated(_));
         let histories = match policy {
             Policy::Temporal(temporal) => {
@@ -150,6 +153,12 @@ impl Sampler for BlockSampler {
 
     fn end_row(&mut self, row: &[TileStats]) {
         self.now.rates.finished(row);
+    }
+
+    fn history(&self, view: &TileView, places: &[u32]) -> HistoryWork {
+        let Some(Histories { before, now, .. }) = &self.histories else { return HistoryWork::default() };
+        let (kept, kept_below) = now.kept(view);
+        HistoryWork { reads: before.spans(places), kept, kept_below }
     }
 
     fn keep(&mut self, tiles: &[TileView]) {

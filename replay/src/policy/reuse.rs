@@ -61,6 +61,8 @@ pub struct Eye<'a> {
     past: Option<Past<'a>>,
     /// The place that was looked up.
     pub place: Option<u32>,
+    /// Hits whose lights were looked for.
+    pub hits: u32,
 }
 
 impl<'a> Eye<'a> {
@@ -77,6 +79,7 @@ impl<'a> Eye<'a> {
         if path == 1 {
             (self.place, self.past) = history.find(surface);
         }
+        self.hits += u32::from(path == 1 || self.past.is_some());
         match self.past.as_ref().and_then(|past| Some((past.lights(path, surface)?, past.age))) {
             Some((lights, age)) => Node { age, ..tracer.shade(node, lights) },
             None => tracer.hit(node),

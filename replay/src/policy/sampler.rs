@@ -23,6 +23,7 @@ use super::view::TileView;
 use crate::counts::TileStats;
 use crate::error::Result;
 use rayreel_machine::work::PolicyReads;
+use rayreel_machine::work::history::HistoryWork;
 
 /// A sampling policy: which samples of a frame are traced, and what the others are made of.
 ///
@@ -139,6 +140,11 @@ pub trait Sampler: Send + Sync {
 
     /// Takes note of the next row of tiles that is decided, top to bottom; the row below it has begun by then.
     fn end_row(&mut self, _row: &[TileStats]) {}
+
+    /// What a decided tile has to do with the frames before and after: it looks up `places`. The tile was kept before.
+    fn history(&self, _view: &TileView, _places: &[u32]) -> HistoryWork {
+        HistoryWork::default()
+    }
 
     /// Keeps of the tiles of a row, all decided, what it wants for later frames: all that it knew of them.
     fn keep(&mut self, _tiles: &[TileView]) {}

@@ -38,6 +38,7 @@ impl<S: PathSource + ?Sized> Builder<'_, S> {
             let samples = view.samples().filter(|&(x, y)| view.closer(x, y) == closer);
             self.samples(part, view, &mut recorded, samples)?;
             part.count(view.rounds(closer));
+            part.looked_up.extend_from_slice(view.looked_up(closer));
         }
         let part = &mut parts.0[Closer::Itself as usize];
         part.secondary_hits = view.secondary_hits();
@@ -139,10 +140,12 @@ impl<S: PathSource + ?Sized> Builder<'_, S> {
             x,
             y,
             depth: hit.class.depth() as u8,
+            known_lights: known.count_ones() as u8,
         };
         self.ray(part, recorded, number, ray)?;
         // Shadow rays have the place of the ray they hang on, and no surface of their own.
         (ray.kind, ray.shadows, ray.triangle, ray.material) = (RayKind::Shadow, 0, NO_TRIANGLE, 0);
+        ray.known_lights = 0;
         let cast = (1..).zip(hit.shadows.cast()).filter(|(_, light)| known >> (2 * light) & 1 == 0);
         cast.into_iter().try_for_each(|(shadow, _)| self.ray(part, recorded, number + shadow, ray))
     }

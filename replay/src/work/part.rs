@@ -7,6 +7,7 @@ use super::stream::Weigh;
 use crate::error::{ReplayError, Result};
 use crate::policy::view::{CLOSERS, Closer, RoundCounts};
 use rayreel_machine::work::check::PathCounts;
+use rayreel_machine::work::history::HistoryWork;
 use rayreel_machine::work::ops::Op;
 use rayreel_machine::work::{NO_RAY, Neighbour, RayWork, Round, TileWork};
 
@@ -36,6 +37,8 @@ pub(crate) struct Part {
     pub(super) secondary_hits: u32,
     pub(super) audited_samples: u32,
     pub(super) ops: Vec<Op>,
+    /// Places of the history that are looked up.
+    pub(super) looked_up: Vec<u32>,
 }
 
 /// What is done of a tile, by who does it.
@@ -87,6 +90,7 @@ impl Part {
             round.interpolated += counts.interpolated;
             round.attributes += counts.attributes;
             round.shaded += counts.shaded;
+            round.looked_back += counts.looked_back;
         }
     }
 
@@ -128,9 +132,11 @@ impl Part {
             round.interpolated += added.interpolated;
             round.attributes += added.attributes;
             round.shaded += added.shaded;
+            round.looked_back += added.looked_back;
             round.starts.extend(added.starts.into_iter().map(moved));
         }
         self.paths += other.paths;
+        self.looked_up.extend(other.looked_up);
         Ok(())
     }
 
@@ -138,7 +144,13 @@ impl Part {
     ///
     /// # Errors
     /// When the operations cannot be numbered.
-    pub fn join(mut self, closes: Closes, apron: Self, tile: &Tile, borders: Borders) -> Result<Built> {
+    pub fn join(
+        mut self,
+        closes: Closes,
+        apron: Self,
+        tile: &Tile,
+        (borders, history): (Borders, impl FnOnce(&[u32]) -> HistoryWork),
+    ) -> Result<Built> {
         let apron_samples = apron.samples;
         let before = |parts: &[Self]| parts.iter().filter_map(Self::first_round).min();
         let left = before(std::slice::from_ref(&closes.left));
@@ -165,6 +177,7 @@ impl Part {
             kept_samples: kept,
             audited_samples: self.audited_samples,
             secondary_hits: self.secondary_hits,
+            history: history(&self.looked_up),
             rays: self.rays,
             ops: self.ops,
             rounds: self.rounds,

@@ -11,6 +11,7 @@ use crate::link::{RayMessage, RayRef, RayUnit};
 use crate::memory::{Memory, MemoryStats, Port, Request, Response, Route};
 use crate::srp::{FrameShape, Srp, SrpContext, SrpPorts};
 use crate::time::{TiCycle, When};
+use crate::work::history::HistoryWork;
 use crate::work::PolicyReads;
 use crate::work::layout::Layout;
 use crate::work::{NO_RAY, NO_TRIANGLE, RayWork, Round, TileWork};
@@ -181,6 +182,7 @@ pub fn sample(work: &mut TileWork, material: Option<u32>, shadows: u8, reflects:
         x: first * 7 % 32,
         y: first * 3 % 32,
         depth: 0,
+        known_lights: 0,
     };
     let Some(material) = material else {
         work.rays.push(base);
@@ -208,6 +210,7 @@ pub fn empty(tile: u32, width: u32, height: u32) -> TileWork {
         kept_samples: 0,
         audited_samples: 0,
         secondary_hits: 0,
+        history: HistoryWork::default(),
         rays: Vec::new(),
         ops: Vec::new(),
         rounds: Vec::new(),

@@ -11,6 +11,7 @@ mod project;
 use rayreel_formats::math::Vec3;
 use rayreel_formats::scene::{Camera, Meta};
 use rayreel_formats::tile::Shadows;
+use rayreel_machine::work::history::HistorySpan;
 
 use super::HistoryRules;
 use super::audit::scramble;
@@ -40,6 +41,8 @@ struct Entry {
     /// Where its hits stand, the primary one first; none where nothing was met.
     first: u32,
     hits: u32,
+    /// Which of its tile's hits below primary ones is its first.
+    below: u32,
     /// Frames since its lights were looked for.
     age: u8,
 }
@@ -52,6 +55,9 @@ pub struct History {
     size: (u32, u32),
     /// Samples in a row of the frame.
     width: u32,
+    /// Entries in a row of a tile, and tiles in a row of the frame.
+    edge: u32,
+    tiles: u32,
     projection: Option<Projection>,
     entries: Vec<Entry>,
     hits: Vec<KeptHit>,
@@ -86,7 +92,7 @@ impl HistoryRules {
     }
 }
 
-const NOTHING: Entry = Entry { position: Vec3::ZERO, first: 0, hits: 0, age: 0 };
+const NOTHING: Entry = Entry { position: Vec3::ZERO, first: 0, hits: 0, below: 0, age: 0 };
 
 impl History {
     /// Nothing yet, for the frames of a trace.
@@ -94,7 +100,8 @@ impl History {
         let (width, height) = meta.grid();
         let size = (width.div_ceil(rules.step), height.div_ceil(rules.step));
         let entries = vec![NOTHING; size.0 as usize * size.1 as usize];
-        Self { rules: rules.clone(), size, width, projection: None, entries, hits: Vec::new() }
+        let (edge, tiles) = (meta.tile / rules.step, meta.tile_grid().0);
+        Self { rules: rules.clone(), size, width, edge, tiles, projection: None, entries, hits: Vec::new() }
     }
 
     /// Begins to keep a frame: nothing of it is known yet.
@@ -106,14 +113,15 @@ impl History {
 
     /// Keeps what is known of a decided tile.
     pub fn keep(&mut self, view: &TileView) {
-        let rules = self.rules.clone();
+        let (rules, mut below) = (self.rules.clone(), 0);
         for (x, y) in view.samples().filter(|&(x, y)| rules.keeps(x, y)) {
             let (tree, first) = (view.tree(x, y), self.hits.len());
             self.keep_hits(tree, 1);
             let hits = (self.hits.len() - first) as u32;
             let position = tree[0].surface.map_or(Vec3::ZERO, |surface| surface.position);
-            let at = (y / self.rules.step) * self.size.0 + x / self.rules.step;
-            self.entries[at as usize] = Entry { position, first: first as u32, hits, age: tree[0].age };
+            let at = self.index(x / self.rules.step, y / self.rules.step);
+            self.entries[at] = Entry { position, first: first as u32, hits, below, age: tree[0].age };
+            below += hits.saturating_sub(1);
         }
     }
 
@@ -127,6 +135,43 @@ impl History {
                 self.keep_hits(child, 2 * path + branch);
             }
         }
+    }
+
+    /// What a tile of which this history knows all keeps: samples, and hits below their primary ones.
+    pub fn kept(&self, view: &TileView) -> (u32, u32) {
+        let of = |(x, y): (u32, u32)| self.entries[self.index(x / self.rules.step, y / self.rules.step)].hits.saturating_sub(1);
+        let kept = view.samples().filter(|&(x, y)| self.rules.keeps(x, y));
+        kept.fold((0, 0), |(samples, below), at| (samples + 1, below + of(at)))
+    }
+
+    /// The entries around some places, each once.
+    pub fn spans(&self, places: &[u32]) -> Vec<HistorySpan> {
+        let around = |&place: &u32| {
+            let (x, y) = (place % self.size.0, place / self.size.0);
+            [(x, y), (x + 1, y), (x, y + 1), (x + 1, y + 1)]
+        };
+        let inside = |(x, y): &(u32, u32)| *x < self.size.0 && *y < self.size.1;
+        let both = |(x, y): (u32, u32)| {
+            let (tile, edge) = ((y / self.edge) * self.tiles + x / self.edge, self.edge);
+            let columns = edge.min(self.size.0 - x / edge * edge);
+            let entry = &self.entries[self.index(x, y)];
+            let hit = HistorySpan { tile, below: false, first: (y % edge) * columns + x % edge, count: 1 };
+            [hit, HistorySpan { below: true, first: entry.below, count: entry.hits.saturating_sub(1), ..hit }]
+        };
+        let mut all: Vec<_> = places.iter().flat_map(around).filter(inside).flat_map(both).collect();
+        all.retain(|span| span.count > 0);
+        all.sort_unstable();
+        all.dedup();
+        all.dedup_by(|next, span| {
+            let joins = (next.tile, next.below, next.first) == (span.tile, span.below, span.first + span.count);
+            span.count += if joins { next.count } else { 0 };
+            joins
+        });
+        all
+    }
+
+    fn index(&self, x: u32, y: u32) -> usize {
+        y as usize * self.size.0 as usize + x as usize
     }
 
     /// Whether the lights of sample (`x`, `y`) of `frame` are looked for in any case.
@@ -156,7 +201,7 @@ impl History {
             if u < 0.0 || v < 0.0 || u >= columns || v >= rows {
                 continue;
             }
-            let entry = &self.entries[v as usize * self.size.0 as usize + u as usize];
+            let entry = &self.entries[self.index(u as u32, v as u32)];
             let hits = &self.hits[entry.first as usize..][..entry.hits as usize];
             if !self.is_of(entry, hits, surface, reach) {
                 continue;

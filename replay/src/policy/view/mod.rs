@@ -315,9 +315,18 @@ impl TileView {
         self.count(at, round, |counts| counts.attributes += hits);
     }
 
-    /// Notes `lookups` in the history in round `round`.
-    pub(crate) fn looked_back(&mut self, at: (u32, u32), round: u8, place: Option<u32>) {
-        self.count(at, round, |counts| counts.looked_back += u32::from(place.is_some()));
+    /// Notes that the lights of `hits` hits were looked for at `place` of the history in round `round`.
+    pub(crate) fn looked_back(&mut self, (x, y): (u32, u32), round: u8, place: Option<u32>, hits: u32) {
+        if hits > 0 {
+            self.count((x, y), round, |counts| counts.looked_back += hits);
+            let closer = self.closer(x, y);
+            place.into_iter().for_each(|place| self.rounds.look_up(closer, place));
+        }
+    }
+
+    /// The places of the history that `closer` looks up for it.
+    pub(crate) fn looked_up(&self, closer: Closer) -> &[u32] {
+        self.rounds.looked_up(closer)
     }
 
     /// Whether an I-sample was traced, all its hits by rays: no part of it is interpolated.

@@ -27,7 +27,7 @@ pub struct RoundCounts {
     pub attributes: u32,
     /// Interpolated samples that were shaded from their attributes.
     pub shaded: u32,
-    /// Places that were looked up in the history.
+    /// Hits whose lights were looked for in the history.
     pub looked_back: u32,
 }
 
@@ -79,15 +79,27 @@ impl Strips {
 
 /// What is done beside tracing: by tile that does it, per round.
 #[derive(Clone, Debug, Default)]
-pub(super) struct RoundsByCloser([Vec<RoundCounts>; CLOSERS.len()]);
+pub(super) struct RoundsByCloser {
+    rounds: [Vec<RoundCounts>; CLOSERS.len()],
+    /// The places that are looked up in the history.
+    looked_up: [Vec<u32>; CLOSERS.len()],
+}
 
 impl RoundsByCloser {
     pub fn of(&self, closer: Closer) -> &[RoundCounts] {
-        &self.0[closer as usize]
+        &self.rounds[closer as usize]
+    }
+
+    pub fn looked_up(&self, closer: Closer) -> &[u32] {
+        &self.looked_up[closer as usize]
+    }
+
+    pub fn look_up(&mut self, closer: Closer, place: u32) {
+        self.looked_up[closer as usize].push(place);
     }
 
     pub fn round_mut(&mut self, closer: Closer, round: u8) -> &mut RoundCounts {
-        round_mut(&mut self.0[closer as usize], round)
+        round_mut(&mut self.rounds[closer as usize], round)
     }
 }
 
