@@ -45,7 +45,7 @@ impl Demand {
                     (_, NO_TRIANGLE) => sum.items[2] += 1,
                     _ => {
                         sum.items[1] += 1;
-                        sum.lights += u64::from(ray.shadows.saturating_sub(1));
+                        sum.lights += u64::from((ray.shadows + ray.known_lights).saturating_sub(1));
                         sum.secondary += u64::from(ray.reflect != NO_RAY) + u64::from(ray.refract != NO_RAY);
                     }
                 }
@@ -55,8 +55,15 @@ impl Demand {
                 }
             }
             for round in &tile.rounds {
-                let counts = [round.tests, round.colours, round.interpolated, round.attributes, round.shaded];
-                sum.items[4..9].iter_mut().zip(counts).for_each(|(sum, count)| *sum += u64::from(count));
+                let counts = [
+                    round.tests,
+                    round.colours,
+                    round.interpolated,
+                    round.attributes,
+                    round.shaded,
+                    round.looked_back,
+                ];
+                sum.items[4..10].iter_mut().zip(counts).for_each(|(sum, count)| *sum += u64::from(count));
             }
             sum.items[5] += u64::from(tile.audited_samples);
             sum.items[KernelId::Resolve as usize] += tile.rect.len() as u64;
@@ -237,6 +244,7 @@ pub fn intervals_and_ops(config: &MachineConfig) -> [(u64, u64); KERNELS] {
         made(k.interpolate.ops),
         made(k.attributes.ops + mix.identity + mix.normal),
         fixed(k.shade),
+        made(k.look_back.ops),
         made(k.control.ops),
         fixed(k.resolve),
     ]
