@@ -305,7 +305,10 @@ fn closing_row(sampler: &dyn Sampler, view: &TileView, corners: Forest) -> Optio
 /// The trees of some samples of a tile.
 fn forest(view: &TileView, samples: impl Iterator<Item = (u32, u32)>) -> Forest {
     let mut forest = Forest::default();
-    samples.for_each(|(x, y)| forest.push(view.tree(x, y)));
+    for (x, y) in samples {
+        forest.push(view.tree(x, y));
+        forest.last_is_interpolated(matches!(view.state(x, y), Some((SampleState::Interpolated, _))));
+    }
     forest
 }
 

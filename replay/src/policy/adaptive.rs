@@ -18,7 +18,7 @@ use super::shade::Shading;
 use super::similarity::{Compared, Tests};
 use super::tree::{Forest, Node};
 use super::view::{KnownTrees, SampleState, TileView};
-use super::{Apron, HistoryRules, Policy, Refine, Sampling, Shade, Temporal};
+use super::{Apron, Attributes, HistoryRules, Policy, Refine, Sampling, Shade, Temporal};
 use crate::error::Result;
 use rayreel_machine::work::PolicyReads;
 
@@ -173,11 +173,14 @@ impl TileRules<'_> {
     /// rows, if there is a tile to the right.
     pub fn step_x(&self, view: &mut TileView, closing: Option<&Forest>) {
         let rect = view.rect();
+        if self.rules.sampling.attributes == Attributes::Lazy {
+            view.make_attributes_lazily();
+        }
         for (i, y) in self.lattice.rows(rect.y, rect.y + rect.height).enumerate() {
             let mut ends: Vec<_> = self.lattice.columns(rect.x, rect.x + rect.width).collect();
             ends.extend(closing.map(|_| rect.x + rect.width));
             let far = closing.map(|column| column.tree(i));
-            let mut line = Line { rules: self, view, axis: Axis::X(y), round: 1, far };
+            let mut line = Line { rules: self, view, axis: Axis::X(y), round: 1, far, is_far_interpolated: false };
             ends.windows(2).for_each(|pair| line.decide(pair[0], pair[1], f64::INFINITY));
         }
     }
@@ -190,12 +193,14 @@ impl TileRules<'_> {
             // In the first column that is more than the R-rows: what the tile to the left needed is traced too.
             let mut ends: Vec<_> = (rect.y..bottom).filter(|&y| view.state(x, y).is_some()).collect();
             ends.extend(closing.map(|_| bottom));
-            let far = closing.map(|row| row.tree((x - rect.x) as usize));
-            let mut line = Line { rules: self, view, axis: Axis::Y(x), round: 1 + self.levels(), far };
+            let column = (x - rect.x) as usize;
+            let far = closing.map(|row| row.tree(column));
+            let is_far_interpolated = closing.is_some_and(|row| row.is_interpolated(column));
+            let mut line =
+                Line { rules: self, view, axis: Axis::Y(x), round: 1 + self.levels(), far, is_far_interpolated };
             ends.windows(2).for_each(|pair| line.decide(pair[0], pair[1], f64::INFINITY));
         }
-        let are_attributes_made = self.rules.shading.is_some();
-        correct(view, &self.rules.sampling.correct, &self.tests, 1 + 2 * self.levels(), are_attributes_made);
+        correct(view, &self.rules.sampling, &self.tests, 1 + 2 * self.levels());
     }
 
     /// How many rounds one step may take.
@@ -223,6 +228,8 @@ struct Line<'a> {
     round: u8,
     /// The sample past the end of the tile.
     far: Option<&'a [Node]>,
+    /// That sample was interpolated.
+    is_far_interpolated: bool,
 }
 
 impl<'a> Line<'a> {
@@ -235,6 +242,8 @@ impl<'a> Line<'a> {
         let mut compared = Compared::default();
         let similar = self.rules.tests.similar(self.tree(a), self.tree(b), b - a, foreseen, &mut compared);
         self.view.compared(self.at(a + 1), self.round, compared);
+        // Trees are compared hit by hit, and as far as they are alike.
+        [a, b].into_iter().for_each(|end| self.read(end, self.at(a + 1), compared.pairs));
         match self.rules.rules.sampling.refine {
             _ if similar => (a + 1..b).for_each(|i| self.interpolate(a, b, i)),
             Refine::Direct => (a + 1..b).for_each(|i| self.trace(a, b, i)),
@@ -258,17 +267,20 @@ impl<'a> Line<'a> {
         let (swap, s) = nearer(i - a, b - a);
         let (near, far) = if swap { (b, a) } else { (a, b) };
         let ends = self.ends();
-        // Of what the Y step interpolates corrections read some, and note it.
         let (shading, eye) = (&self.rules.rules.shading, self.rules.eye);
-        let mut is_shaded = false;
         let (x, y) = self.at(i);
-        let keeps = self.rules.rules.history.as_ref().is_some_and(|history| history.keeps(x, y));
-        let is_read = shading.is_some() || keeps || matches!(ends.axis, Axis::X(_));
-        self.view.interpolate_from(ends.axis.at(i), self.round, is_read, |known, out| {
+        // Hits that the history keeps of it.
+        let kept = self.rules.rules.history.as_ref().map_or(0, |history| history.hits_kept((x, y)));
+        if kept > 0 {
+            [near, far].into_iter().for_each(|end| self.read(end, (x, y), kept));
+        }
+        let at_once = self.made_at_once().max(kept);
+        let mut is_shaded = false;
+        self.view.interpolate_from((x, y), self.round, at_once, |known, out| {
             let (near, far) = (ends.tree(known, near), ends.tree(known, far));
             match ends.axis {
                 Axis::X(_) => interpolate_tree(near, far, s, out),
-                Axis::Y(_) if keeps => interpolate_tree(near, far, s, out),
+                Axis::Y(_) if kept > 1 => interpolate_tree(near, far, s, out),
                 // No further sample is interpolated from this one, so its primary hit is enough.
                 Axis::Y(_) => {
                     let alone = |tree: &[Node]| Node { reflect: None, refract: None, len: 1, ..tree[0] };
@@ -284,6 +296,35 @@ impl<'a> Line<'a> {
         }
     }
 
+    /// How many hits of an interpolated sample have attributes at once: all that steps to come may read.
+    fn made_at_once(&self) -> u32 {
+        let is_lazy = self.rules.rules.sampling.attributes == Attributes::Lazy;
+        match self.axis {
+            // The last of its R-rows is kept for the tile below.
+            Axis::X(y) if is_lazy && self.view.is_last_row(y) => 1,
+            Axis::X(_) if !is_lazy => u32::MAX,
+            // Of what the Y step interpolates corrections read some, and note it.
+            _ => u32::from(self.rules.rules.shading.is_some()),
+        }
+    }
+
+    /// The first `hits` hits of sample `i` of the line are read to decide sample `at`.
+    fn read(&mut self, i: u32, at: (u32, u32), hits: u32) {
+        let ends = self.ends();
+        match (ends.far, self.at(i)) {
+            (Some(_), (x, _)) if i == ends.end => {
+                let hits = hits.min(self.tree(i).len() as u32);
+                if self.is_far_interpolated {
+                    self.view.read_hits_below(at, self.round, x, hits);
+                }
+            }
+            (_, read) => {
+                let hits = hits.min(self.tree(i).len() as u32);
+                self.view.read_hits(at, self.round, read, hits);
+            }
+        }
+    }
+
     /// Traces sample `i` between `a` and `b`: whole, or what of it cannot be interpolated.
     fn trace(&mut self, a: u32, b: u32, i: u32) {
         let (x, y) = self.at(i);
@@ -292,6 +333,8 @@ impl<'a> Line<'a> {
         }
         let (swap, s) = nearer(i - a, b - a);
         let (near, far) = if swap { (b, a) } else { (a, b) };
+        // What is below both hits may be read anywhere.
+        [near, far].into_iter().for_each(|end| self.read(end, (x, y), u32::MAX));
         let (eye, mut looked) = (Eye::new(self.rules.looks_at(x, y)), (None, 0));
         let (tests, gap, mut made) = (&self.rules.tests, b - a, Compared::default());
         let (stand_in, ends) = (self.rules.rules.sampling.stand_in, self.ends());

@@ -9,11 +9,12 @@
 use super::similarity::{Compared, Tests, difference};
 use super::tree::Node;
 use super::view::{SampleState, TileView};
-use super::{Correct, Limit};
+use super::{Attributes, Limit, Sampling, Shade};
 
-/// Corrects a tile whose samples are all known. The first pass is round `round`, and each pass a round. The attributes
-/// of interpolated samples may be made already.
-pub fn correct(view: &mut TileView, rules: &Correct, tests: &Tests, round: u8, are_attributes_made: bool) {
+/// Corrects a tile whose samples are all known. The first pass is round `round`, and each pass a round.
+pub fn correct(view: &mut TileView, sampling: &Sampling, tests: &Tests, round: u8) {
+    let rules = &sampling.correct;
+    let is_lazy = sampling.attributes == Attributes::Lazy;
     let limit = match rules.colour {
         Limit::Off => -1.0,
         Limit::At(limit) => limit,
@@ -21,10 +22,10 @@ pub fn correct(view: &mut TileView, rules: &Correct, tests: &Tests, round: u8, a
     // The samples that may contradict: in the first pass all.
     let mut witnesses = vec![true; view.rect().len()];
     // The interpolated samples whose attributes were looked at: they have to be interpolated too, once.
-    let mut read = vec![are_attributes_made; view.rect().len()];
+    let mut read = vec![sampling.shade == Shade::Attributes; view.rect().len()];
     for pass in 0..rules.passes {
         let round = round + pass as u8;
-        let found = contradicted(view, (tests, limit), round, &witnesses, &mut read);
+        let found = contradicted(view, (tests, limit), round, &witnesses, (is_lazy, &mut read));
         if found.is_empty() {
             return;
         }
@@ -43,7 +44,7 @@ fn contradicted(
     (tests, limit): (&Tests, f64),
     round: u8,
     witnesses: &[bool],
-    read: &mut [bool],
+    (is_lazy, read): (bool, &mut [bool]),
 ) -> Vec<(u32, u32)> {
     let rect = view.rect();
     let (right, bottom) = (rect.x + rect.width, rect.y + rect.height);
@@ -64,6 +65,11 @@ fn contradicted(
                 found.push((x, y));
             }
             if made.pairs == 0 {
+                continue;
+            }
+            if is_lazy {
+                view.compared((x, y), round, made);
+                view.read_hits((x, y), round, (x, y), 1);
                 continue;
             }
             let is_new = !std::mem::replace(&mut read[offset(view, x, y)], true);

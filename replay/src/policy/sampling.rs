@@ -22,6 +22,14 @@ words! {
         Attributes = "attributes",
     }
 
+    /// When the attributes of an interpolated hit are made: object, normal, shadow bits and what else tests read.
+    pub enum Attributes {
+        /// With the sample, if a later step may read them.
+        Eager = "eager",
+        /// When a test first reads them.
+        Lazy = "lazy",
+    }
+
     /// Who pays for the closing row and column of a tile: the samples of the next tiles that its tests read.
     pub enum Apron {
         /// They are traced once, by the tile that owns them, and shared.
@@ -42,6 +50,8 @@ settings! {
             "with secondary: children of interpolated primary hits are traced from recorded stand-ins";
         /// Attributes are for whole samples: not with `secondary`.
         shade: Shade = Shade::RULE, "interpolated samples: colours are interpolated, or shaded from attributes";
+        /// It changes no picture, only what the SRP computes and the tile buffer holds.
+        attributes: Attributes = Attributes::RULE, "attributes of interpolated hits: made with the sample, or when a test reads them";
         /// Above 0 if that is used: a trace does not hold it.
         shade_ambient: f64 = Number(10.0), "with shade = attributes: ambient light, beside the lights of the trace";
         similarity: Similarity, "when two samples are similar";
@@ -102,6 +112,7 @@ impl Sampling {
         secondary: false,
         stand_in: false,
         shade: Shade::Colour,
+        attributes: Attributes::Eager,
         shade_ambient: 0.0,
         similarity: Similarity::NONE,
         correct: Correct { passes: 0, colour: Limit::Off },

@@ -81,12 +81,14 @@ pub fn finish(tree: &mut [Node]) {
 pub struct Forest {
     nodes: Vec<Node>,
     spans: Vec<(u32, u32)>,
+    /// Which samples were interpolated, as far as it was said.
+    interpolated: Vec<bool>,
 }
 
 impl Forest {
     /// Room for `samples` samples, all without a tree.
     pub fn new(samples: usize) -> Self {
-        Self { nodes: Vec::with_capacity(samples), spans: vec![(0, 0); samples] }
+        Self { nodes: Vec::with_capacity(samples), spans: vec![(0, 0); samples], interpolated: Vec::new() }
     }
 
     /// The tree of a sample; empty if it has none yet.
@@ -106,6 +108,19 @@ impl Forest {
     pub fn push(&mut self, tree: &[Node]) {
         self.spans.push((0, 0));
         self.set(self.spans.len() - 1, tree);
+    }
+
+    /// Says that the sample that was pushed last is interpolated, or not.
+    pub(crate) fn last_is_interpolated(&mut self, is_interpolated: bool) {
+        self.interpolated.resize(self.spans.len(), false);
+        if let Some(last) = self.interpolated.last_mut() {
+            *last = is_interpolated;
+        }
+    }
+
+    /// Whether a sample was interpolated.
+    pub(crate) fn is_interpolated(&self, sample: usize) -> bool {
+        self.interpolated.get(sample).is_some_and(|interpolated| *interpolated)
     }
 
     /// Number of samples.

@@ -77,7 +77,7 @@ impl<'a> Cell<'a> {
     pub fn interpolate(&mut self, at: (u32, u32), colour: Vec3, round: u8) {
         let node = Node { colour, reflect: None, refract: None, len: 1, ..self.first()[0] };
         // Nothing is made of it, so nobody reads its attributes.
-        self.view.interpolate_from(at, round, false, |_, out| out.push(node));
+        self.view.interpolate_from(at, round, 0, |_, out| out.push(node));
     }
 
     /// Notes what a test took. A cell that owns its R-sample only has nothing to test.

@@ -87,8 +87,17 @@ pub struct KnownLights {
 
 impl HistoryRules {
     /// Whether an entry is kept of sample (`x`, `y`).
-    pub(super) fn keeps(&self, x: u32, y: u32) -> bool {
+    fn keeps(&self, x: u32, y: u32) -> bool {
         x.is_multiple_of(self.step) && y.is_multiple_of(self.step)
+    }
+
+    /// How many hits of a sample are kept at most: none, the primary one, or all.
+    pub(super) fn hits_kept(&self, (x, y): (u32, u32)) -> u32 {
+        match (self.keeps(x, y), self.depth) {
+            (false, _) => 0,
+            (true, 0) => 1,
+            (true, _) => u32::MAX,
+        }
     }
 }
 

@@ -34,9 +34,9 @@ impl Known {
         self.made.extend_from_slice(tree);
     }
 
-    /// Hits of all trees beyond one a sample.
-    pub fn secondary_hits(&self) -> u32 {
-        self.spans.iter().map(|&(_, len)| len.saturating_sub(1)).sum()
+    /// Hits beyond one a sample, of which `kept` are kept of the hits of a sample.
+    pub fn secondary_hits(&self, kept: impl Fn(usize, u32) -> u32) -> u32 {
+        self.spans.iter().enumerate().map(|(i, &(_, len))| kept(i, len).saturating_sub(1)).sum()
     }
 }
 

@@ -3,6 +3,7 @@
 //! The recorded samples of a tile are private to this module. The only ways to one are [`TileView::trace`] and [`HitTracer`],
 //! which mark the hits as traced and count their rays, so a policy cannot use a value that hardware would not have had.
 
+mod attributes;
 mod known;
 mod recorded;
 mod strips;
@@ -18,6 +19,7 @@ use crate::counts::RayCounts;
 use crate::error::{ReplayError, Result};
 use crate::image::psnr::SquaredError;
 use crate::source::TileSource;
+use attributes::MadeAttributes;
 use known::Known;
 pub use known::KnownTrees;
 use recorded::Recorded;
@@ -49,6 +51,8 @@ pub struct TileView {
     known: Known,
     /// Memory for the tree that is being made.
     made: Vec<Node>,
+    /// What there is of interpolated samples beside their colours.
+    attributes: MadeAttributes,
     /// State and round of the samples that are known.
     states: Vec<Option<(SampleState, u8)>>,
     /// Which samples wait for neighbours.
@@ -164,6 +168,7 @@ impl TileView {
             traced,
             known,
             made,
+            attributes: MadeAttributes::default(),
             states,
             strips: Strips::default(),
             rounds: RoundsByCloser::default(),
@@ -220,32 +225,33 @@ impl TileView {
     /// # Panics
     /// As [`TileView::trace`].
     pub fn interpolate(&mut self, x: u32, y: u32, tree: &[Node], round: u8) {
-        self.interpolate_read((x, y), tree, round, tree.len() as u32);
+        self.interpolate_made((x, y), tree, round, tree.len() as u32);
     }
 
-    /// As [`TileView::interpolate`]; later tests read so many of its hits.
-    fn interpolate_read(&mut self, (x, y): (u32, u32), tree: &[Node], round: u8, read: u32) {
+    /// As [`TileView::interpolate`]; so many of its hits have attributes at once.
+    fn interpolate_made(&mut self, (x, y): (u32, u32), tree: &[Node], round: u8, made: u32) {
         let i = self.decide(x, y, SampleState::Interpolated, round);
         self.known.make(i, tree);
         self.count((x, y), round, |counts| {
             counts.interpolated += 1;
-            counts.attributes += read;
+            counts.attributes += made;
         });
+        self.attributes.make(i, made);
     }
 
-    /// As [`TileView::interpolate`] with a tree that `build` appends, from what is known of the tile; `is_read` says whether later
-    /// tests read its hits.
+    /// As [`TileView::interpolate`] with a tree that `build` appends, from what is known of the tile; `at_once` of its hits have
+    /// attributes at once.
     pub(crate) fn interpolate_from(
         &mut self,
         (x, y): (u32, u32),
         round: u8,
-        is_read: bool,
+        at_once: u32,
         build: impl FnOnce(KnownTrees<'_>, &mut Vec<Node>),
     ) {
         let mut tree = std::mem::take(&mut self.made);
         tree.clear();
         build(self.trees(), &mut tree);
-        self.interpolate_read((x, y), &tree, round, if is_read { tree.len() as u32 } else { 0 });
+        self.interpolate_made((x, y), &tree, round, at_once.min(tree.len() as u32));
         self.made = tree;
     }
 
@@ -290,6 +296,7 @@ impl TileView {
         let i = self.decide(x, y, state, round);
         self.known.make(i, &tree);
         let made = tree.len().saturating_sub(traced) as u32;
+        self.attributes.make(i, tree.len() as u32);
         self.made = tree;
         self.count((x, y), round, |counts| {
             counts.interpolated += interpolated;
@@ -308,6 +315,27 @@ impl TileView {
             counts.tests += compared.pairs;
             counts.colours += compared.colours;
         });
+    }
+
+    /// Attributes of interpolated hits are made when they are read: from now on.
+    pub(crate) fn make_attributes_lazily(&mut self) {
+        self.attributes.begin(self.rect);
+    }
+
+    /// The first `hits` hits of sample `read` are read by a test of round `round` that decides about sample `at`. What was not made
+    /// of them is made.
+    pub(crate) fn read_hits(&mut self, at: (u32, u32), round: u8, read: (u32, u32), hits: u32) {
+        let i = self.offset(read.0, read.1);
+        if matches!(self.states[i], Some((SampleState::Interpolated, _))) {
+            let new = self.attributes.read(i, hits);
+            self.read_attributes(at, round, new);
+        }
+    }
+
+    /// The same of an interpolated sample of the row below the tile, in column `x`.
+    pub(crate) fn read_hits_below(&mut self, at: (u32, u32), round: u8, x: u32, hits: u32) {
+        let new = self.attributes.read_below((x - self.rect.x) as usize, hits);
+        self.read_attributes(at, round, new);
     }
 
     /// Notes `hits` interpolated hits whose attributes tests of round `round` read for the first time.
@@ -389,6 +417,11 @@ impl TileView {
         self.strips = Strips { column, row, cells };
     }
 
+    /// Whether row `y` is the last before those that wait for the tile below.
+    pub(crate) fn is_last_row(&self, y: u32) -> bool {
+        self.strips.row.checked_sub(1) == Some(y)
+    }
+
     /// The X step is made.
     pub(crate) fn end_step_x(&mut self) {
         self.last_x_round = self.states.iter().flatten().map(|(_, round)| *round).max().unwrap_or(0);
@@ -445,7 +478,8 @@ impl TileView {
 
     /// Hits of the known trees beyond one a sample: what a tile buffer has to hold besides.
     pub(crate) fn secondary_hits(&self) -> u32 {
-        self.known.secondary_hits()
+        let is_made = |i: usize| matches!(self.states[i], Some((SampleState::Interpolated, _)));
+        self.known.secondary_hits(|i, hits| if is_made(i) { self.attributes.of(i).map_or(hits, |made| made.min(hits)) } else { hits })
     }
 
     /// The rays of all recorded samples. Not for policies: it is what tracing everything costs.
