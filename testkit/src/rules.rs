@@ -1,5 +1,7 @@
 //! The rules of similarity, interpolation and reuse, once more: written from POLICIES.md, with trees of boxes.
 
+use std::cell::Cell;
+
 use rayreel_replay::policy::Similarity;
 
 type Rgb = [f32; 3];
@@ -60,6 +62,11 @@ impl Hit {
         [self.below[0].is_some(), self.below[1].is_some()]
     }
 
+    /// Hits of the whole tree.
+    pub fn hits(&self) -> u32 {
+        1 + self.below.iter().flatten().map(|(_, child)| child.hits()).sum::<u32>()
+    }
+
     fn mark(&self, traced: &mut [bool]) {
         traced[self.number] = true;
         self.below.iter().flatten().for_each(|(_, child)| child.mark(traced));
@@ -76,6 +83,8 @@ pub struct Judge<'a> {
     pub gap: usize,
     /// Primary hits may be interpolated above traced ones.
     pub stand_in: bool,
+    /// Pairs of hits whose attributes were compared.
+    pub compared: Cell<u32>,
 }
 
 impl Judge<'_> {
@@ -120,6 +129,7 @@ impl Judge<'_> {
 
     /// The attributes of two hits agree.
     pub fn alike(&self, a: &Hit, b: &Hit) -> bool {
+        self.compared.set(self.compared.get() + 1);
         let rules = self.similarity;
         let (x, y) = match (&a.surface, &b.surface) {
             (None, None) => return true,

@@ -79,7 +79,8 @@ mod tests {
     #[test]
     fn histories_take_turns_and_never_meet() {
         let (object, normal, position, shadow, colour, flags) = (4, 4, 6, 1, 4, 1);
-        let fields = SampleFields { object, normal, position, shadow, colour, flags, distance: 2, local: 4, weights: 8 };
+        let fields =
+            SampleFields { object, normal, position, shadow, colour, flags, distance: 2, local: 4, weights: 8 };
         let layout = HistoryLayout::new(&fields);
         let span = |tile, below| HistorySpan { tile, below, first: 3, count: 5 };
         let work = HistoryWork { reads: vec![span(7, false), span(7, true)], kept: 1024, kept_below: 9 };

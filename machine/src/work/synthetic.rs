@@ -6,11 +6,11 @@ use rayreel_formats::bvh::{Child, MAX_LEAF_TRIANGLES, MAX_TREE_DEPTH};
 use rayreel_formats::scene::Rect;
 use rayreel_formats::tile::{RayKind, step};
 
-use crate::work::history::HistoryWork;
 use super::check::{PathCounts, walk};
 use super::ops::Op;
 use super::topology::Topology;
 use super::{NO_RAY, NO_TRIANGLE, RayWork, Round, TileWork};
+use crate::work::history::HistoryWork;
 
 /// A small generator of numbers (SplitMix64).
 #[derive(Clone, Copy, Debug)]

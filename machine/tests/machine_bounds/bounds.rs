@@ -55,14 +55,8 @@ impl Demand {
                 }
             }
             for round in &tile.rounds {
-                let counts = [
-                    round.tests,
-                    round.colours,
-                    round.interpolated,
-                    round.attributes,
-                    round.shaded,
-                    round.looked_back,
-                ];
+                let counts =
+                    [round.tests, round.colours, round.interpolated, round.attributes, round.shaded, round.looked_back];
                 sum.items[4..10].iter_mut().zip(counts).for_each(|(sum, count)| *sum += u64::from(count));
             }
             sum.items[5] += u64::from(tile.audited_samples);

@@ -5,11 +5,11 @@ use rayreel_formats::math::Vec3;
 use rayreel_formats::scene::{Camera, Meta};
 
 use super::adaptive::{Rules, TileRules};
+use super::history::History;
 use super::lattice::check_tile;
 use super::rate::{RateController, Rates};
 use super::sampler::{SamplePolicy, Sampler};
 use super::tree::Forest;
-use super::history::History;
 use super::view::TileView;
 use super::{Apron, NamedPolicy, Policy, cells};
 use crate::counts::TileStats;

@@ -47,8 +47,8 @@ pub mod view;
 
 pub use interpolate::between;
 pub use kinds::{
-    Adaptive, Foveated, HistoryRules, Jin2009, Mitchell1987, Multirate, Policy, Priorities, Target, Temporal, Thresholds,
-    Whitted1980,
+    Adaptive, Foveated, HistoryRules, Jin2009, Mitchell1987, Multirate, Policy, Priorities, Target, Temporal,
+    Thresholds, Whitted1980,
 };
 pub use limit::Limit;
 pub use load::NamedPolicy;

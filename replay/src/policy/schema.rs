@@ -20,7 +20,8 @@ pub const PRESETS: &[Preset] = presets! {
 };
 
 /// Kinds of policies.
-pub const KINDS: &[&str] = &["full", "adaptive", "multirate", "temporal", "foveated", "whitted1980", "mitchell1987", "jin2009"];
+pub const KINDS: &[&str] =
+    &["full", "adaptive", "multirate", "temporal", "foveated", "whitted1980", "mitchell1987", "jin2009"];
 
 const KIND: Entry = Entry::Key(Key { name: "kind", rule: Rule::Word(KINDS), unit: "", meaning: "kind of the policy" });
 

@@ -25,6 +25,7 @@ impl Maker<'_> {
             rays_traced: [0; 4],
             rays_apron: [0; 4],
             samples_apron: 0,
+            attributes: self.lazy.made,
             tiles: Vec::new(),
         };
         for area in tiles {

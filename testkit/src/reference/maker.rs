@@ -1,5 +1,8 @@
 //! The steps of the adaptive policies over a frame in the making.
 
+use std::cell::Cell;
+use std::collections::BTreeMap;
+
 use rayreel_replay::policy::{Adaptive, Refine};
 
 use super::area::Area;
@@ -23,6 +26,16 @@ pub struct Maker<'a> {
     pub known: Vec<Option<KnownSample>>,
     pub traced: Vec<Vec<bool>>,
     pub stand_ins: Vec<(usize, Hit)>,
+    pub lazy: LazyAttributes,
+}
+
+/// Attributes of interpolated hits that are made when they are read.
+#[derive(Default)]
+pub struct LazyAttributes {
+    /// By tile (its first sample) and sample: of how many hits there are attributes.
+    there: BTreeMap<((usize, usize), usize), u32>,
+    /// All that were made.
+    pub made: u64,
 }
 
 impl Maker<'_> {
@@ -42,6 +55,7 @@ impl Maker<'_> {
             relax: area.relax,
             gap,
             stand_in: self.policy.sampling.stand_in,
+            compared: Cell::new(0),
         }
     }
 
@@ -52,7 +66,12 @@ impl Maker<'_> {
             return;
         }
         let (a, b) = (self.tree(line[0]).clone(), self.tree(line[gap]).clone());
-        if self.judge(area, gap).samples(&a, &b, foreseen) {
+        let (similar, compared) = {
+            let judge = self.judge(area, gap);
+            (judge.samples(&a, &b, foreseen), judge.compared.get())
+        };
+        [line[0], line[gap]].into_iter().for_each(|end| self.read(area, end, compared));
+        if similar {
             for (i, &at) in line.iter().enumerate().take(gap).skip(1) {
                 let (near, far, s) = nearer(&a, &b, i, gap);
                 let mut tree = between(near, far, s);
@@ -83,6 +102,7 @@ impl Maker<'_> {
         if !self.policy.sampling.secondary {
             return self.whole(line[i], Origin::Traced, round);
         }
+        [line[0], line[line.len() - 1]].into_iter().for_each(|end| self.read(area, end, u32::MAX));
         let (near, far, s) = nearer(a, b, i, line.len() - 1);
         let judge = self.judge(area, line.len() - 1);
         let mut traced = vec![false; self.traced[line[i]].len()];
@@ -95,8 +115,22 @@ impl Maker<'_> {
         if !traced[0] && how == Origin::Partial {
             self.stand_ins.push((line[i], tree.clone()));
         }
+        let (hits, of_rays) = (tree.hits(), traced.iter().filter(|t| **t).count() as u32);
+        self.lazy.there.insert(((area.x0, area.y0), line[i]), hits);
+        self.lazy.made += u64::from(hits.saturating_sub(of_rays));
         self.traced[line[i]] = traced;
         self.known[line[i]] = Some(KnownSample { tree, how, round });
+    }
+
+    /// A tile reads the first hits of a sample: of one that is interpolated it makes what it did not make before.
+    pub fn read(&mut self, area: &Area, at: usize, hits: u32) {
+        let sample = self.known[at].as_ref().unwrap();
+        if sample.how == Origin::Interpolated {
+            let there = self.lazy.there.entry(((area.x0, area.y0), at)).or_default();
+            let new = hits.min(sample.tree.hits()).saturating_sub(*there);
+            *there += new;
+            self.lazy.made += u64::from(new);
+        }
     }
 
     /// Traces interpolated samples that a traced neighbour in the tile contradicts, pass by pass.
@@ -106,7 +140,15 @@ impl Maker<'_> {
         for pass in 0..correct.passes as u8 {
             let mut found = Vec::new();
             for (x, y) in area.samples() {
-                let sample = self.known[y * self.frame.width + x].as_ref().unwrap();
+                let at = y * self.frame.width + x;
+                let is_witness = |&(u, v): &(usize, usize)| {
+                    x.abs_diff(u).max(y.abs_diff(v)) == 1
+                        && self.known[v * self.frame.width + u].as_ref().unwrap().how != Origin::Interpolated
+                };
+                if news.iter().any(is_witness) {
+                    self.read(area, at, 1);
+                }
+                let sample = self.known[at].as_ref().unwrap();
                 if sample.how == Origin::Interpolated && news.iter().any(|&at| self.contradicts(area, (x, y), at)) {
                     found.push((x, y));
                 }

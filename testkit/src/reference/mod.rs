@@ -8,11 +8,11 @@ pub(crate) mod maker;
 mod outcome;
 
 use rayreel_replay::TileSource;
-use rayreel_replay::policy::Adaptive;
+use rayreel_replay::policy::{Adaptive, Apron};
 
 use crate::recorded::{Frame, read};
 use area::{Area, on};
-use maker::Maker;
+use maker::{LazyAttributes, Maker};
 
 pub use crate::recorded::Rays;
 pub use outcome::{Origin, Outcome};
@@ -56,7 +56,14 @@ fn decide<'a, S: TileSource>(
     let columns = meta.tile_grid().0;
     let tiles: Vec<_> = (0..meta.tile_count()).map(|i| Area::new(meta.tile_rect(i), rates[i as usize])).collect();
     let traced = recorded.rays.iter().map(|hits| vec![false; hits.len()]).collect();
-    let mut maker = Maker { policy, frame: recorded, known: vec![None; width * height], traced, stand_ins: Vec::new() };
+    let mut maker = Maker {
+        policy,
+        frame: recorded,
+        known: vec![None; width * height],
+        traced,
+        stand_ins: Vec::new(),
+        lazy: LazyAttributes::default(),
+    };
     let last = (width - 1, height - 1);
     for (i, area) in tiles.iter().enumerate() {
         let left = if (i as u32).is_multiple_of(columns) { area.n } else { tiles[i - 1].n };
@@ -74,6 +81,11 @@ fn decide<'a, S: TileSource>(
             for pair in ends.windows(2) {
                 let line: Vec<usize> = (pair[0]..=pair[1]).map(|x| y * width + x).collect();
                 maker.fill(area, &line, 1, f64::INFINITY);
+            }
+            // The last R-row is kept for the tile below.
+            let is_last = !(y + 1..area.y1).any(|y| on(y, area.n, last.1));
+            if is_last && area.y1 < height && policy.apron == Apron::Share {
+                (area.x0..area.x1).for_each(|x| maker.read(area, y * width + x, 1));
             }
         }
     }

@@ -51,6 +51,8 @@ pub struct Outcome {
     pub rays_apron: Rays,
     /// Samples traced once more.
     pub samples_apron: u64,
+    /// Attributes of interpolated hits, if they are made when they are read.
+    pub attributes: u64,
     /// Rays of the traced and of the apron samples, per tile.
     pub tiles: Vec<(Rays, Rays)>,
 }

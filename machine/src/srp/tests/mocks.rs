@@ -11,8 +11,8 @@ use crate::link::{RayMessage, RayRef, RayUnit};
 use crate::memory::{Memory, MemoryStats, Port, Request, Response, Route};
 use crate::srp::{FrameShape, Srp, SrpContext, SrpPorts};
 use crate::time::{TiCycle, When};
-use crate::work::history::HistoryWork;
 use crate::work::PolicyReads;
+use crate::work::history::HistoryWork;
 use crate::work::layout::Layout;
 use crate::work::{NO_RAY, NO_TRIANGLE, RayWork, Round, TileWork};
 

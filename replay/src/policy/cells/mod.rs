@@ -39,7 +39,9 @@ pub fn sampler(policy: &Policy, meta: &Meta) -> Result<Option<Box<dyn Sampler>>>
         Policy::Whitted1980(values) => boxed(Whitted::new(values), values.block, meta),
         Policy::Mitchell1987(values) => boxed(Mitchell::new(values), values.block, meta),
         Policy::Jin2009(values) => boxed(Jin::new(values), values.block, meta),
-        Policy::Full | Policy::Adaptive(_) | Policy::Multirate(_) | Policy::Temporal(_) | Policy::Foveated(_) => return Ok(None),
+        Policy::Full | Policy::Adaptive(_) | Policy::Multirate(_) | Policy::Temporal(_) | Policy::Foveated(_) => {
+            return Ok(None);
+        }
     };
     policy.check()?;
     check_tile(meta.tile, &[sampler.block(0)])?;

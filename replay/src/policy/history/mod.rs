@@ -139,7 +139,8 @@ impl History {
         self.hits.push(KeptHit { path, object, normal, t, shadows, local: tree[0].local });
         // Fifteen bounces have a path of sixteen bits.
         if path.ilog2() < self.rules.depth.min(14) {
-            let branches = [(tree[0].reflect, 0), (tree[0].refract, 1)].into_iter().filter(|(weight, _)| weight.is_some());
+            let branches =
+                [(tree[0].reflect, 0), (tree[0].refract, 1)].into_iter().filter(|(weight, _)| weight.is_some());
             for ((_, branch), (_, child)) in branches.zip(children(tree)) {
                 self.keep_hits(child, 2 * path + branch);
             }
@@ -148,7 +149,9 @@ impl History {
 
     /// What a tile of which this history knows all keeps: samples, and hits below their primary ones.
     pub fn kept(&self, view: &TileView) -> (u32, u32) {
-        let of = |(x, y): (u32, u32)| self.entries[self.index(x / self.rules.step, y / self.rules.step)].hits.saturating_sub(1);
+        let of = |(x, y): (u32, u32)| {
+            self.entries[self.index(x / self.rules.step, y / self.rules.step)].hits.saturating_sub(1)
+        };
         let kept = view.samples().filter(|&(x, y)| self.rules.keeps(x, y));
         kept.fold((0, 0), |(samples, below), at| (samples + 1, below + of(at)))
     }

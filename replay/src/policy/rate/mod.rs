@@ -138,17 +138,19 @@ impl RateController {
             }
             Policy::Adaptive(adaptive) => vec![(adaptive.block, 1.0); count],
             Policy::Foveated(rings) => (0..self.columns * self.rows).map(|tile| self.foveated(rings, tile)).collect(),
-            Policy::Multirate(multirate) | Policy::Temporal(Temporal { multirate, .. }) => match (&self.history, &self.target) {
-                (Some(history), target) if !self.is_cut(multirate, history, frame, camera) => {
-                    let factor = target.as_ref().map_or(1.0, LimitController::factor);
-                    history.tiles.iter().map(|memory| (memory.block, factor)).collect()
+            Policy::Multirate(multirate) | Policy::Temporal(Temporal { multirate, .. }) => {
+                match (&self.history, &self.target) {
+                    (Some(history), target) if !self.is_cut(multirate, history, frame, camera) => {
+                        let factor = target.as_ref().map_or(1.0, LimitController::factor);
+                        history.tiles.iter().map(|memory| (memory.block, factor)).collect()
+                    }
+                    (_, target) => {
+                        let total = u64::from(self.grid.0) * u64::from(self.grid.1);
+                        first = target.as_ref().map(|target| target.first(total));
+                        vec![(multirate.start, 1.0); count]
+                    }
                 }
-                (_, target) => {
-                    let total = u64::from(self.grid.0) * u64::from(self.grid.1);
-                    first = target.as_ref().map(|target| target.first(total));
-                    vec![(multirate.start, 1.0); count]
-                }
-            },
+            }
         };
         Rates { columns: self.columns, tiles, first }
     }

@@ -5,16 +5,16 @@
 
 mod attributes;
 mod known;
+mod notes;
 mod recorded;
 mod strips;
+mod tracer;
 
 use rayreel_formats::math::Vec3;
 use rayreel_formats::scene::{Camera, Rect};
-use rayreel_formats::tile::{Shadows, Tile};
+use rayreel_formats::tile::Tile;
 
-use super::history::KnownLights;
-use super::similarity::Compared;
-use super::tree::{Node, SurfacePoint};
+use super::tree::Node;
 use crate::counts::RayCounts;
 use crate::error::{ReplayError, Result};
 use crate::image::psnr::SquaredError;
@@ -25,6 +25,8 @@ pub use known::KnownTrees;
 use recorded::Recorded;
 pub use strips::{CLOSERS, Closer, RoundCounts};
 use strips::{RoundsByCloser, Strips};
+pub use tracer::HitTracer;
+pub(crate) use tracer::Traced;
 
 /// What became of a sample.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -65,77 +67,6 @@ pub struct TileView {
     first_row: Vec<RoundCounts>,
     /// What audits of the tile found.
     audited: SquaredError,
-}
-
-/// The recorded ray tree of one sample, of which hits may be traced one by one.
-pub struct HitTracer<'a> {
-    nodes: &'a [Node],
-    traced: &'a mut [Traced],
-}
-
-/// Which rays of a recorded hit were traced.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) enum Traced {
-    /// None.
-    #[default]
-    No,
-    /// The ray that met it, and the shadow rays to all lights but these: the low bit of each light is set.
-    But(u32),
-}
-
-impl Traced {
-    /// All rays.
-    pub const WHOLE: Self = Self::But(0);
-}
-
-impl HitTracer<'_> {
-    /// Traces hit `node` and its shadow rays.
-    pub fn hit(&mut self, node: usize) -> Node {
-        self.traced[node] = Traced::WHOLE;
-        self.nodes[node]
-    }
-
-    /// Traces the ray that meets hit `node`, and no shadow ray yet: no colour is known then, and of the lights whether rays would be
-    /// cast at them, in the low bit of each.
-    pub fn look(&mut self, node: usize) -> Node {
-        let seen = self.nodes[node];
-        // Whether a light is behind a surface the hit itself says.
-        let surface = seen.surface.map(|surface| SurfacePoint { shadows: surface.shadows.places(), ..surface });
-        if self.traced[node] == Traced::No {
-            self.traced[node] = Traced::But(surface.map_or(0, |surface| surface.shadows.0));
-        }
-        Node { surface, local: Vec3::ZERO, colour: Vec3::ZERO, hit_rays: 1, rays: 1, ..seen }
-    }
-
-    /// Traces the shadow rays of hit `node`, which was looked at, but for those to lights that are known, and shades it. A trace holds
-    /// no shader: it has the colour for the states that were recorded; for any others that of `known` stands.
-    pub fn shade(&mut self, node: usize, known: KnownLights) -> Node {
-        self.traced[node] = Traced::But(known.lights);
-        let recorded = self.nodes[node];
-        let Some(surface) = recorded.surface else { return recorded };
-        let both = known.lights | known.lights << 1;
-        let shadows = Shadows(surface.shadows.0 & !both | known.shadows.0 & both);
-        let local = if shadows == surface.shadows { recorded.local } else { known.local };
-        Node { surface: Some(SurfacePoint { shadows, ..surface }), local, ..recorded }
-    }
-
-    /// Traces hit `node` and everything below it.
-    pub fn subtree(&mut self, node: usize) -> &[Node] {
-        let range = node..node + self.nodes[node].len as usize;
-        self.traced[range.clone()].fill(Traced::WHOLE);
-        &self.nodes[range]
-    }
-
-    /// Whether recorded rays stand for the children of `like` below hit `node`: the recorded sample branches in the same
-    /// way. This looks at the shape of the record only: without a stand-in a policy has to trace more.
-    pub fn stands_in(&self, node: usize, like: &Node) -> bool {
-        self.nodes[node].branches_as(like)
-    }
-
-    /// Hits of the subtree at `node`.
-    pub fn len(&self, node: usize) -> usize {
-        self.nodes[node].len as usize
-    }
 }
 
 impl TileView {
@@ -304,59 +235,6 @@ impl TileView {
         });
     }
 
-    /// Notes `tests` similarity tests in round `round` that decide about sample (`x`, `y`) and others.
-    pub fn tested(&mut self, at: (u32, u32), round: u8, tests: u32) {
-        self.count(at, round, |counts| counts.tests += tests);
-    }
-
-    /// Notes tests and differences of colours, as [`TileView::tested`].
-    pub(crate) fn compared(&mut self, at: (u32, u32), round: u8, compared: Compared) {
-        self.count(at, round, |counts| {
-            counts.tests += compared.pairs;
-            counts.colours += compared.colours;
-        });
-    }
-
-    /// Attributes of interpolated hits are made when they are read: from now on.
-    pub(crate) fn make_attributes_lazily(&mut self) {
-        self.attributes.begin(self.rect);
-    }
-
-    /// The first `hits` hits of sample `read` are read by a test of round `round` that decides about sample `at`. What was not made
-    /// of them is made.
-    pub(crate) fn read_hits(&mut self, at: (u32, u32), round: u8, read: (u32, u32), hits: u32) {
-        let i = self.offset(read.0, read.1);
-        if matches!(self.states[i], Some((SampleState::Interpolated, _))) {
-            let new = self.attributes.read(i, hits);
-            self.read_attributes(at, round, new);
-        }
-    }
-
-    /// The same of an interpolated sample of the row below the tile, in column `x`.
-    pub(crate) fn read_hits_below(&mut self, at: (u32, u32), round: u8, x: u32, hits: u32) {
-        let new = self.attributes.read_below((x - self.rect.x) as usize, hits);
-        self.read_attributes(at, round, new);
-    }
-
-    /// Notes `hits` interpolated hits whose attributes tests of round `round` read for the first time.
-    pub(crate) fn read_attributes(&mut self, at: (u32, u32), round: u8, hits: u32) {
-        self.count(at, round, |counts| counts.attributes += hits);
-    }
-
-    /// Notes that the lights of `hits` hits were looked for at `place` of the history in round `round`.
-    pub(crate) fn looked_back(&mut self, (x, y): (u32, u32), round: u8, place: Option<u32>, hits: u32) {
-        if hits > 0 {
-            self.count((x, y), round, |counts| counts.looked_back += hits);
-            let closer = self.closer(x, y);
-            place.into_iter().for_each(|place| self.rounds.look_up(closer, place));
-        }
-    }
-
-    /// The places of the history that `closer` looks up for it.
-    pub(crate) fn looked_up(&self, closer: Closer) -> &[u32] {
-        self.rounds.looked_up(closer)
-    }
-
     /// Whether an I-sample was traced, all its hits by rays: no part of it is interpolated.
     pub(crate) fn is_seen(&self, x: u32, y: u32) -> bool {
         let i = self.offset(x, y);
@@ -376,31 +254,6 @@ impl TileView {
         let state = if state == SampleState::Reference { state } else { SampleState::Traced };
         self.states[i] = None;
         self.trace(x, y, state, round);
-    }
-
-    /// Notes that an interpolated sample was shaded from its attributes.
-    pub(crate) fn shaded(&mut self, at: (u32, u32), round: u8) {
-        self.count(at, round, |counts| counts.shaded += 1);
-    }
-
-    /// Notes `colours` differences of colours that tests of round `round` compute, as [`TileView::tested`].
-    pub fn compared_colours(&mut self, at: (u32, u32), round: u8, colours: u32) {
-        self.count(at, round, |counts| counts.colours += colours);
-    }
-
-    /// Notes what an audit found: the squared error of values that the policy interpolated and then traced.
-    pub fn audited(&mut self, error: SquaredError) {
-        self.audited = self.audited + error;
-    }
-
-    /// Sum of what audits found.
-    pub fn audits(&self) -> SquaredError {
-        self.audited
-    }
-
-    /// Per round what `closer` does beside tracing; rounds that are not there do nothing.
-    pub fn rounds(&self, closer: Closer) -> &[RoundCounts] {
-        self.rounds.of(closer)
     }
 
     /// The tile that decides sample (`x`, `y`).
@@ -479,7 +332,9 @@ impl TileView {
     /// Hits of the known trees beyond one a sample: what a tile buffer has to hold besides.
     pub(crate) fn secondary_hits(&self) -> u32 {
         let is_made = |i: usize| matches!(self.states[i], Some((SampleState::Interpolated, _)));
-        self.known.secondary_hits(|i, hits| if is_made(i) { self.attributes.of(i).map_or(hits, |made| made.min(hits)) } else { hits })
+        self.known.secondary_hits(|i, hits| {
+            if is_made(i) { self.attributes.of(i).map_or(hits, |made| made.min(hits)) } else { hits }
+        })
     }
 
     /// The rays of all recorded samples. Not for policies: it is what tracing everything costs.

@@ -83,7 +83,17 @@ fn record<S: TileSource + ?Sized>(source: &S, camera: &Camera, tile: &Tile, rect
         let rays = RayCounts::of(nodes);
         let total = rays.total() as u32;
         let (local, reflect, refract) = (tile.radiance[range.start].local.to_vec3(), None, None);
-        recorded.nodes.push(Node { surface, local, colour, reflect, refract, hit_rays: total, rays: total, len: 1, age: 0 });
+        recorded.nodes.push(Node {
+            surface,
+            local,
+            colour,
+            reflect,
+            refract,
+            hit_rays: total,
+            rays: total,
+            len: 1,
+            age: 0,
+        });
         recorded.rays.push(rays);
         recorded.first.push(recorded.nodes.len() as u32);
     }

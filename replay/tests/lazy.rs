@@ -1,0 +1,76 @@
+//! Attributes of interpolated hits that are made when a test reads them: nothing else changes, and what is made is what the slow
+//! second implementation reads.
+
+use std::path::Path;
+
+use rayreel_formats::Limits;
+use rayreel_formats::trace::Trace;
+use rayreel_machine::work::TileWork;
+use rayreel_replay::policy::{Adaptive, Apron, Attributes, Policy};
+use rayreel_replay::{FrameReplay, NamedPolicy, Options, PathSource, Replayer};
+use rayreel_testkit::{preset, reference};
+
+fn traces() -> Vec<Trace> {
+    let open =
+        |name| Trace::open(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../traces").join(name), Limits::default());
+    ["v1_0_cornell.rtrace", "v1_0_teapot.rtrace"].map(|name| open(name).unwrap()).into()
+}
+
+fn works(trace: &Trace, policy: &Adaptive) -> (FrameReplay, Vec<TileWork>) {
+    let mut works = Vec::new();
+    let policy = Policy::Adaptive(policy.clone());
+    let mut replayer = Replayer::new(trace, &policy, Options::default()).unwrap();
+    let keep = |work| {
+        works.push(work);
+        Ok(())
+    };
+    let (frame, _) = replayer.frame_with(trace.meta().first_frame, &trace.topology(), keep).unwrap();
+    (frame, works)
+}
+
+fn with(policy: &Adaptive, attributes: Attributes) -> Adaptive {
+    let mut policy = policy.clone();
+    policy.sampling.attributes = attributes;
+    policy
+}
+
+/// The rules of `multirate` and of the paper, with blocks of all sizes.
+fn policies() -> Vec<Adaptive> {
+    let mut all: Vec<_> = [2, 4, 8, 16].map(|block| preset("multirate", block)).into();
+    let Policy::Adaptive(paper) = NamedPolicy::load("paper-ss", &[]).unwrap().policy else { panic!("it is adaptive") };
+    all.extend([2, 3, 8].map(|block| Adaptive { block, ..paper.clone() }));
+    // Everything below is compared: no colour excuses.
+    let mut strict = preset("multirate", 4);
+    (strict.sampling.similarity.unlike, strict.sampling.secondary) = (rayreel_replay::policy::Limit::Off, false);
+    all.extend([strict.clone(), Adaptive { apron: Apron::Retrace, ..strict }]);
+    all
+}
+
+fn attributes(works: &[TileWork]) -> u64 {
+    works.iter().flat_map(|work| &work.rounds).map(|round| u64::from(round.attributes)).sum()
+}
+
+#[test]
+fn only_what_is_read_is_made() {
+    let mut total = (0, 0);
+    for trace in traces() {
+        let tile = trace.meta().tile;
+        for policy in policies().iter().filter(|policy| tile.is_multiple_of(policy.block)) {
+            let (eager, eager_works) = works(&trace, &with(policy, Attributes::Eager));
+            let (lazy, lazy_works) = works(&trace, &with(policy, Attributes::Lazy));
+            assert_eq!(lazy, eager, "decisions, colours and rays are the same");
+            let (all, made) = (attributes(&eager_works), attributes(&lazy_works));
+            let second = reference::replay(&trace, &with(policy, Attributes::Lazy), trace.meta().first_frame);
+            if policy.apron == Apron::Share {
+                assert_eq!(made, second.attributes, "{policy:?}");
+            }
+            // A row that two tiles test may be made twice.
+            (total.0, total.1) = (total.0 + made, total.1 + all);
+            for (lazy, eager) in lazy_works.iter().zip(&eager_works) {
+                assert!(lazy.secondary_hits <= eager.secondary_hits, "tile {}", lazy.tile);
+                assert_eq!(lazy.rays, eager.rays);
+            }
+        }
+    }
+    assert!(total.0 < total.1, "{} of {}", total.0, total.1);
+}
