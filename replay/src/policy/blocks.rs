@@ -4,8 +4,8 @@
 use rayreel_formats::math::Vec3;
 use rayreel_formats::scene::{Camera, Meta};
 
-use super::adaptive::{Rules, TileRules};
-use super::history::History;
+use super::adaptive::{KnownPast, Rules, TileRules};
+use super::history::{History, Trust};
 use super::lattice::check_tile;
 use super::rate::{RateController, Rates};
 use super::sampler::{SamplePolicy, Sampler};
@@ -67,6 +67,7 @@ struct Histories {
     /// The one before may be looked at.
     is_open: bool,
     now: History,
+    trust: Trust,
 }
 
 /// The frame at work.
@@ -87,7 +88,12 @@ impl BlockSampler {
         let histories = match policy {
             Policy::Temporal(temporal) => {
                 let empty = History::new(&temporal.history, meta);
-                Some(Histories { before: empty.clone(), is_open: false, now: empty })
+                Some(Histories {
+                    before: empty.clone(),
+                    is_open: false,
+                    now: empty,
+                    trust: Trust::new(&temporal.history, meta.tile_count()),
+                })
             }
             _ => None,
         };
@@ -96,8 +102,12 @@ impl BlockSampler {
 
     fn tile(&self, view: &TileView) -> TileRules<'_> {
         let eye = self.now.camera.map_or(Vec3::ZERO, |camera| camera.eye);
-        let past = self.histories.as_ref().filter(|histories| histories.is_open);
-        self.rules.tile(self.now.rates.tile(view.index()), eye, past.map(|past| (self.now.frame, &past.before)))
+        let past = self.histories.as_ref().filter(|histories| histories.is_open).map(|histories| KnownPast {
+            frame: self.now.frame,
+            history: &histories.before,
+            is_trusted: histories.trust.of(view.index()),
+        });
+        self.rules.tile(self.now.rates.tile(view.index()), eye, past)
     }
 }
 
@@ -119,6 +129,9 @@ impl Sampler for BlockSampler {
         if let Some(histories) = &mut self.histories {
             std::mem::swap(&mut histories.before, &mut histories.now);
             histories.is_open = !self.now.rates.is_first();
+            if !histories.is_open {
+                histories.trust.forget();
+            }
             histories.now.begin(camera);
         }
     }
@@ -163,7 +176,10 @@ impl Sampler for BlockSampler {
 
     fn keep(&mut self, tiles: &[TileView]) {
         if let Some(histories) = &mut self.histories {
-            tiles.iter().for_each(|tile| histories.now.keep(tile));
+            for tile in tiles {
+                histories.now.keep(tile);
+                histories.trust.learn(tile);
+            }
         }
     }
 

@@ -102,6 +102,8 @@ settings! {
         step: u32 = OneOf(&[1, 2, 4]), "from one entry of the history to the next", "samples";
         depth: u32 = Count(0, 14), "hits below so many bounces are kept of a sample";
         refresh: u32 = Count(1, 1024), "of so many samples one looks for its lights in any case, another one in each frame";
+        /// Of the lights of a tile that were known and looked for all the same, so many may be found otherwise.
+        trust: f64 = Number(1.0), "largest share of mistaken lights in a tile that looks back";
         age: u32 = Count(1, 255), "frames since an entry looked for its lights, at most";
         cover: f64 = Number(1.0), "least share of the four entries around a place that is of its surface";
         plane: f64 = Number(1.0), "largest distance of an entry from the tangent plane", "fraction of the distance from the eye";

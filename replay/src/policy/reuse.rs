@@ -23,15 +23,16 @@
 //! bounces. Where the recorded sample does not branch as the ends do there is no stand-in, and the hit is traced.
 
 use rayreel_formats::math::Vec3;
+use rayreel_formats::tile::Shadows;
 
-use super::history::{History, Past};
+use super::history::{History, LightChecks, Past};
 use super::interpolate::{interpolate_node, interpolate_tree};
 use super::similarity::{Compared, Tests};
 use super::tree::{Node, finish};
 use super::view::HitTracer;
 
 /// A sample between two others, to be built.
-pub struct Rebuild<'a, 't> {
+pub struct Rebuild<'a, 't, 'h> {
     /// The tests.
     pub tests: &'a Tests,
     /// A primary hit may be interpolated although some of its children are traced.
@@ -51,13 +52,28 @@ pub struct Rebuild<'a, 't> {
     /// Hits interpolated.
     pub interpolated: u32,
     /// Whose lights may be known.
-    pub eye: Eye<'a>,
+    pub eye: &'a mut Eye<'h>,
+}
+
+/// What a sample does with the history.
+#[derive(Clone, Copy)]
+pub enum Look<'a> {
+    /// It does not look.
+    Nowhere,
+    /// It sends no rays to lights that are known.
+    Back(&'a History),
+    /// It sends all rays, and compares.
+    Check(&'a History),
 }
 
 /// How hits are traced: with all their shadow rays, or without those that the history makes needless.
 #[derive(Clone, Default)]
 pub struct Eye<'a> {
     history: Option<&'a History>,
+    /// Nothing is taken for known, but compared with what is found.
+    checks: bool,
+    /// What was compared.
+    pub checked: LightChecks,
     past: Option<Past<'a>>,
     /// The place that was looked up.
     pub place: Option<u32>,
@@ -66,9 +82,13 @@ pub struct Eye<'a> {
 }
 
 impl<'a> Eye<'a> {
-    /// One that looks back, if there is a history.
-    pub fn new(history: Option<&'a History>) -> Self {
-        Self { history, ..Self::default() }
+    /// One that looks back as it is told.
+    pub fn new(look: Look<'a>) -> Self {
+        let history = match look {
+            Look::Nowhere => None,
+            Look::Back(history) | Look::Check(history) => Some(history),
+        };
+        Self { history, checks: matches!(look, Look::Check(_)), ..Self::default() }
     }
 
     /// Traces hit `node`, which is at `path`.
@@ -81,6 +101,14 @@ impl<'a> Eye<'a> {
         }
         self.hits += u32::from(path == 1 || self.past.is_some());
         match self.past.as_ref().and_then(|past| Some((past.lights(path, surface)?, past.age))) {
+            Some((lights, _)) if self.checks => {
+                let traced = tracer.hit(node);
+                let states = traced.surface.map_or(0, |surface| surface.shadows.0);
+                let mistaken = Shadows(states ^ lights.shadows.0).places().0 & lights.lights;
+                self.checked.lights += lights.lights.count_ones();
+                self.checked.mistaken += mistaken.count_ones();
+                traced
+            }
             Some((lights, age)) => Node { age, ..tracer.shade(node, lights) },
             None => tracer.hit(node),
         }
@@ -121,7 +149,7 @@ struct SameHit<'a> {
     weights: (Vec3, Vec3),
 }
 
-impl Rebuild<'_, '_> {
+impl Rebuild<'_, '_, '_> {
     /// Builds the tree between `near` and `far`, which are not similar as a whole.
     pub fn build(&mut self, near: &[Node], far: &[Node]) {
         self.hit(SameHit { near, far, recorded: 0, path: 1, weights: (Vec3::ONE, Vec3::ONE) });

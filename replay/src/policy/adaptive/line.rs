@@ -133,20 +133,20 @@ impl<'a> Line<'a> {
         let (near, far) = if swap { (b, a) } else { (a, b) };
         // What is below both hits may be read anywhere.
         [near, far].into_iter().for_each(|end| self.read(end, (x, y), u32::MAX));
-        let (eye, mut looked) = (Eye::new(self.rules.looks_at(x, y)), (None, 0));
+        let mut eye = Eye::new(self.rules.look(x, y));
         let (tests, gap, mut made) = (&self.rules.tests, b - a, Compared::default());
         let (stand_in, ends) = (self.rules.rules.sampling.stand_in, self.ends());
         self.view.rebuild(x, y, self.round, |tracer, known, out| {
             let (near, far) = (ends.tree(known, near), ends.tree(known, far));
             let (totals, compared) = ((near[0].colour, far[0].colour), Compared::default());
-            let mut rebuild = Rebuild { tests, stand_in, tracer, out, gap, s, totals, compared, interpolated: 0, eye };
+            let mut rebuild =
+                Rebuild { tests, stand_in, tracer, out, gap, s, totals, compared, interpolated: 0, eye: &mut eye };
             rebuild.build(near, far);
             made = rebuild.compared;
-            looked = (rebuild.eye.place, rebuild.eye.hits);
             rebuild.interpolated
         });
         self.view.compared((x, y), self.round, made);
-        self.view.looked_back((x, y), self.round, looked.0, looked.1);
+        self.view.looked_back((x, y), self.round, &eye);
     }
 
     /// The colour that sample `i` would have by interpolation.

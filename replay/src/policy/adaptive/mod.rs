@@ -14,7 +14,7 @@ use super::correct::correct;
 use super::history::History;
 use super::lattice::SampleLattice;
 use super::rate::TileRate;
-use super::reuse::Eye;
+use super::reuse::{Eye, Look};
 use super::shade::Shading;
 use super::similarity::Tests;
 use super::tree::Forest;
@@ -53,7 +53,18 @@ pub struct TileRules<'a> {
     /// Where the camera is, scene units.
     eye: Vec3,
     /// The frame, and what is known of the one before.
-    past: Option<(u32, &'a History)>,
+    past: Option<KnownPast<'a>>,
+}
+
+/// What a tile knows of the frame before.
+#[derive(Clone, Copy, Debug)]
+pub struct KnownPast<'a> {
+    /// The frame at work.
+    pub frame: u32,
+    /// What was kept of the one before.
+    pub history: &'a History,
+    /// It was right of late.
+    pub is_trusted: bool,
 }
 
 impl Rules {
@@ -119,7 +130,7 @@ impl Rules {
     }
 
     /// The rules for a tile of rate `rate`, seen from `eye`.
-    pub fn tile<'a>(&'a self, rate: TileRate, eye: Vec3, past: Option<(u32, &'a History)>) -> TileRules<'a> {
+    pub fn tile<'a>(&'a self, rate: TileRate, eye: Vec3, past: Option<KnownPast<'a>>) -> TileRules<'a> {
         let lattice = |block| SampleLattice { width: self.size.0, height: self.size.1, block };
         let tests = Tests::new(&self.sampling.similarity, rate.relax);
         TileRules { rules: self, lattice: lattice(rate.block), left: lattice(rate.left), tests, eye, past }
@@ -143,19 +154,25 @@ impl TileRules<'_> {
 
     /// Traces a sample whole, but for rays to lights that are known.
     fn trace(&self, view: &mut TileView, (x, y): (u32, u32), state: SampleState, round: u8) {
-        let Some(history) = self.looks_at(x, y) else { return view.trace(x, y, state, round) };
-        let mut eye = Eye::new(Some(history));
+        let look = self.look(x, y);
+        if matches!(look, Look::Nowhere) {
+            return view.trace(x, y, state, round);
+        }
+        let mut eye = Eye::new(look);
         view.build((x, y), round, state == SampleState::Reference, |tracer, _, out| {
             eye.subtree(tracer, 0, 1, out);
             0
         });
-        view.looked_back((x, y), round, eye.place, eye.hits);
+        view.looked_back((x, y), round, &eye);
     }
 
-    /// The history that a sample looks at; nothing if there is none, or it looks for its lights in any case.
-    fn looks_at(&self, x: u32, y: u32) -> Option<&History> {
-        let (frame, history) = self.past?;
-        (!history.refreshes(frame, x, y)).then_some(history)
+    /// What sample (`x`, `y`) does with the history, if there is one.
+    fn look(&self, x: u32, y: u32) -> Look<'_> {
+        match self.past {
+            Some(KnownPast { frame, history, .. }) if history.refreshes(frame, x, y) => Look::Check(history),
+            Some(KnownPast { history, is_trusted: true, .. }) => Look::Back(history),
+            _ => Look::Nowhere,
+        }
     }
 
     /// The rows on which a sample of the tile's first column closes an R-row of the tile to its left, top to bottom.

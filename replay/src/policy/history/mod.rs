@@ -7,6 +7,7 @@
 //! frame. POLICIES.md has the rules.
 
 mod project;
+mod trust;
 
 use rayreel_formats::math::Vec3;
 use rayreel_formats::scene::{Camera, Meta};
@@ -19,6 +20,7 @@ use super::similarity::within_angle;
 use super::tree::{Node, SurfacePoint, children};
 use super::view::TileView;
 use project::Projection;
+pub use trust::{LightChecks, Trust};
 
 /// What is kept of a hit.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -14,6 +14,7 @@ use rayreel_formats::math::Vec3;
 use rayreel_formats::scene::{Camera, Rect};
 use rayreel_formats::tile::Tile;
 
+use super::history::LightChecks;
 use super::tree::Node;
 use crate::counts::RayCounts;
 use crate::error::{ReplayError, Result};
@@ -67,6 +68,7 @@ pub struct TileView {
     first_row: Vec<RoundCounts>,
     /// What audits of the tile found.
     audited: SquaredError,
+    light_checks: LightChecks,
 }
 
 impl TileView {
@@ -106,6 +108,7 @@ impl TileView {
             last_x_round: 0,
             first_row: Vec::new(),
             audited: SquaredError::default(),
+            light_checks: LightChecks::default(),
         })
     }
 

@@ -2,6 +2,8 @@
 
 use super::{Closer, RoundCounts, SampleState, TileView};
 use crate::image::psnr::SquaredError;
+use crate::policy::history::LightChecks;
+use crate::policy::reuse::Eye;
 use crate::policy::similarity::Compared;
 
 impl TileView {
@@ -44,13 +46,20 @@ impl TileView {
         self.count(at, round, |counts| counts.attributes += hits);
     }
 
-    /// Notes that the lights of `hits` hits were looked for at `place` of the history in round `round`.
-    pub(crate) fn looked_back(&mut self, (x, y): (u32, u32), round: u8, place: Option<u32>, hits: u32) {
-        if hits > 0 {
-            self.count((x, y), round, |counts| counts.looked_back += hits);
+    /// Notes what was looked for in the history in round `round` for sample (`x`, `y`).
+    pub(crate) fn looked_back(&mut self, (x, y): (u32, u32), round: u8, eye: &Eye<'_>) {
+        if eye.hits > 0 {
+            self.count((x, y), round, |counts| counts.looked_back += eye.hits);
             let closer = self.closer(x, y);
-            place.into_iter().for_each(|place| self.rounds.look_up(closer, place));
+            eye.place.into_iter().for_each(|place| self.rounds.look_up(closer, place));
+            self.light_checks.lights += eye.checked.lights;
+            self.light_checks.mistaken += eye.checked.mistaken;
         }
+    }
+
+    /// Lights that were known and looked for all the same.
+    pub(crate) fn light_checks(&self) -> LightChecks {
+        self.light_checks
     }
 
     /// The places of the history that `closer` looks up for it.
