@@ -99,18 +99,19 @@ impl Page {
     }
 }
 
-/// The digests were taken of statistics that call some things differently, and lack a kernel, a rasteriser, processors and traffic of
-/// instructions, which are nothing here. Values, order and all other names are digested as they are.
+/// The digests were taken of statistics that call some things differently, and lack two kernels, a rasteriser, processors, and traffic of
+/// instructions and of histories, which are nothing here. Values, order and all other names are digested as they are.
 fn old_names(statistics: &str) -> String {
     let names = [
         ("InputBufferCounters", "FrontCounters"),
         ("buffer: ", "front: "),
         ("shadow_result: ", "update: "),
-        ("reshade: 0, ", ""),
+        ("reshade: 0, look_back: 0, ", ""),
+        ("history_written: 0, history_read: 0, ", ""),
         ("raster: RasterCounters { triangles: 0, samples: 0 }, ", ""),
         ("processors: [], ", ""),
-        (", 0], written: [", "], written: ["),
-        (", 0] } }", "] } }"),
+        (", 0, 0], written: [", "], written: ["),
+        (", 0, 0] } }", "] } }"),
     ];
     let text = names.iter().fold(statistics.to_owned(), |text, (new, old)| text.replace(new, old));
     const KERNELS: &str = "kernels: [";
@@ -119,8 +120,10 @@ fn old_names(statistics: &str) -> String {
     lists.fold(first, |text, list| {
         let mut kernels: Vec<&str> = list.split("KernelCounters").collect();
         // The first is what stands before the first kernel.
-        let removed = kernels.remove(1 + KernelId::Reshade as usize);
-        assert!(removed.starts_with(" { batches: 0, items: 0, cycles: 0, ops: 0 }"), "{removed}");
+        for kernel in [KernelId::LookBack, KernelId::Reshade] {
+            let removed = kernels.remove(1 + kernel as usize);
+            assert!(removed.starts_with(" { batches: 0, items: 0, cycles: 0, ops: 0 }"), "{removed}");
+        }
         text + KERNELS + &kernels.join("KernelCounters")
     })
 }

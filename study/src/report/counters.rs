@@ -45,7 +45,7 @@ pub(super) fn timeless(run: &MachineRun) -> Value {
 }
 
 /// What traffic is for.
-const REGIONS: [(Region, &str); 10] = [
+const REGIONS: [(Region, &str); 11] = [
     (Region::Node, "inner nodes"),
     (Region::Triangle, "triangles"),
     (Region::Attribute, "vertex attributes"),
@@ -56,6 +56,7 @@ const REGIONS: [(Region, &str); 10] = [
     (Region::GBuffer, "the G-buffer of the rasteriser"),
     (Region::Framebuffer, "pixels"),
     (Region::Code, "instructions"),
+    (Region::History, "samples kept for the next frame"),
 ];
 
 /// Counters in order of the report.

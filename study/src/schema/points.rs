@@ -50,7 +50,7 @@ pub struct Point {
 
 /// Kernels of the SRP that sampling adds: tests with what they decide, and interpolation.
 pub const SAMPLING_KERNELS: [&[&str]; 2] =
-    [&["similarity", "colour", "control"], &["interpolate", "attributes", "reshade"]];
+    [&["similarity", "colour", "look_back", "control"], &["interpolate", "attributes", "reshade"]];
 
 impl Point {
     /// Shares of the busy cycles of the SRPs that tests (inspector included) and interpolation take; nothing without a machine.

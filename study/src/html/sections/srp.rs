@@ -8,9 +8,10 @@ use crate::html::view::StudyView;
 use crate::schema::{Kernel, Point};
 
 /// The kernels that sampling adds, with their colour class; the others are grey.
-const COLOURS: [(&str, &str); 6] = [
+const COLOURS: [(&str, &str); 7] = [
     ("similarity", "k0"),
     ("colour", "k0"),
+    ("look_back", "k0"),
     ("control", "k0"),
     ("interpolate", "k1"),
     ("attributes", "k1"),

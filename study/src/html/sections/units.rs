@@ -24,7 +24,7 @@ const STATES: [(&str, &str, &str); 12] = [
 ];
 
 /// What an SRP works on: its kernels, and the step that sorts items by branch before them.
-const KERNELS: [&str; 12] = [
+const KERNELS: [&str; 13] = [
     "raygen",
     "shade",
     "miss",
@@ -34,6 +34,7 @@ const KERNELS: [&str; 12] = [
     "interpolate",
     "attributes",
     "reshade",
+    "look_back",
     "control",
     "resolve",
     "inspector",
