@@ -36,7 +36,7 @@ fn what_is_shown_loads_again() {
         assert_eq!(json(&[path])["name"], "x");
         shown += 1;
     }
-    assert_eq!(shown, 28);
+    assert_eq!(shown, 29);
 }
 
 #[test]

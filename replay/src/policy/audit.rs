@@ -7,6 +7,7 @@
 //! The mean over the audited pixels estimates the squared error of the picture without bias, with one exception: the error of
 //! samples of which some rays were traced is not looked at, since tracing them again would cost what they saved.
 
+use super::scramble::scramble;
 use super::view::{SampleState, TileView};
 use crate::image::psnr::SquaredError;
 use crate::image::srgb;
@@ -72,12 +73,4 @@ impl Audit {
         }
         sum.map(|v| srgb::code(v / (self.samples * self.samples) as f32))
     }
-}
-
-/// The finaliser of SplitMix64 (Steele, Lea, Flood 2014), whose output bits all depend on all of its input.
-pub(super) fn scramble(value: u64) -> u64 {
-    let z = value.wrapping_add(0x9E37_79B9_7F4A_7C15);
-    let z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-    let z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-    z ^ (z >> 31)
 }

@@ -19,7 +19,7 @@
 //! result depends on the frame alone and not on its tiles, which only matter for accounting ([`Apron`]).
 //!
 //! The files, each of which uses only those before it: `limit`, `sampling`, `kinds`, `schema` and `load` (settings), `tree` (a sample's hits), `interpolate`,
-//! `shade`, `similarity`, `lattice` (where R-samples stand), `view`, `reuse` (hit by hit), `correct`, `audit`, `target`, `rate` (blocks and
+//! `shade`, `similarity`, `lattice` (where R-samples stand), `view`, `history` (the frame before), `reuse` (hit by hit), `correct`, `audit`, `target`, `rate` (blocks and
 //! limits of tiles), `sampler` (the seam), `cells` (what lies between four R-samples), `adaptive` (the steps on a tile), `blocks` (all of it
 //! as a sampler).
 
@@ -39,6 +39,7 @@ mod reuse;
 mod sampler;
 mod sampling;
 pub mod schema;
+mod scramble;
 mod shade;
 mod similarity;
 mod target;

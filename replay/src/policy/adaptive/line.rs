@@ -2,7 +2,7 @@
 
 use rayreel_formats::math::Vec3;
 
-use super::TileRules;
+use super::rules::TileRules;
 use crate::policy::interpolate::{interpolate_tree, mix, nearer};
 use crate::policy::reuse::{Eye, Rebuild};
 use crate::policy::similarity::{Compared, difference};

@@ -6,6 +6,7 @@
 //! shaded with them. The ray that meets the hit is traced in any case, so edges, textures and reflections are those of this
 //! frame. POLICIES.md has the rules.
 
+mod lights;
 mod project;
 mod trust;
 
@@ -15,12 +16,13 @@ use rayreel_formats::tile::Shadows;
 use rayreel_machine::work::history::HistorySpan;
 
 use super::HistoryRules;
-use super::audit::scramble;
+use super::scramble::scramble;
 use super::similarity::within_angle;
 use super::tree::{Node, SurfacePoint, children};
 use super::view::TileView;
+pub use lights::{KnownLights, LightChecks};
 use project::Projection;
-pub use trust::{LightChecks, Trust};
+pub use trust::Trust;
 
 /// What is kept of a hit.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -74,17 +76,6 @@ pub struct Past<'a> {
     limits: (f64, f64),
     /// Frames since the lights of the oldest were looked for, this one included.
     pub age: u8,
-}
-
-/// What is known of a hit's lights.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct KnownLights {
-    /// Those that are known: the low bit of each.
-    pub lights: u32,
-    /// What the shadow rays to them would find; of other lights it says nothing.
-    pub shadows: Shadows,
-    /// The colour that the nearest entry had.
-    pub local: Vec3,
 }
 
 impl HistoryRules {

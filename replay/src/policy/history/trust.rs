@@ -1,16 +1,8 @@
 //! Which tiles may rely on the history: those in which it was right of late.
 
 use super::HistoryRules;
+use super::lights::LightChecks;
 use crate::policy::view::TileView;
-
-/// Lights that were known and looked for all the same.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct LightChecks {
-    /// How many.
-    pub lights: u32,
-    /// Those that shadow rays found otherwise.
-    pub mistaken: u32,
-}
 
 /// By tile what checks found, the older the less.
 #[derive(Clone, Debug)]
