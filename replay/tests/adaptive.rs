@@ -156,7 +156,7 @@ fn untraced_hits_are_never_read() {
         let outcome = reference::replay(&source, &variant, FRAME);
         let policy = Policy::Adaptive(variant);
         let clean = run(&source, &policy, 2);
-        if outcome.traced.iter().flatten().all(|traced| *traced) {
+        if outcome.traced.iter().flatten().all(|traced| traced.hit) {
             continue;
         }
         poisoned += 1;

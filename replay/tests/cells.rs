@@ -169,7 +169,7 @@ fn untraced_hits_are_never_read() {
                 let source = Synthetic::new(look, (37, 29), 2, 24, 9 + i as u64);
                 let (outcome, _) = cells::replay(&source, &policy, FRAME);
                 let clean = run(&source, &policy);
-                if outcome.traced.iter().flatten().all(|traced| *traced) {
+                if outcome.traced.iter().flatten().all(|traced| traced.hit) {
                     continue;
                 }
                 poisoned += 1;

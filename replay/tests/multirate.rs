@@ -3,11 +3,11 @@
 use rayreel_formats::scene::{Camera, Meta};
 use rayreel_formats::tile::Tile;
 use rayreel_replay::image::psnr::SquaredError;
-use rayreel_replay::image::resolve::Resolver;
 use rayreel_replay::policy::{Adaptive, Foveated, Limit, Multirate, NamedPolicy, Policy, Target};
 use rayreel_replay::{FrameReplay, Options, TileSource, replay};
 use rayreel_testkit::Random;
-use rayreel_testkit::reference::{self, Origin};
+use rayreel_testkit::reference;
+use rayreel_testkit::same::assert_same;
 use rayreel_testkit::synthetic::{Look, Synthetic};
 use rayreel_testkit::{preset, switches};
 
@@ -66,7 +66,7 @@ fn nervous(variant: &Adaptive) -> Policy {
     })
 }
 
-fn assert_same<S: TileSource>(
+fn compare<S: TileSource>(
     source: &S,
     variant: &Adaptive,
     rates: &[(u32, f64)],
@@ -78,20 +78,7 @@ fn assert_same<S: TileSource>(
         Some(every) => reference::replay_audited(source, variant, rates, (frame.frame, every)),
         None => (reference::replay_tiles(source, variant, rates, frame.frame), vec![(0, 0); rates.len()]),
     };
-    let found: Vec<_> = frame.stats.tiles.iter().map(|t| (t.audited.sum, t.audited.values)).collect();
-    assert_eq!(found, audits, "{what}: audits");
-    let (width, height) = source.meta().grid();
-    let mut resolver = Resolver::new(source.meta().width, source.meta().height, source.meta().samples);
-    for (i, (x, y)) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).enumerate() {
-        let how = Origin::from(frame.states.state(x, y));
-        assert_eq!((how, frame.states.round(x, y)), (expected.how[i], expected.rounds[i]), "{what}: ({x}, {y})");
-        resolver.add(x, y, expected.colours[i].into());
-    }
-    let bits = |v: &[f32; 3]| v.map(f32::to_bits);
-    assert!(resolver.finish().pixels.iter().map(bits).eq(frame.image.pixels.iter().map(bits)), "{what}: colours");
-    let kinds = |rays: rayreel_replay::counts::RayCounts| [rays.primary, rays.reflection, rays.refraction, rays.shadow];
-    let tiles = frame.stats.tiles.iter().map(|t| (kinds(t.counts.rays_traced), kinds(t.counts.rays_apron)));
-    assert!(tiles.eq(expected.tiles), "{what}: rays of tiles");
+    assert_same(source.meta(), frame, &expected, &audits, what);
 }
 
 /// Every sample is decided exactly once (the engine would panic), as the second implementation does, whatever the blocks of
@@ -110,14 +97,7 @@ fn neighbours_of_any_block_fit_together() {
             factors.extend(rates.iter().map(|r| r.1.to_bits()));
             errors = errors + frame.stats.tiles.iter().map(|t| t.audited).sum();
             let variant = Adaptive { apron: rayreel_replay::policy::Apron::Share, ..variant.clone() };
-            assert_same(
-                &source,
-                &variant,
-                &rates,
-                Some(5),
-                &frame,
-                &format!("{seed}, frame {}: {variant:?}", frame.frame),
-            );
+            compare(&source, &variant, &rates, Some(5), &frame, &format!("{seed}, frame {}: {variant:?}", frame.frame));
             let columns = source.meta().tile_grid().0 as usize;
             pairs.extend(blocks.chunks(columns).flat_map(|row| row.windows(2)).map(|pair| (pair[0], pair[1])));
         }
@@ -139,7 +119,7 @@ fn rings_equal_the_reference() {
         assert!(rates.iter().any(|r| r.0 == 2) && rates.iter().any(|r| r.0 == 16), "{rates:?}");
         assert_eq!(frame.blocks.tiles(), rates.iter().map(|r| r.0).collect::<Vec<_>>());
         let variant = Adaptive { apron: rayreel_replay::policy::Apron::Share, ..variant };
-        assert_same(&source, &variant, &rates, None, &frame, &format!("{seed}: {variant:?}"));
+        compare(&source, &variant, &rates, None, &frame, &format!("{seed}: {variant:?}"));
     }
 }
 

@@ -49,11 +49,11 @@ fn expected(outcome: &Outcome, tile: &Tile) -> Expected {
         let at = y as usize * outcome.width + x as usize;
         // Whether the last hit of each depth was traced.
         let mut line = [false; 17];
-        for (node, &traced) in tile.tree.sample(sample).zip(&outcome.traced[at]) {
+        for (node, traced) in tile.tree.sample(sample).zip(&outcome.traced[at]) {
             let hit = &tile.tree.nodes[node];
             let depth = hit.class.depth();
-            line[depth as usize] = traced;
-            if !traced {
+            line[depth as usize] = traced.hit;
+            if !traced.hit {
                 continue;
             }
             let triangle = if hit.hit { tile.hits[node].triangle } else { NO_TRIANGLE };

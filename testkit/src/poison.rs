@@ -34,26 +34,67 @@ impl<S: TileSource> TileSource for Poisoned<'_, S> {
     }
 
     fn tile(&self, frame: u32, index: u32) -> rayreel_formats::Result<Tile> {
-        let mut tile = self.source.tile(frame, index)?;
-        let rect = tile.rect;
-        let mut random = Random(self.seed ^ u64::from(index));
-        for sample in 0..rect.len() {
-            let (x, y) = (rect.x + sample as u32 % rect.width, rect.y + sample as u32 / rect.width);
-            let traced = &self.outcome.traced[y as usize * self.outcome.width + x as usize];
-            for (node, _) in tile.tree.sample(sample).zip(traced).filter(|(_, traced)| !**traced) {
+        Ok(poisoned(self.source.tile(frame, index)?, self.outcome, self.seed ^ u64::from(index)))
+    }
+}
+
+/// The same for some frames in a row.
+pub struct PoisonedFrames<'a, S> {
+    /// The frames to spoil.
+    pub source: &'a S,
+    /// The first.
+    pub first: u32,
+    /// What may be read of each.
+    pub outcomes: Vec<&'a Outcome>,
+    /// Of the garbage.
+    pub seed: u64,
+}
+
+impl<S: TileSource> TileSource for PoisonedFrames<'_, S> {
+    fn meta(&self) -> &Meta {
+        self.source.meta()
+    }
+
+    fn object_of(&self, triangle: u32) -> u32 {
+        self.source.object_of(triangle)
+    }
+
+    fn camera(&self, frame: u32) -> rayreel_formats::Result<Camera> {
+        self.source.camera(frame)
+    }
+
+    fn tile(&self, frame: u32, index: u32) -> rayreel_formats::Result<Tile> {
+        let outcome = self.outcomes[(frame - self.first) as usize];
+        Ok(poisoned(self.source.tile(frame, index)?, outcome, self.seed ^ u64::from(frame) << 32 ^ u64::from(index)))
+    }
+}
+
+fn poisoned(mut tile: Tile, outcome: &Outcome, seed: u64) -> Tile {
+    let (rect, mut random) = (tile.rect, Random(seed));
+    for sample in 0..rect.len() {
+        let (x, y) = (rect.x + sample as u32 % rect.width, rect.y + sample as u32 / rect.width);
+        let traced = &outcome.traced[y as usize * outcome.width + x as usize];
+        for (node, traced) in tile.tree.sample(sample).zip(traced) {
+            if !traced.hit {
                 spoil(&mut tile, node, &mut random);
+            } else if traced.stood_for {
+                // Its rays met what they met; its colour for these shadows is another one.
+                tile.radiance[node].local = garbage(&mut random);
             }
         }
-        Ok(tile)
     }
+    tile
+}
+
+/// Quiet NaN, infinity, or any finite number.
+fn garbage(random: &mut Random) -> Half3 {
+    let mut half = || [0x7e00, 0x7c00, (random.next() & 0x7bff) as u16][random.remainder(3) as usize];
+    Half3([half(), half(), half()])
 }
 
 /// The shape of the tree stays: a trace with another shape would not be one.
 fn spoil(tile: &mut Tile, node: usize, random: &mut Random) {
-    // Quiet NaN, infinity, or any finite number.
-    let mut half = || [0x7e00, 0x7c00, (random.next() & 0x7bff) as u16][random.remainder(3) as usize];
-    let mut colour = || Half3([half(), half(), half()]);
-    tile.radiance[node] = Radiance { local: colour(), reflect: colour(), refract: colour() };
+    tile.radiance[node] = Radiance { local: garbage(random), reflect: garbage(random), refract: garbage(random) };
     let t = [f32::NAN, f32::INFINITY, -1.0, 0.5][random.remainder(4) as usize];
     // A triangle that is in the trace: a reader would refuse any other.
     let triangle = random.remainder(8);

@@ -2,7 +2,7 @@
 
 use rayreel_formats::math::Vec3;
 use rayreel_formats::rays;
-use rayreel_formats::scene::Light;
+use rayreel_formats::scene::{Camera, Light};
 use rayreel_formats::tile::{RayKind, RayNode, Tile, composite};
 use rayreel_replay::TileSource;
 
@@ -18,8 +18,7 @@ pub struct Frame {
     pub recorded: Vec<Hit>,
     /// Per sample the rays of each of its hits.
     pub rays: Vec<Vec<Rays>>,
-    /// Where the camera is.
-    pub eye: [f32; 3],
+    pub camera: Camera,
     pub lights: Vec<Light>,
 }
 
@@ -53,7 +52,7 @@ pub fn read<S: TileSource>(source: &S, frame: u32, deep: bool) -> Frame {
         }
     }
     let recorded = recorded.into_iter().map(|k| k.expect("tiles cover the frame")).collect();
-    Frame { width, height, recorded, rays, eye: camera.eye.to_array(), lights: meta.lights.clone() }
+    Frame { width, height, recorded, rays, camera, lights: meta.lights.clone() }
 }
 
 /// The tree whose root is recorded as hit `next`, which moves past it.

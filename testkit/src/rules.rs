@@ -25,7 +25,7 @@ pub struct Surface {
 #[derive(Clone, Debug)]
 pub struct Hit {
     /// Its number among the recorded hits of its sample.
-    number: usize,
+    pub number: usize,
     /// `None` for a miss.
     pub surface: Option<Surface>,
     /// Of the hit alone.
@@ -66,10 +66,23 @@ impl Hit {
     pub fn hits(&self) -> u32 {
         1 + self.below.iter().flatten().map(|(_, child)| child.hits()).sum::<u32>()
     }
+}
 
-    fn mark(&self, traced: &mut [bool]) {
-        traced[self.number] = true;
-        self.below.iter().flatten().for_each(|(_, child)| child.mark(traced));
+/// Traces recorded hits one by one.
+pub trait Tracing {
+    /// The recorded `hit` is traced: what is known of it then, and its local colour. Its path is 1 for a primary hit, twice that of the
+    /// hit above for a reflection, one more for a refraction.
+    fn see(&mut self, path: u32, hit: &Hit) -> (Option<Surface>, Rgb);
+
+    /// The same with all hits below.
+    fn see_all(&mut self, path: u32, hit: &Hit) -> Hit {
+        let (surface, local) = self.see(path, hit);
+        let mut below = [None, None];
+        for (i, child) in hit.below.iter().enumerate() {
+            below[i] =
+                child.as_ref().map(|(weight, child)| (*weight, Box::new(self.see_all(2 * path + i as u32, child))));
+        }
+        Hit::new(hit.number, surface, local, hit.own_rays, below)
     }
 }
 
@@ -188,67 +201,69 @@ impl Judge<'_> {
             })
     }
 
-    /// The sample `recorded` between two ends, hit by hit; notes which of its hits were traced.
-    pub fn rebuild(&self, (near, far): (&Hit, &Hit), s: f32, recorded: &Hit, traced: &mut [bool]) -> Hit {
+    /// The sample `recorded` between two ends, hit by hit.
+    pub fn rebuild(&self, (near, far): (&Hit, &Hit), s: f32, recorded: &Hit, tracing: &mut dyn Tracing) -> Hit {
         let totals = (near.colour, far.colour);
         let alike = same_branches([near, far, recorded]) && self.alike(near, far);
         let bare = difference((near.local, far.local), totals);
         let limit = self.limit((near.own_rays + far.own_rays) / 2);
+        let way = Way { path: 1, weights: ([1.0; 3], [1.0; 3]), totals, s };
         if self.stand_in && alike && limit.is_none_or(|limit| bare <= limit) {
-            let below = self.children((near, far), s, recorded, ([1.0; 3], [1.0; 3]), totals, traced, true);
+            let below = self.children((near, far), recorded, &way, tracing, true);
             let (surface, local) = (middle(near, far, s), mix(near.local, far.local, s));
             return Hit::new(recorded.number, surface, local, near.own_rays, below);
         }
-        self.traced((near, far), s, recorded, ([1.0; 3], [1.0; 3]), totals, traced)
+        self.traced((near, far), recorded, &way, tracing)
     }
 
     /// A hit that is traced, with its subtree or with children that are decided one by one.
-    fn traced(
-        &self,
-        (near, far): (&Hit, &Hit),
-        s: f32,
-        recorded: &Hit,
-        weights: (Rgb, Rgb),
-        totals: (Rgb, Rgb),
-        traced: &mut [bool],
-    ) -> Hit {
+    fn traced(&self, (near, far): (&Hit, &Hit), recorded: &Hit, way: &Way, tracing: &mut dyn Tracing) -> Hit {
         let one = |a: &Hit, b: &Hit| match (&a.surface, &b.surface) {
             (Some(x), Some(y)) => x.object == y.object && self.normals(x, y),
             _ => false,
         };
         if !(same_branches([near, far, recorded]) && one(near, recorded) && one(recorded, far)) {
-            recorded.mark(traced);
-            return recorded.clone();
+            return tracing.see_all(way.path, recorded);
         }
-        traced[recorded.number] = true;
-        let below = self.children((near, far), s, recorded, weights, totals, traced, false);
-        Hit::new(recorded.number, recorded.surface, recorded.local, recorded.own_rays, below)
+        let (surface, local) = tracing.see(way.path, recorded);
+        let below = self.children((near, far), recorded, way, tracing, false);
+        Hit::new(recorded.number, surface, local, recorded.own_rays, below)
     }
 
     /// The children of a hit. Their weights are those of the ends' mix, or the traced hit's own.
-    #[allow(clippy::too_many_arguments, reason = "what a step of a recursion needs")]
     fn children(
         &self,
         (near, far): (&Hit, &Hit),
-        s: f32,
         recorded: &Hit,
-        weights: (Rgb, Rgb),
-        totals: (Rgb, Rgb),
-        traced: &mut [bool],
+        way: &Way,
+        tracing: &mut dyn Tracing,
         mixed: bool,
     ) -> [Option<(Rgb, Box<Hit>)>; 2] {
         [0, 1].map(|i| {
             let ((wa, a), (wb, b)) = (near.below[i].as_ref()?, far.below[i].as_ref()?);
             let (w, c) = recorded.below[i].as_ref()?;
-            let reach = (times(weights.0, *wa), times(weights.1, *wb));
-            let child = if self.subtrees((a, b), reach, totals) {
-                between(a, b, s)
+            let weights = (times(way.weights.0, *wa), times(way.weights.1, *wb));
+            let way = Way { path: 2 * way.path + i as u32, weights, ..*way };
+            let child = if self.subtrees((a, b), weights, way.totals) {
+                between(a, b, way.s)
             } else {
-                self.traced((a, b), s, c, reach, totals, traced)
+                self.traced((a, b), c, &way, tracing)
             };
-            Some((if mixed { mix(*wa, *wb, s) } else { *w }, Box::new(child)))
+            Some((if mixed { mix(*wa, *wb, way.s) } else { *w }, Box::new(child)))
         })
     }
+}
+
+/// Where a hit of a rebuilt sample is.
+struct Way {
+    /// 1 for the primary hit.
+    path: u32,
+    /// What a unit of colour adds there to either end.
+    weights: (Rgb, Rgb),
+    /// The colours of both ends.
+    totals: (Rgb, Rgb),
+    /// Of the way between them.
+    s: f32,
 }
 
 /// What the colour test says.

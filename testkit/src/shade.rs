@@ -27,7 +27,8 @@ pub fn shade(rules: &Sampling, frame: &Frame, (near, far): (&Hit, &Hit), s: f32,
 }
 
 fn light(frame: &Frame, ambient: f32, hit: &Surface, mut normal: [f32; 3]) -> Rgb {
-    let towards: [f32; 3] = std::array::from_fn(|i| frame.eye[i] - hit.position[i]);
+    let eye = frame.camera.eye.to_array();
+    let towards: [f32; 3] = std::array::from_fn(|i| eye[i] - hit.position[i]);
     if dot(normal, towards) < 0.0 {
         normal = normal.map(|v| -v);
     }

@@ -13,6 +13,7 @@ use rayreel_tracer::{TraceSettings, Tracer, build};
 
 use crate::common::capture;
 use crate::common::trace::open;
+use rayreel_testkit::past::Traced;
 use rayreel_testkit::reference::{self, Outcome};
 use rayreel_testkit::{preset, rules::Hit};
 
@@ -82,7 +83,7 @@ fn shoot(tracer: &Tracer<'_>, frame: &Camera, ray: &Ray) -> Vec3 {
 }
 
 /// The children directly below the primary hit of a sample that were traced: node, weight in the interpolated tree, and colour.
-fn stand_ins(tile: &Tile, sample: usize, traced: &[bool], hit: &Hit) -> Vec<(usize, Vec3, Vec3)> {
+fn stand_ins(tile: &Tile, sample: usize, traced: &[Traced], hit: &Hit) -> Vec<(usize, Vec3, Vec3)> {
     let range = tile.tree.sample(sample);
     let firsts: Vec<_> = range.clone().filter(|&node| tile.tree.nodes[node].class.depth() == 1).collect();
     let weights = hit.below.iter().flatten().map(|(weight, _)| Vec3::from(*weight));
@@ -90,7 +91,7 @@ fn stand_ins(tile: &Tile, sample: usize, traced: &[bool], hit: &Hit) -> Vec<(usi
     let all = firsts.iter().zip(ends).zip(weights).map(|((&node, end), weight)| {
         (node, weight, composite(&tile.tree.nodes[node..end], &tile.radiance[node..end]))
     });
-    all.filter(|(node, ..)| traced[node - range.start]).collect()
+    all.filter(|(node, ..)| traced[node - range.start].hit).collect()
 }
 
 fn measure(scene: &str, trace: &Trace, block: u32) -> Measured {

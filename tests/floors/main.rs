@@ -37,7 +37,10 @@ const ORDERS: [(&str, &str); 11] = [
         "paper/src/lib.rs",
         "error frame identity live lockstep policies claims reference results rows setup plan ablations animation ledger meter points systems estimates study table traces jobs maker execute experiment anchors",
     ),
-    ("testkit/src/lib.rs", "random policies switches trees synthetic rules recorded shade reference cells poison"),
+    (
+        "testkit/src/lib.rs",
+        "random policies switches trees synthetic rules recorded shade past reference same cells poison",
+    ),
     (
         "src/main.rs",
         "exit progress common detail traces anchors capture compare diff digest info presets paper render repair replay report scenes sweep verify",

@@ -15,7 +15,7 @@ fn a_list_gives_the_same_counters_back() {
         next += 1;
         *counter = next;
     });
-    assert_eq!(Stats::default().list().len(), 2 + stats.memory.l2.list().len() + 20);
+    assert_eq!(Stats::default().list().len(), 2 + stats.memory.l2.list().len() + 22);
     assert_eq!(stats.with_list(&stats.list()), stats);
     assert!(stats.list().len() as u64 == next && next > 500);
 }

@@ -75,6 +75,8 @@ pub struct Eye<'a> {
     /// What was compared.
     pub checked: LightChecks,
     past: Option<Past<'a>>,
+    /// Age of what was taken from the history; 0 if nothing was.
+    age: u8,
     /// The place that was looked up.
     pub place: Option<u32>,
     /// Hits whose lights were looked for.
@@ -100,8 +102,8 @@ impl<'a> Eye<'a> {
             (self.place, self.past) = history.find(surface);
         }
         self.hits += u32::from(path == 1 || self.past.is_some());
-        match self.past.as_ref().and_then(|past| Some((past.lights(path, surface)?, past.age))) {
-            Some((lights, _)) if self.checks => {
+        match self.past.as_ref().and_then(|past| past.lights(path, surface)) {
+            Some(lights) if self.checks => {
                 let traced = tracer.hit(node);
                 let states = traced.surface.map_or(0, |surface| surface.shadows.0);
                 let mistaken = Shadows(states ^ lights.shadows.0).places().0 & lights.lights;
@@ -109,13 +111,22 @@ impl<'a> Eye<'a> {
                 self.checked.mistaken += mistaken.count_ones();
                 traced
             }
-            Some((lights, age)) => Node { age, ..tracer.shade(node, lights) },
+            Some(lights) => {
+                self.age = self.past.as_ref().map_or(0, |past| past.age);
+                tracer.shade(node, lights)
+            }
             None => tracer.hit(node),
         }
     }
 
+    /// Appends a sample's tree, all traced.
+    pub fn sample(&mut self, tracer: &mut HitTracer<'_>, out: &mut Vec<Node>) {
+        self.subtree(tracer, 0, 1, out);
+        out[0].age = self.age;
+    }
+
     /// Appends hit `node`, which is at `path`, and all below it, all traced.
-    pub fn subtree(&mut self, tracer: &mut HitTracer<'_>, node: usize, path: u16, out: &mut Vec<Node>) {
+    fn subtree(&mut self, tracer: &mut HitTracer<'_>, node: usize, path: u16, out: &mut Vec<Node>) {
         if self.history.is_none() || self.past.is_none() && path > 1 {
             return out.extend_from_slice(tracer.subtree(node));
         }
@@ -153,6 +164,8 @@ impl Rebuild<'_, '_, '_> {
     /// Builds the tree between `near` and `far`, which are not similar as a whole.
     pub fn build(&mut self, near: &[Node], far: &[Node]) {
         self.hit(SameHit { near, far, recorded: 0, path: 1, weights: (Vec3::ONE, Vec3::ONE) });
+        let of_ends = if self.interpolated > 0 { near[0].age.max(far[0].age) } else { 0 };
+        self.out[0].age = of_ends.max(self.eye.age);
     }
 
     /// Appends the sample's hit and everything below it.

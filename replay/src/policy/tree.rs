@@ -42,7 +42,7 @@ pub struct Node {
     pub rays: u32,
     /// Hits of the whole subtree.
     pub len: u32,
-    /// Frames since the oldest of what it was made of was traced.
+    /// Of a sample's first hit: frames since the lights of the oldest that the sample was made of were looked for.
     pub age: u8,
 }
 

@@ -66,7 +66,7 @@ impl Making<'_> {
         // Nothing but the colour of an interpolated sample is looked at.
         let mut tree = self.maker.frame.recorded[y * self.width + x].clone();
         (tree.colour, tree.below) = (colour, [None, None]);
-        self.maker.known[y * self.width + x] = Some(KnownSample { tree, how: Origin::Interpolated, round });
+        self.maker.known[y * self.width + x] = Some(KnownSample { tree, how: Origin::Interpolated, round, age: 0 });
         self.work(round).interpolated += 1;
     }
 

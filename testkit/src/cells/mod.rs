@@ -11,7 +11,7 @@ use rayreel_replay::policy::{Apron, Policy, Refine};
 use crate::policies::adaptive;
 use crate::recorded::read;
 use crate::reference::area::{Area, on};
-use crate::reference::maker::{LazyAttributes, Maker};
+use crate::reference::maker::Maker;
 use crate::reference::{Origin, Outcome};
 use making::{Cell, Making};
 
@@ -37,10 +37,7 @@ pub fn replay<S: TileSource>(source: &S, policy: &Policy, frame: u32) -> (Outcom
     // The bill is the same as that of blocks which share their aprons.
     let shared = adaptive(block, Refine::Direct, Apron::Share);
     let (width, height, n) = (recorded.width, recorded.height, block as usize);
-    let traced = recorded.rays.iter().map(|hits| vec![false; hits.len()]).collect();
-    let known = vec![None; width * height];
-    let (stand_ins, lazy) = (Vec::new(), LazyAttributes::default());
-    let maker = Maker { policy: &shared, frame: &recorded, known, traced, stand_ins, lazy };
+    let maker = Maker::new(&shared, &recorded, None);
     let mut making = Making { maker, width, rounds: Vec::new() };
     let lines = |size: usize| (0..size).filter(|at| on(*at, n, size - 1)).collect::<Vec<_>>();
     let (columns, rows) = (lines(width), lines(height));

@@ -5,14 +5,16 @@ use rayreel_replay::policy::Apron;
 use super::area::{Area, border};
 use super::maker::Maker;
 use super::outcome::Outcome;
+use crate::past::Traced;
 use crate::recorded::Rays;
 
 impl Maker<'_> {
-    pub fn account(self, tiles: &[Area], before: &[Vec<bool>]) -> Outcome {
+    pub fn account(self, tiles: &[Area], before: &[Vec<Traced>]) -> Outcome {
         let width = self.frame.width;
-        let rays_of = |traced: &[Vec<bool>], at: usize| -> Option<Rays> {
-            let hits = self.frame.rays[at].iter().zip(&traced[at]).filter(|(_, t)| **t).map(|(rays, _)| *rays);
-            traced[at].iter().any(|t| *t).then(|| sum(hits))
+        let rays_of = |traced: &[Vec<Traced>], at: usize| -> Option<Rays> {
+            let hits = self.frame.rays[at].iter().zip(&traced[at]).filter(|(_, traced)| traced.hit);
+            let cast = |(&[p, a, b, shadow], traced): (&Rays, &Traced)| [p, a, b, shadow - u64::from(traced.spared)];
+            traced[at].iter().any(|traced| traced.hit).then(|| sum(hits.map(cast)))
         };
         let mut outcome = Outcome {
             width,
@@ -26,6 +28,7 @@ impl Maker<'_> {
             rays_apron: [0; 4],
             samples_apron: 0,
             attributes: self.lazy.made,
+            history: self.history,
             tiles: Vec::new(),
         };
         for area in tiles {

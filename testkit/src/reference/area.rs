@@ -13,6 +13,8 @@ pub struct Area {
     pub y1: usize,
     pub n: usize,
     pub relax: f64,
+    /// It relies on the frame before.
+    pub is_trusted: bool,
 }
 
 /// True for a multiple of the block and for the last one.
@@ -23,7 +25,15 @@ pub fn on(at: usize, n: usize, last: usize) -> bool {
 impl Area {
     pub fn new(rect: Rect, (block, relax): (u32, f64)) -> Self {
         let (x0, y0) = (rect.x as usize, rect.y as usize);
-        Self { x0, y0, x1: x0 + rect.width as usize, y1: y0 + rect.height as usize, n: block as usize, relax }
+        Self {
+            x0,
+            y0,
+            x1: x0 + rect.width as usize,
+            y1: y0 + rect.height as usize,
+            n: block as usize,
+            relax,
+            is_trusted: false,
+        }
     }
 
     pub fn samples(&self) -> impl Iterator<Item = (usize, usize)> + use<> {

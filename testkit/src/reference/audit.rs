@@ -1,8 +1,10 @@
 //! Audits: pixels drawn by chance, traced whole and compared as displayed.
 
 use super::area::Area;
+use super::draw::draw;
 use super::maker::{KnownSample, Maker};
 use super::outcome::Origin;
+use crate::past::Traced;
 
 impl Maker<'_> {
     /// Traces what was interpolated in the pixels that are drawn, and compares the pixels as displayed.
@@ -19,8 +21,9 @@ impl Maker<'_> {
             let before = self.display(&samples);
             for &at in &samples {
                 let KnownSample { how, round, .. } = *self.known[at].as_ref().unwrap();
-                if how == Origin::Interpolated {
-                    self.whole(at, Origin::Traced, round);
+                let is_whole = self.traced[at].iter().all(|traced| *traced == Traced::WHOLE);
+                if how == Origin::Interpolated || self.memory.is_some() && !is_whole {
+                    self.whole(at, if how == Origin::R { how } else { Origin::Traced }, round);
                 }
             }
             let after = self.display(&samples);
@@ -39,12 +42,4 @@ impl Maker<'_> {
             (coded * 255.0).round() as i64
         })
     }
-}
-
-/// SplitMix64 at state `seed`.
-fn draw(seed: u64) -> u64 {
-    let mut z = seed.wrapping_add(0x9e3779b97f4a7c15);
-    z = (z ^ z >> 30).wrapping_mul(0xbf58476d1ce4e5b9);
-    z = (z ^ z >> 27).wrapping_mul(0x94d049bb133111eb);
-    z ^ z >> 31
 }

@@ -3,12 +3,14 @@
 use std::cell::Cell;
 use std::collections::BTreeMap;
 
-use rayreel_replay::policy::{Adaptive, Refine};
+use rayreel_replay::policy::{Adaptive, HistoryRules, Refine};
 
 use super::area::Area;
-use super::outcome::Origin;
+use super::draw::draw;
+use super::outcome::{Origin, Sought};
+use crate::past::{Glance, Past, Traced};
 use crate::recorded::Frame;
-use crate::rules::{Hit, Judge, between, difference, mix};
+use crate::rules::{Hit, Judge, Tracing, between, difference, mix};
 use crate::shade::shade;
 
 /// What is known of a sample.
@@ -17,6 +19,16 @@ pub struct KnownSample {
     pub tree: Hit,
     pub how: Origin,
     pub round: u8,
+    pub age: u32,
+}
+
+/// What a frame knows of the one before.
+pub struct Memory<'a> {
+    pub rules: &'a HistoryRules,
+    /// The frame at work.
+    pub frame: u32,
+    /// Nothing in a first frame.
+    pub past: Option<&'a Past>,
 }
 
 /// A frame in the making.
@@ -24,9 +36,11 @@ pub struct Maker<'a> {
     pub policy: &'a Adaptive,
     pub frame: &'a Frame,
     pub known: Vec<Option<KnownSample>>,
-    pub traced: Vec<Vec<bool>>,
+    pub traced: Vec<Vec<Traced>>,
     pub stand_ins: Vec<(usize, Hit)>,
     pub lazy: LazyAttributes,
+    pub memory: Option<Memory<'a>>,
+    pub history: Sought,
 }
 
 /// Attributes of interpolated hits that are made when they are read.
@@ -38,11 +52,60 @@ pub struct LazyAttributes {
     pub made: u64,
 }
 
-impl Maker<'_> {
+impl<'a> Maker<'a> {
+    /// Of which nothing is known yet.
+    pub fn new(policy: &'a Adaptive, frame: &'a Frame, memory: Option<Memory<'a>>) -> Self {
+        let known = vec![None; frame.recorded.len()];
+        let traced = frame.rays.iter().map(|hits| vec![Traced::default(); hits.len()]).collect();
+        let (stand_ins, lazy, history) = (Vec::new(), LazyAttributes::default(), Sought::default());
+        Self { policy, frame, known, traced, stand_ins, lazy, memory, history }
+    }
+
     /// Traces a sample whole.
     pub fn whole(&mut self, at: usize, how: Origin, round: u8) {
-        self.traced[at].fill(true);
-        self.known[at] = Some(KnownSample { tree: self.frame.recorded[at].clone(), how, round });
+        self.traced[at].fill(Traced::WHOLE);
+        self.known[at] = Some(KnownSample { tree: self.frame.recorded[at].clone(), how, round, age: 0 });
+    }
+
+    /// Traces a sample whole but for rays at lights that it finds in the history.
+    pub fn trace_whole(&mut self, area: &Area, at: usize, how: Origin, round: u8) {
+        let mut glance = self.glance(area, at);
+        if !glance.looks() {
+            return self.whole(at, how, round);
+        }
+        let tree = glance.see_all(1, &self.frame.recorded[at]);
+        let how = if how == Origin::R || glance.is_whole() { how } else { Origin::Partial };
+        self.known[at] = Some(KnownSample { tree, how, round, age: glance.age });
+        self.note(area, at, glance);
+    }
+
+    /// What a sample does with the history.
+    fn glance(&self, area: &Area, at: usize) -> Glance<'a> {
+        let hits = self.traced[at].len();
+        let Some(Memory { rules, frame, past: Some(past) }) = self.memory else {
+            return Glance::new(None, false, hits);
+        };
+        let checks = draw(at as u64).wrapping_add(frame.into()).is_multiple_of(rules.refresh.into());
+        Glance::new((checks || area.is_trusted).then_some(past), checks, hits)
+    }
+
+    fn note(&mut self, area: &Area, at: usize, glance: Glance<'a>) {
+        self.history.hits += glance.sought;
+        self.history.read.extend(glance.read);
+        let (checks, mistaken) = self.history.checked.entry((area.x0, area.y0)).or_default();
+        (*checks, *mistaken) = (*checks + glance.checked.0, *mistaken + glance.checked.1);
+        self.traced[at] = glance.hits;
+    }
+
+    /// How many hits of a sample the history keeps.
+    fn kept(&self, at: usize) -> u32 {
+        let Some(Memory { rules, .. }) = &self.memory else { return 0 };
+        let (x, y, step) = (at % self.frame.width, at / self.frame.width, rules.step as usize);
+        match (x.is_multiple_of(step) && y.is_multiple_of(step), rules.depth) {
+            (false, _) => 0,
+            (true, 0) => 1,
+            (true, _) => u32::MAX,
+        }
     }
 
     pub fn tree(&self, at: usize) -> &Hit {
@@ -76,7 +139,11 @@ impl Maker<'_> {
                 let (near, far, s) = nearer(&a, &b, i, gap);
                 let mut tree = between(near, far, s);
                 shade(&self.policy.sampling, self.frame, (near, far), s, &mut tree);
-                self.known[at] = Some(KnownSample { tree, how: Origin::Interpolated, round });
+                let kept = self.kept(at);
+                [line[0], line[gap]].into_iter().for_each(|end| self.read(area, end, kept));
+                let age = self.age(line);
+                self.known[at] = Some(KnownSample { tree, how: Origin::Interpolated, round, age });
+                self.read(area, at, kept);
             }
             return;
         }
@@ -88,7 +155,7 @@ impl Maker<'_> {
         self.trace(area, (&a, &b), line, m, round);
         let mut foreseen = f64::INFINITY;
         let middle = self.known[line[m]].as_ref().unwrap();
-        if self.policy.sampling.similarity.predict && middle.how == Origin::Traced {
+        if self.policy.sampling.similarity.predict && self.traced[line[m]].iter().all(|traced| traced.hit) {
             let (near, far, s) = nearer(&a, &b, m, gap);
             let guess = mix(near.colour, far.colour, s);
             foreseen = difference((guess, middle.tree.colour), (guess, middle.tree.colour));
@@ -100,26 +167,33 @@ impl Maker<'_> {
     /// Traces sample `i` of `line`, or what of it must be.
     pub fn trace(&mut self, area: &Area, (a, b): (&Hit, &Hit), line: &[usize], i: usize, round: u8) {
         if !self.policy.sampling.secondary {
-            return self.whole(line[i], Origin::Traced, round);
+            return self.trace_whole(area, line[i], Origin::Traced, round);
         }
         [line[0], line[line.len() - 1]].into_iter().for_each(|end| self.read(area, end, u32::MAX));
         let (near, far, s) = nearer(a, b, i, line.len() - 1);
         let judge = self.judge(area, line.len() - 1);
-        let mut traced = vec![false; self.traced[line[i]].len()];
-        let tree = judge.rebuild((near, far), s, &self.frame.recorded[line[i]], &mut traced);
-        let how = match (traced.iter().any(|t| *t), traced.iter().all(|t| *t)) {
-            (false, _) => Origin::Interpolated,
-            (true, true) => Origin::Traced,
-            (true, false) => Origin::Partial,
+        let mut glance = self.glance(area, line[i]);
+        let tree = judge.rebuild((near, far), s, &self.frame.recorded[line[i]], &mut glance);
+        let of_rays = glance.hits.iter().filter(|traced| traced.hit).count() as u32;
+        let how = match (of_rays, glance.is_whole()) {
+            (0, _) => Origin::Interpolated,
+            (_, true) => Origin::Traced,
+            (_, false) => Origin::Partial,
         };
-        if !traced[0] && how == Origin::Partial {
+        if !glance.hits[0].hit && how == Origin::Partial {
             self.stand_ins.push((line[i], tree.clone()));
         }
-        let (hits, of_rays) = (tree.hits(), traced.iter().filter(|t| **t).count() as u32);
+        let (hits, is_mixed) = (tree.hits(), glance.hits.iter().any(|traced| !traced.hit));
         self.lazy.there.insert(((area.x0, area.y0), line[i]), hits);
         self.lazy.made += u64::from(hits.saturating_sub(of_rays));
-        self.traced[line[i]] = traced;
-        self.known[line[i]] = Some(KnownSample { tree, how, round });
+        let age = glance.age.max(if is_mixed { self.age(line) } else { 0 });
+        self.known[line[i]] = Some(KnownSample { tree, how, round, age });
+        self.note(area, line[i], glance);
+    }
+
+    /// The larger age of both ends.
+    fn age(&self, line: &[usize]) -> u32 {
+        [line[0], line[line.len() - 1]].map(|end| self.known[end].as_ref().unwrap().age).into_iter().max().unwrap()
     }
 
     /// A tile reads the first hits of a sample: of one that is interpolated it makes what it did not make before.

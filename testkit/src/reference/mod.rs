@@ -4,18 +4,23 @@
 mod account;
 pub(crate) mod area;
 mod audit;
+mod chronicle;
+mod draw;
 pub(crate) mod maker;
 mod outcome;
 
+use rayreel_formats::scene::Meta;
 use rayreel_replay::TileSource;
 use rayreel_replay::policy::{Adaptive, Apron};
 
-use crate::recorded::{Frame, read};
+use crate::past::Traced;
+use crate::recorded::read;
 use area::{Area, on};
-use maker::{LazyAttributes, Maker};
+use maker::Maker;
 
 pub use crate::recorded::Rays;
-pub use outcome::{Origin, Outcome};
+pub use chronicle::{Chronicle, Page, Written};
+pub use outcome::{Origin, Outcome, Sought};
 
 /// Replays one frame with one block for all tiles.
 pub fn replay<S: TileSource>(source: &S, policy: &Adaptive, frame: u32) -> Outcome {
@@ -26,7 +31,8 @@ pub fn replay<S: TileSource>(source: &S, policy: &Adaptive, frame: u32) -> Outco
 /// Replays one frame with a block and a factor on the colour limit for each tile.
 pub fn replay_tiles<S: TileSource>(source: &S, policy: &Adaptive, rates: &[(u32, f64)], frame: u32) -> Outcome {
     let recorded = read(source, frame, policy.sampling.secondary || policy.sampling.similarity.secondary);
-    let (maker, tiles, before) = decide(source, policy, rates, &recorded);
+    let tiles = areas(source.meta(), rates);
+    let (maker, before) = decide(source.meta(), &tiles, Maker::new(policy, &recorded, None));
     maker.account(&tiles, &before)
 }
 
@@ -38,43 +44,33 @@ pub fn replay_audited<S: TileSource>(
     (frame, every): (u32, u64),
 ) -> (Outcome, Vec<(u64, u64)>) {
     let recorded = read(source, frame, policy.sampling.secondary || policy.sampling.similarity.secondary);
-    let (mut maker, tiles, before) = decide(source, policy, rates, &recorded);
+    let tiles = areas(source.meta(), rates);
+    let (mut maker, before) = decide(source.meta(), &tiles, Maker::new(policy, &recorded, None));
     let n = source.meta().samples as usize;
     let found = tiles.iter().map(|area| maker.audit(area, n, u64::from(frame), every)).collect();
     (maker.account(&tiles, &before), found)
 }
 
-/// All steps; the tiles, and what was traced before correction.
-fn decide<'a, S: TileSource>(
-    source: &S,
-    policy: &'a Adaptive,
-    rates: &[(u32, f64)],
-    recorded: &'a Frame,
-) -> (Maker<'a>, Vec<Area>, Vec<Vec<bool>>) {
-    let meta = source.meta();
-    let (width, height) = (recorded.width, recorded.height);
-    let columns = meta.tile_grid().0;
-    let tiles: Vec<_> = (0..meta.tile_count()).map(|i| Area::new(meta.tile_rect(i), rates[i as usize])).collect();
-    let traced = recorded.rays.iter().map(|hits| vec![false; hits.len()]).collect();
-    let mut maker = Maker {
-        policy,
-        frame: recorded,
-        known: vec![None; width * height],
-        traced,
-        stand_ins: Vec::new(),
-        lazy: LazyAttributes::default(),
-    };
+/// The tiles of a frame, by block and factor on the colour limit.
+fn areas(meta: &Meta, rates: &[(u32, f64)]) -> Vec<Area> {
+    (0..meta.tile_count()).map(|i| Area::new(meta.tile_rect(i), rates[i as usize])).collect()
+}
+
+/// All steps; and what was traced before correction.
+fn decide<'a>(meta: &Meta, tiles: &[Area], mut maker: Maker<'a>) -> (Maker<'a>, Vec<Vec<Traced>>) {
+    let (width, height) = (maker.frame.width, maker.frame.height);
+    let (columns, policy) = (meta.tile_grid().0, maker.policy);
     let last = (width - 1, height - 1);
     for (i, area) in tiles.iter().enumerate() {
         let left = if (i as u32).is_multiple_of(columns) { area.n } else { tiles[i - 1].n };
         for (x, y) in area.samples() {
             let in_lattice = on(x, area.n, last.0) && on(y, area.n, last.1);
             if in_lattice || x == area.x0 && on(y, left, last.1) {
-                maker.whole(y * width + x, Origin::R, 0);
+                maker.trace_whole(area, y * width + x, Origin::R, 0);
             }
         }
     }
-    for area in &tiles {
+    for area in tiles {
         let mut ends: Vec<usize> = (area.x0..area.x1).filter(|&x| on(x, area.n, last.0)).collect();
         ends.extend((area.x1 < width).then_some(area.x1));
         for y in (area.y0..area.y1).filter(|&y| on(y, area.n, last.1)) {
@@ -90,7 +86,7 @@ fn decide<'a, S: TileSource>(
         }
     }
     let after_x: Vec<bool> = maker.known.iter().map(Option::is_some).collect();
-    for area in &tiles {
+    for area in tiles {
         for x in area.x0..area.x1 {
             let mut ends: Vec<usize> = (area.y0..area.y1).filter(|&y| after_x[y * width + x]).collect();
             ends.extend((area.y1 < height).then_some(area.y1));
@@ -102,5 +98,5 @@ fn decide<'a, S: TileSource>(
     }
     let before = maker.traced.clone();
     tiles.iter().for_each(|area| maker.correct(area));
-    (maker, tiles, before)
+    (maker, before)
 }

@@ -1,7 +1,10 @@
 //! What the second implementation says about a frame.
 
+use std::collections::{BTreeMap, BTreeSet};
+
 use rayreel_replay::policy::view::SampleState;
 
+use crate::past::Traced;
 use crate::recorded::Rays;
 use crate::rules::Hit;
 
@@ -29,6 +32,17 @@ impl From<SampleState> for Origin {
     }
 }
 
+/// What was sought in a history.
+#[derive(Default)]
+pub struct Sought {
+    /// Hits whose lights were sought.
+    pub hits: u64,
+    /// Entries that were read.
+    pub read: BTreeSet<usize>,
+    /// By tile, by its first sample: checks, and those that were mistaken.
+    pub checked: BTreeMap<(usize, usize), (u64, u64)>,
+}
+
 /// What the reference found out about a frame. Samples are row by row over the whole grid.
 pub struct Outcome {
     /// Samples in a row.
@@ -39,8 +53,8 @@ pub struct Outcome {
     pub rounds: Vec<u8>,
     /// Linear red, green and blue of each.
     pub colours: Vec<[f32; 3]>,
-    /// Per sample and recorded hit whether its rays were traced.
-    pub traced: Vec<Vec<bool>>,
+    /// Per sample and recorded hit which of its rays were traced.
+    pub traced: Vec<Vec<Traced>>,
     /// Samples whose primary hit is interpolated and has traced hits below, with its tree.
     pub stand_ins: Vec<(usize, Hit)>,
     /// All rays that are recorded.
@@ -53,6 +67,8 @@ pub struct Outcome {
     pub samples_apron: u64,
     /// Attributes of interpolated hits, if they are made when they are read.
     pub attributes: u64,
+    /// What was sought in the history.
+    pub history: Sought,
     /// Rays of the traced and of the apron samples, per tile.
     pub tiles: Vec<(Rays, Rays)>,
 }

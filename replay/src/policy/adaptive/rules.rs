@@ -151,7 +151,7 @@ impl TileRules<'_> {
         }
         let mut eye = Eye::new(look);
         view.build((x, y), round, state == SampleState::Reference, |tracer, _, out| {
-            eye.subtree(tracer, 0, 1, out);
+            eye.sample(tracer, out);
             0
         });
         view.looked_back((x, y), round, &eye);
