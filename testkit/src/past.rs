@@ -176,6 +176,8 @@ pub struct Glance<'a> {
     pub checked: (u64, u64),
     /// Entries that it reads.
     pub read: Vec<usize>,
+    /// Where the history was right: the local colour that would have stood for another one, and the true one.
+    pub twins: Vec<[[f32; 3]; 2]>,
 }
 
 /// Which rays of a recorded hit were traced.
@@ -198,7 +200,17 @@ impl<'a> Glance<'a> {
     /// A sample of so many recorded hits that looks back, or checks, or neither.
     pub fn new(past: Option<&'a Past>, checks: bool, hits: usize) -> Self {
         let hits = vec![Traced::default(); hits];
-        Self { past, checks, place: None, hits, age: 0, sought: 0, checked: (0, 0), read: Vec::new() }
+        Self {
+            past,
+            checks,
+            place: None,
+            hits,
+            age: 0,
+            sought: 0,
+            checked: (0, 0),
+            read: Vec::new(),
+            twins: Vec::new(),
+        }
     }
 
     /// It looks back, or checks.
@@ -234,6 +246,7 @@ impl Tracing for Glance<'_> {
         let word = states.iter().fold(surface.shadows, put);
         self.age = age;
         let stood_for = word != surface.shadows;
+        self.twins.extend((!stood_for).then_some([local, hit.local]));
         self.hits[hit.number] = Traced { hit: true, spared: states.len() as u32, stood_for };
         (Some(Surface { shadows: word, ..surface }), if stood_for { local } else { hit.local })
     }

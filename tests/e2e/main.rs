@@ -22,6 +22,7 @@ mod exit_codes;
 mod fence;
 mod goldens;
 mod help;
+mod history;
 #[cfg(unix)]
 mod kill;
 mod page;

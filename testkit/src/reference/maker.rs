@@ -92,6 +92,7 @@ impl<'a> Maker<'a> {
     fn note(&mut self, area: &Area, at: usize, glance: Glance<'a>) {
         self.history.hits += glance.sought;
         self.history.read.extend(glance.read);
+        self.history.twins.extend(glance.twins);
         let (checks, mistaken) = self.history.checked.entry((area.x0, area.y0)).or_default();
         (*checks, *mistaken) = (*checks + glance.checked.0, *mistaken + glance.checked.1);
         self.traced[at] = glance.hits;

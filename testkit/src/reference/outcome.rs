@@ -41,6 +41,8 @@ pub struct Sought {
     pub read: BTreeSet<usize>,
     /// By tile, by its first sample: checks, and those that were mistaken.
     pub checked: BTreeMap<(usize, usize), (u64, u64)>,
+    /// Of hits of which the history was right: the local colour that would have stood for another one, and the true one.
+    pub twins: Vec<[[f32; 3]; 2]>,
 }
 
 /// What the reference found out about a frame. Samples are row by row over the whole grid.
