@@ -317,16 +317,16 @@ fn a_machine_is_charged_for_what_is_read_and_kept() {
             for work in works {
                 let kept = (work.history.kept as usize, work.history.kept_below as usize);
                 assert_eq!(kept, written.kept[work.tile as usize], "tile {}", work.tile);
-                let mut own = std::collections::BTreeSet::new();
+                let mut entries = std::collections::BTreeSet::new();
                 for span in work.history.reads.iter().filter(|span| !span.below) {
                     let (tx, ty) = (span.tile % trace.meta().tile_grid().0, span.tile / trace.meta().tile_grid().0);
                     let in_row = edge.min(columns - tx * edge);
                     for entry in span.first..span.first + span.count {
                         let (x, y) = (tx * edge + entry % in_row, ty * edge + entry / in_row);
-                        assert!(own.insert((y * columns + x) as usize), "tile {} reads an entry twice", work.tile);
+                        assert!(entries.insert((y * columns + x) as usize), "tile {} reads an entry twice", work.tile);
                     }
                 }
-                read.extend(own);
+                read.extend(entries);
                 // Hits below those entries, and no others: as many as were kept of them.
                 let below = work.history.reads.iter().filter(|span| span.below);
                 let limit = |tile: u32| told[i - 1].kept[tile as usize].1 as u32;

@@ -5,6 +5,7 @@ use std::sync::OnceLock;
 
 use rayreel_formats::Limits;
 use rayreel_formats::bvh::Child;
+use rayreel_formats::tile::RayKind;
 use rayreel_formats::trace::Trace;
 use rayreel_machine::component::{Component, Tick};
 use rayreel_machine::config::{MachineConfig, MissHandling, NamedMachine, Pipeline};
@@ -16,10 +17,11 @@ use rayreel_machine::system::{NoProbe, System};
 use rayreel_machine::ti::{TiContext, TiStats, TiUnit};
 use rayreel_machine::time::TiCycle;
 use rayreel_machine::work::check::{PathCounts, walk};
+use rayreel_machine::work::history::{HistorySpan, HistoryWork};
 use rayreel_machine::work::layout::Layout;
 use rayreel_machine::work::synthetic::{self, Random, balanced_topology, random_tile};
 use rayreel_machine::work::topology::Topology;
-use rayreel_machine::work::{PolicyReads, TileWork};
+use rayreel_machine::work::{NO_TRIANGLE, PolicyReads, TileWork};
 use rayreel_replay::{NamedPolicy, Options, Replayer, TileSource};
 
 /// A preset with overrides.
@@ -159,8 +161,21 @@ fn record(name: &str, policy: &str) -> Recorded {
 pub fn random_work(seed: u64) -> (Topology, Vec<TileWork>) {
     let mut random = Random(seed);
     let tree = balanced_topology(3 + random.below(8), random.below(4));
-    let tiles = (0..3).map(|i| random_tile(&tree, i, 16 + random.below(64), 2, &mut random)).collect();
+    let mut tiles: Vec<_> = (0..3).map(|i| random_tile(&tree, i, 16 + random.below(64), 2, &mut random)).collect();
+    tiles.iter_mut().for_each(|tile| remember(tile, &mut random));
     (tree, tiles)
+}
+
+/// Gives a tile a history: entries that it reads and keeps, and hits that know lights.
+fn remember(tile: &mut TileWork, random: &mut Random) {
+    let span = |below: bool, first: u32, count: u32| HistorySpan { tile: first % 3, below, first, count };
+    let count = random.below(4);
+    let reads = (0..count).map(|i| span(i % 2 == 1, 100 * i, 1 + random.below(40))).collect();
+    tile.history = HistoryWork { reads, kept: random.below(65), kept_below: random.below(30) };
+    tile.rounds[0].looked_back = random.below(50);
+    for ray in tile.rays.iter_mut().filter(|ray| ray.kind != RayKind::Shadow && ray.triangle != NO_TRIANGLE) {
+        ray.known_lights = random.below(3) as u8;
+    }
 }
 
 /// A machine of a seed: everything that is a rule of the units varies.

@@ -37,6 +37,7 @@ fn assert_work(what: &str, config: &MachineConfig, tiles: &[TileWork], stats: &S
     assert_eq!(sum(&|c| c.ti.dispatch.rays), asked.rays, "{what}");
     assert_eq!((sum(&|c| c.srp.interface.rays), sum(&|c| c.srp.interface.hits)), (asked.rays, asked.rays), "{what}");
     assert_eq!(sum(&|c| c.srp.local.tiles), tiles.len() as u64, "{what}");
+    assert_histories(what, config, tiles, stats);
     let (k, demand) = (&config.srp.kernels, Demand::of(config, tiles));
     let ops: u64 = asked.items.iter().zip(intervals_and_ops(config)).map(|(n, k)| n * k.1).sum();
     let rays = demand.lights * u64::from(k.light.ops) + demand.secondary * u64::from(k.secondary.ops);
@@ -52,6 +53,25 @@ fn assert_work(what: &str, config: &MachineConfig, tiles: &[TileWork], stats: &S
     let boxes = sum(&|c| c.ti.trv.iter().map(|t| t.events.box_tests).sum());
     let visits = sum(&|c| c.ti.trv.iter().map(|t| t.events.node_visits).sum());
     assert_eq!(boxes, 2 * visits, "{what}: two boxes a visit");
+}
+
+/// Every line with an entry that is read or kept goes through memory once for each run of entries: a primary hit is object, normal, shadow
+/// bits, length and flags, one below it the same without the flags, each side by side from a line's beginning.
+fn assert_histories(what: &str, config: &MachineConfig, tiles: &[TileWork], stats: &Stats) {
+    let (sample, line) = (&config.srp.sample, config.l2.line_bytes);
+    let bytes = |below: bool| {
+        let flags = if below { 0 } else { sample.flags };
+        sample.object + sample.normal + sample.shadow + sample.distance + flags
+    };
+    let lines = |below: bool, first: u32, count: u32| {
+        let end = ((first + count) * bytes(below)).div_ceil(line);
+        if count == 0 { 0 } else { u64::from((end - first * bytes(below) / line) * line) }
+    };
+    let read = tiles.iter().flat_map(|tile| &tile.history.reads).map(|span| lines(span.below, span.first, span.count));
+    let kept = tiles.iter().map(|tile| lines(false, 0, tile.history.kept) + lines(true, 0, tile.history.kept_below));
+    let dma = stats.cores.iter().map(|core| (core.srp.dma.history_read, core.srp.dma.history_written));
+    let moved = dma.fold((0, 0), |sum, core| (sum.0 + core.0, sum.1 + core.1));
+    assert_eq!(moved, (read.sum(), kept.sum()), "{what}: histories");
 }
 
 /// Every cycle of every stage is in one class.
