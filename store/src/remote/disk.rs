@@ -39,8 +39,16 @@ pub(super) struct DiskCache {
     folder: PathBuf,
     key: blake3::Hash,
     list: Mutex<BlockList>,
-    /// Bytes that may still be added; `None` once nothing else can be dropped to make room.
-    room: Mutex<Option<u64>>,
+    room: Mutex<Room>,
+}
+
+/// What may still be added to the cache.
+#[derive(Debug)]
+struct Room {
+    /// Bytes; `None` once nothing else can be dropped to make room.
+    left: Option<u64>,
+    /// Bytes that have their room and are being written: a look at the disk may miss them.
+    writing: u64,
 }
 
 /// The blocks of the folder when it was last listed: their ends by their starts. None lies within another.
@@ -69,7 +77,7 @@ impl DiskCache {
         })?;
         let used = trim(cache, &folder, cache.max_bytes);
         let blocks = BlockList { blocks: list(&folder), listed: Instant::now() };
-        let room = Mutex::new(Some(cache.max_bytes.saturating_sub(used)));
+        let room = Mutex::new(Room { left: Some(cache.max_bytes.saturating_sub(used)), writing: 0 });
         Ok(Self { cache: cache.clone(), folder, key, list: Mutex::new(blocks), room })
     }
 
@@ -114,17 +122,22 @@ impl DiskCache {
         whole
     }
 
+    fn room(&self) -> MutexGuard<'_, Room> {
+        self.room.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
     /// Whether `len` bytes may be added. Drops other objects if there is no room for them, some more than needed, so
     /// that this is seldom done.
     fn take_room(&self, len: u64) -> bool {
-        let mut room = self.room.lock().unwrap_or_else(PoisonError::into_inner);
-        let Some(mut left) = *room else { return false };
+        let mut room = self.room();
+        let Some(mut left) = room.left else { return false };
         if left < len {
-            let used = trim(&self.cache, &self.folder, self.cache.max_bytes / 4 * 3);
+            let used = trim(&self.cache, &self.folder, self.cache.max_bytes / 4 * 3) + room.writing;
             left = self.cache.max_bytes.saturating_sub(used);
         }
-        *room = left.checked_sub(len);
-        room.is_some()
+        room.left = left.checked_sub(len);
+        room.writing += room.left.map_or(0, |_| len);
+        room.left.is_some()
     }
 
     /// Keeps a block, if there is room. A disk that is full or a folder that is gone is no error: the bytes are here.
@@ -137,6 +150,7 @@ impl DiskCache {
             let needless = add(&mut self.lock().blocks, range);
             needless.iter().for_each(|old| _ = fs::remove_file(self.folder.join(name(old))));
         }
+        self.room().writing -= bytes.len() as u64;
     }
 
     fn hash(&self, range: &Range<u64>, bytes: &[u8]) -> blake3::Hash {
@@ -294,5 +308,15 @@ mod tests {
             assert_eq!((again.load(&(100..104)), again.find(&(100..104))), (None, None));
         }
         assert_eq!(DiskCache::open(&cache, "s3://a/b", "two 5000").unwrap().find(&(100..104)), None, "another version");
+    }
+
+    /// A look at the disk, for what may be dropped, misses blocks that another thread is writing.
+    #[test]
+    fn blocks_that_are_being_written_have_their_room() {
+        let folder = tempfile::tempdir().unwrap();
+        let cache = CacheFolder { path: folder.path().to_path_buf(), max_bytes: 1000 };
+        let disk = DiskCache::open(&cache, "s3://a/b", "one 5000").unwrap();
+        assert!(disk.take_room(400) && disk.take_room(500));
+        assert!(!disk.take_room(300), "there is nothing to drop");
     }
 }
