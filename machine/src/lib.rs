@@ -19,7 +19,7 @@
 //! let machine = NamedMachine::load("sgrt-ti2", &["gpu.cores=2".to_owned()])?;
 //! let (tree, mut random) = (balanced_topology(8, 2), Random(1));
 //! let tiles = (0..4).map(|tile| random_tile(&tree, tile, 64, 2, &mut random));
-//! let shape = FrameShape { width_pixels: 128, samples_per_axis: 1, pixel_bytes: 4, tile_bytes: 0, policy: PolicyReads::PAPER };
+//! let shape = FrameShape { width_pixels: 128, samples_per_axis: 1, pixel_bytes: 4, tile_bytes: 0, tile_samples: 1024, policy: PolicyReads::PAPER };
 //! let (stats, energy) = run_tiles(&machine.config, &tree, shape, tiles)?;
 //! assert!(stats.cycles > 0 && stats.rays() >= 4 * 64 && energy.gpu_fj() > 0);
 //! # Ok(())

@@ -38,7 +38,7 @@ pub struct Planned {
 
 /// Whether a machine can run policies that interpolate.
 fn interpolates(config: &MachineConfig) -> bool {
-    missing_kernels(config, &Needs { similarity: true, interpolate: true }).is_empty()
+    missing_kernels(config, &Needs { similarity: true, interpolate: true, look_back: false }).is_empty()
 }
 
 /// Plans all points, if they are asked for.

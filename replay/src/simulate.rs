@@ -144,12 +144,19 @@ pub(crate) fn pass_all<S: PathSource + ?Sized, P: Probe>(
 pub(crate) fn frame_shape(meta: &Meta, config: &MachineConfig, policy: PolicyReads) -> FrameShape {
     let (pixel_bytes, samples) = (config.layout.pixel_bytes, meta.samples.max(1));
     let pixels = u64::from(meta.tile.div_ceil(samples)).pow(2);
-    let line = u64::from(config.l2.line_bytes);
+    let (line, tile_samples) = (u64::from(config.l2.line_bytes), meta.tile * meta.tile);
     let tile_bytes = match config.layout.framebuffer {
         Framebuffer::Tiled => (pixels * u64::from(pixel_bytes)).next_multiple_of(line),
         Framebuffer::Linear => 0,
     };
-    FrameShape { width_pixels: meta.width, samples_per_axis: meta.samples, pixel_bytes, tile_bytes, policy }
+    FrameShape {
+        width_pixels: meta.width,
+        samples_per_axis: meta.samples,
+        pixel_bytes,
+        tile_bytes,
+        tile_samples,
+        policy,
+    }
 }
 
 /// An error if a machine lacks a kernel that a tile needs.

@@ -162,7 +162,7 @@ fn untraced_hits_are_never_read() {
         poisoned += 1;
         partial += outcome.count(Origin::Partial);
         for seed in 0..2 {
-            let frame = run(&Poisoned { source: &source, outcome: &outcome, seed }, &policy, 2);
+            let frame = run(&Poisoned::new(&source, &outcome, seed), &policy, 2);
             assert_eq!(frame.image, clean.image, "{policy:?}");
             assert_eq!(frame.states, clean.states, "{policy:?}");
             let (a, b) = (&frame.stats.counts, &clean.stats.counts);

@@ -1,10 +1,6 @@
 //! The policies of cells against a slow second implementation, against hits they must not see, and as work for a machine.
 
-use std::path::Path;
-
 use proptest::prelude::*;
-use rayreel_formats::Limits;
-use rayreel_formats::trace::Trace;
 use rayreel_machine::config::NamedMachine;
 use rayreel_machine::srp::KernelId;
 use rayreel_machine::system::NoProbe;
@@ -16,6 +12,7 @@ use rayreel_replay::simulate::simulate;
 use rayreel_replay::{FrameReplay, NamedPolicy, Options, PathSource, ReplayError, Replayer, TileSource, replay};
 use rayreel_testkit::Random;
 use rayreel_testkit::cells::{self, Work};
+use rayreel_testkit::golden::{first_work, traces};
 use rayreel_testkit::poison::Poisoned;
 use rayreel_testkit::reference::{Origin, Outcome};
 use rayreel_testkit::synthetic::{Look, Synthetic};
@@ -175,7 +172,7 @@ fn untraced_hits_are_never_read() {
                 poisoned += 1;
                 spared += outcome.count(Origin::Interpolated);
                 for seed in 0..2 {
-                    let frame = run(&Poisoned { source: &source, outcome: &outcome, seed }, &policy);
+                    let frame = run(&Poisoned::new(&source, &outcome, seed), &policy);
                     assert_eq!((&frame.image, &frame.states), (&clean.image, &clean.states), "{policy:?}");
                     let traced = |frame: &FrameReplay| frame.stats.counts.rays_traced;
                     assert_eq!(traced(&frame), traced(&clean), "{policy:?}");
@@ -185,23 +182,6 @@ fn untraced_hits_are_never_read() {
         }
     }
     assert!(poisoned > 60 && spared > 10_000, "{poisoned} runs, {spared} samples");
-}
-
-fn traces() -> Vec<Trace> {
-    let open =
-        |name| Trace::open(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../traces").join(name), Limits::default());
-    ["v1_0_cornell.rtrace", "v1_0_teapot.rtrace"].map(|name| open(name).unwrap()).into()
-}
-
-fn works(trace: &Trace, policy: &Policy) -> (FrameReplay, Vec<TileWork>) {
-    let mut works = Vec::new();
-    let mut replayer = Replayer::new(trace, policy, Options::default()).unwrap();
-    let keep = |work| {
-        works.push(work);
-        Ok(())
-    };
-    let (frame, _) = replayer.frame_with(trace.meta().first_frame, &trace.topology(), keep).unwrap();
-    (frame, works)
 }
 
 /// What the second implementation counts in each round, the machine is charged for; the tile that brings the far corners of a
@@ -214,7 +194,7 @@ fn machines_are_charged_for_what_is_done() {
         let blocks: Vec<u32> = BLOCKS.into_iter().filter(|n| meta.tile.is_multiple_of(*n)).collect();
         for policy in blocks.into_iter().flat_map(|n| policies(n, n.into())) {
             let (expected, rounds) = cells::replay(&trace, &policy, meta.first_frame);
-            let (frame, works) = works(&trace, &policy);
+            let (frame, works) = first_work(&trace, &policy);
             assert_same(&trace, &frame, &expected, &format!("{policy:?}"));
             let n = match &policy {
                 Policy::Whitted1980(values) => values.block,
@@ -269,7 +249,7 @@ fn machines_do_their_work() {
         PRESETS.into_iter().flat_map(|preset| ["sgrt-ti2", "external-buffers"].map(|machine| (preset, machine)))
     {
         let policy = NamedPolicy::load(preset, &[]).unwrap().policy;
-        let (replayed, works) = works(trace, &policy);
+        let (replayed, works) = first_work(trace, &policy);
         let machine = NamedMachine::load(machine, &[]).unwrap();
         let mut replayer = Replayer::new(trace, &policy, Options::default()).unwrap();
         let named = (machine.name.as_str(), &machine.config);

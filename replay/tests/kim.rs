@@ -1,27 +1,19 @@
 //! `kim2016` on recorded scenes, whose lights have places: shading from attributes and convexity against the slow second
 //! implementation, and what a machine is charged for them.
 
-use std::path::Path;
-
-use rayreel_formats::Limits;
 use rayreel_formats::trace::Trace;
 use rayreel_machine::config::NamedMachine;
 use rayreel_machine::srp::KernelId;
 use rayreel_machine::system::NoProbe;
-use rayreel_machine::work::{Round, TileWork};
+use rayreel_machine::work::Round;
 use rayreel_replay::image::resolve::Resolver;
 use rayreel_replay::policy::view::SampleState;
 use rayreel_replay::policy::{Adaptive, Policy};
 use rayreel_replay::simulate::simulate;
 use rayreel_replay::{FrameReplay, NamedPolicy, Options, PathSource, Replayer, TileSource};
+use rayreel_testkit::golden::{FrameWork, first_work, traces};
 use rayreel_testkit::poison::Poisoned;
 use rayreel_testkit::reference::{self, Origin};
-
-fn traces() -> Vec<Trace> {
-    let open =
-        |name| Trace::open(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../traces").join(name), Limits::default());
-    ["v1_0_cornell.rtrace", "v1_0_teapot.rtrace"].map(|name| open(name).unwrap()).into()
-}
 
 fn kim(sets: &[&str]) -> Adaptive {
     let sets: Vec<String> = sets.iter().map(ToString::to_string).collect();
@@ -37,16 +29,8 @@ fn run<S: TileSource>(source: &S, policy: &Adaptive) -> FrameReplay {
     Replayer::new(source, &policy, Options::default()).unwrap().frame(frame).unwrap()
 }
 
-fn works(trace: &Trace, policy: &Adaptive) -> (FrameReplay, Vec<TileWork>) {
-    let mut works = Vec::new();
-    let policy = Policy::Adaptive(policy.clone());
-    let mut replayer = Replayer::new(trace, &policy, Options::default()).unwrap();
-    let keep = |work| {
-        works.push(work);
-        Ok(())
-    };
-    let (frame, _) = replayer.frame_with(trace.meta().first_frame, &trace.topology(), keep).unwrap();
-    (frame, works)
+fn works(trace: &Trace, policy: &Adaptive) -> FrameWork {
+    first_work(trace, &Policy::Adaptive(policy.clone()))
 }
 
 const VARIANTS: [&[&str]; 8] = [
@@ -82,7 +66,7 @@ fn equals_the_reference() {
             let bits = |v: &[f32; 3]| v.map(f32::to_bits);
             assert!(resolver.finish().pixels.iter().map(bits).eq(frame.image.pixels.iter().map(bits)), "{sets:?}");
             interpolated += expected.count(Origin::Interpolated);
-            let poisoned = run(&Poisoned { source: &trace, outcome: &expected, seed: 3 }, &policy);
+            let poisoned = run(&Poisoned::new(&trace, &expected, 3), &policy);
             assert_eq!((&poisoned.image, &poisoned.states), (&frame.image, &frame.states), "{sets:?}: poison");
         }
     }

@@ -1,31 +1,15 @@
 //! Attributes of interpolated hits that are made when a test reads them: nothing else changes, and what is made is what the slow
 //! second implementation reads.
 
-use std::path::Path;
-
-use rayreel_formats::Limits;
 use rayreel_formats::trace::Trace;
 use rayreel_machine::work::TileWork;
+use rayreel_replay::NamedPolicy;
 use rayreel_replay::policy::{Adaptive, Apron, Attributes, Policy};
-use rayreel_replay::{FrameReplay, NamedPolicy, Options, PathSource, Replayer};
+use rayreel_testkit::golden::{FrameWork, first_work, traces};
 use rayreel_testkit::{preset, reference};
 
-fn traces() -> Vec<Trace> {
-    let open =
-        |name| Trace::open(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../traces").join(name), Limits::default());
-    ["v1_0_cornell.rtrace", "v1_0_teapot.rtrace"].map(|name| open(name).unwrap()).into()
-}
-
-fn works(trace: &Trace, policy: &Adaptive) -> (FrameReplay, Vec<TileWork>) {
-    let mut works = Vec::new();
-    let policy = Policy::Adaptive(policy.clone());
-    let mut replayer = Replayer::new(trace, &policy, Options::default()).unwrap();
-    let keep = |work| {
-        works.push(work);
-        Ok(())
-    };
-    let (frame, _) = replayer.frame_with(trace.meta().first_frame, &trace.topology(), keep).unwrap();
-    (frame, works)
+fn works(trace: &Trace, policy: &Adaptive) -> FrameWork {
+    first_work(trace, &Policy::Adaptive(policy.clone()))
 }
 
 fn with(policy: &Adaptive, attributes: Attributes) -> Adaptive {

@@ -1,19 +1,18 @@
 //! `temporal` against the slow second implementation, frame after frame; closed forms; hits that were not traced as garbage; and what a
 //! machine is charged.
 
-use std::path::Path;
+use std::collections::BTreeSet;
 
-use rayreel_formats::Limits;
+use rayreel_formats::math::vec3;
 use rayreel_formats::scene::{Camera, Meta};
-use rayreel_formats::tile::{ShadowState, Shadows, Tile};
-use rayreel_formats::trace::Trace;
-use rayreel_machine::work::TileWork;
+use rayreel_formats::tile::{Hit, ShadowState, Shadows, Tile};
 use rayreel_replay::policy::{
     Adaptive, Attributes, HistoryRules, Limit, Multirate, NamedPolicy, Policy, Target, Temporal,
 };
-use rayreel_replay::{FrameReplay, Options, PathSource, Replayer, TileSource, replay};
-use rayreel_testkit::poison::PoisonedFrames;
-use rayreel_testkit::reference::{Chronicle, Page, Written};
+use rayreel_replay::{FrameReplay, Options, TileSource, replay};
+use rayreel_testkit::golden;
+use rayreel_testkit::poison::Poisoned;
+use rayreel_testkit::reference::retell;
 use rayreel_testkit::same::assert_same;
 use rayreel_testkit::synthetic::{Look, Synthetic};
 use rayreel_testkit::{Random, switches};
@@ -55,19 +54,6 @@ fn nervous(variant: &Adaptive, history: HistoryRules) -> Temporal {
     Temporal { multirate: rates, history }
 }
 
-/// What the second implementation makes of the frames, whose rates are those that were found.
-fn retell<S: TileSource>(source: &S, policy: &Temporal, frames: &[FrameReplay]) -> Vec<Written> {
-    let mut chronicle = Chronicle::new(policy);
-    let mut next = None;
-    let pages = frames.iter().map(|frame| {
-        let rates: Vec<_> =
-            frame.blocks.tiles().iter().zip(&frame.stats.tiles).map(|(&block, tile)| (block, tile.factor)).collect();
-        let is_first = next.replace(frame.frame + 1) != Some(frame.frame);
-        chronicle.frame(source, &Page { frame: frame.frame, rates: &rates, is_first })
-    });
-    pages.collect()
-}
-
 fn run<S: TileSource>(source: &S, policy: &Temporal, frames: &[u32]) -> Vec<FrameReplay> {
     replay(source, &Policy::Temporal(policy.clone()), frames.iter().copied(), Options::default()).unwrap().frames
 }
@@ -102,11 +88,8 @@ fn equals_the_reference_and_reads_nothing_that_is_not_traced() {
             mistaken += checks.clone().map(|sums| sums.1).sum::<u64>();
             distrusted += checks.filter(|sums| sums.1 as f64 > policy.history.trust * sums.0 as f64).count();
         }
-        let outcomes = told.iter().map(|written| &written.outcome);
-        // By frame number; the one that is left out is never asked for.
-        let outcomes: Vec<_> = numbers.iter().zip(outcomes).collect();
-        let by_number = (0..6).map(|n| outcomes.iter().rev().find(|(number, _)| **number <= n).unwrap().1).collect();
-        let poisoned = PoisonedFrames { source: &source, first: 0, outcomes: by_number, seed: 3 };
+        let outcomes = numbers.into_iter().zip(told.iter().map(|written| &written.outcome)).collect();
+        let poisoned = Poisoned { source: &source, outcomes, seed: 3 };
         for (frame, clean) in run(&poisoned, &policy, &numbers).iter().zip(&frames) {
             assert_eq!(frame.states, clean.states, "{policy:?}");
             assert_eq!(frame.image, clean.image, "{policy:?}");
@@ -119,17 +102,22 @@ fn equals_the_reference_and_reads_nothing_that_is_not_traced() {
     assert!(met.iter().all(|n| *n > 300), "{met:?}");
 }
 
-/// One frame again and again, seen from one place: until frame `off` all lights are lit, from then on none is.
+/// One frame again and again, seen from one place, until something changes.
 struct Still {
     one: Synthetic,
-    off: u32,
+    /// Until this frame all lights are lit, from then on none is.
+    dark: u32,
+    /// From this frame on all is another object.
+    other: u32,
+    /// From this frame on the camera looks to the side.
+    turned: u32,
 }
 
 impl Still {
     fn new(look: Look, size: (u32, u32), tile: u32) -> Self {
         let mut one = Synthetic::new(look, size, 1, tile, 4);
         (one.meta.first_frame, one.meta.frames) = (0, 64);
-        Self { one, off: u32::MAX }
+        Self { one, dark: u32::MAX, other: u32::MAX, turned: u32::MAX }
     }
 }
 
@@ -142,14 +130,20 @@ impl TileSource for Still {
         self.one.object_of(triangle)
     }
 
-    fn camera(&self, _: u32) -> rayreel_formats::Result<Camera> {
-        self.one.camera(0)
+    fn camera(&self, frame: u32) -> rayreel_formats::Result<Camera> {
+        let camera = self.one.camera(0)?;
+        let corner = if frame >= self.turned { camera.corner + vec3(0.6, 0.0, 0.0) } else { camera.corner };
+        Ok(Camera { corner, ..camera })
     }
 
     fn tile(&self, frame: u32, index: u32) -> rayreel_formats::Result<Tile> {
         let mut tile = self.one.tile(0, index)?;
         tile.frame = frame;
-        if frame >= self.off {
+        if frame >= self.other {
+            // Four triangles an object.
+            tile.hits.iter_mut().filter(|hit| **hit != Hit::MISS).for_each(|hit| hit.triangle += 4);
+        }
+        if frame >= self.dark {
             for node in tile.tree.nodes.iter_mut().filter(|node| node.hit) {
                 let cast: Vec<usize> = node.shadows.cast().collect();
                 node.shadows = Shadows::default();
@@ -230,25 +224,24 @@ fn what_is_known_grows_old() {
     }
 }
 
-/// Where the frame before is another object's, or none, or was not the one before, all rays are cast.
+/// After a frame number that does not follow, a turn of the view, or where all is another object, all rays are cast.
 #[test]
 fn what_is_new_is_looked_for() {
-    let mut source = Still::new(Look::Flat, (33, 17), 16);
-    let policy = steady(&[]);
-    let rays = shadow_rays(&run(&source, &policy, &[0, 1, 7, 8]));
-    assert_eq!(
-        (rays[2], rays[3]),
-        (rays[0], shadow_rays(&run(&source, &policy, &[7, 8]))[1]),
-        "frame 7 is after a cut"
-    );
-    assert!(rays[1] < rays[0] && rays[3] < rays[0]);
-    // Cuts are those of the blocks: of the view, too.
-    source.one.look = Look::Discs;
-    let cut = steady(&["cut_deg=0"]);
-    let turning = Synthetic { meta: source.one.meta.clone(), ..source.one.clone() };
-    let frames = [run(&turning, &cut, &[0, 1, 2]), run(&turning, &steady(&[]), &[0, 1, 2])];
-    let [never, sometimes] = frames.each_ref().map(|frames| shadow_rays(frames));
-    assert!(sometimes[2] <= never[2], "{sometimes:?} {never:?}");
+    let of = |change: &dyn Fn(&mut Still), sets: &[&str], frames: &[u32]| {
+        let mut source = Still::new(Look::Flat, (33, 17), 16);
+        change(&mut source);
+        shadow_rays(&run(&source, &steady(sets), frames))
+    };
+    let rays = of(&|_| (), &[BLIND], &[0, 1, 7, 8]);
+    let all = rays[0];
+    assert!(rays[1] < all && rays[2] == all && rays[3] < all, "frame 7 does not follow: {rays:?}");
+    let rays = of(&|still| still.other = 2, &[BLIND], &[0, 1, 2, 3]);
+    assert!(rays[1] < all && rays[2] == all && rays[3] < all, "another object: {rays:?}");
+    // The hits are as far as before in other directions: off their planes, and partly outside of the picture before.
+    let turn = |cut: &str| of(&|still| still.turned = 2, &[BLIND, "history.plane=1", cut], &[0, 1, 2, 3]);
+    let (cut, followed) = (turn("cut_deg=15"), turn("cut_deg=180"));
+    assert!(cut[1] < all && cut[2] == all && cut[3] < all, "the view turned: {cut:?}");
+    assert!(followed[2] > followed[1] && followed[2] < all, "some is still in the picture: {followed:?}");
 }
 
 /// All lights go out at once. What is taken for known is wrong for a frame; then checks have said so, and tiles look for themselves until
@@ -256,7 +249,7 @@ fn what_is_new_is_looked_for() {
 #[test]
 fn tiles_that_were_wrong_look_for_themselves() {
     let mut source = Still::new(Look::Flat, (64, 32), 32);
-    source.off = 3;
+    source.dark = 3;
     let policy =
         steady(&[BLIND, "similarity.shadow=false", "history.refresh=4", "history.trust=0.1", "history.step=2"]);
     let frames = run(&source, &policy, &(0..12).collect::<Vec<_>>());
@@ -276,29 +269,16 @@ fn tiles_that_were_wrong_look_for_themselves() {
     assert!(again.is_some_and(|frame| frame > 5), "trusted again in time, and not at once: {rays:?}");
 }
 
-fn teapot() -> Trace {
-    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../traces/v1_0_teapot.rtrace");
-    Trace::open(&file, Limits::default()).unwrap()
-}
-
 /// On a recorded flight a machine is charged for what the second implementation sought, read and kept.
 #[test]
 fn a_machine_is_charged_for_what_is_read_and_kept() {
-    let trace = teapot();
+    let trace = golden::trace("v1_0_teapot.rtrace");
     for (step, depth) in [(1, 3), (4, 1), (2, 0)] {
         let sets = [format!("history.step={step}"), format!("history.depth={depth}"), "history.cover=0.5".into()];
         let policy = steady(&sets.each_ref().map(String::as_str));
-        let mut replayer = Replayer::new(&trace, &Policy::Temporal(policy.clone()), Options::default()).unwrap();
-        let (mut frames, mut works): (_, Vec<Vec<TileWork>>) = (Vec::new(), Vec::new());
-        for number in trace.meta().frame_numbers() {
-            let mut list = Vec::new();
-            let keep = |work| {
-                list.push(work);
-                Ok(())
-            };
-            frames.push(replayer.frame_with(number, &trace.topology(), keep).unwrap().0);
-            works.push(list);
-        }
+        let numbers = trace.meta().frame_numbers();
+        let (frames, works): (Vec<_>, Vec<_>) =
+            golden::work_of(&trace, &Policy::Temporal(policy.clone()), numbers).into_iter().unzip();
         let told = retell(&trace, &policy, &frames);
         let columns = trace.meta().grid().0.div_ceil(step);
         let edge = trace.meta().tile / step;
@@ -313,11 +293,11 @@ fn a_machine_is_charged_for_what_is_read_and_kept() {
             assert_eq!(spared, expected.sum::<u32>());
             let made: u64 = works.iter().flat_map(|work| &work.rounds).map(|round| u64::from(round.attributes)).sum();
             assert_eq!(made, written.outcome.attributes);
-            let mut read = std::collections::BTreeSet::new();
+            let mut read = BTreeSet::new();
             for work in works {
                 let kept = (work.history.kept as usize, work.history.kept_below as usize);
                 assert_eq!(kept, written.kept[work.tile as usize], "tile {}", work.tile);
-                let mut entries = std::collections::BTreeSet::new();
+                let mut entries = BTreeSet::new();
                 for span in work.history.reads.iter().filter(|span| !span.below) {
                     let (tx, ty) = (span.tile % trace.meta().tile_grid().0, span.tile / trace.meta().tile_grid().0);
                     let in_row = edge.min(columns - tx * edge);
@@ -326,6 +306,17 @@ fn a_machine_is_charged_for_what_is_read_and_kept() {
                         assert!(entries.insert((y * columns + x) as usize), "tile {} reads an entry twice", work.tile);
                     }
                 }
+                // The hits below these entries and no others, each once.
+                let mut below = BTreeSet::new();
+                for span in work.history.reads.iter().filter(|span| span.below) {
+                    let hits = span.first..span.first + span.count;
+                    assert!(hits.end as usize <= told[i - 1].kept[span.tile as usize].1, "tile {}", work.tile);
+                    hits.for_each(|hit| {
+                        assert!(below.insert((span.tile, hit)), "tile {} reads a hit twice", work.tile)
+                    });
+                }
+                let of_entries = entries.iter().map(|&entry| told[i - 1].below[entry]);
+                assert_eq!(below.len(), of_entries.sum::<usize>(), "tile {}", work.tile);
                 read.extend(entries);
                 // Hits below those entries, and no others: as many as were kept of them.
                 let below = work.history.reads.iter().filter(|span| span.below);

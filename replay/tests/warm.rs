@@ -61,6 +61,7 @@ fn a_frame_begins_with_what_the_one_before_left() {
         samples_per_axis: meta.samples,
         pixel_bytes,
         tile_bytes: (pixels * u64::from(pixel_bytes)).next_multiple_of(machine.config.l2.line_bytes.into()),
+        tile_samples: meta.tile * meta.tile,
         policy: PolicyReads::PAPER,
     };
     let mut replayer = Replayer::new(&trace, &policy, Options::default()).unwrap();

@@ -8,6 +8,8 @@ mod random;
 #[cfg(feature = "frames")]
 pub mod cells;
 #[cfg(feature = "frames")]
+pub mod golden;
+#[cfg(feature = "frames")]
 pub mod past;
 #[cfg(feature = "frames")]
 pub mod poison;

@@ -9,15 +9,22 @@ use rayreel_replay::TileSource;
 use crate::random::Random;
 use crate::reference::Outcome;
 
-/// `source`, with every hit that `outcome` has not traced replaced by garbage: other hits, objects and shadows, NaN and
+/// `source`, with every hit that an outcome has not traced replaced by garbage: other hits, objects and shadows, NaN and
 /// infinite colours. The second implementation says which: it knows of single hits of a sample.
 pub struct Poisoned<'a, S> {
     /// The frames to spoil.
     pub source: &'a S,
-    /// What may be read.
-    pub outcome: &'a Outcome,
+    /// What may be read, by frame: the last stands for all that follow.
+    pub outcomes: Vec<(u32, &'a Outcome)>,
     /// Of the garbage.
     pub seed: u64,
+}
+
+impl<'a, S> Poisoned<'a, S> {
+    /// Of one frame.
+    pub fn new(source: &'a S, outcome: &'a Outcome, seed: u64) -> Self {
+        Self { source, outcomes: vec![(0, outcome)], seed }
+    }
 }
 
 impl<S: TileSource> TileSource for Poisoned<'_, S> {
@@ -34,37 +41,8 @@ impl<S: TileSource> TileSource for Poisoned<'_, S> {
     }
 
     fn tile(&self, frame: u32, index: u32) -> rayreel_formats::Result<Tile> {
-        Ok(poisoned(self.source.tile(frame, index)?, self.outcome, self.seed ^ u64::from(index)))
-    }
-}
-
-/// The same for some frames in a row.
-pub struct PoisonedFrames<'a, S> {
-    /// The frames to spoil.
-    pub source: &'a S,
-    /// The first.
-    pub first: u32,
-    /// What may be read of each.
-    pub outcomes: Vec<&'a Outcome>,
-    /// Of the garbage.
-    pub seed: u64,
-}
-
-impl<S: TileSource> TileSource for PoisonedFrames<'_, S> {
-    fn meta(&self) -> &Meta {
-        self.source.meta()
-    }
-
-    fn object_of(&self, triangle: u32) -> u32 {
-        self.source.object_of(triangle)
-    }
-
-    fn camera(&self, frame: u32) -> rayreel_formats::Result<Camera> {
-        self.source.camera(frame)
-    }
-
-    fn tile(&self, frame: u32, index: u32) -> rayreel_formats::Result<Tile> {
-        let outcome = self.outcomes[(frame - self.first) as usize];
+        let before = self.outcomes.partition_point(|(number, _)| *number <= frame);
+        let (_, outcome) = self.outcomes[before.max(1) - 1];
         Ok(poisoned(self.source.tile(frame, index)?, outcome, self.seed ^ u64::from(frame) << 32 ^ u64::from(index)))
     }
 }

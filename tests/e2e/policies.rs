@@ -107,7 +107,7 @@ fn untraced_hits_of_real_traces_are_never_read() {
             let clean = run(&trace, &policy);
             let outcome = reference::replay(&trace, &policy, trace.meta().first_frame);
             assert!(clean.stats.counts.samples_interpolated > 0, "{name} {policy:?}: nothing to poison");
-            let frame = run(&Poisoned { source: &trace, outcome: &outcome, seed: 11 }, &policy);
+            let frame = run(&Poisoned::new(&trace, &outcome, 11), &policy);
             assert_eq!(frame.image, clean.image, "{name} {policy:?}");
             assert_eq!(frame.states, clean.states, "{name} {policy:?}");
             let rays = |f: &FrameReplay| (f.stats.counts.rays_traced, f.stats.counts.rays_apron);

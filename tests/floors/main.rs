@@ -39,7 +39,7 @@ const ORDERS: [(&str, &str); 11] = [
     ),
     (
         "testkit/src/lib.rs",
-        "random policies switches trees synthetic rules recorded shade past reference same cells poison",
+        "random golden policies switches trees synthetic rules recorded shade past reference same cells poison",
     ),
     (
         "src/main.rs",

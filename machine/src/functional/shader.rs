@@ -41,7 +41,7 @@ impl Shader {
         let width = u64::from(gpu.interface_bytes_per_cycle.max(1));
         Self {
             layout,
-            history: HistoryLayout::new(&config.srp.sample),
+            history: HistoryLayout::new(&config.srp.sample, shape.tile_samples),
             shape,
             costs: Costs::new(config, &shape.policy),
             reads: ShadeReads::new(config, layout),

@@ -6,8 +6,14 @@ use crate::system::{NoProbe, System};
 use crate::work::PolicyReads;
 use crate::work::synthetic::{Random, balanced_topology, random_tile};
 
-const SHAPE: FrameShape =
-    FrameShape { width_pixels: 128, samples_per_axis: 1, pixel_bytes: 4, tile_bytes: 0, policy: PolicyReads::PAPER };
+const SHAPE: FrameShape = FrameShape {
+    width_pixels: 128,
+    samples_per_axis: 1,
+    pixel_bytes: 4,
+    tile_bytes: 0,
+    tile_samples: 1024,
+    policy: PolicyReads::PAPER,
+};
 
 fn tiles(tree: &Topology, count: u32) -> Vec<Arc<TileWork>> {
     let mut random = Random(7);

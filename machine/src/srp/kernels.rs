@@ -231,6 +231,8 @@ pub struct Needs {
     pub similarity: bool,
     /// It interpolates samples.
     pub interpolate: bool,
+    /// It looks for lights in the frame before.
+    pub look_back: bool,
 }
 
 impl Needs {
@@ -239,21 +241,30 @@ impl Needs {
         Self {
             similarity: work.rounds.iter().any(|w| w.tests > 0 || w.colours > 0),
             interpolate: work.rounds.iter().any(|w| w.interpolated > 0 || w.attributes > 0),
+            look_back: work.rounds.iter().any(|w| w.looked_back > 0),
         }
     }
 
     /// What either needs.
     pub fn or(self, other: Self) -> Self {
-        Self { similarity: self.similarity || other.similarity, interpolate: self.interpolate || other.interpolate }
+        Self {
+            similarity: self.similarity || other.similarity,
+            interpolate: self.interpolate || other.interpolate,
+            look_back: self.look_back || other.look_back,
+        }
     }
 }
 
 /// Names of the kernels that are needed and that the machine does not have (`stages = 0`).
 pub fn missing_kernels(config: &MachineConfig, needs: &Needs) -> Vec<&'static str> {
     let k = &config.srp.kernels;
-    [(needs.similarity, k.similarity, "similarity"), (needs.interpolate, k.interpolate, "interpolate")]
-        .into_iter()
-        .filter(|(needed, kernel, _)| *needed && kernel.stages == 0)
-        .map(|(_, _, name)| name)
-        .collect()
+    [
+        (needs.similarity, k.similarity, "similarity"),
+        (needs.interpolate, k.interpolate, "interpolate"),
+        (needs.look_back, k.look_back, "look_back"),
+    ]
+    .into_iter()
+    .filter(|(needed, kernel, _)| *needed && kernel.stages == 0)
+    .map(|(_, _, name)| name)
+    .collect()
 }

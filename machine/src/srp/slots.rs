@@ -44,7 +44,7 @@ impl TileSlots {
             rays_out: 0,
             buffer: TileBuffer::new(config, &shape.policy),
             layout,
-            history: HistoryLayout::new(&config.srp.sample),
+            history: HistoryLayout::new(&config.srp.sample, shape.tile_samples),
             shape,
             core,
             counters: LocalCounters::default(),

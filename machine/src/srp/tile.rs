@@ -43,6 +43,8 @@ pub struct FrameShape {
     pub pixel_bytes: u32,
     /// Bytes from one tile's pixels to the next one's; 0 where pixels lie row by row of the picture.
     pub tile_bytes: u64,
+    /// Samples of a whole tile.
+    pub tile_samples: u32,
     /// What the policy reads.
     pub policy: PolicyReads,
 }

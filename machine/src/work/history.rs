@@ -30,26 +30,32 @@ pub struct HistoryWork {
     pub kept_below: u32,
 }
 
-/// From the history of a tile to that of the next: an odd number of lines, so that tiles do not all begin in the same sets and banks.
-const TILE_BYTES: u64 = (1 << 20) + 0x1040;
-/// From the entries of a tile to the hits below them.
-const BELOW: u64 = 1 << 19;
+/// Bytes a sample from the history of a tile to that of the next: room for a primary hit and twenty below it. More of them run on
+/// into the next tile's part.
+const SAMPLE_BYTES: u64 = 256;
+/// And so many more: then it is an odd number of lines, and tiles do not all begin in the same sets and banks.
+const TILE_GAP: u64 = 0x1040;
 /// From one history to the other.
-const TURN: u64 = 1 << 36;
+const TURN: u64 = 1 << 39;
 
 /// Where histories lie in their region.
 #[derive(Clone, Copy, Debug)]
 pub struct HistoryLayout {
     /// Bytes of a primary hit, and of a hit below one.
     hit_bytes: [u64; 2],
+    /// From the entries of a tile to the hits below them, and to the entries of the next tile.
+    below: u64,
+    tile: u64,
 }
 
 impl HistoryLayout {
-    /// For samples of these fields: object, normal, shadow bits and the length of the ray; flags have the age of an entry, and its
-    /// position follows from place and length.
-    pub fn new(fields: &SampleFields) -> Self {
+    /// For samples of these fields, in tiles of `tile_samples`: object, normal, shadow bits and the length of the ray; flags have the
+    /// age of an entry, and its position follows from place and length.
+    pub fn new(fields: &SampleFields, tile_samples: u32) -> Self {
         let hit = u64::from(fields.object + fields.normal + fields.shadow + fields.distance);
-        Self { hit_bytes: [hit + u64::from(fields.flags), hit] }
+        let (entry, samples) = (hit + u64::from(fields.flags), u64::from(tile_samples));
+        let below = (samples * entry).next_multiple_of(SAMPLE_BYTES);
+        Self { hit_bytes: [entry, hit], below, tile: samples * SAMPLE_BYTES + TILE_GAP }
     }
 
     /// What a tile of `frame` reads: offset in the region and bytes.
@@ -66,9 +72,9 @@ impl HistoryLayout {
 
     fn span(&self, frame: u32, HistorySpan { tile, below, first, count }: HistorySpan) -> (u64, u64) {
         let bytes = self.hit_bytes[usize::from(below)];
-        let part = if below { BELOW } else { 0 };
+        let part = if below { self.below } else { 0 };
         let turn = u64::from(frame & 1) * TURN;
-        (turn + u64::from(tile) * TILE_BYTES + part + u64::from(first) * bytes, u64::from(count) * bytes)
+        (turn + u64::from(tile) * self.tile + part + u64::from(first) * bytes, u64::from(count) * bytes)
     }
 }
 
@@ -81,13 +87,31 @@ mod tests {
         let (object, normal, position, shadow, colour, flags) = (4, 4, 6, 1, 4, 1);
         let fields =
             SampleFields { object, normal, position, shadow, colour, flags, distance: 2, local: 4, weights: 8 };
-        let layout = HistoryLayout::new(&fields);
+        let layout = HistoryLayout::new(&fields, 1024);
+        let (tile, below) = (1024 * 256 + 65 * 64, 12 * 1024);
         let span = |tile, below| HistorySpan { tile, below, first: 3, count: 5 };
         let work = HistoryWork { reads: vec![span(7, false), span(7, true)], kept: 1024, kept_below: 9 };
         let reads: Vec<_> = layout.reads(4, &work).collect();
-        assert_eq!(reads, [(TURN + 7 * TILE_BYTES + 36, 60), (TURN + 7 * TILE_BYTES + BELOW + 33, 55)]);
+        assert_eq!(reads, [(TURN + 7 * tile + 36, 60), (TURN + 7 * tile + below + 33, 55)]);
         let writes: Vec<_> = layout.writes(3, 7, &work).collect();
-        assert_eq!(writes, [(TURN + 7 * TILE_BYTES, 12 * 1024), (TURN + 7 * TILE_BYTES + BELOW, 99)]);
+        assert_eq!(writes, [(TURN + 7 * tile, 12 * 1024), (TURN + 7 * tile + below, 99)]);
         assert_eq!(layout.writes(4, 0, &HistoryWork { kept_below: 0, ..work }).collect::<Vec<_>>(), [(0, 12 * 1024)]);
+    }
+
+    /// The largest tiles there are, all of whose samples are kept, and twenty hits below each.
+    #[test]
+    fn tiles_of_any_size_have_room() {
+        let (object, normal, position, shadow, colour, flags) = (4, 4, 6, 1, 4, 1);
+        let fields =
+            SampleFields { object, normal, position, shadow, colour, flags, distance: 2, local: 4, weights: 8 };
+        for samples in [1, 9, 64, 1024, 1 << 20] {
+            let layout = HistoryLayout::new(&fields, samples);
+            let work = HistoryWork { kept: samples, kept_below: 20 * samples, ..HistoryWork::default() };
+            let [(entries, bytes), (below, bytes_below)] =
+                layout.writes(0, 3, &work).collect::<Vec<_>>().try_into().unwrap();
+            let (next, _) = layout.writes(0, 4, &work).next().unwrap();
+            assert!(entries + bytes <= below && below + bytes_below <= next, "{samples}");
+            assert!((next - entries) / 64 % 2 == 1 && (next - entries).is_multiple_of(64), "an odd number of lines");
+        }
     }
 }

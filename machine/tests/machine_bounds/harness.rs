@@ -31,8 +31,14 @@ pub fn machine(name: &str, overrides: &[&str]) -> MachineConfig {
 }
 
 /// The frame of made-up tiles.
-pub const SHAPE: FrameShape =
-    FrameShape { width_pixels: 64, samples_per_axis: 1, pixel_bytes: 4, tile_bytes: 0, policy: PolicyReads::PAPER };
+pub const SHAPE: FrameShape = FrameShape {
+    width_pixels: 64,
+    samples_per_axis: 1,
+    pixel_bytes: 4,
+    tile_bytes: 0,
+    tile_samples: 1024,
+    policy: PolicyReads::PAPER,
+};
 
 /// Tiles through the machine, with any memory.
 pub fn run<M: Memory>(config: &MachineConfig, work: (&Topology, &[TileWork]), shape: FrameShape, memory: M) -> Stats {
@@ -152,6 +158,7 @@ fn record(name: &str, policy: &str) -> Recorded {
         samples_per_axis: meta.samples,
         pixel_bytes: 4,
         tile_bytes: 0,
+        tile_samples: meta.tile * meta.tile,
         policy: PolicyReads::PAPER,
     };
     Recorded { name: format!("{name}, {}", policy.name), tree, shape, tiles, paths }

@@ -4,8 +4,8 @@
 //! any case. Its rays go out in the round in which its samples were interpolated. Tests and neighbours use the interpolated
 //! values as everywhere. In the end both are compared as displayed, and the picture shows what was traced.
 //!
-//! The mean over the audited pixels estimates the squared error of the picture without bias, with one exception: the error of
-//! samples of which some rays were traced is not looked at, since tracing them again would cost what they saved.
+//! The mean over the audited pixels estimates the squared error of the picture without bias, with one exception: without a history
+//! the error of samples of which some rays were traced is not looked at, since tracing them again would cost what they saved.
 
 use super::scramble::scramble;
 use super::view::{SampleState, TileView};

@@ -18,7 +18,7 @@
 //! between the four R-samples around a block instead, in `cells`. But for blocks that differ and for correction, the
 //! result depends on the frame alone and not on its tiles, which only matter for accounting ([`Apron`]).
 //!
-//! The files, each of which uses only those before it: `limit`, `sampling`, `kinds`, `schema` and `load` (settings), `tree` (a sample's hits), `interpolate`,
+//! The files, each of which uses only those before it: `limit`, `sampling`, `kinds`, `schema` and `load` (settings), `tree` (a sample's hits), `scramble` (chance), `interpolate`,
 //! `shade`, `similarity`, `lattice` (where R-samples stand), `view`, `history` (the frame before), `reuse` (hit by hit), `correct`, `audit`, `target`, `rate` (blocks and
 //! limits of tiles), `sampler` (the seam), `cells` (what lies between four R-samples), `adaptive` (the steps on a tile), `blocks` (all of it
 //! as a sampler).

@@ -23,7 +23,7 @@
 //! bounces. Where the recorded sample does not branch as the ends do there is no stand-in, and the hit is traced.
 
 use rayreel_formats::math::Vec3;
-use rayreel_formats::tile::Shadows;
+use rayreel_formats::tile::{RayClass, Shadows};
 
 use super::history::{History, LightChecks, Past};
 use super::interpolate::{interpolate_node, interpolate_tree};
@@ -94,14 +94,14 @@ impl<'a> Eye<'a> {
     }
 
     /// Traces hit `node`, which is at `path`.
-    fn hit(&mut self, tracer: &mut HitTracer<'_>, node: usize, path: u16) -> Node {
+    fn hit(&mut self, tracer: &mut HitTracer<'_>, node: usize, path: RayClass) -> Node {
         let Some(history) = self.history else { return tracer.hit(node) };
         let seen = tracer.look(node);
         let Some(surface) = &seen.surface else { return tracer.hit(node) };
-        if path == 1 {
+        if path == RayClass::PRIMARY {
             (self.place, self.past) = history.find(surface);
         }
-        self.hits += u32::from(path == 1 || self.past.is_some());
+        self.hits += u32::from(path == RayClass::PRIMARY || self.past.is_some());
         match self.past.as_ref().and_then(|past| past.lights(path, surface)) {
             Some(lights) if self.checks => {
                 let traced = tracer.hit(node);
@@ -121,13 +121,13 @@ impl<'a> Eye<'a> {
 
     /// Appends a sample's tree, all traced.
     pub fn sample(&mut self, tracer: &mut HitTracer<'_>, out: &mut Vec<Node>) {
-        self.subtree(tracer, 0, 1, out);
+        self.subtree(tracer, 0, RayClass::PRIMARY, out);
         out[0].age = self.age;
     }
 
     /// Appends hit `node`, which is at `path`, and all below it, all traced.
-    fn subtree(&mut self, tracer: &mut HitTracer<'_>, node: usize, path: u16, out: &mut Vec<Node>) {
-        if self.history.is_none() || self.past.is_none() && path > 1 {
+    fn subtree(&mut self, tracer: &mut HitTracer<'_>, node: usize, path: RayClass, out: &mut Vec<Node>) {
+        if self.history.is_none() || self.past.is_none() && path != RayClass::PRIMARY {
             return out.extend_from_slice(tracer.subtree(node));
         }
         let traced = self.hit(tracer, node, path);
@@ -135,12 +135,17 @@ impl<'a> Eye<'a> {
     }
 
     /// Appends a hit that was traced, and all below it, all traced.
-    fn below(&mut self, tracer: &mut HitTracer<'_>, (node, path, traced): (usize, u16, Node), out: &mut Vec<Node>) {
+    fn below(
+        &mut self,
+        tracer: &mut HitTracer<'_>,
+        (node, path, traced): (usize, RayClass, Node),
+        out: &mut Vec<Node>,
+    ) {
         let at = out.len();
         out.push(traced);
         let mut child = node + 1;
-        for (branch, _) in (0..).zip([traced.reflect, traced.refract]).filter(|(_, weight)| weight.is_some()) {
-            self.subtree(tracer, child, 2 * path + branch, out);
+        for branch in traced.branches(path) {
+            self.subtree(tracer, child, branch, out);
             child += tracer.len(child);
         }
         finish(&mut out[at..]);
@@ -155,7 +160,7 @@ struct SameHit<'a> {
     /// Its number in the recorded tree.
     recorded: usize,
     /// The way down to it.
-    path: u16,
+    path: RayClass,
     /// What a unit of colour here adds to either end.
     weights: (Vec3, Vec3),
 }
@@ -163,7 +168,7 @@ struct SameHit<'a> {
 impl Rebuild<'_, '_, '_> {
     /// Builds the tree between `near` and `far`, which are not similar as a whole.
     pub fn build(&mut self, near: &[Node], far: &[Node]) {
-        self.hit(SameHit { near, far, recorded: 0, path: 1, weights: (Vec3::ONE, Vec3::ONE) });
+        self.hit(SameHit { near, far, recorded: 0, path: RayClass::PRIMARY, weights: (Vec3::ONE, Vec3::ONE) });
         let of_ends = if self.interpolated > 0 { near[0].age.max(far[0].age) } else { 0 };
         self.out[0].age = of_ends.max(self.eye.age);
     }
@@ -171,7 +176,7 @@ impl Rebuild<'_, '_, '_> {
     /// Appends the sample's hit and everything below it.
     fn hit(&mut self, hit: SameHit<'_>) {
         let SameHit { near, far, recorded, path, weights } = hit;
-        let primary = path == 1;
+        let primary = path == RayClass::PRIMARY;
         if !primary && self.tests.similar_below((near, far), weights, self.totals, self.gap, &mut self.compared) {
             interpolate_tree(near, far, self.s, self.out);
             self.interpolated += 1;
@@ -199,9 +204,8 @@ impl Rebuild<'_, '_, '_> {
     fn children(&mut self, hit: SameHit<'_>) {
         let (a, b) = (&hit.near[0], &hit.far[0]);
         let (mut i, mut j, mut k) = (1, 1, hit.recorded + 1);
-        let branches = (0..).zip([a.reflect.zip(b.reflect), a.refract.zip(b.refract)]);
-        for (branch, weights) in branches.filter_map(|(branch, weights)| Some((branch, weights?))) {
-            let path = 2 * hit.path + branch;
+        let weights = [a.reflect.zip(b.reflect), a.refract.zip(b.refract)].into_iter().flatten();
+        for (path, weights) in a.branches(hit.path).zip(weights) {
             let weights = (hit.weights.0.times(weights.0), hit.weights.1.times(weights.1));
             let (near, far) = (&hit.near[i..], &hit.far[j..]);
             let (near, far) = (&near[..near[0].len as usize], &far[..far[0].len as usize]);

@@ -6,7 +6,7 @@
 use std::ops::Range;
 
 use rayreel_formats::math::Vec3;
-use rayreel_formats::tile::Shadows;
+use rayreel_formats::tile::{RayClass, Shadows};
 
 /// Where a closest-hit ray met a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -50,6 +50,12 @@ impl Node {
     /// The same hits hang below both.
     pub fn branches_as(&self, other: &Self) -> bool {
         self.reflect.is_some() == other.reflect.is_some() && self.refract.is_some() == other.refract.is_some()
+    }
+
+    /// The classes of its children, if it is of class `class`: that of the reflection before that of the refraction.
+    pub fn branches(&self, class: RayClass) -> impl Iterator<Item = RayClass> + use<> {
+        let reflection = self.reflect.map(|_| class.reflection());
+        reflection.into_iter().chain(self.refract.map(|_| class.refraction()))
     }
 }
 

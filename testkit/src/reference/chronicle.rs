@@ -1,7 +1,7 @@
 //! Frames of the policy with a history, one after the other.
 
-use rayreel_replay::TileSource;
 use rayreel_replay::policy::{Adaptive, Apron, Temporal};
+use rayreel_replay::{FrameReplay, TileSource};
 
 use super::maker::{Maker, Memory};
 use super::outcome::Outcome;
@@ -9,21 +9,21 @@ use crate::past::Past;
 use crate::recorded::read;
 
 /// What is known from frame to frame.
-pub struct Chronicle {
+struct Chronicle {
     policy: Temporal,
     past: Option<Past>,
     /// By tile: checks, and those that were mistaken, the older the less.
     trust: Vec<(u64, u64)>,
 }
 
-/// A frame: what the controller of blocks and limits has decided, which this does not look at.
-pub struct Page<'a> {
+/// A frame: what the controller of blocks and limits has decided, which is not decided here.
+struct Page<'a> {
     /// Its number.
-    pub frame: u32,
+    frame: u32,
     /// By tile the block and the factor on the colour limit.
-    pub rates: &'a [(u32, f64)],
+    rates: &'a [(u32, f64)],
     /// It is a first one, or comes after a cut.
-    pub is_first: bool,
+    is_first: bool,
 }
 
 /// What came of a frame.
@@ -34,16 +34,30 @@ pub struct Written {
     pub audited: Vec<(u64, u64)>,
     /// By tile what is kept: samples, and hits below their primary ones.
     pub kept: Vec<(usize, usize)>,
+    /// By entry the hits below its primary one.
+    pub below: Vec<usize>,
+}
+
+/// Tells frames that were replayed once more, with the blocks and limits that they had.
+pub fn retell<S: TileSource>(source: &S, policy: &Temporal, frames: &[FrameReplay]) -> Vec<Written> {
+    let (mut chronicle, mut next) = (Chronicle::new(policy), None);
+    let pages = frames.iter().map(|frame| {
+        let tiles = frame.blocks.tiles().iter().zip(&frame.stats.tiles);
+        let rates: Vec<_> = tiles.map(|(&block, tile)| (block, tile.factor)).collect();
+        let is_first = next.replace(frame.frame + 1) != Some(frame.frame);
+        chronicle.frame(source, &Page { frame: frame.frame, rates: &rates, is_first })
+    });
+    pages.collect()
 }
 
 impl Chronicle {
     /// Nothing is known yet.
-    pub fn new(policy: &Temporal) -> Self {
+    fn new(policy: &Temporal) -> Self {
         Self { policy: policy.clone(), past: None, trust: Vec::new() }
     }
 
     /// The next frame.
-    pub fn frame<S: TileSource>(&mut self, source: &S, page: &Page<'_>) -> Written {
+    fn frame<S: TileSource>(&mut self, source: &S, page: &Page<'_>) -> Written {
         let (meta, rules) = (source.meta(), &self.policy.history);
         let recorded = read(source, page.frame, true);
         let sampling = self.policy.multirate.sampling.clone();
@@ -65,13 +79,14 @@ impl Chronicle {
         });
         let audited = audited.collect();
         let mut past = Past::new(rules, &recorded);
-        let mut kept = vec![(0, 0); tiles.len()];
+        let (mut kept, mut below) = (vec![(0, 0); tiles.len()], Vec::new());
         for (entry, x, y) in Past::places(rules, &recorded) {
             let known = maker.known[y * recorded.width + x].as_ref().expect("every sample is decided");
             past.keep(entry, &known.tree, known.age);
             let tile = tiles.iter().position(|area| (area.x0..area.x1).contains(&x) && (area.y0..area.y1).contains(&y));
             let sums = &mut kept[tile.expect("tiles cover the frame")];
-            *sums = (sums.0 + 1, sums.1 + past.below(entry));
+            below.push(past.below(entry));
+            *sums = (sums.0 + 1, sums.1 + below[entry]);
         }
         for (area, sums) in tiles.iter().zip(&mut self.trust) {
             let new = maker.history.checked.get(&(area.x0, area.y0)).copied().unwrap_or_default();
@@ -79,6 +94,6 @@ impl Chronicle {
         }
         let outcome = maker.account(&tiles, &before);
         self.past = Some(past);
-        Written { outcome, audited, kept }
+        Written { outcome, audited, kept, below }
     }
 }

@@ -19,7 +19,7 @@ use area::{Area, on};
 use maker::Maker;
 
 pub use crate::recorded::Rays;
-pub use chronicle::{Chronicle, Page, Written};
+pub use chronicle::{Written, retell};
 pub use outcome::{Origin, Outcome, Sought};
 
 /// Replays one frame with one block for all tiles.

@@ -121,9 +121,13 @@ fn the_pixels_of_a_tile_are_written_row_by_row() {
 fn a_machine_without_a_kernel_says_so() {
     let mut config = machine();
     let needs = Needs::of(&two_rounds());
-    assert_eq!(needs, Needs { similarity: true, interpolate: true });
+    assert_eq!(needs, Needs { similarity: true, interpolate: true, look_back: false });
     assert!(missing_kernels(&config, &needs).is_empty());
     config.srp.kernels.similarity.stages = 0;
     assert_eq!(missing_kernels(&config, &needs), ["similarity"]);
     assert!(missing_kernels(&config, &Needs::default()).is_empty());
+    let mut work = uniform(1, 4, None, 0);
+    work.rounds[0].looked_back = 1;
+    config.srp.kernels.look_back.stages = 0;
+    assert_eq!(missing_kernels(&config, &Needs::of(&work)), ["look_back"]);
 }

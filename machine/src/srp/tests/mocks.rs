@@ -132,6 +132,7 @@ pub fn srp(config: &MachineConfig) -> Srp {
         samples_per_axis: 2,
         pixel_bytes: config.layout.pixel_bytes,
         tile_bytes: 0,
+        tile_samples: 1024,
         policy: PolicyReads::PAPER,
     };
     Srp::new(config, Layout::new(config), 0, PORTS, shape)

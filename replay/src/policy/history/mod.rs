@@ -12,7 +12,7 @@ mod trust;
 
 use rayreel_formats::math::Vec3;
 use rayreel_formats::scene::{Camera, Meta};
-use rayreel_formats::tile::Shadows;
+use rayreel_formats::tile::{RayClass, Shadows};
 use rayreel_machine::work::history::HistorySpan;
 
 use super::HistoryRules;
@@ -27,8 +27,8 @@ pub use trust::Trust;
 /// What is kept of a hit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct KeptHit {
-    /// The way down to it: 1 for the primary hit, twice that of the hit above for its reflection, one more for its refraction.
-    path: u16,
+    /// The way down to it.
+    path: RayClass,
     object: u32,
     normal: Vec3,
     /// Length of the ray that met it.
@@ -118,7 +118,7 @@ impl History {
         let (rules, mut below) = (self.rules.clone(), 0);
         for (x, y) in view.samples().filter(|&(x, y)| rules.keeps(x, y)) {
             let (tree, first) = (view.tree(x, y), self.hits.len());
-            self.keep_hits(tree, 1);
+            self.keep_hits(tree, RayClass::PRIMARY);
             let hits = (self.hits.len() - first) as u32;
             let position = tree[0].surface.map_or(Vec3::ZERO, |surface| surface.position);
             let at = self.index(x / self.rules.step, y / self.rules.step);
@@ -127,15 +127,12 @@ impl History {
         }
     }
 
-    fn keep_hits(&mut self, tree: &[Node], path: u16) {
+    fn keep_hits(&mut self, tree: &[Node], path: RayClass) {
         let Some(SurfacePoint { object, normal, t, shadows, .. }) = tree[0].surface else { return };
         self.hits.push(KeptHit { path, object, normal, t, shadows, local: tree[0].local });
-        // Fifteen bounces have a path of sixteen bits.
-        if path.ilog2() < self.rules.depth.min(14) {
-            let branches =
-                [(tree[0].reflect, 0), (tree[0].refract, 1)].into_iter().filter(|(weight, _)| weight.is_some());
-            for ((_, branch), (_, child)) in branches.zip(children(tree)) {
-                self.keep_hits(child, 2 * path + branch);
+        if path.depth() < self.rules.depth {
+            for (branch, (_, child)) in tree[0].branches(path).zip(children(tree)) {
+                self.keep_hits(child, branch);
             }
         }
     }
@@ -240,14 +237,14 @@ impl History {
 impl Past<'_> {
     /// The lights of a hit at `path` that are known: all entries have a hit like it there, and agree on them. The hit's shadows have the
     /// low bit of each light that it casts rays at.
-    pub fn lights(&self, path: u16, seen: &SurfacePoint) -> Option<KnownLights> {
+    pub fn lights(&self, path: RayClass, seen: &SurfacePoint) -> Option<KnownLights> {
         let (cosine, reach) = self.limits;
         let is_like = |hit: &&KeptHit| {
             let off = (f64::from(hit.t) - f64::from(seen.t)).abs();
             hit.path == path
                 && hit.object == seen.object
                 && within_angle(hit.normal, seen.normal, cosine)
-                && (path == 1 || off <= reach * f64::from(seen.t))
+                && (path == RayClass::PRIMARY || off <= reach * f64::from(seen.t))
         };
         let of = |hits: &[KeptHit]| hits.iter().find(is_like).copied();
         let (nearest, others) = self.entries.split_first()?;
