@@ -1,5 +1,8 @@
 //! The policies of cells against a slow second implementation, against hits they must not see, and as work for a machine.
 
+mod common;
+
+use common::work_of;
 use proptest::prelude::*;
 use rayreel_machine::config::NamedMachine;
 use rayreel_machine::srp::KernelId;
@@ -12,7 +15,7 @@ use rayreel_replay::simulate::simulate;
 use rayreel_replay::{FrameReplay, NamedPolicy, Options, PathSource, ReplayError, Replayer, TileSource, replay};
 use rayreel_testkit::Random;
 use rayreel_testkit::cells::{self, Work};
-use rayreel_testkit::golden::{first_work, traces};
+use rayreel_testkit::golden::traces;
 use rayreel_testkit::poison::Poisoned;
 use rayreel_testkit::reference::{Origin, Outcome};
 use rayreel_testkit::synthetic::{Look, Synthetic};
@@ -194,7 +197,7 @@ fn machines_are_charged_for_what_is_done() {
         let blocks: Vec<u32> = BLOCKS.into_iter().filter(|n| meta.tile.is_multiple_of(*n)).collect();
         for policy in blocks.into_iter().flat_map(|n| policies(n, n.into())) {
             let (expected, rounds) = cells::replay(&trace, &policy, meta.first_frame);
-            let (frame, works) = first_work(&trace, &policy);
+            let (frame, works) = work_of(&trace, &policy, [trace.meta().first_frame]).remove(0);
             assert_same(&trace, &frame, &expected, &format!("{policy:?}"));
             let n = match &policy {
                 Policy::Whitted1980(values) => values.block,
@@ -249,7 +252,7 @@ fn machines_do_their_work() {
         PRESETS.into_iter().flat_map(|preset| ["sgrt-ti2", "external-buffers"].map(|machine| (preset, machine)))
     {
         let policy = NamedPolicy::load(preset, &[]).unwrap().policy;
-        let (replayed, works) = first_work(trace, &policy);
+        let (replayed, works) = work_of(trace, &policy, [trace.meta().first_frame]).remove(0);
         let machine = NamedMachine::load(machine, &[]).unwrap();
         let mut replayer = Replayer::new(trace, &policy, Options::default()).unwrap();
         let named = (machine.name.as_str(), &machine.config);

@@ -1,6 +1,9 @@
 //! `kim2016` on recorded scenes, whose lights have places: shading from attributes and convexity against the slow second
 //! implementation, and what a machine is charged for them.
 
+mod common;
+
+use common::{FrameWork, work_of};
 use rayreel_formats::trace::Trace;
 use rayreel_machine::config::NamedMachine;
 use rayreel_machine::srp::KernelId;
@@ -11,7 +14,7 @@ use rayreel_replay::policy::view::SampleState;
 use rayreel_replay::policy::{Adaptive, Policy};
 use rayreel_replay::simulate::simulate;
 use rayreel_replay::{FrameReplay, NamedPolicy, Options, PathSource, Replayer, TileSource};
-use rayreel_testkit::golden::{FrameWork, first_work, traces};
+use rayreel_testkit::golden::traces;
 use rayreel_testkit::poison::Poisoned;
 use rayreel_testkit::reference::{self, Origin};
 
@@ -30,7 +33,7 @@ fn run<S: TileSource>(source: &S, policy: &Adaptive) -> FrameReplay {
 }
 
 fn works(trace: &Trace, policy: &Adaptive) -> FrameWork {
-    first_work(trace, &Policy::Adaptive(policy.clone()))
+    work_of(trace, &Policy::Adaptive(policy.clone()), [trace.meta().first_frame]).remove(0)
 }
 
 const VARIANTS: [&[&str]; 8] = [

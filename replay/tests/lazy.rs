@@ -1,15 +1,18 @@
 //! Attributes of interpolated hits that are made when a test reads them: nothing else changes, and what is made is what the slow
 //! second implementation reads.
 
+mod common;
+
+use common::{FrameWork, work_of};
 use rayreel_formats::trace::Trace;
 use rayreel_machine::work::TileWork;
 use rayreel_replay::NamedPolicy;
 use rayreel_replay::policy::{Adaptive, Apron, Attributes, Policy};
-use rayreel_testkit::golden::{FrameWork, first_work, traces};
+use rayreel_testkit::golden::traces;
 use rayreel_testkit::{preset, reference};
 
 fn works(trace: &Trace, policy: &Adaptive) -> FrameWork {
-    first_work(trace, &Policy::Adaptive(policy.clone()))
+    work_of(trace, &Policy::Adaptive(policy.clone()), [trace.meta().first_frame]).remove(0)
 }
 
 fn with(policy: &Adaptive, attributes: Attributes) -> Adaptive {

@@ -1,8 +1,11 @@
 //! `temporal` against the slow second implementation, frame after frame; closed forms; hits that were not traced as garbage; and what a
 //! machine is charged.
 
+mod common;
+
 use std::collections::BTreeSet;
 
+use common::work_of;
 use rayreel_formats::math::vec3;
 use rayreel_formats::scene::{Camera, Meta};
 use rayreel_formats::tile::{Hit, ShadowState, Shadows, Tile};
@@ -278,7 +281,7 @@ fn a_machine_is_charged_for_what_is_read_and_kept() {
         let policy = steady(&sets.each_ref().map(String::as_str));
         let numbers = trace.meta().frame_numbers();
         let (frames, works): (Vec<_>, Vec<_>) =
-            golden::work_of(&trace, &Policy::Temporal(policy.clone()), numbers).into_iter().unzip();
+            work_of(&trace, &Policy::Temporal(policy.clone()), numbers).into_iter().unzip();
         let told = retell(&trace, &policy, &frames);
         let columns = trace.meta().grid().0.div_ceil(step);
         let edge = trace.meta().tile / step;
