@@ -114,7 +114,7 @@ pub const POLICIES: &[Contender] = &[
     },
     Contender { shown: When::Full, ..preset("aggressive") },
     Contender { modes: [When::Always, When::Never], ..preset("foveated") },
-    changed("multirate, no hysteresis", &["raise=0.6", "lower=0.6", "alternate=0", "hold=1"], When::Always),
+    changed("multirate, no hysteresis", &["raise=2", "lower=2", "alternate=0"], When::Always),
     fixed("fixed 2x2", &["finest=2", "start=2", "coarsest=2"], When::Full),
     fixed("fixed 4x4", &["finest=4", "start=4", "coarsest=4"], When::Always),
     fixed("fixed 8x8", &["finest=8", "start=8", "coarsest=8"], When::Full),

@@ -7,7 +7,7 @@ use common::{FrameWork, work_of};
 use rayreel_formats::trace::Trace;
 use rayreel_machine::work::TileWork;
 use rayreel_replay::NamedPolicy;
-use rayreel_replay::policy::{Adaptive, Apron, Attributes, Policy};
+use rayreel_replay::policy::{Adaptive, Apron, Attributes, First, Limit, Policy};
 use rayreel_testkit::golden::traces;
 use rayreel_testkit::{preset, reference};
 
@@ -28,7 +28,7 @@ fn policies() -> Vec<Adaptive> {
     all.extend([2, 3, 8].map(|block| Adaptive { block, ..paper.clone() }));
     // Everything below is compared: no colour excuses.
     let mut strict = preset("multirate", 4);
-    (strict.sampling.similarity.unlike, strict.sampling.secondary) = (rayreel_replay::policy::Limit::Off, false);
+    (strict.sampling.similarity.unlike, strict.sampling.secondary) = (Limit::Off, false);
     all.extend([strict.clone(), Adaptive { apron: Apron::Retrace, ..strict }]);
     all
 }
@@ -60,4 +60,33 @@ fn only_what_is_read_is_made() {
         }
     }
     assert!(total.0 < total.1, "{} of {}", total.0, total.1);
+}
+
+fn first(policy: &Adaptive, first: First, excused: Limit) -> Adaptive {
+    let mut policy = with(policy, Attributes::Lazy);
+    (policy.sampling.similarity.first, policy.sampling.similarity.unlike_primary) = (first, excused);
+    policy
+}
+
+fn compared(works: &[TileWork]) -> u64 {
+    works.iter().flat_map(|work| &work.rounds).map(|round| u64::from(round.tests)).sum()
+}
+
+/// What a test looks at first decides nothing. Looking at colours first spares pairs of hits, and attributes.
+#[test]
+fn the_order_of_tests_decides_nothing() {
+    let mut total = [(0, 0); 2];
+    for trace in traces() {
+        let tile = trace.meta().tile;
+        for policy in policies().iter().filter(|policy| tile.is_multiple_of(policy.block)) {
+            for excused in [Limit::Off, Limit::At(0.1), Limit::At(0.9)] {
+                let orders = [First::Hits, First::Colours].map(|order| works(&trace, &first(policy, order, excused)));
+                assert_eq!(orders[0].0, orders[1].0, "{policy:?}");
+                for (total, (_, works)) in total.iter_mut().zip(&orders) {
+                    *total = (total.0 + compared(works), total.1 + attributes(works));
+                }
+            }
+        }
+    }
+    assert!(total[1].0 < total[0].0 && total[1].1 <= total[0].1, "{total:?}");
 }

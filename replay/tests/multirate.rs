@@ -49,21 +49,21 @@ impl TileSource for Patchwork {
     }
 }
 
-/// What `variant` does, with blocks that follow every ratio at once and a colour limit that follows one pixel in five.
-fn nervous(variant: &Adaptive) -> Policy {
-    Policy::Multirate(Multirate {
+/// What `variant` does, with blocks that follow every balance and a colour limit that follows one pixel in five.
+fn nervous(variant: &Adaptive, seed: u64) -> Multirate {
+    Multirate {
         start: 4,
         finest: 2,
         coarsest: 16,
-        raise: 0.5,
-        lower: 0.5,
-        alternate: 0.0,
-        hold: 1,
+        raise: [6.0, 3.0][seed as usize % 2],
+        lower: [6.0, 4.0][seed as usize % 2],
+        alternate: [0.0, 0.4, 0.2][seed as usize % 3],
+        hold: [1, 1, 1, 2][seed as usize % 4],
         cut_deg: 180.0,
-        cut_change: 1.0,
+        cut_change: [1.0, 1.0, 0.3][seed as usize % 3],
         target: Target { psnr_db: Limit::At(30.0), audit: 5, strictest: 0.2, loosest: 5.0, share: 0.9 },
         sampling: variant.sampling.clone(),
-    })
+    }
 }
 
 fn compare<S: TileSource>(
@@ -82,18 +82,22 @@ fn compare<S: TileSource>(
 }
 
 /// Every sample is decided exactly once (the engine would panic), as the second implementation does, whatever the blocks of
-/// the tiles around are.
+/// the tiles around are; and blocks and limits follow what the tiles were like as they do there.
 #[test]
 fn neighbours_of_any_block_fit_together() {
     let (mut pairs, mut factors) = (std::collections::BTreeSet::new(), std::collections::BTreeSet::new());
     let mut errors = SquaredError::default();
     for (seed, variant) in (0u64..).zip(switches::draw(16, 3)) {
         let source = Patchwork::new([(93, 61), (80, 49), (65, 65)][seed as usize % 3], seed);
-        let frames = replay(&source, &nervous(&variant), 0..6, Options::default()).unwrap().frames;
-        for frame in frames {
+        let policy = nervous(&variant, seed);
+        let frames = replay(&source, &Policy::Multirate(policy.clone()), 0..6, Options::default()).unwrap().frames;
+        let plans = reference::plans(source.meta(), &policy, &frames);
+        for (frame, plan) in frames.into_iter().zip(plans) {
             let blocks = frame.blocks.tiles();
             let rates: Vec<_> =
                 blocks.iter().zip(&frame.stats.tiles).map(|(&block, tile)| (block, tile.factor)).collect();
+            let is_near = |((a, f), (b, g)): (&(u32, f64), &(u32, f64))| a == b && (f / g - 1.0).abs() < 1.0e-9;
+            assert!(rates.iter().zip(&plan).all(is_near), "{seed}, frame {}: {rates:?}, not {plan:?}", frame.frame);
             factors.extend(rates.iter().map(|r| r.1.to_bits()));
             errors = errors + frame.stats.tiles.iter().map(|t| t.audited).sum();
             let variant = Adaptive { apron: rayreel_replay::policy::Apron::Share, ..variant.clone() };
@@ -103,7 +107,7 @@ fn neighbours_of_any_block_fit_together() {
         }
     }
     assert!(pairs.len() >= 14, "of 16 pairs of neighbours: {pairs:?}");
-    assert!(factors.len() > 50, "the colour limit moved: {}", factors.len());
+    assert!(factors.len() > 30, "the colour limit moved: {}", factors.len());
     assert!(errors.sum > 0 && errors.values > 10_000, "{errors:?}");
 }
 

@@ -2,7 +2,7 @@
 
 use std::cell::Cell;
 
-use rayreel_replay::policy::Similarity;
+use rayreel_replay::policy::{First, Limit, Similarity};
 
 type Rgb = [f32; 3];
 
@@ -103,17 +103,23 @@ pub struct Judge<'a> {
 impl Judge<'_> {
     /// May samples between `a` and `b` be interpolated?
     pub fn samples(&self, a: &Hit, b: &Hit, foreseen: f64) -> bool {
-        if !self.alike(a, b) {
-            return false;
-        }
         let totals = (a.colour, b.colour);
         let seen = difference(totals, totals);
         let found = if foreseen < seen { foreseen } else { seen };
-        match self.colours(found, (a.rays + b.rays) / 2) {
-            Verdict::Fails => false,
-            Verdict::Excuses => true,
-            Verdict::Passes => !self.similarity.secondary || self.alike_below(a, b),
+        let rules = self.similarity;
+        let Some(limit) = self.limit((a.rays + b.rays) / 2) else {
+            return self.alike(a, b) && (!rules.secondary || self.alike_below(a, b));
+        };
+        let excuses = |share: Limit| found < share.value().unwrap_or(0.0) * limit;
+        let (primary, below) = (excuses(rules.unlike_primary), !rules.secondary || excuses(rules.unlike));
+        let (is_near, same_kind) = (found <= limit, a.surface.is_none() == b.surface.is_none());
+        // Where colours say all there is to say, hits are not looked at.
+        match rules.first {
+            First::Colours if !is_near => return false,
+            First::Colours if primary && below => return same_kind,
+            _ => {}
         }
+        if self.alike(a, b) { is_near && (below || self.alike_below(a, b)) } else { same_kind && primary }
     }
 
     /// May the contributions of `a` and `b` be interpolated?

@@ -1,6 +1,6 @@
 //! Policies over many combinations of switches, for the comparison with the second implementation.
 
-use rayreel_replay::policy::{Adaptive, Apron, Correct, Limit, Refine, Shade};
+use rayreel_replay::policy::{Adaptive, Apron, Correct, First, Limit, Refine, Shade};
 
 use crate::policies::adaptive;
 use crate::random::Random;
@@ -17,6 +17,7 @@ fn one(random: &mut Random) -> Adaptive {
     let apron = if flag(2) { Apron::Share } else { Apron::Retrace };
     let (object_id, shadow, predict) = (!flag(4), !flag(3), flag(2));
     let (secondary, deep, stand_in) = (!flag(3), !flag(3), flag(2));
+    let (first, weighed) = (if flag(2) { First::Hits } else { First::Colours }, flag(2));
     let mut pick = |list: &[f64]| match list[random.remainder(list.len() as u32) as usize] {
         value if value < 0.0 => Limit::Off,
         value => Limit::At(value),
@@ -30,9 +31,10 @@ fn one(random: &mut Random) -> Adaptive {
     tests.texture = pick(&[-1.0, -1.0, 0.1]);
     tests.colour = pick(&[-1.0, 0.05, 0.1, 0.3]);
     tests.unlike = pick(&[-1.0, 0.1, 0.8]);
+    (tests.unlike_primary, tests.first) = (pick(&[-1.0, 0.1, 0.5]), first);
     (policy.sampling.secondary, policy.sampling.stand_in) = (secondary, stand_in);
     policy.sampling.correct =
-        Correct { passes: pick(&[0.0, 1.0, 8.0]).value().unwrap() as u32, colour: pick(&[-1.0, 0.02, 0.1]) };
+        Correct { passes: pick(&[0.0, 1.0, 8.0]).value().unwrap() as u32, colour: pick(&[-1.0, 0.02, 0.1]), weighed };
     tests = &mut policy.sampling.similarity;
     tests.convexity = pick(&[-1.0, -1.0, 0.0, 0.1]);
     if !secondary && pick(&[0.0, 1.0]) == Limit::At(1.0) {

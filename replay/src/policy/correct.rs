@@ -6,19 +6,16 @@
 //! published). It looks at all eight neighbours, since a thin wire may run on diagonally, from corner to corner of its
 //! samples; only at those inside the tile, so that no tile waits for another.
 
-use super::similarity::{Compared, Tests, difference};
+use super::similarity::{Compared, Tests, costs, difference};
 use super::tree::Node;
 use super::view::{SampleState, TileView};
-use super::{Attributes, Limit, Sampling, Shade};
+use super::{Attributes, Sampling, Shade};
 
 /// Corrects a tile whose samples are all known. The first pass is round `round`, and each pass a round.
 pub fn correct(view: &mut TileView, sampling: &Sampling, tests: &Tests, round: u8) {
     let rules = &sampling.correct;
     let is_lazy = sampling.attributes == Attributes::Lazy;
-    let limit = match rules.colour {
-        Limit::Off => -1.0,
-        Limit::At(limit) => limit,
-    };
+    let limit = ShownLimit { colour: rules.colour.value(), is_weighed: rules.weighed };
     // The samples that may contradict: in the first pass all.
     let mut witnesses = vec![true; view.rect().len()];
     // The interpolated samples whose attributes were looked at: they have to be interpolated too, once.
@@ -41,7 +38,7 @@ pub fn correct(view: &mut TileView, sampling: &Sampling, tests: &Tests, round: u
 /// The interpolated samples that a traced neighbour among `witnesses` contradicts.
 fn contradicted(
     view: &mut TileView,
-    (tests, limit): (&Tests, f64),
+    (tests, limit): (&Tests, ShownLimit),
     round: u8,
     witnesses: &[bool],
     (is_lazy, read): (bool, &mut [bool]),
@@ -64,33 +61,48 @@ fn contradicted(
             if nearby.any(|(u, v)| contradicts(doubted, &view.tree(u, v)[0], (tests, limit), &mut made)) {
                 found.push((x, y));
             }
+            if made == Compared::default() {
+                continue;
+            }
+            view.compared((x, y), round, made);
             if made.pairs == 0 {
                 continue;
             }
             if is_lazy {
-                view.compared((x, y), round, made);
                 view.read_hits((x, y), round, (x, y), 1);
                 continue;
             }
             let is_new = !std::mem::replace(&mut read[offset(view, x, y)], true);
-            view.compared((x, y), round, made);
             view.read_attributes((x, y), round, is_new.into());
         }
     }
     found
 }
 
+/// How far colours must differ for a contradiction to count.
+#[derive(Clone, Copy)]
+struct ShownLimit {
+    /// None: it counts in any case.
+    colour: Option<f64>,
+    is_weighed: bool,
+}
+
 /// Whether the attributes of two hits differ, and a viewer could see it.
-fn contradicts(doubted: &Node, witness: &Node, (tests, limit): (&Tests, f64), compared: &mut Compared) -> bool {
-    compared.pairs += 1;
-    // Colours decide only where attributes contradict, and where there is a limit.
-    if tests.alike_hits(doubted, witness, compared) {
-        return false;
-    }
-    compared.colours += u32::from(limit >= 0.0);
-    let colours = (doubted.colour, witness.colour);
-    let shows = difference(colours, colours);
-    shows > limit || shows.is_nan()
+fn contradicts(doubted: &Node, witness: &Node, (tests, limit): (&Tests, ShownLimit), compared: &mut Compared) -> bool {
+    let shows = |compared: &mut Compared| {
+        let Some(colour) = limit.colour else { return true };
+        compared.colours += 1;
+        let weight = if limit.is_weighed { costs(doubted.rays.midpoint(witness.rays)) } else { 1.0 };
+        let colours = (doubted.colour, witness.colour);
+        let shown = difference(colours, colours);
+        shown > colour * weight || shown.is_nan()
+    };
+    let differs = |compared: &mut Compared| {
+        compared.pairs += 1;
+        !tests.alike_hits(doubted, witness, compared)
+    };
+    // Either alone may spare the other.
+    if tests.colours_first() { shows(compared) && differs(compared) } else { differs(compared) && shows(compared) }
 }
 
 fn offset(view: &TileView, x: u32, y: u32) -> usize {

@@ -76,11 +76,12 @@ settings! {
         start: u32 = NESTED, "block edge of a first frame and after a cut", "samples";
         finest: u32 = NESTED, "smallest block edge", "samples";
         coarsest: u32 = NESTED, "largest block edge", "samples";
-        raise: f64 = Number(1.0), "a tile asks for a larger block at this similarity ratio or above";
-        lower: f64 = Number(1.0), "a tile asks for a smaller block at this similarity ratio or below";
-        /// So a ratio near a threshold does not switch the block to and fro (paper, section 3: "we can switch the threshold
+        /// [`super::rate`] has the rule.
+        raise: f64 = Number(1024.0), "a tile asks for a larger block at so many traced I-samples for each R-sample, or fewer";
+        lower: f64 = Number(1024.0), "a tile asks for a smaller block at so many traced I-samples for each R-sample, or more";
+        /// So a tile near a threshold does not switch its block to and fro (paper, section 3: "we can switch the threshold
         /// values").
-        alternate: f64 = Number(1.0), "in odd frames raise is this much higher and lower this much lower";
+        alternate: f64 = Number(10.0), "in odd frames both thresholds lie further out by this share";
         hold: u32 = OneOf(&[1, 2, 3, 4, 5, 6, 7, 8]), "frames in a row that must ask for a change";
         cut_deg: f64 = Number(180.0), "a camera that turns by more than this is a cut", "degrees";
         /// It is seen one frame later.

@@ -54,6 +54,6 @@ pub use kinds::{
 pub use limit::Limit;
 pub use load::NamedPolicy;
 pub use sampler::{SamplePolicy, Sampler};
-pub use sampling::{Apron, Attributes, Correct, Refine, Sampling, Shade, Similarity};
+pub use sampling::{Apron, Attributes, Correct, First, Refine, Sampling, Shade, Similarity};
 pub use schema::{POLICIES, PRESETS};
 pub use view::{SampleState, TileView};

@@ -14,6 +14,14 @@ words! {
         Hierarchical = "hierarchical",
     }
 
+    /// What a test of two samples looks at first. It decides nothing, but says how much has to be looked at.
+    pub enum First {
+        /// Their primary hits; the colours of hits that are alike.
+        Hits = "hits",
+        /// Their colours; the hits where colours alone do not decide.
+        Colours = "colours",
+    }
+
     /// Where the colour of an interpolated sample comes from.
     pub enum Shade {
         /// It is interpolated.
@@ -77,14 +85,18 @@ settings! {
         predict: bool = Flag, "halves of a well predicted gap pass the colour test";
         secondary: bool = Flag, "the tests are made on secondary hits too";
         unlike: Limit = LimitUpTo(1.0), "secondary hits may be unlike below this fraction of the colour limit";
+        /// A hit and a miss are never similar.
+        unlike_primary: Limit = LimitUpTo(1.0), "primary hits, and what lies below, may be unlike below this fraction of the colour limit";
+        first: First = First::RULE, "what a test looks at first: hits or colours";
     }
 
     /// Which interpolated samples are traced after all (after Kim et al. 2016).
     #[serde(deny_unknown_fields)]
     pub struct Correct {
         passes: u32 = Count(0, 64), "most passes of post-correction; 0 is off";
-        /// Off: attributes that contradict always count.
+        /// Off: attributes that contradict always count. [`super::similarity::costs`] has the rule of `weighed`.
         colour: Limit = LimitUpTo(2.0), "contradictions count where the colours as displayed differ by more";
+        weighed: bool = Flag, "that limit grows with the rays of a sample: it is for three";
     }
 }
 
@@ -102,6 +114,8 @@ impl Similarity {
         predict: false,
         secondary: false,
         unlike: Limit::Off,
+        unlike_primary: Limit::Off,
+        first: First::Hits,
     };
 }
 
@@ -115,6 +129,6 @@ impl Sampling {
         attributes: Attributes::Eager,
         shade_ambient: 0.0,
         similarity: Similarity::NONE,
-        correct: Correct { passes: 0, colour: Limit::Off },
+        correct: Correct { passes: 0, colour: Limit::Off, weighed: false },
     };
 }

@@ -66,7 +66,7 @@ pub(super) fn check_order<'a>(get: impl Fn(&str) -> Option<&'a Value>, origin: &
         value => value.as_float(),
     };
     let ordered =
-        [("finest", "coarsest"), ("finest", "start"), ("start", "coarsest"), ("lower", "raise"), ("inner", "outer")];
+        [("finest", "coarsest"), ("finest", "start"), ("start", "coarsest"), ("raise", "lower"), ("inner", "outer")];
     for (small, large) in ordered {
         if let (Some(low), Some(high), Some(value)) = (number(small), number(large), get(small))
             && low > high

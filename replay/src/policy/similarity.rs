@@ -11,7 +11,7 @@
 use rayreel_formats::math::Vec3;
 
 use super::tree::{Node, SurfacePoint, children};
-use super::{Limit, Similarity};
+use super::{First, Limit, Similarity};
 
 /// The tests of a policy, ready to run.
 #[derive(Clone, Copy, Debug)]
@@ -29,6 +29,8 @@ pub struct Tests {
     pub predict: bool,
     secondary: bool,
     unlike: f64,
+    unlike_primary: f64,
+    first: First,
 }
 
 /// How much work comparing took.
@@ -56,6 +58,8 @@ impl Tests {
             predict: similarity.predict,
             secondary: similarity.secondary,
             unlike: similarity.unlike.value().unwrap_or(0.0),
+            unlike_primary: similarity.unlike_primary.value().unwrap_or(0.0),
+            first: similarity.first,
         }
     }
 
@@ -69,7 +73,12 @@ impl Tests {
     /// cost three rays each: a primary ray and two more.
     pub fn colour_limit(&self, gap: u32, rays: u32) -> Option<f64> {
         let limit = self.colour?;
-        Some(limit * (2.0 / f64::from(gap)) * (f64::from(rays) / 3.0).sqrt())
+        Some(limit * (2.0 / f64::from(gap)) * costs(rays))
+    }
+
+    /// Tests look at colours first.
+    pub fn colours_first(&self) -> bool {
+        self.first == First::Colours
     }
 
     /// True when all tests that are on pass for two samples `gap` apart. `a` is the one with the lower coordinate. Without a
@@ -78,23 +87,37 @@ impl Tests {
     /// One of the two may be the traced middle of a gap twice as wide. `foreseen` then says how far its colour was off the one
     /// that interpolation would have given it. The smaller of this and the difference between `a` and `b` is tested.
     pub fn similar(&self, a: &[Node], b: &[Node], gap: u32, foreseen: f64, compared: &mut Compared) -> bool {
-        compared.pairs += 1;
-        if !self.alike_hits(&a[0], &b[0], compared) {
-            return false;
-        }
-        let mut margin = 0.0;
-        if let Some(limit) = self.colour_limit(gap, rays_of(a, b)) {
-            compared.colours += 1;
+        let limit = self.colour_limit(gap, rays_of(a, b));
+        let colour = |compared: &mut Compared| {
+            compared.colours += u32::from(limit.is_some());
             let totals = (a[0].colour, b[0].colour);
             let seen = difference(totals, totals);
-            let colour = if foreseen < seen { foreseen } else { seen };
-            // A NaN is never within a limit.
+            if foreseen < seen { foreseen } else { seen }
+        };
+        let mut known = None;
+        if let (true, Some(limit)) = (self.colours_first(), limit) {
+            let colour = *known.insert(colour(compared));
             if !within(colour, limit) {
                 return false;
             }
-            margin = limit * self.unlike - colour;
+            let excused = if self.secondary { self.unlike_primary.min(self.unlike) } else { self.unlike_primary };
+            if colour < excused * limit {
+                return same_kind(a, b);
+            }
         }
-        !self.secondary || margin > 0.0 || self.alike_below(a, b, compared)
+        compared.pairs += 1;
+        let is_alike = self.alike_hits(&a[0], &b[0], compared);
+        if !is_alike && (self.unlike_primary == 0.0 || limit.is_none() || !same_kind(a, b)) {
+            return false;
+        }
+        let Some(limit) = limit else { return !self.secondary || self.alike_below(a, b, compared) };
+        let colour = known.unwrap_or_else(|| colour(compared));
+        match is_alike {
+            false => colour < limit * self.unlike_primary,
+            // A NaN is never within a limit.
+            true if !within(colour, limit) => false,
+            true => !self.secondary || colour < limit * self.unlike || self.alike_below(a, b, compared),
+        }
     }
 
     /// As [`Tests::similar`] for two subtrees below similar hits, whose contributions reach the samples with weights
@@ -184,6 +207,16 @@ impl Tests {
             && self.plane.is_none_or(|limit| dot(between, wide(a.normal)).abs() <= limit * reach)
             && self.convexity.is_none_or(|limit| bends_one_way(between, (a.normal, b.normal), limit))
     }
+}
+
+/// How much more may be wrong where a sample costs `rays` rays than where it costs three.
+pub fn costs(rays: u32) -> f64 {
+    (f64::from(rays) / 3.0).sqrt()
+}
+
+/// Two hits, or two misses.
+fn same_kind(a: &[Node], b: &[Node]) -> bool {
+    a[0].surface.is_some() == b[0].surface.is_some()
 }
 
 /// Mean rays of two trees.

@@ -3,7 +3,7 @@
 use std::cell::Cell;
 use std::collections::BTreeMap;
 
-use rayreel_replay::policy::{Adaptive, HistoryRules, Refine};
+use rayreel_replay::policy::{Adaptive, First, HistoryRules, Refine};
 
 use super::area::Area;
 use super::draw::draw;
@@ -216,15 +216,16 @@ impl<'a> Maker<'a> {
             let mut found = Vec::new();
             for (x, y) in area.samples() {
                 let at = y * self.frame.width + x;
-                let is_witness = |&(u, v): &(usize, usize)| {
-                    x.abs_diff(u).max(y.abs_diff(v)) == 1
-                        && self.known[v * self.frame.width + u].as_ref().unwrap().how != Origin::Interpolated
+                let beside: Vec<_> = news.iter().filter(|&&other| self.is_witness((x, y), other)).collect();
+                let looks_at_hits = |&other: &(usize, usize)| match self.policy.sampling.similarity.first {
+                    First::Hits => true,
+                    First::Colours => self.shows((x, y), other),
                 };
-                if news.iter().any(is_witness) {
+                if beside.iter().any(|other| looks_at_hits(other)) {
                     self.read(area, at, 1);
                 }
-                let sample = self.known[at].as_ref().unwrap();
-                if sample.how == Origin::Interpolated && news.iter().any(|&at| self.contradicts(area, (x, y), at)) {
+                let is_contradicted = beside.iter().any(|&&other| self.contradicts(area, (x, y), other));
+                if self.known[at].as_ref().unwrap().how == Origin::Interpolated && is_contradicted {
                     found.push((x, y));
                 }
             }
@@ -234,18 +235,25 @@ impl<'a> Maker<'a> {
         }
     }
 
-    pub fn contradicts(&self, area: &Area, (x, y): (usize, usize), (u, v): (usize, usize)) -> bool {
-        if x.abs_diff(u).max(y.abs_diff(v)) != 1 {
-            return false;
-        }
-        let (sample, witness) = (&self.known[y * self.frame.width + x], &self.known[v * self.frame.width + u]);
-        let (sample, witness) = (sample.as_ref().unwrap(), witness.as_ref().unwrap());
-        if witness.how == Origin::Interpolated || self.judge(area, 1).alike(&sample.tree, &witness.tree) {
-            return false;
-        }
-        let colours = (sample.tree.colour, witness.tree.colour);
-        let differ = difference(colours, colours);
-        self.policy.sampling.correct.colour.value().is_none_or(|limit| differ.is_nan() || differ > limit)
+    /// A neighbour of which rays were traced.
+    fn is_witness(&self, (x, y): (usize, usize), (u, v): (usize, usize)) -> bool {
+        let known = self.known[v * self.frame.width + u].as_ref().unwrap();
+        x.abs_diff(u).max(y.abs_diff(v)) == 1 && known.how != Origin::Interpolated
+    }
+
+    pub fn contradicts(&self, area: &Area, sample: (usize, usize), witness: (usize, usize)) -> bool {
+        let [doubted, other] = [sample, witness].map(|(x, y)| self.tree(y * self.frame.width + x));
+        self.is_witness(sample, witness) && !self.judge(area, 1).alike(doubted, other) && self.shows(sample, witness)
+    }
+
+    /// A viewer would see the difference of two samples.
+    fn shows(&self, sample: (usize, usize), witness: (usize, usize)) -> bool {
+        let [a, b] = [sample, witness].map(|(x, y)| self.tree(y * self.frame.width + x));
+        let rules = &self.policy.sampling.correct;
+        let Some(limit) = rules.colour.value() else { return true };
+        let weight = if rules.weighed { (f64::from((a.rays + b.rays) / 2) / 3.0).sqrt() } else { 1.0 };
+        let differ = difference((a.colour, b.colour), (a.colour, b.colour));
+        differ.is_nan() || differ > limit * weight
     }
 }
 

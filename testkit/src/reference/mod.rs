@@ -8,6 +8,7 @@ mod chronicle;
 mod draw;
 pub(crate) mod maker;
 mod outcome;
+mod rates;
 
 use rayreel_formats::scene::Meta;
 use rayreel_replay::TileSource;
@@ -21,6 +22,7 @@ use maker::Maker;
 pub use crate::recorded::Rays;
 pub use chronicle::{Written, retell};
 pub use outcome::{Origin, Outcome, Sought};
+pub use rates::plans;
 
 /// Replays one frame with one block for all tiles.
 pub fn replay<S: TileSource>(source: &S, policy: &Adaptive, frame: u32) -> Outcome {

@@ -1,10 +1,10 @@
-//! Feedback, cuts and rings on made-up ratios, by hand.
+//! Feedback, cuts and rings on made-up tiles, by hand.
 
 use rayreel_formats::math::vec3;
 use rayreel_formats::scene::Meta;
 
 use super::*;
-use crate::counts::Counts;
+use crate::counts::{Counts, RayCounts};
 use crate::image::psnr::SquaredError;
 use crate::policy::{NamedPolicy, Policy};
 
@@ -33,83 +33,130 @@ fn camera(degrees: f64) -> Camera {
     Camera { eye: vec3(1.0, 2.0, 3.0), corner: forward - right * 30.0 - down * 15.0, right, down }
 }
 
-/// A multirate policy of blocks 2 to 16 that starts at 4, with these changes.
+/// A multirate policy of blocks 2 to 16 that starts at 4, with these changes. At block 4 it raises at a balance of 0.5, at block 8 of
+/// 0.25.
 fn controller(changes: &[&str]) -> RateController {
     let fixed =
-        ["start=4", "finest=2", "coarsest=16", "raise=0.8", "lower=0.4", "alternate=0.1", "hold=1", "cut_change=1"];
+        ["start=4", "finest=2", "coarsest=16", "raise=1", "lower=4", "alternate=0.25", "hold=1", "cut_change=1"];
     let all: Vec<String> = fixed.iter().chain(changes).map(|s| (*s).into()).collect();
     RateController::new(&NamedPolicy::load("multirate", &all).unwrap().policy, &meta())
 }
 
-fn stats(ratios: &[f64; 8]) -> Vec<TileStats> {
-    let counts = |ratio: f64| Counts {
-        samples_full: 1000,
-        samples_traced: 1000 - (ratio * 1000.0).round() as u64,
-        samples_interpolated: (ratio * 1000.0).round() as u64,
-        ..Counts::default()
+/// Tiles of 1000 samples, 100 of them R-samples, and so many traced I-samples for each; three rays a traced sample.
+fn stats(balances: &[f64; 8]) -> Vec<TileStats> {
+    let counts = |balance: f64| {
+        let traced = (balance * 100.0).round() as u64;
+        Counts {
+            samples_full: 1000,
+            samples_reference: 100,
+            samples_traced: 100 + traced,
+            samples_interpolated: 900 - traced,
+            rays_traced: RayCounts { primary: 100 + traced, shadow: 200 + 2 * traced, ..RayCounts::default() },
+            ..Counts::default()
+        }
     };
-    (0..8)
-        .zip(ratios)
-        .map(|(tile, &ratio)| TileStats { tile, counts: counts(ratio), audited: SquaredError::default(), factor: 1.0 })
-        .collect()
+    let tile = |(tile, &balance): (u32, &f64)| TileStats {
+        tile,
+        counts: counts(balance),
+        audited: SquaredError::default(),
+        factor: 1.0,
+    };
+    (0..8).zip(balances).map(tile).collect()
 }
 
-/// The blocks of tile 0 over frames from `first` on, all of whose tiles have these ratios.
-fn blocks(control: &mut RateController, first: u32, ratios: &[f64]) -> Vec<u32> {
-    let step = |(frame, &ratio): (u32, &f64)| {
+/// The blocks of tile 0 over frames from `first` on, all of whose tiles have these balances.
+fn blocks(control: &mut RateController, first: u32, balances: &[f64]) -> Vec<u32> {
+    let step = |(frame, &balance): (u32, &f64)| {
         let rates = control.rates(frame, &camera(0.0));
-        control.learn(frame, &camera(0.0), &rates, &stats(&[ratio; 8]));
+        control.learn(frame, &camera(0.0), &rates, &stats(&[balance; 8]));
         rates.blocks()[0]
     };
-    (first..).zip(ratios).map(step).collect()
+    (first..).zip(balances).map(step).collect()
 }
 
 #[test]
-fn blocks_follow_the_ratio_of_the_frame_before() {
-    // Even and odd frames alike: 0.95 and 0.2 are past the shifted thresholds too.
-    let ratios = [0.95, 0.95, 0.95, 0.95, 0.2, 0.2, 0.2, 0.2, 0.2];
-    assert_eq!(blocks(&mut controller(&[]), 0, &ratios), [4, 8, 16, 16, 16, 8, 4, 2, 2]);
+fn blocks_follow_the_balance_of_the_frame_before() {
+    // Even and odd frames alike: 0.1 and 6 are past the further thresholds too.
+    let balances = [0.1, 0.1, 0.1, 0.1, 6.0, 6.0, 6.0, 6.0, 6.0];
+    assert_eq!(blocks(&mut controller(&[]), 0, &balances), [4, 8, 16, 16, 16, 8, 4, 2, 2]);
 }
 
 #[test]
 fn nothing_changes_in_the_band() {
-    assert_eq!(blocks(&mut controller(&[]), 0, &[0.41, 0.79, 0.6, 0.799, 0.401, 0.5]), [4; 6]);
+    assert_eq!(blocks(&mut controller(&[]), 0, &[0.51, 3.99, 1.0, 3.9, 0.6, 2.0]), [4; 6]);
 }
 
 #[test]
 fn thresholds_are_inclusive_and_alternate() {
-    // 0.8 raises in even frames, 0.9 in odd ones; 0.4 lowers in even, 0.3 in odd.
-    assert_eq!(blocks(&mut controller(&[]), 0, &[0.8, 0.85, 0.6]), [4, 8, 8]);
-    assert_eq!(blocks(&mut controller(&[]), 1, &[0.85, 0.8, 0.6]), [4, 4, 8]);
-    assert_eq!(blocks(&mut controller(&[]), 1, &[0.9, 0.6]), [4, 8]);
-    assert_eq!(blocks(&mut controller(&[]), 1, &[0.35, 0.4, 0.6]), [4, 4, 2]);
-    assert_eq!(blocks(&mut controller(&[]), 1, &[0.3, 0.6]), [4, 2]);
+    // 0.5 raises in even frames, 0.4 in odd ones; 4 lowers in even, 5 in odd.
+    assert_eq!(blocks(&mut controller(&[]), 0, &[0.5, 0.4, 1.0]), [4, 8, 8]);
+    assert_eq!(blocks(&mut controller(&[]), 1, &[0.45, 0.5, 1.0]), [4, 4, 8]);
+    assert_eq!(blocks(&mut controller(&[]), 1, &[0.4, 1.0]), [4, 8]);
+    assert_eq!(blocks(&mut controller(&[]), 1, &[4.5, 4.0, 1.0]), [4, 4, 2]);
+    assert_eq!(blocks(&mut controller(&[]), 1, &[5.0, 1.0]), [4, 2]);
+}
+
+/// A block twice as large must have few traced I-samples: half as many for each R-sample at each step up.
+#[test]
+fn the_larger_the_block_the_less_it_is_raised() {
+    let next =
+        |start: u32, balance: f64| blocks(&mut controller(&[&format!("start={start}")]), 0, &[balance, balance])[1];
+    assert_eq!([next(2, 1.0), next(4, 0.5), next(8, 0.25)], [4, 8, 16]);
+    assert_eq!([next(2, 1.01), next(4, 0.51), next(8, 0.26)], [2, 4, 8]);
+    assert_eq!([next(16, 0.0), next(2, 9.0)], [16, 2], "within the range");
+}
+
+/// Dear samples and lenient limits: what a finer grid finds is worth less.
+#[test]
+fn thresholds_grow_with_rays_and_limit() {
+    let balance = Balance::new(&multirate(), 1.0);
+    let asks = |traced: f64, rays: u64, factor: f64| {
+        let mut tile = stats(&[traced; 8]).remove(0);
+        tile.counts.rays_traced = RayCounts { primary: tile.counts.samples_traced * rays, ..RayCounts::default() };
+        balance.asks(4, factor, &tile)
+    };
+    // Four times the rays: twice the thresholds.
+    assert_eq!([asks(4.0, 3, 1.0), asks(4.0, 12, 1.0), asks(8.0, 12, 1.0), asks(1.0, 12, 1.0)], [-1, 0, -1, 1]);
+    assert_eq!([asks(2.0, 3, 0.5), asks(0.5, 3, 0.5), asks(4.0, 3, 2.0)], [-1, 0, 0]);
+    // Nothing but R-samples asks for nothing.
+    let mut bare = stats(&[0.0; 8]).remove(0);
+    bare.counts.samples_reference = bare.counts.samples_full;
+    assert_eq!(balance.asks(4, 1.0, &bare), 0);
+}
+
+/// The preset with the thresholds of [`controller`].
+fn multirate() -> Multirate {
+    let set = ["start=4", "finest=2", "coarsest=16", "raise=1", "lower=4"].map(String::from);
+    match NamedPolicy::load("multirate", &set).unwrap().policy {
+        Policy::Multirate(multirate) => multirate,
+        other => panic!("{other:?}"),
+    }
 }
 
 #[test]
 fn a_change_needs_frames_in_a_row() {
     let mut control = controller(&["hold=3"]);
-    assert_eq!(blocks(&mut control, 0, &[0.95, 0.95, 0.6, 0.95, 0.95, 0.95, 0.6]), [4, 4, 4, 4, 4, 4, 8]);
+    assert_eq!(blocks(&mut control, 0, &[0.1, 0.1, 1.0, 0.1, 0.1, 0.1, 1.0]), [4, 4, 4, 4, 4, 4, 8]);
     // The opposite wish starts the count again, and so does a change.
-    assert_eq!(blocks(&mut controller(&["hold=2"]), 0, &[0.95, 0.1, 0.95, 0.95, 0.95, 0.95]), [4, 4, 4, 4, 8, 8]);
+    assert_eq!(blocks(&mut controller(&["hold=2"]), 0, &[0.1, 9.0, 0.1, 0.1, 0.1, 0.1]), [4, 4, 4, 4, 8, 8]);
 }
 
 #[test]
-fn a_ratio_on_a_threshold_holds_its_block() {
-    // Coarser blocks find less: the ratio crosses the threshold with every change. With a band it does not.
+fn a_balance_on_a_threshold_holds_its_block() {
+    // A larger block has a larger balance, and crosses the threshold with every change. With a band it does not.
     let chase = |changes: &[&str]| {
-        let (mut control, mut ratio, mut seen) = (controller(changes), 0.7, Vec::new());
+        let (mut control, mut balance, mut seen) = (controller(changes), 0.5, Vec::new());
         for frame in 0..12 {
-            let block = blocks(&mut control, frame, &[ratio])[0];
+            let block = blocks(&mut control, frame, &[balance])[0];
             seen.push(block);
-            ratio = if control.rates(frame + 1, &camera(0.0)).blocks()[0] > 4 { 0.6 } else { 0.7 };
+            balance = if control.rates(frame + 1, &camera(0.0)).blocks()[0] > 4 { 1.1 } else { 0.5 };
         }
         seen.windows(2).filter(|pair| pair[0] != pair[1]).count()
     };
-    assert_eq!(chase(&["lower=0.65", "raise=0.65", "alternate=0"]), 11, "to and fro");
-    assert_eq!(chase(&["lower=0.4", "raise=0.65", "alternate=0"]), 1, "once");
-    // Equal thresholds that alternate: odd frames leave both ratios alone, so it is half as often.
-    assert_eq!(chase(&["lower=0.65", "raise=0.65", "alternate=0.1"]), 6);
+    assert_eq!(chase(&["raise=1", "lower=1", "alternate=0"]), 11, "to and fro");
+    assert_eq!(chase(&["raise=1", "lower=4", "alternate=0"]), 1, "once");
+    // Equal thresholds that alternate: odd frames leave both balances alone, so it is half as often.
+    assert_eq!(chase(&["raise=1", "lower=1", "alternate=0.25"]), 6);
 }
 
 #[test]
@@ -117,26 +164,26 @@ fn a_cut_starts_again() {
     let start = |control: &RateController, frame, degrees| control.rates(frame, &camera(degrees)).blocks() == [4; 8];
     let mut control = controller(&["cut_deg=10"]);
     assert!(start(&control, 7, 0.0), "a first frame");
-    assert_eq!(blocks(&mut control, 7, &[0.95, 0.95]), [4, 8]);
+    assert_eq!(blocks(&mut control, 7, &[0.1, 0.1]), [4, 8]);
     assert!(!start(&control, 9, 9.9), "the next frame, hardly turned");
     assert!(start(&control, 9, 10.1), "turned");
     assert!(start(&control, 10, 0.0) && start(&control, 8, 0.0), "not the next frame");
     // The frame after a turn follows on from the start, not from before.
     let (at, turned) = (control.rates(9, &camera(50.0)), camera(50.0));
-    control.learn(9, &turned, &at, &stats(&[0.95; 8]));
+    control.learn(9, &turned, &at, &stats(&[0.1; 8]));
     assert_eq!(control.rates(10, &turned).blocks(), [8; 8]);
 }
 
 #[test]
 fn ratios_that_change_too_much_are_a_cut() {
     let mut control = controller(&["cut_change=0.3"]);
-    // From 0.95 to 0.5 in the mean: seen after frame 2, so frame 3 starts again, and frame 4 follows frame 3.
-    assert_eq!(blocks(&mut control, 0, &[0.95, 0.95, 0.5, 0.95, 0.95]), [4, 8, 16, 4, 8]);
-    // Half of the tiles change by 0.5: 0.25 in the mean is none.
+    // From 0.99 interpolated to 0.5 in the mean: seen after frame 2, so frame 3 starts again, and frame 4 follows frame 3.
+    assert_eq!(blocks(&mut control, 0, &[0.1, 0.1, 4.5, 0.1, 0.1]), [4, 8, 16, 4, 8]);
+    // Half of the tiles change by as much: 0.24 in the mean is none.
     let mut control = controller(&["cut_change=0.3"]);
-    for (frame, other) in [(0, 0.95), (1, 0.95), (2, 0.45)] {
+    for (frame, other) in [(0, 0.1), (1, 0.1), (2, 4.5)] {
         let rates = control.rates(frame, &camera(0.0));
-        control.learn(frame, &camera(0.0), &rates, &stats(&[0.95, other, 0.95, other, 0.95, other, 0.95, other]));
+        control.learn(frame, &camera(0.0), &rates, &stats(&[0.1, other, 0.1, other, 0.1, other, 0.1, other]));
     }
     assert_eq!(control.rates(3, &camera(0.0)).blocks()[0], 16);
 }
@@ -145,7 +192,7 @@ fn ratios_that_change_too_much_are_a_cut() {
 fn each_tile_goes_its_own_way() {
     let mut control = controller(&[]);
     let rates = control.rates(0, &camera(0.0));
-    control.learn(0, &camera(0.0), &rates, &stats(&[0.95, 0.5, 0.1, 0.95, 0.1, 0.95, 0.5, 0.5]));
+    control.learn(0, &camera(0.0), &rates, &stats(&[0.1, 1.0, 9.0, 0.1, 9.0, 0.1, 1.0, 1.0]));
     let rates = control.rates(1, &camera(0.0));
     assert_eq!(rates.blocks(), [8, 4, 2, 8, 2, 8, 4, 4]);
     let left: Vec<_> = (0..8).map(|tile| rates.tile(tile).left).collect();
