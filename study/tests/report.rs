@@ -46,6 +46,7 @@ fn json_has_the_promised_keys_and_the_same_bytes_each_time() {
         "psnr_db",
         "ssim",
         "flip",
+        "worst_frame_psnr_db",
         "worst_tile_psnr_db",
         "worst_tile",
         "flicker",
@@ -123,6 +124,9 @@ fn flip_worst_tile_and_flicker_over_frames() {
     assert_eq!(all.sum.worst_tile_psnr_db, Some(worst));
     let of = all.frames.iter().find(|f| Some(f.frame) == all.sum.worst_tile_frame).unwrap();
     assert_eq!((of.figures.worst_tile_psnr_db, of.figures.worst_tile), (Some(worst), all.sum.worst_tile));
+    let worst = frames.iter().map(|f| f.psnr_db.unwrap()).fold(f64::INFINITY, f64::min);
+    assert_eq!(all.sum.worst_frame_psnr_db, Some(worst));
+    assert!(frames.iter().all(|f| f.worst_frame_psnr_db == f.psnr_db));
     // Flicker: two pairs, none for the first frame; the root of the mean of the squares.
     assert_eq!(frames.iter().map(|f| f.flicker.is_some()).collect::<Vec<_>>(), [false, true, true]);
     let square = (frames[1].flicker.unwrap().powi(2) + frames[2].flicker.unwrap().powi(2)) / 2.0;

@@ -102,6 +102,7 @@ mod tests {
                 "audited_psnr_db",
                 "psnr_db",
                 "ssim",
+                "worst_frame_psnr_db",
                 "worst_tile_psnr_db",
                 "flicker_db",
                 "identical",

@@ -143,6 +143,8 @@ figures! {
         flip: Option<f64> => "1", Less, Mean,
             "FLIP against full (Andersson et al. 2020), 8-bit sRGB at 67 pixels per degree: 0 no difference seen, 1 the \
              largest; mean over all pixels and frames";
+        worst_frame_psnr_db: Option<f64> => "dB", More, Whole,
+            "psnr_db of the frame with the largest mean squared error; null for identical pictures";
         worst_tile_psnr_db: Option<f64> => "dB", More, Whole,
             "psnr_db of the tile with the largest mean squared error, of all frames; null for identical pictures";
         worst_tile: Option<u32> => "index", Neither, Whole,

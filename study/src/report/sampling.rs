@@ -20,6 +20,8 @@ impl SamplingFigures {
         let ssims: Option<Vec<f64>> = qualities.iter().map(|q| q.ssim).collect();
         let flips: Option<Vec<f64>> = qualities.iter().map(|q| q.flip).collect();
         let worst = worst_tile(&qualities);
+        // All frames have the same number of values.
+        let worst_frame = qualities.iter().max_by_key(|q| q.squared_error);
         let flicker: Option<SquaredError> = qualities.iter().filter_map(|q| q.flicker).reduce(|sum, frame| sum + frame);
         let (full, traced, apron) = (counts.rays_full, counts.rays_traced, counts.rays_apron);
         Self {
@@ -40,6 +42,7 @@ impl SamplingFigures {
             psnr_db: decibels(error, values),
             ssim: ssims.and_then(|s| mean(&s)),
             flip: flips.and_then(|f| mean(&f)),
+            worst_frame_psnr_db: worst_frame.and_then(|q| decibels(q.squared_error, q.values)),
             worst_tile_psnr_db: worst.and_then(|w| w.error.decibels()),
             worst_tile: worst.map(|w| w.tile),
             worst_tile_frame: worst.map(|w| w.frame),
