@@ -102,7 +102,10 @@ fn contradicts(doubted: &Node, witness: &Node, (tests, limit): (&Tests, ShownLim
         !tests.alike_hits(doubted, witness, compared)
     };
     // Either alone may spare the other.
-    if tests.colours_first() { shows(compared) && differs(compared) } else { differs(compared) && shows(compared) }
+    if tests.colours_first() && !shows(compared) {
+        return false;
+    }
+    differs(compared) && (tests.colours_first() || shows(compared))
 }
 
 fn offset(view: &TileView, x: u32, y: u32) -> usize {

@@ -88,7 +88,7 @@ impl Book<'_> {
         let total = f64::from(width) * f64::from(height);
         let mut plan = vec![(self.policy.start, 1.0); tiles.len()];
         let Some(aim) = self.aim() else { return plan };
-        for tile in 2 * self.columns..tiles.len() {
+        for (tile, rate) in plan.iter_mut().enumerate().skip(2 * self.columns) {
             let above = tile - 2 * self.columns;
             let done = &tiles[..(above / self.columns + 1) * self.columns];
             let (found, unit, values) = sums(done);
@@ -97,7 +97,7 @@ impl Book<'_> {
             let share = done.iter().map(|tile| tile.counts.samples_full).sum::<u64>() as f64 / total;
             let rest = (aim - share * found) / (1.0 - share);
             let factor = libm::pow(rest.max(aim / 4.0) / unit, 1.0 / 0.7).min(1.0);
-            plan[tile].1 = self.within(factor, done);
+            rate.1 = self.within(factor, done);
         }
         plan
     }
