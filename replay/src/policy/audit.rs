@@ -4,8 +4,8 @@
 //! any case. Its rays go out in the round in which its samples were interpolated. Tests and neighbours use the interpolated
 //! values as everywhere. In the end both are compared as displayed, and the picture shows what was traced.
 //!
-//! The mean over the audited pixels estimates the squared error of the picture without bias, with one exception: without a history
-//! the error of samples of which some rays were traced is not looked at, since tracing them again would cost what they saved.
+//! The rest of a sample of which some rays were traced follows in its round too. So the mean over the audited pixels estimates the
+//! squared error of the picture without bias.
 
 use super::scramble::scramble;
 use super::view::{SampleState, TileView};
@@ -21,8 +21,6 @@ pub struct Audit {
     pub samples: u32,
     /// Pixels in a row of the picture.
     pub width: u32,
-    /// The same for samples of which some rays were traced.
-    pub partial: bool,
 }
 
 impl Audit {
@@ -59,7 +57,7 @@ impl Audit {
         for (x, y) in self.inside(x, y) {
             match view.state(x, y) {
                 Some((SampleState::Interpolated, round)) => view.correct(x, y, round),
-                Some(_) if self.partial && !view.is_whole(x, y) => view.complete(x, y),
+                Some(_) if !view.is_whole(x, y) => view.complete(x, y),
                 _ => {}
             }
         }

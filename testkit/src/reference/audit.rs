@@ -22,7 +22,7 @@ impl Maker<'_> {
             for &at in &samples {
                 let KnownSample { how, round, .. } = *self.known[at].as_ref().unwrap();
                 let is_whole = self.traced[at].iter().all(|traced| *traced == Traced::WHOLE);
-                if how == Origin::Interpolated || self.memory.is_some() && !is_whole {
+                if how == Origin::Interpolated || !is_whole {
                     self.whole(at, if how == Origin::R { how } else { Origin::Traced }, round);
                 }
             }

@@ -79,8 +79,7 @@ impl Rules {
             Policy::Adaptive(adaptive) => (adaptive.apron, adaptive.sampling.clone()),
             Policy::Multirate(multirate) | Policy::Temporal(Temporal { multirate, .. }) => {
                 let every = multirate.target.psnr_db.value().map(|_| multirate.target.audit);
-                let partial = history.is_some();
-                audit = every.map(|every| Audit { every, samples: meta.samples, width: meta.width, partial });
+                audit = every.map(|every| Audit { every, samples: meta.samples, width: meta.width });
                 (Apron::Share, multirate.sampling.clone())
             }
             Policy::Foveated(foveated) => (Apron::Share, foveated.sampling.clone()),
