@@ -25,7 +25,8 @@ const RATES: [(&str, &str, &str); 6] = [
 
 fn main() -> Result<(), Box<dyn Error>> {
     let path = std::env::args().nth(1).ok_or("give results.csv of the sweep")?;
-    let points: Vec<Point> = csv::Reader::from_path(&path)?.deserialize().collect::<Result<_, _>>()?;
+    let read = || csv::Reader::from_path(&path)?.deserialize().collect::<Result<Vec<Point>, _>>();
+    let points = read().map_err(|error| format!("{path}: {error}"))?;
     println!(
         "| scene | policy | rays, % | PSNR, dB | worst frame | flicker | FLIP | T&I perf/W, warm (cold) | whole GPU perf/W, warm (cold) |"
     );

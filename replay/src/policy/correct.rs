@@ -101,7 +101,7 @@ fn contradicts(doubted: &Node, witness: &Node, (tests, limit): (&Tests, ShownLim
         compared.pairs += 1;
         !tests.alike_hits(doubted, witness, compared)
     };
-    // Either alone may spare the other.
+    // The one that is looked at second is spared where the first finds nothing.
     if tests.colours_first() && !shows(compared) {
         return false;
     }
