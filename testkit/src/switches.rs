@@ -33,8 +33,12 @@ fn one(random: &mut Random) -> Adaptive {
     tests.unlike = pick(&[-1.0, 0.1, 0.8]);
     (tests.unlike_primary, tests.first) = (pick(&[-1.0, 0.1, 0.5]), first);
     (policy.sampling.secondary, policy.sampling.stand_in) = (secondary, stand_in);
-    policy.sampling.correct =
-        Correct { passes: pick(&[0.0, 1.0, 8.0]).value().unwrap() as u32, colour: pick(&[-1.0, 0.02, 0.1]), weighed };
+    policy.sampling.correct = Correct {
+        passes: pick(&[0.0, 1.0, 8.0]).value().unwrap() as u32,
+        colour: pick(&[-1.0, 0.02, 0.1]),
+        colour_alone: pick(&[-1.0, 0.05, 0.2]),
+        weighed,
+    };
     tests = &mut policy.sampling.similarity;
     tests.convexity = pick(&[-1.0, -1.0, 0.0, 0.1]);
     if !secondary && pick(&[0.0, 1.0]) == Limit::At(1.0) {

@@ -5,6 +5,9 @@
 //! it, pass by pass, until nothing contradicts or the passes are used up (after Kim et al. 2016, whose filters are not
 //! published). It looks at all eight neighbours, since a thin wire may run on diagonally, from corner to corner of its
 //! samples; only at those inside the tile, so that no tile waits for another.
+//!
+//! A highlight, and what is seen in a mirror or through glass, is an edge that primary hits do not show. So a large difference of colours
+//! counts whatever the hits say (`correct.colour_alone`).
 
 use super::similarity::{Compared, Tests, costs, difference};
 use super::tree::Node;
@@ -15,14 +18,14 @@ use super::{Attributes, Sampling, Shade};
 pub fn correct(view: &mut TileView, sampling: &Sampling, tests: &Tests, round: u8) {
     let rules = &sampling.correct;
     let is_lazy = sampling.attributes == Attributes::Lazy;
-    let limit = ShownLimit { colour: rules.colour.value(), is_weighed: rules.weighed };
+    let limits = Limits { colour: rules.colour.value(), alone: rules.colour_alone.value(), is_weighed: rules.weighed };
     // The samples that may contradict: in the first pass all.
     let mut witnesses = vec![true; view.rect().len()];
     // The interpolated samples whose attributes were looked at: they have to be interpolated too, once.
     let mut read = vec![sampling.shade == Shade::Attributes; view.rect().len()];
     for pass in 0..rules.passes {
         let round = round + pass as u8;
-        let found = contradicted(view, (tests, limit), round, &witnesses, (is_lazy, &mut read));
+        let found = contradicted(view, (tests, limits), round, &witnesses, (is_lazy, &mut read));
         if found.is_empty() {
             return;
         }
@@ -38,7 +41,7 @@ pub fn correct(view: &mut TileView, sampling: &Sampling, tests: &Tests, round: u
 /// The interpolated samples that a traced neighbour among `witnesses` contradicts.
 fn contradicted(
     view: &mut TileView,
-    (tests, limit): (&Tests, ShownLimit),
+    (tests, limits): (&Tests, Limits),
     round: u8,
     witnesses: &[bool],
     (is_lazy, read): (bool, &mut [bool]),
@@ -58,7 +61,7 @@ fn contradicted(
             let mut nearby = around.filter(|&(u, v)| {
                 witnesses[offset(view, u, v)] && !matches!(view.state(u, v), Some((SampleState::Interpolated, _)))
             });
-            if nearby.any(|(u, v)| contradicts(doubted, &view.tree(u, v)[0], (tests, limit), &mut made)) {
+            if nearby.any(|(u, v)| contradicts(doubted, &view.tree(u, v)[0], (tests, limits), &mut made)) {
                 found.push((x, y));
             }
             if made == Compared::default() {
@@ -81,31 +84,39 @@ fn contradicted(
 
 /// How far colours must differ for a contradiction to count.
 #[derive(Clone, Copy)]
-struct ShownLimit {
-    /// None: it counts in any case.
+struct Limits {
+    /// Of samples whose hits are unlike; None: they count in any case.
     colour: Option<f64>,
+    /// Of samples whose hits are alike; None: they never count.
+    alone: Option<f64>,
     is_weighed: bool,
 }
 
-/// Whether the attributes of two hits differ, and a viewer could see it.
-fn contradicts(doubted: &Node, witness: &Node, (tests, limit): (&Tests, ShownLimit), compared: &mut Compared) -> bool {
-    let shows = |compared: &mut Compared| {
-        let Some(colour) = limit.colour else { return true };
-        compared.colours += 1;
-        let weight = if limit.is_weighed { costs(doubted.rays.midpoint(witness.rays)) } else { 1.0 };
-        let colours = (doubted.colour, witness.colour);
+/// Whether a viewer could see the difference of a sample and a witness, and either their hits differ too or the difference is large.
+fn contradicts(doubted: &Node, witness: &Node, (tests, limits): (&Tests, Limits), compared: &mut Compared) -> bool {
+    let weight = if limits.is_weighed { costs(doubted.rays.midpoint(witness.rays)) } else { 1.0 };
+    let colours = (doubted.colour, witness.colour);
+    let exceeds = |limit: f64| {
         let shown = difference(colours, colours);
-        shown > colour * weight || shown.is_nan()
+        shown > limit * weight || shown.is_nan()
     };
     let differs = |compared: &mut Compared| {
         compared.pairs += 1;
         !tests.alike_hits(doubted, witness, compared)
     };
-    // The one that is looked at second is spared where the first finds nothing.
-    if tests.colours_first() && !shows(compared) {
-        return false;
+    // What is looked at second is spared where the first decides.
+    if tests.colours_first() {
+        compared.colours += u32::from(limits.colour.is_some() || limits.alone.is_some());
+        return limits.alone.is_some_and(exceeds) || (limits.colour.is_none_or(exceeds) && differs(compared));
     }
-    differs(compared) && (tests.colours_first() || shows(compared))
+    let unlike = differs(compared);
+    match if unlike { limits.colour } else { limits.alone } {
+        Some(limit) => {
+            compared.colours += 1;
+            exceeds(limit)
+        }
+        None => unlike,
+    }
 }
 
 fn offset(view: &TileView, x: u32, y: u32) -> usize {

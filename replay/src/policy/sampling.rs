@@ -96,7 +96,8 @@ settings! {
         passes: u32 = Count(0, 64), "most passes of post-correction; 0 is off";
         /// Off: attributes that contradict always count. [`super::similarity::costs`] has the rule of `weighed`.
         colour: Limit = LimitUpTo(2.0), "contradictions count where the colours as displayed differ by more";
-        weighed: bool = Flag, "that limit grows with the rays of a sample: it is for three";
+        colour_alone: Limit = LimitUpTo(2.0), "beyond this difference of colours nothing else need contradict";
+        weighed: bool = Flag, "both limits grow with the rays of a sample: they are for three";
     }
 }
 
@@ -129,6 +130,6 @@ impl Sampling {
         attributes: Attributes::Eager,
         shade_ambient: 0.0,
         similarity: Similarity::NONE,
-        correct: Correct { passes: 0, colour: Limit::Off, weighed: false },
+        correct: Correct { passes: 0, colour: Limit::Off, colour_alone: Limit::Off, weighed: false },
     };
 }

@@ -9,9 +9,9 @@
 //! - **After a frame**, all tiles of the next one have the factor that would have put the last frames on target, each of which
 //!   counts less than the one after it: audits are few, and their chance moves the picture less so.
 //! - **In a first frame**, and after a cut, each row of tiles has its own factor. It follows from the rows that are finished,
-//!   which end two rows above: the row just above is still at work. Suppose that the rest of the frame is like what was seen.
-//!   Then this factor makes the whole frame end on target. It is at most 1: limits that are loose above and strict below cost
-//!   more rays than one limit between them.
+//!   which end two rows above: the row just above is still at work. Suppose that the rest of the frame is like these rows, the
+//!   last ones above all (a quiet wall above says little of the bench below it). Then this factor makes the whole frame end on
+//!   target. It is at most 1: limits that are loose above and strict below cost more rays than one limit between them.
 //!
 //! The target is not pursued at any price. Where much is traced anyway, a stricter limit costs many rays for little. So the
 //! factor goes below 1 only as far as the traced share of the samples stays below `target.share`.
@@ -22,7 +22,7 @@ use super::Target;
 use crate::counts::TileStats;
 use crate::image::psnr::SquaredError;
 
-/// What frames before the last one still count for: each so much of the frame after it.
+/// What frames before the last one still count for: each so much of the frame after it. In a first frame rows of tiles likewise.
 const MEMORY: f64 = 0.75;
 
 /// The squared error grows with the colour limit to this power. Measured on the five built-in scenes it is 0.4 (provence) to
@@ -61,10 +61,9 @@ impl Seen {
         self.traced += stats.counts.samples_traced;
     }
 
-    /// Mean squared errors, 8-bit levels: as found, and at factor 1.
-    fn means(&self, aim: f64) -> (f64, f64) {
-        let values = self.found.values as f64;
-        (mean(self.found.sum as f64, values, aim), mean(self.unit, values, aim))
+    /// Mean squared error as found, 8-bit levels.
+    fn mean(&self, aim: f64) -> f64 {
+        mean(self.found.sum as f64, self.found.values as f64, aim)
     }
 }
 
@@ -91,6 +90,9 @@ pub struct LimitController {
 pub struct FirstFrame {
     controller: LimitController,
     seen: Seen,
+    /// What the audits found at factor 1: squared error and values, the rows further up the less.
+    unit: f64,
+    values: f64,
     total: u64,
 }
 
@@ -108,7 +110,13 @@ impl LimitController {
 
     /// A first frame of `total` samples.
     pub fn first(&self, total: u64) -> FirstFrame {
-        FirstFrame { controller: Self { factor: None, ..self.clone() }, seen: Seen::default(), total }
+        FirstFrame {
+            controller: Self { factor: None, ..self.clone() },
+            seen: Seen::default(),
+            unit: 0.0,
+            values: 0.0,
+            total,
+        }
     }
 
     /// Takes note of the tiles of a finished frame. `first` says that it followed no other.
@@ -137,8 +145,15 @@ impl FirstFrame {
     /// Takes note of a finished row of tiles; the factor for the next row to begin.
     pub fn row(&mut self, tiles: &[TileStats]) -> f64 {
         let Some(aim) = self.controller.aim else { return 1.0 };
-        tiles.iter().for_each(|stats| self.seen.add(stats));
-        let (found, unit) = self.seen.means(aim);
+        let mut row = Seen::default();
+        tiles.iter().for_each(|stats| {
+            self.seen.add(stats);
+            row.add(stats);
+        });
+        self.unit = self.unit * MEMORY + row.unit;
+        self.values = self.values * MEMORY + row.found.values as f64;
+        let found = self.seen.mean(aim);
+        let unit = mean(self.unit, self.values, aim);
         let done = self.seen.samples as f64 / self.total as f64;
         let rest = if done < 1.0 { (aim - done * found) / (1.0 - done) } else { aim };
         self.controller.limited(libm::pow(rest.max(LEAST_REST * aim) / unit, 1.0 / GROWTH).min(1.0), &self.seen)
@@ -267,6 +282,22 @@ mod tests {
         let mut frame = controller(20.0).first(TOTAL);
         let factor = frame.row(&[tile(2.0 * AIM, 100, 1.0)]);
         assert!((factor - libm::pow(6.0 / 7.0 / 2.0, 1.0 / GROWTH)).abs() < 1.0e-3, "{factor}");
+    }
+
+    #[test]
+    fn a_first_frame_expects_what_its_last_rows_were_like() {
+        let rows = |above: f64, below: f64| {
+            let mut frame = controller(20.0).first(TOTAL);
+            (0..3).for_each(|_| drop(frame.row(&[tile(above, 100, 1.0)])));
+            frame.row(&[tile(below, 100, 1.0)])
+        };
+        // Both have the same error so far, which is on target: 3 + 5 parts and 3 + 5 of 8.
+        assert!((rows(AIM, AIM) - 1.0).abs() < 1.0e-4);
+        let expected = (5.0 + 0.5 * (0.75 + 0.75 * 0.75 + 0.421875)) / (1.0 + 0.75 + 0.75 * 0.75 + 0.421875);
+        let rest = (1.0 - 0.5 * (3.0 * 0.5 + 5.0) / 4.0) / 0.5;
+        let factor = libm::pow((rest / expected).max(0.25 / expected), 1.0 / GROWTH);
+        assert!((rows(0.5 * AIM, 5.0 * AIM) - factor.max(0.25)).abs() < 1.0e-3);
+        assert!(rows(0.5 * AIM, 2.0 * AIM) < rows(1.25 * AIM, 0.0), "the last row says most of the rest");
     }
 
     #[test]

@@ -217,11 +217,14 @@ impl<'a> Maker<'a> {
             for (x, y) in area.samples() {
                 let at = y * self.frame.width + x;
                 let beside: Vec<_> = news.iter().filter(|&&other| self.is_witness((x, y), other)).collect();
-                let looks_at_hits = |&other: &(usize, usize)| match self.policy.sampling.similarity.first {
-                    First::Hits => true,
-                    First::Colours => self.shows((x, y), other),
+                // With colours first hits are looked at where the first witness of which colours say anything leaves it open.
+                let says =
+                    |other: &&&(usize, usize)| self.shows((x, y), ***other) || self.shows_alone((x, y), ***other);
+                let looks_at_hits = match self.policy.sampling.similarity.first {
+                    First::Hits => !beside.is_empty(),
+                    First::Colours => beside.iter().find(says).is_some_and(|&&other| !self.shows_alone((x, y), other)),
                 };
-                if beside.iter().any(|other| looks_at_hits(other)) {
+                if looks_at_hits {
                     self.read(area, at, 1);
                 }
                 let is_contradicted = beside.iter().any(|&&other| self.contradicts(area, (x, y), other));
@@ -243,15 +246,24 @@ impl<'a> Maker<'a> {
 
     pub fn contradicts(&self, area: &Area, sample: (usize, usize), witness: (usize, usize)) -> bool {
         let [doubted, other] = [sample, witness].map(|(x, y)| self.tree(y * self.frame.width + x));
-        self.is_witness(sample, witness) && !self.judge(area, 1).alike(doubted, other) && self.shows(sample, witness)
+        let is_unlike = || !self.judge(area, 1).alike(doubted, other) && self.shows(sample, witness);
+        self.is_witness(sample, witness) && (self.shows_alone(sample, witness) || is_unlike())
     }
 
     /// A viewer would see the difference of two samples.
     fn shows(&self, sample: (usize, usize), witness: (usize, usize)) -> bool {
+        self.policy.sampling.correct.colour.value().is_none_or(|limit| self.exceeds(sample, witness, limit))
+    }
+
+    /// A viewer would see it so well that their hits do not matter.
+    fn shows_alone(&self, sample: (usize, usize), witness: (usize, usize)) -> bool {
+        self.policy.sampling.correct.colour_alone.value().is_some_and(|limit| self.exceeds(sample, witness, limit))
+    }
+
+    fn exceeds(&self, sample: (usize, usize), witness: (usize, usize), limit: f64) -> bool {
         let [a, b] = [sample, witness].map(|(x, y)| self.tree(y * self.frame.width + x));
-        let rules = &self.policy.sampling.correct;
-        let Some(limit) = rules.colour.value() else { return true };
-        let weight = if rules.weighed { (f64::from((a.rays + b.rays) / 2) / 3.0).sqrt() } else { 1.0 };
+        let is_weighed = self.policy.sampling.correct.weighed;
+        let weight = if is_weighed { (f64::from((a.rays + b.rays) / 2) / 3.0).sqrt() } else { 1.0 };
         let differ = difference((a.colour, b.colour), (a.colour, b.colour));
         differ.is_nan() || differ > limit * weight
     }

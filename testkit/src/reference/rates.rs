@@ -91,9 +91,16 @@ impl Book<'_> {
         for (tile, rate) in plan.iter_mut().enumerate().skip(2 * self.columns) {
             let above = tile - 2 * self.columns;
             let done = &tiles[..(above / self.columns + 1) * self.columns];
-            let (found, unit, values) = sums(done);
+            let (found, _, values) = sums(done);
             let found = (found + 192.0 * aim) / (values + 192.0);
-            let unit = (unit + 192.0 * aim) / (values + 192.0);
+            // Each row a power of 0.75, the last one 1.
+            let (mut unit, mut values) = (192.0 * aim, 192.0);
+            for (age, row) in done.rchunks(self.columns).enumerate() {
+                let (_, row_unit, row_values) = sums(row);
+                unit += libm::pow(0.75, age as f64) * row_unit;
+                values += libm::pow(0.75, age as f64) * row_values;
+            }
+            let unit = unit / values;
             let share = done.iter().map(|tile| tile.counts.samples_full).sum::<u64>() as f64 / total;
             let rest = (aim - share * found) / (1.0 - share);
             let factor = libm::pow(rest.max(aim / 4.0) / unit, 1.0 / 0.7).min(1.0);
