@@ -27,7 +27,8 @@ fn write(folder: &Path, flight: bool) {
     let material = |name: &str, colour: &str| {
         format!(r#"{{"name":"{name}","pbrMetallicRoughness":{{"baseColorFactor":[{colour},1],"metallicFactor":0}}}}"#)
     };
-    let mesh = |index: usize| format!(r#"{{"primitives":[{{"attributes":{{"POSITION":{index}}},"material":{index}}}]}}"#);
+    let mesh =
+        |index: usize| format!(r#"{{"primitives":[{{"attributes":{{"POSITION":{index}}},"material":{index}}}]}}"#);
     let (camera, film) = if flight {
         (
             r#","cameras":[{"type":"perspective","perspective":{"yfov":0.7,"znear":0.1}}]"#,
@@ -99,7 +100,8 @@ fn a_flight_in_a_gltf_is_captured_frame_by_frame() {
     let gltf = folder.join("m.gltf");
     let shown = rayreel!["scenes", "show", &gltf, "--fps", "8", "--json"].expect(0).json();
     assert_eq!(shown["frames"], 5, "0 to 0.5 seconds");
-    let film = capture(gltf.to_str().unwrap(), "--size 32x16 --samples 1x1 --fps 8 --frames 0..5", &folder.join("f.rtrace"));
+    let film =
+        capture(gltf.to_str().unwrap(), "--size 32x16 --samples 1x1 --fps 8 --frames 0..5", &folder.join("f.rtrace"));
     assert_eq!(film["frames"], 5);
     rayreel!["verify", folder.join("f.rtrace")].expect(0);
     rayreel!["render", &gltf, "-o", folder.join("x.png"), "--fps", "8", "--frame", "5"].expect(2).says(&["5"]);
@@ -130,7 +132,8 @@ fn flags_replace_camera_lights_and_sky() {
                 [[lights]]\nkind = \"point\"\nposition = [-1.0, 3.0, 2.0]\ncolour = [0.5, 0.75, 0.25]\nintensity = 1.0\n\
                 [sky]\ncolour = [0.25, 0.5, 0.75]\n";
     fs::write(&toml, text).unwrap();
-    let flags = ["--eye=0.5,1,4", "--target=0,0.5,0", "--fov=50", "--light=-1,3,2,0.5,0.75,0.25", "--sky=0.25,0.5,0.75"];
+    let flags =
+        ["--eye=0.5,1,4", "--target=0,0.5,0", "--fov=50", "--light=-1,3,2,0.5,0.75,0.25", "--sky=0.25,0.5,0.75"];
     let wanted = picture(folder, &toml, &[]);
     for scene in ["m.obj", "m.gltf", "s.toml"] {
         assert_eq!(picture(folder, &folder.join(scene), &flags), wanted, "{scene}");
@@ -162,7 +165,8 @@ fn flags_that_place_no_camera_are_wrong_usage() {
         (&["--sky=1,-1,0"], "give three numbers from 0 on"),
         (&["--fps=0"], "give a number above 0"),
     ] {
-        let mut args: Vec<std::ffi::OsString> = vec!["render".into(), "cornell".into(), "-o".into(), out.clone().into()];
+        let mut args: Vec<std::ffi::OsString> =
+            vec!["render".into(), "cornell".into(), "-o".into(), out.clone().into()];
         args.extend(flags.iter().map(std::ffi::OsString::from));
         crate::common::run(&args).expect(2).says(&[words]);
     }

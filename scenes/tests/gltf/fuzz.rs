@@ -3,6 +3,7 @@
 use proptest::prelude::*;
 use rayreel_scenes::{LoadOptions, Scene};
 use serde_json::json;
+use tempfile::TempDir;
 
 use crate::{load_file, writer::Writer};
 
@@ -37,8 +38,7 @@ fn rich() -> Vec<u8> {
     w.glb()
 }
 
-fn try_bytes(bytes: &[u8]) -> Option<Scene> {
-    let folder = crate::folder();
+fn try_bytes(folder: &TempDir, bytes: &[u8]) -> Option<Scene> {
     let path = folder.path().join("a.glb");
     std::fs::write(&path, bytes).expect("writes");
     load_file(&path, &LoadOptions { frames: 2, ..LoadOptions::default() }).ok()
@@ -46,24 +46,24 @@ fn try_bytes(bytes: &[u8]) -> Option<Scene> {
 
 #[test]
 fn every_length_is_an_error_but_the_whole() {
-    let whole = rich();
-    assert!(try_bytes(&whole).is_some(), "the whole file loads");
+    let (folder, whole) = (crate::folder(), rich());
+    assert!(try_bytes(&folder, &whole).is_some(), "the whole file loads");
     for length in 0..whole.len() {
-        assert!(try_bytes(&whole[..length]).is_none(), "{length} of {} bytes", whole.len());
+        assert!(try_bytes(&folder, &whole[..length]).is_none(), "{length} of {} bytes", whole.len());
     }
 }
 
 /// Every digit of the JSON becomes every other digit: most indices, counts and types go wrong once.
 #[test]
 fn every_digit_of_the_json_may_be_wrong() {
-    let whole = rich();
+    let (folder, whole) = (crate::folder(), rich());
     let end = 20 + u32::from_le_bytes([whole[12], whole[13], whole[14], whole[15]]) as usize;
     let (mut loaded, mut refused) = (0, 0);
     for at in (20..end).filter(|at| whole[*at].is_ascii_digit()) {
         for digit in *b"012579" {
             let mut bytes = whole.clone();
             bytes[at] = digit;
-            match try_bytes(&bytes) {
+            match try_bytes(&folder, &bytes) {
                 Some(scene) => {
                     loaded += 1;
                     assert!(scene.validate().is_ok());
@@ -80,12 +80,12 @@ proptest! {
 
     #[test]
     fn flipped_bits_never_panic(flips in prop::collection::vec((any::<prop::sample::Index>(), 0..8_u32), 1..6)) {
-        let mut bytes = rich();
+        let (folder, mut bytes) = (crate::folder(), rich());
         for (at, bit) in flips {
             let at = at.index(bytes.len());
             bytes[at] ^= 1 << bit;
         }
-        if let Some(scene) = try_bytes(&bytes) {
+        if let Some(scene) = try_bytes(&folder, &bytes) {
             prop_assert!(scene.validate().is_ok());
         }
     }
