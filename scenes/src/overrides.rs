@@ -49,7 +49,7 @@ impl Overrides {
         if !colours.clone().all(is_colour) {
             return bad("a light that was asked for is negative or not finite");
         }
-        check_light_count(self.lights.len(), || at(None))?;
+        check_light_count(self.lights.len(), || at(None)).map_err(asked)?;
         if !self.sky.is_none_or(is_colour) {
             return bad("the sky that was asked for is negative or not finite");
         }
@@ -72,16 +72,23 @@ impl Overrides {
         let cameras: Vec<Camera> = scene.cameras.iter().map(change).collect();
         for (frame, camera) in cameras.iter().enumerate() {
             let at = || Location::Scene { name: scene.name.clone(), camera: Some(frame) };
-            check_camera(camera, at).map_err(|error| match error {
-                // The file is not at fault, but what the caller gave.
-                SceneError::Input { at, what, fix, .. } => SceneError::Usage {
-                    what: format!("{at}, with what was asked for: {what}"),
-                    fix: fix.unwrap_or_default(),
-                },
-                other => other,
-            })?;
+            check_camera(camera, at).map_err(asked)?;
         }
         scene.cameras = cameras;
         Ok(())
+    }
+}
+
+/// The error of what the caller asked for: no file is at fault.
+fn asked(error: SceneError) -> SceneError {
+    match error {
+        SceneError::Input { at, what, fix, .. } => {
+            let fix = fix.unwrap_or_default();
+            SceneError::Usage { what: format!("{at}, with what was asked for: {what}"), fix }
+        }
+        SceneError::Limit { at, what, fix } => {
+            SceneError::Usage { what: format!("{at}, with what was asked for: {what}"), fix }
+        }
+        other => other,
     }
 }

@@ -83,11 +83,12 @@ fn a_gltf_gives_the_picture_of_its_obj() {
         assert_eq!(summary["triangles"], 3);
         digest(&file)
     };
-    // The scene's content hash stands in the metadata: vertices are stored in another order.
+    // The metadata hold the hash of the scene, and vertices are stored in another order. All else is the same, bit for bit.
     let (mut a, mut b) = (columns(&obj, "a.rtrace"), columns(&gltf, "b.rtrace"));
     for digest in [&mut a, &mut b] {
-        digest["columns"].as_object_mut().unwrap().remove("meta");
-        digest.as_object_mut().unwrap().retain(|key, _| key == "columns");
+        let columns = digest.as_object_mut().unwrap();
+        assert!(columns.remove("meta").is_some() && columns.remove("total").is_some());
+        assert!(columns.contains_key("bvh") && columns.contains_key("hits"), "{columns:?}");
     }
     assert_eq!(a, b);
 }
@@ -147,8 +148,6 @@ fn flags_replace_camera_lights_and_sky() {
     // Both eye and target: the camera stands still for all frames of a flight.
     let still = rayreel!["scenes", "show", "teapot", "--eye", "-3,2,4", "--target", "0,1,0", "--json"].expect(0).json();
     assert_eq!(still["frames"], 120);
-    let frames = |frame: &str| picture(folder, Path::new("cornell"), &["--eye=0,1,0.5", "--frame", frame]);
-    assert_eq!(frames("0"), frames("0"));
 }
 
 #[test]
@@ -172,5 +171,5 @@ fn flags_that_place_no_camera_are_wrong_usage() {
     }
     let many: Vec<std::ffi::OsString> = (0..17).map(|x| format!("--light={x},9,0").into()).collect();
     let args: Vec<_> = ["render".into(), "cornell".into(), "-o".into(), out.into()].into_iter().chain(many).collect();
-    crate::common::run(&args).expect(65).says(&["17 lights are too many"]);
+    crate::common::run(&args).expect(2).says(&["17 lights are too many"]);
 }

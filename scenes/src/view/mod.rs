@@ -25,7 +25,7 @@ const FREE_FRONT: f64 = 0.6;
 /// Points along each axis when the box is looked at.
 const COARSE: usize = 4;
 /// Points along each axis when a place is looked for.
-const FINE: usize = 7;
+const FINE: usize = 6;
 
 /// What a file leaves open: who looks from where, and the light.
 pub(crate) struct View {
