@@ -125,7 +125,13 @@ fn vertices(
     let normals = normals.map(|list| list.into_iter().map(|n| turn(DVec3::from_array(n.map(f64::from)))).collect());
     let uvs = match accessor(primitive, Semantic::TexCoords(target.surface.uv_set)) {
         Some(at) => source.floats::<2>(at)?,
-        None => vec![[0.0; 2]; count],
+        None => {
+            if target.surface.material.diffuse_map.is_some() {
+                let set = target.surface.uv_set;
+                warnings.add("uv", || format!("{file}: {place}: without TEXCOORD_{set} its texture has one colour"));
+            }
+            vec![[0.0; 2]; count]
+        }
     };
     same("texture coordinates", uvs.len())?;
     let uvs: Vec<Vec2> = uvs.into_iter().map(|uv| lookup(target.surface, Vec2::from(uv))).collect();

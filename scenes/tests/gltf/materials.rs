@@ -138,6 +138,7 @@ fn what_is_ignored_is_told_once_with_a_count() {
     for (count, words) in [
         (2, "material `m`: normal maps are not read"),
         (1, "occlusion maps are not read"),
+        (1, "mesh 0, primitive 0: without TEXCOORD_0 its texture has one colour"),
         (1, "textures of emission are not read"),
         (1, "the extension KHR_materials_sheen is not read"),
         (1, "mesh 0, primitive 1: colours of vertices are not read"),
@@ -148,7 +149,7 @@ fn what_is_ignored_is_told_once_with_a_count() {
     ] {
         assert_warned(&folder, &scene, count, words);
     }
-    assert_eq!(warnings(&folder, &scene).len(), 9);
+    assert_eq!(warnings(&folder, &scene).len(), 10);
     assert_eq!(scene.materials[0].emission, Vec3::ZERO);
 }
 
