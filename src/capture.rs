@@ -10,17 +10,18 @@ use rayreel_formats::trace::Codec;
 use rayreel_tracer::{CaptureOutcome, CaptureOutput, Captured, capture};
 use serde_json::json;
 
-use crate::common::{GridArgs, build, frames, load_scene, meta, print, print_json, si, tile_of};
+use crate::common::{GridArgs, build, frames, meta, print, print_json, si, tile_of};
 use crate::exit::Exit;
 use crate::progress::{self, Progress};
+use crate::scene_args::SceneArgs;
 
 /// Trace a scene into a trace file.
 ///
 /// The file is written as NAME.partial and renamed when it is complete; a capture that was killed goes on with --resume.
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// Built-in scene, scene file (.toml) or model (.obj).
-    scene: String,
+    #[command(flatten)]
+    scene: SceneArgs,
     /// Trace to write, by custom ending in .rtrace.
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
@@ -64,7 +65,8 @@ pub fn run(args: &Args, quiet: bool) -> Result<Exit> {
     if args.output.is_dir() {
         bail!("{} is a folder; name a file in it", args.output.display());
     }
-    let scene = load_scene(&args.scene)?;
+    let (first, count) = args.frames;
+    let scene = args.scene.load(first, count)?;
     if args.force && !args.resume {
         Writer::discard(&args.output)?;
     }
@@ -73,7 +75,6 @@ pub fn run(args: &Args, quiet: bool) -> Result<Exit> {
         CodecName::Plain => Codec::Plain(args.level),
     };
     let output = CaptureOutput { path: args.output.clone(), codec, level: args.level, resume: args.resume };
-    let (first, count) = args.frames;
     let tile = args.tile.unwrap_or_else(|| tile_of(args.grid.samples));
     let meta = meta(&scene, &args.grid, tile, first, count);
     let built = build(&scene)?;

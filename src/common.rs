@@ -75,10 +75,15 @@ pub fn frames(text: &str) -> Result<(u32, u32), String> {
 /// Loads a scene and tells its warnings.
 pub fn load_scene(spec: &str) -> Result<Scene> {
     let scene = rayreel_scenes::load(spec)?;
+    tell_warnings(&scene);
+    Ok(scene)
+}
+
+/// Tells what was odd in a scene's files.
+pub fn tell_warnings(scene: &Scene) {
     for warning in &scene.warnings {
         eprintln!("warning: {} ({} times)", warning.message, warning.count);
     }
-    Ok(scene)
 }
 
 /// Builds a scene's BVH.

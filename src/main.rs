@@ -16,6 +16,7 @@ mod render;
 mod repair;
 mod replay;
 mod report;
+mod scene_args;
 mod scenes;
 mod sweep;
 mod traces;
@@ -49,9 +50,9 @@ struct Cli {
 
 #[derive(Debug, Subcommand)]
 enum Command {
-    Scenes(scenes::Args),
-    Render(render::Args),
-    Capture(capture::Args),
+    Scenes(Box<scenes::Args>),
+    Render(Box<render::Args>),
+    Capture(Box<capture::Args>),
     Replay(replay::Args),
     Sweep(Box<sweep::Args>),
     Paper(paper::Args),

@@ -5,20 +5,21 @@ use std::path::PathBuf;
 use anyhow::{Result, bail};
 use rayreel_replay::image::{files, srgb};
 
-use crate::common::{GridArgs, build, load_scene, meta, render, tile_of};
+use crate::common::{GridArgs, build, meta, render, tile_of};
 use crate::exit::Exit;
+use crate::scene_args::SceneArgs;
 
 /// Render a scene straight from the tracer, without recording.
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// Built-in scene, scene file (.toml) or model (.obj).
-    scene: String,
+    #[command(flatten)]
+    scene: SceneArgs,
     /// Picture to write: .png (sRGB) or .exr (linear).
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
     #[command(flatten)]
     grid: GridArgs,
-    /// Frame of the camera path.
+    /// Frame of the camera path, or of an animated model.
     #[arg(long, default_value_t = 0, value_name = "N")]
     frame: u32,
 }
@@ -30,7 +31,7 @@ pub fn run(args: &Args) -> Result<Exit> {
         Some("exr") => true,
         _ => bail!("cannot tell the picture format of {}; end it in .png or .exr", args.output.display()),
     };
-    let scene = load_scene(&args.scene)?;
+    let scene = args.scene.load(args.frame, 1)?;
     let built = build(&scene)?;
     let image =
         render(&scene, &built, &meta(&scene, &args.grid, tile_of(args.grid.samples), args.frame, 1), args.frame)?;

@@ -5,8 +5,9 @@ use clap::Subcommand;
 use rayreel_scenes::Scene;
 use serde_json::json;
 
-use crate::common::{load_scene, print, print_json};
+use crate::common::{print, print_json};
 use crate::exit::Exit;
+use crate::scene_args::SceneArgs;
 
 /// List the built-in scenes, or show what a scene holds.
 #[derive(Debug, clap::Args)]
@@ -23,10 +24,10 @@ enum Action {
         #[arg(long)]
         json: bool,
     },
-    /// Show a built-in scene, a scene file (.toml) or a model (.obj).
+    /// Show a built-in scene, a scene file (.toml) or a model (.obj, .gltf, .glb).
     Show {
-        /// Name or path.
-        scene: String,
+        #[command(flatten)]
+        scene: SceneArgs,
         /// Print JSON.
         #[arg(long)]
         json: bool,
@@ -36,7 +37,7 @@ enum Action {
 pub fn run(args: &Args) -> Result<Exit> {
     match &args.action {
         Action::List { json } => list(*json)?,
-        Action::Show { scene, json } => show(&load_scene(scene)?, *json)?,
+        Action::Show { scene, json } => show(&scene.load(0, 1)?, *json)?,
     }
     Ok(Exit::Done)
 }

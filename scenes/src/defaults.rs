@@ -91,6 +91,11 @@ pub(crate) fn lights(scene: &Scene, bounds: (Vec3, Vec3)) -> Vec<Light> {
     lamps.iter().map(light).collect()
 }
 
+/// Whether something in the model emits light.
+pub(crate) fn has_lamps(scene: &Scene) -> bool {
+    lamps(scene).iter().any(|lamp| lamp.area > 0.0)
+}
+
 /// What an object's emitting triangles add up to.
 struct Lamp {
     /// Twice the area.

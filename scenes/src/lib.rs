@@ -2,7 +2,7 @@
 //!
 //! A [`Scene`] is a triangle mesh with objects and materials, textures, lights, a sky, and a camera for each frame.
 //! [`load`] makes one from whatever a user may name: a built-in scene ([`builtin_names`]), an OBJ model
-//! ([`obj::load_obj`]) or a scene file in TOML. [`camera`] reads camera paths in CSV. [`modelling`] holds the
+//! ([`obj::load_obj`]), a glTF model or a scene file in TOML. [`camera`] reads camera paths in CSV. [`modelling`] holds the
 //! tools that make the built-in scenes; tests make theirs with them.
 //!
 //! Not here: rays, traces, hardware. This crate depends on no other crate of the project.
@@ -26,16 +26,23 @@ pub mod camera;
 mod defaults;
 pub mod error;
 mod file;
+mod gltf_model;
 mod load;
 mod mesh;
 pub mod modelling;
 mod names;
 pub mod obj;
+mod options;
+mod overrides;
+mod pictures;
 pub mod scene;
 mod validate;
+mod view;
 pub mod warnings;
 
 pub use builtin::{builtin, builtin_names};
 pub use error::SceneError;
-pub use load::load;
+pub use load::{load, load_with};
+pub use options::{DEFAULT_FPS, LoadOptions, MAX_FPS};
+pub use overrides::Overrides;
 pub use scene::{Camera, Light, Material, Mesh, Optics, Scene, Sky, Texture, Triangle};

@@ -25,6 +25,7 @@ mod help;
 mod history;
 #[cfg(unix)]
 mod kill;
+mod models;
 mod page;
 mod paper;
 mod policies;

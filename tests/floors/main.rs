@@ -27,7 +27,10 @@ const ORDERS: [(&str, &str); 11] = [
     ),
     ("replay/src/lib.rs", "error stop image counts source policy work frame maps detail simulate windows sequence"),
     ("store/src/lib.rs", "traffic cache location options remote open"),
-    ("scenes/src/lib.rs", "names warnings error scene validate camera mesh defaults modelling obj builtin file load"),
+    (
+        "scenes/src/lib.rs",
+        "names warnings error scene pictures options validate camera mesh defaults view overrides modelling obj builtin gltf_model file load",
+    ),
     ("tracer/src/lib.rs", "convert grid shading texture traverse verify accel materials waves trace capture render"),
     (
         "study/src/lib.rs",
@@ -43,7 +46,7 @@ const ORDERS: [(&str, &str); 11] = [
     ),
     (
         "src/main.rs",
-        "exit progress common detail traces anchors capture compare diff digest info presets paper render repair replay report scenes sweep verify",
+        "exit progress common scene_args detail traces anchors capture compare diff digest info presets paper render repair replay report scenes sweep verify",
     ),
 ];
 

@@ -39,8 +39,12 @@ struct KeyframeTable {
 }
 
 /// The cameras that the table asks for. Beside keyframes, `up` and `vfov_deg` are the defaults of the keyframes. A
-/// table that places no camera gets one that frames `bounds`.
-pub(crate) fn cameras(file: &Path, table: &CameraTable, bounds: (Vec3, Vec3)) -> Result<Vec<Camera>, SceneError> {
+/// table that places no camera gets that of `otherwise` for its field of view.
+pub(crate) fn cameras(
+    file: &Path,
+    table: &CameraTable,
+    otherwise: impl Fn(Option<f32>) -> Camera,
+) -> Result<Vec<Camera>, SceneError> {
     let up = table.up.map_or(Vec3::Y, Vec3::from);
     let vfov_deg = table.vfov_deg.unwrap_or(defaults::DEFAULT_VFOV_DEG);
     check_kind(file, table)?;
@@ -52,7 +56,7 @@ pub(crate) fn cameras(file: &Path, table: &CameraTable, bounds: (Vec3, Vec3)) ->
     }
     let camera = match (table.eye, table.target) {
         (Some(eye), Some(target)) => Camera { eye: eye.into(), target: target.into(), up, vfov_deg },
-        (None, None) => Camera { up, ..defaults::framing_camera(bounds, vfov_deg) },
+        (None, None) => Camera { up, ..otherwise(table.vfov_deg) },
         _ => {
             return Err(bad_value(file, "[camera] has only one of eye and target", "give both or neither"));
         }

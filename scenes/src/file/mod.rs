@@ -3,6 +3,7 @@
 mod camera;
 mod lights;
 mod materials;
+mod model;
 mod value;
 
 use std::{
@@ -19,11 +20,12 @@ use self::{
     value::bad_value,
 };
 use crate::{
-    defaults,
     error::{Location, SceneError},
-    obj,
+    options::{LoadOptions, MAX_FPS},
     scene::Scene,
 };
+
+pub(crate) use model::{from_model, is_model, unknown_format};
 
 /// The whole file.
 #[derive(Debug, Deserialize)]
@@ -34,16 +36,23 @@ struct SceneTable {
     camera: Option<CameraTable>,
     lights: Option<Vec<LightTable>>,
     sky: Option<SkyTable>,
+    animation: Option<AnimationTable>,
     #[serde(default)]
     materials: BTreeMap<String, MaterialTable>,
+}
+
+/// `[animation]`.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct AnimationTable {
+    fps: f64,
 }
 
 /// Loads a scene file.
 ///
 /// # Errors
 /// Whatever is wrong with it or with a file that it names; with line and column where the file itself is at fault.
-pub fn load_scene_file(path: impl AsRef<Path>) -> Result<Scene, SceneError> {
-    let path = path.as_ref();
+pub fn load_scene_file(path: &Path, options: &LoadOptions) -> Result<Scene, SceneError> {
     if path.is_dir() {
         return Err(SceneError::folder(path, "scene file (.toml)"));
     }
@@ -54,15 +63,15 @@ pub fn load_scene_file(path: impl AsRef<Path>) -> Result<Scene, SceneError> {
     })?;
     let table: SceneTable = toml::from_str(&text).map_err(|error| toml_error(path, &text, &error))?;
     let folder = path.parent().unwrap_or(Path::new(""));
-    let is_obj = table.model.extension().is_some_and(|e| e.eq_ignore_ascii_case("obj"));
-    if !is_obj {
+    if !is_model(&table.model) {
         return Err(bad_value(
             path,
-            format!("model `{}` is no OBJ file", table.model.display()),
-            "name a file that ends in .obj",
+            format!("model `{}` is no model that is read", table.model.display()),
+            "name a file that ends in .obj, .gltf or .glb",
         ));
     }
-    let mut scene = from_obj(&folder.join(&table.model))?;
+    let model = model::read(&folder.join(&table.model), &with_fps(path, &table, options)?)?;
+    let (mut scene, frames) = (model.scene, model.frames);
     if let Some(name) = table.name.or_else(|| stem(path)) {
         scene.name = name;
     }
@@ -74,31 +83,26 @@ pub fn load_scene_file(path: impl AsRef<Path>) -> Result<Scene, SceneError> {
         scene.sky = lights::sky(path, table)?;
     }
     if let Some(table) = &table.camera {
-        scene.cameras = camera::cameras(path, table, defaults::main_bounds(&scene.mesh.positions))?;
+        scene.cameras = camera::cameras(path, table, |vfov_deg| model.view.camera(vfov_deg))?;
+        // A still camera before a model that moves stands there for all of its frames.
+        if let [camera] = scene.cameras[..] {
+            scene.cameras = vec![camera; frames as usize];
+        }
     }
     scene.validate()?;
     Ok(scene)
 }
 
-/// A scene of an OBJ model alone: camera, lights and sky are the default ones.
-pub(crate) fn from_obj(path: &Path) -> Result<Scene, SceneError> {
-    let model = obj::load_obj(path)?;
-    let mut scene = Scene {
-        name: stem(path).unwrap_or_else(|| "model".into()),
-        mesh: model.mesh,
-        objects: model.objects,
-        materials: model.materials,
-        textures: model.textures,
-        lights: Vec::new(),
-        sky: defaults::soft_sky(),
-        cameras: Vec::new(),
-        warnings: model.warnings,
-    };
-    let bounds = defaults::main_bounds(&scene.mesh.positions);
-    scene.lights = defaults::lights(&scene, bounds);
-    scene.cameras = vec![defaults::framing_camera(bounds, defaults::DEFAULT_VFOV_DEG)];
-    scene.validate()?;
-    Ok(scene)
+/// The options with the frames a second of the file, where the caller asks for none.
+fn with_fps(path: &Path, table: &SceneTable, options: &LoadOptions) -> Result<LoadOptions, SceneError> {
+    let of_file = table.animation.as_ref().map(|animation| animation.fps);
+    if let Some(fps) = of_file
+        && !(fps > 0.0 && fps <= MAX_FPS)
+    {
+        let fix = format!("use a value above 0, at most {MAX_FPS}");
+        return Err(bad_value(path, format!("animation.fps is {fps}"), &fix));
+    }
+    Ok(LoadOptions { fps: options.fps.or(of_file), ..*options })
 }
 
 fn stem(path: &Path) -> Option<String> {

@@ -2,15 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
-use image::{ImageError, ImageReader, Limits, RgbaImage};
+use image::RgbaImage;
 
 use crate::{
     error::{Location, SceneError},
-    scene::{MAX_TEXTURE_SIDE, Texture},
+    pictures,
+    scene::Texture,
 };
-
-/// Memory that decoding one texture may take: 16384 x 16384 RGBA.
-const MAX_DECODE_BYTES: u64 = 1 << 30;
 
 /// The textures of a model; a file that several materials name is decoded once.
 #[derive(Debug, Default)]
@@ -27,7 +25,7 @@ impl TextureSet {
         if let Some(known) = self.keys.iter().position(|k| *k == key) {
             return Ok(known);
         }
-        let mut image = decode(path, line, file)?;
+        let mut image = pictures::decode_file(&Location::line(path, line), file)?;
         if mask {
             luminance_to_alpha(&mut image);
         }
@@ -42,29 +40,6 @@ impl TextureSet {
     pub fn into_list(self) -> Vec<Texture> {
         self.textures
     }
-}
-
-fn decode(path: &Path, line: usize, file: &Path) -> Result<RgbaImage, SceneError> {
-    let at = || Location::line(path, line);
-    let missing = |source| SceneError::missing(at(), "texture", file, source);
-    let failed = |error: ImageError| match error {
-        ImageError::IoError(source) if source.kind() != std::io::ErrorKind::UnexpectedEof => missing(source),
-        other => SceneError::input(
-            at(),
-            format!("the texture `{}` cannot be decoded: {other}", file.display()),
-            format!("PNG and JPEG up to {MAX_TEXTURE_SIDE} x {MAX_TEXTURE_SIDE} texels can"),
-        ),
-    };
-    if file.is_dir() {
-        return Err(missing(std::io::ErrorKind::IsADirectory.into()));
-    }
-    let mut reader = ImageReader::open(file).map_err(missing)?.with_guessed_format().map_err(missing)?;
-    let mut limits = Limits::default();
-    limits.max_image_width = Some(MAX_TEXTURE_SIDE);
-    limits.max_image_height = Some(MAX_TEXTURE_SIDE);
-    limits.max_alloc = Some(MAX_DECODE_BYTES);
-    reader.limits(limits);
-    Ok(reader.decode().map_err(failed)?.to_rgba8())
 }
 
 /// Puts the luminance into alpha, unless the image already has a texel that is not opaque.

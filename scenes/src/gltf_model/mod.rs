@@ -1,0 +1,198 @@
+//! glTF 2.0 models, as `.gltf` and `.glb`.
+//!
+//! The `gltf` crate reads the JSON; everything that an index, a length or a URI can break is checked here. What the scene
+//! cannot say is counted in warnings. The geometry of a scene is one: animated meshes stand as at one frame, while an
+//! animated camera gives a camera for each frame.
+
+mod accessor;
+mod animation;
+mod cameras;
+mod document;
+mod lights;
+mod materials;
+mod nodes;
+mod primitive;
+mod textures;
+mod uri;
+
+use std::path::Path;
+
+use glam::DAffine3;
+
+use self::{
+    animation::Animations,
+    document::Source,
+    materials::Surface,
+    nodes::{Tree, label},
+    primitive::{Budget, Target},
+    textures::Pictures,
+};
+use crate::{
+    camera::MAX_FRAMES,
+    defaults::main_bounds,
+    error::{Location, SceneError},
+    options::LoadOptions,
+    scene::{Camera, Light, Material, Mesh, Texture},
+    warnings::{Warning, Warnings},
+};
+
+/// What a glTF file holds.
+pub(crate) struct GltfModel {
+    pub mesh: Mesh,
+    /// One name per node with a mesh.
+    pub objects: Vec<String>,
+    pub materials: Vec<Material>,
+    pub textures: Vec<Texture>,
+    /// The file's lights; none where it has none that shines.
+    pub lights: Vec<Light>,
+    /// The file's camera for each frame; none where it has no camera.
+    pub cameras: Vec<Camera>,
+    /// Frames of its animation, at least one.
+    pub frames: u64,
+    pub warnings: Vec<Warning>,
+}
+
+/// Loads a `.gltf` or `.glb` file.
+pub(crate) fn load_gltf(path: &Path, options: &LoadOptions) -> Result<GltfModel, SceneError> {
+    if path.is_dir() {
+        return Err(SceneError::folder(path, "glTF file"));
+    }
+    let mut warnings = Warnings::default();
+    let source = Source::open(path)?;
+    tell_ignored(&source, &mut warnings);
+    let animations = Animations::read(&source, &mut warnings)?;
+    let tree = Tree::new(&source, &animations, &mut warnings)?;
+    let lens = cameras::first(&source, &tree, &mut warnings);
+    let solid = |node: usize| source.root().nodes[node].mesh.is_some();
+    let moving = tree.nodes().filter(|(place, node)| solid(*node) && tree.moves(*place, &animations)).count();
+    let flies = lens.as_ref().is_some_and(|lens| tree.moves(lens.place, &animations));
+    let frames = if moving > 0 || flies { frames(path, &animations, options)? } else { 1 };
+    tell_moving(path, moving, options, &mut warnings);
+    let world = tree.world(&animations, f64::from(options.frame) / options.fps());
+    let mut model = Builder { source: &source, pictures: Pictures::default(), surfaces: Vec::new() };
+    let (mesh, objects, materials) = model.meshes(&tree, &world, &mut warnings)?;
+    let (low, high) = main_bounds(&mesh.positions);
+    let middle = (low + high) / 2.0;
+    let lights =
+        lights::lights(&source, tree.nodes().map(|(place, node)| (node, world[place])), middle, &mut warnings)?;
+    let camera = |lens: &cameras::Lens| -> Result<Vec<Camera>, SceneError> {
+        let at = |frame: u64| tree.world_of(lens.place, &animations, frame as f64 / options.fps());
+        (0..frames).map(|frame| cameras::camera(&source, lens, &at(frame), middle)).collect()
+    };
+    let cameras = lens.as_ref().map(camera).transpose()?.unwrap_or_default();
+    let textures = model.pictures.into_list();
+    Ok(GltfModel { mesh, objects, materials, textures, lights, cameras, frames, warnings: warnings.into_list() })
+}
+
+/// Frames of the animation: one at its start, and each whole one until its end.
+fn frames(path: &Path, animations: &Animations, options: &LoadOptions) -> Result<u64, SceneError> {
+    // An end that is a frame up to the rounding of its seconds is that frame.
+    let last = (animations.end() * options.fps() + 1e-4).floor();
+    if last < MAX_FRAMES as f64 {
+        return Ok(last as u64 + 1);
+    }
+    Err(SceneError::Limit {
+        at: Location::File(path.to_owned()),
+        what: format!("its animation has {last} frames at {} frames a second", options.fps()),
+        fix: "at most a million are possible: take fewer frames a second".into(),
+    })
+}
+
+/// A trace has one geometry: tells that meshes stand still where several frames are asked for.
+fn tell_moving(path: &Path, moving: usize, options: &LoadOptions, warnings: &mut Warnings) {
+    if options.frames < 2 {
+        return;
+    }
+    for _ in 0..moving {
+        warnings.add("moving", || {
+            format!(
+                "{}: a trace has one geometry: moving meshes stand as at frame {}; take frames one by one to have each",
+                path.display(),
+                options.frame
+            )
+        });
+    }
+}
+
+/// Counts what no part of the loader reads.
+fn tell_ignored(source: &Source, warnings: &mut Warnings) {
+    let file = source.path.display();
+    for (index, node) in source.root().nodes.iter().enumerate() {
+        if node.skin.is_some() {
+            warnings.add("skin", || {
+                format!(
+                    "{file}: {}: skins are not read: the mesh stands as its vertices are stored",
+                    label(source, index)
+                )
+            });
+        }
+        for name in node.extensions.iter().flat_map(|extensions| extensions.others.keys()) {
+            warnings.add(&format!("extension {name}"), || {
+                format!("{file}: {}: the extension {name} is not read", label(source, index))
+            });
+        }
+    }
+}
+
+struct Builder<'a> {
+    source: &'a Source,
+    pictures: Pictures,
+    /// Per material used the file's index (none: the default material) and what it became.
+    surfaces: Vec<(Option<usize>, Surface)>,
+}
+
+impl Builder<'_> {
+    /// All meshes of the scene where their nodes stand, one object per node.
+    fn meshes(
+        &mut self,
+        tree: &Tree,
+        world: &[DAffine3],
+        warnings: &mut Warnings,
+    ) -> Result<(Mesh, Vec<String>, Vec<Material>), SceneError> {
+        let root = self.source.root();
+        let (mut mesh, mut objects, mut budget) = (Mesh::default(), Vec::new(), Budget::default());
+        for (place, node) in tree.nodes() {
+            let Some(index) = root.nodes[node].mesh else { continue };
+            let named = &root.meshes[index.value()];
+            let name = root.nodes[node].name.clone().or_else(|| named.name.clone());
+            objects.push(name.unwrap_or_else(|| format!("node {node}")));
+            for (p, primitive) in named.primitives.iter().enumerate() {
+                let place_name = format!("mesh {}, primitive {p}", index.value());
+                let material = self.surface(primitive.material.map(|m| m.value()), warnings)?;
+                let surface = &self.surfaces[material].1;
+                if surface.invisible {
+                    let file = self.source.path.display();
+                    warnings.add("invisible", || {
+                        format!("{file}: {place_name}: its material cuts all of it away, and it was left out")
+                    });
+                    continue;
+                }
+                let object = objects.len() as u32 - 1;
+                let target =
+                    Target { mesh: &mut mesh, object, material: material as u32, surface, world: world[place] };
+                primitive::append(self.source, &place_name, primitive, target, &mut budget, warnings)?;
+            }
+        }
+        if mesh.triangles.is_empty() {
+            let what = "the scene is empty: no node has a mesh with a triangle that has an area";
+            let at = Location::File(self.source.path.clone());
+            return Err(SceneError::input(at, what, "a scene needs at least one triangle"));
+        }
+        let materials = self.surfaces.iter().map(|(_, surface)| surface.material.clone()).collect();
+        Ok((mesh, objects, materials))
+    }
+
+    /// The index of a material of the file among those that are used.
+    fn surface(&mut self, index: Option<usize>, warnings: &mut Warnings) -> Result<usize, SceneError> {
+        if let Some(known) = self.surfaces.iter().position(|(file, _)| *file == index) {
+            return Ok(known);
+        }
+        let mut all = self.source.document.materials();
+        let surface = match index.and_then(|index| all.nth(index)) {
+            Some(material) => materials::surface(self.source, &material, &mut self.pictures, warnings)?,
+            None => materials::plain(),
+        };
+        self.surfaces.push((index, surface));
+        Ok(self.surfaces.len() - 1)
+    }
+}

@@ -1,0 +1,175 @@
+//! Pictures of a glTF file: decoded once each; cut-outs scaled so that their cutoff becomes one half.
+
+use image::RgbaImage;
+
+use super::{document::Source, uri};
+use crate::{
+    error::SceneError,
+    pictures,
+    scene::{MAX_TEXTURE_SIDE, Texture},
+    warnings::Warnings,
+};
+
+/// Most texels of all pictures of a file: four of the largest.
+const MAX_TEXELS: u64 = 4 * (MAX_TEXTURE_SIDE as u64) * (MAX_TEXTURE_SIDE as u64);
+/// Most bytes of a packed picture.
+const MAX_PACKED: u64 = 1 << 30;
+
+/// Formats that extensions of glTF allow and that are not read.
+const OTHER_FORMATS: [&str; 6] = ["webp", "ktx2", "dds", "avif", "gif", "basis"];
+
+/// A picture and what is made of it: as it is, or with its alpha scaled for a cutoff (the bits of alpha factor and cutoff).
+type Key = (usize, Option<[u32; 2]>);
+
+/// The textures of a model.
+#[derive(Default)]
+pub(crate) struct Pictures {
+    keys: Vec<Key>,
+    list: Vec<Texture>,
+    texels: u64,
+}
+
+/// What a material's texture names.
+pub(crate) enum Named {
+    /// This picture.
+    Picture(usize),
+    /// A picture in a format that is not read.
+    NotRead,
+}
+
+impl Pictures {
+    /// The picture behind a texture.
+    pub fn named(source: &Source, texture: &gltf::Texture<'_>, warnings: &mut Warnings) -> Named {
+        let image = texture.source().map(|image| image.index());
+        let other = image.and_then(|i| {
+            let image = &source.root().images[i];
+            let mime = image.mime_type.as_ref().map(|mime| mime.0.as_str());
+            let uri = image.uri.as_deref().unwrap_or("").to_lowercase();
+            let is = |kind: &str| mime == Some(&format!("image/{kind}")) || uri.ends_with(&format!(".{kind}"));
+            OTHER_FORMATS.into_iter().find(|kind| is(kind))
+        });
+        match (image, other) {
+            (Some(image), None) => Named::Picture(image),
+            (_, kind) => {
+                let kind = kind.unwrap_or("other formats than PNG and JPEG");
+                warnings.add("picture format", || {
+                    format!(
+                        "{}: texture {}: pictures in {kind} are not read, and the plain colour is used; convert them to PNG",
+                        source.path.display(),
+                        texture.index()
+                    )
+                });
+                Named::NotRead
+            }
+        }
+    }
+
+    /// The texture of a picture as it is.
+    pub fn plain(&mut self, source: &Source, image: usize) -> Result<usize, SceneError> {
+        if let Some(known) = self.keys.iter().position(|key| *key == (image, None)) {
+            return Ok(known);
+        }
+        let texture = self.decode(source, image)?;
+        Ok(self.add((image, None), texture))
+    }
+
+    /// The cut-out of a picture whose alpha times `factor` must reach `cutoff`; `None` where all of it does.
+    pub fn cut_out(
+        &mut self,
+        source: &Source,
+        image: usize,
+        factor: f32,
+        cutoff: f32,
+    ) -> Result<Option<usize>, SceneError> {
+        let key = (image, Some([factor.to_bits(), cutoff.to_bits()]));
+        if let Some(known) = self.keys.iter().position(|k| *k == key) {
+            return Ok(Some(known));
+        }
+        let plain = self.plain(source, image)?;
+        let scaled: Vec<u8> = (0..=255).map(|alpha| scale(alpha, factor, cutoff)).collect();
+        let texels = &self.list[plain].texels;
+        if texels.iter().all(|texel| scaled[usize::from(texel[3])] >= 128) {
+            return Ok(None);
+        }
+        if scaled.iter().enumerate().all(|(alpha, new)| usize::from(*new) == alpha) {
+            return Ok(Some(plain));
+        }
+        let mut copy = self.list[plain].clone();
+        self.count(source, copy.texels.len() as u64)?;
+        copy.texels.iter_mut().for_each(|texel| texel[3] = scaled[usize::from(texel[3])]);
+        Ok(Some(self.add(key, copy)))
+    }
+
+    /// The mean of each channel of a picture, as fractions of the largest value. The picture is not kept.
+    pub fn mean(&mut self, source: &Source, image: usize) -> Result<[f64; 4], SceneError> {
+        let kept = self.keys.iter().position(|key| *key == (image, None));
+        let decoded;
+        let texture = match kept {
+            Some(at) => &self.list[at],
+            None => {
+                decoded = self.decode(source, image)?;
+                self.texels -= decoded.texels.len() as u64;
+                &decoded
+            }
+        };
+        let mut sums = [0_u64; 4];
+        for texel in &texture.texels {
+            (0..4).for_each(|c| sums[c] += u64::from(texel[c]));
+        }
+        Ok(sums.map(|sum| sum as f64 / (255.0 * texture.texels.len().max(1) as f64)))
+    }
+
+    /// The textures in the order of their indices.
+    pub fn into_list(self) -> Vec<Texture> {
+        self.list
+    }
+
+    fn add(&mut self, key: Key, texture: Texture) -> usize {
+        self.keys.push(key);
+        self.list.push(texture);
+        self.list.len() - 1
+    }
+
+    fn count(&mut self, source: &Source, texels: u64) -> Result<(), SceneError> {
+        self.texels += texels;
+        if self.texels <= MAX_TEXELS {
+            return Ok(());
+        }
+        let what = format!("its pictures have more than {MAX_TEXELS} texels");
+        Err(SceneError::Limit { at: source.at("images"), what, fix: "make them smaller".into() })
+    }
+
+    fn decode(&mut self, source: &Source, index: usize) -> Result<Texture, SceneError> {
+        let part = format!("image {index}");
+        let at = source.at(&part);
+        let image = &source.root().images[index];
+        let name = image.name.clone().or_else(|| image.uri.clone().filter(|uri| !uri.starts_with("data:")));
+        let name = name.unwrap_or_else(|| part.clone());
+        let pixels: RgbaImage = match (image.buffer_view, &image.uri) {
+            (Some(view), _) => pictures::decode_bytes(&at, &name, source.view(&part, view.value())?)?,
+            (None, Some(uri)) => {
+                pictures::decode_bytes(&at, &name, &uri::read(&source.path, &at, "texture", uri, MAX_PACKED)?)?
+            }
+            (None, None) => {
+                return Err(source.bad(part, "it has neither a URI nor a buffer view", "export the model again"));
+            }
+        };
+        self.count(source, u64::from(pixels.width()) * u64::from(pixels.height()))?;
+        let texels = pixels.pixels().map(|pixel| pixel.0).collect();
+        Ok(Texture { name, width: pixels.width(), height: pixels.height(), texels })
+    }
+}
+
+/// Alpha so that one half is where `alpha * factor` reaches `cutoff`: what a cut-out of the scene compares with.
+fn scale(alpha: u8, factor: f32, cutoff: f32) -> u8 {
+    let (value, cutoff) = (f64::from(alpha) / 255.0 * f64::from(factor), f64::from(cutoff));
+    if factor.to_bits() == 1.0_f32.to_bits() && cutoff.to_bits() == 0.5_f64.to_bits() {
+        return alpha;
+    }
+    if value < cutoff {
+        (value / cutoff * 127.0) as u8
+    } else {
+        let rest = if cutoff < 1.0 { ((value - cutoff) / (1.0 - cutoff)).min(1.0) } else { 1.0 };
+        128 + (rest * 127.0) as u8
+    }
+}

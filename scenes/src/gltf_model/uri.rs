@@ -1,0 +1,64 @@
+//! Data that a URI names: inside the URI, or in a file beside the model. Nothing else is opened.
+
+use std::path::{Component, Path, PathBuf};
+
+use base64::{
+    Engine,
+    alphabet::STANDARD,
+    engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig},
+};
+
+use crate::error::{Location, SceneError};
+
+/// Exporters differ on whether `=` ends the data.
+const BASE64: GeneralPurpose = GeneralPurpose::new(
+    &STANDARD,
+    GeneralPurposeConfig::new().with_decode_padding_mode(DecodePaddingMode::Indifferent),
+);
+
+/// The bytes that `uri` in the file at `model` names; `what` is their kind, `at` where the URI stands.
+pub(crate) fn read(model: &Path, at: &Location, what: &str, uri: &str, most: u64) -> Result<Vec<u8>, SceneError> {
+    if let Some(data) = uri.strip_prefix("data:") {
+        return decode(at, what, data);
+    }
+    let file = local(model, at, what, uri)?;
+    let missing = |source| SceneError::missing(at.clone(), what, &file, source);
+    let length = std::fs::metadata(&file).map_err(missing)?.len();
+    if length > most {
+        let text = format!("the {what} `{}` has {length} bytes: at most {most} are read", file.display());
+        return Err(SceneError::Limit { at: at.clone(), what: text, fix: "make it smaller".into() });
+    }
+    std::fs::read(&file).map_err(missing)
+}
+
+fn decode(at: &Location, what: &str, data: &str) -> Result<Vec<u8>, SceneError> {
+    let fail = |why: String| SceneError::input(at.clone(), why, "export the model again");
+    let (head, body) = data.split_once(',').ok_or_else(|| fail(format!("the data URI of the {what} has no data")))?;
+    if !head.ends_with(";base64") {
+        return Ok(percent_encoding::percent_decode_str(body).collect());
+    }
+    BASE64.decode(body.trim()).map_err(|error| fail(format!("the data URI of the {what} is no base64: {error}")))
+}
+
+/// The file of a relative URI, in the folder of the model or below it.
+fn local(model: &Path, at: &Location, what: &str, uri: &str) -> Result<PathBuf, SceneError> {
+    let refuse = |why: &str, fix: &str| {
+        // Data that lost its `data:` can be long.
+        let short: String = uri.chars().take(80).collect();
+        Err(SceneError::input(at.clone(), format!("the {what} `{short}` {why}"), fix))
+    };
+    let name = percent_encoding::percent_decode_str(uri).decode_utf8_lossy().replace('\\', "/");
+    let scheme = name.split_once(':').map(|(scheme, _)| scheme);
+    if scheme.is_some_and(|s| !s.is_empty() && s.chars().all(|c| c.is_ascii_alphanumeric() || "+-.".contains(c))) {
+        return refuse(
+            "is not in a file beside the model, and nothing is fetched",
+            "download it into the model's folder and name it by its file name",
+        );
+    }
+    let relative = Path::new(&name);
+    let inside = relative.components().all(|part| matches!(part, Component::Normal(_) | Component::CurDir));
+    if !inside || name.contains('\0') || name.is_empty() {
+        return refuse("leaves the model's folder, and only files in it are read", "put the file there");
+    }
+    Ok(model.parent().unwrap_or(Path::new("")).join(relative))
+}

@@ -1,0 +1,31 @@
+//! What a caller may ask of a loader beside the file.
+
+/// Frames a second of an animation, where nothing else is asked for.
+pub const DEFAULT_FPS: f64 = 30.0;
+/// Most frames a second.
+pub const MAX_FPS: f64 = 1000.0;
+
+/// How a scene is loaded. Only animated models (glTF) depend on it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LoadOptions {
+    /// Frames a second of an animation; none takes what the scene file says, else [`DEFAULT_FPS`].
+    pub fps: Option<f64>,
+    /// The frame at whose time moving meshes stand. A scene has one geometry.
+    pub frame: u32,
+    /// How many frames from there will be used; with several, a loader tells that meshes stand still.
+    pub frames: u32,
+}
+
+impl Default for LoadOptions {
+    fn default() -> Self {
+        Self { fps: None, frame: 0, frames: 1 }
+    }
+}
+
+impl LoadOptions {
+    /// Frames a second, above zero and at most [`MAX_FPS`].
+    pub(crate) fn fps(&self) -> f64 {
+        let fps = self.fps.filter(|fps| *fps > 0.0 && fps.is_finite());
+        fps.unwrap_or(DEFAULT_FPS).min(MAX_FPS)
+    }
+}

@@ -1,0 +1,52 @@
+//! Pictures of textures: decoded with limits.
+
+use std::{
+    io::{BufRead, Cursor, ErrorKind, Seek},
+    path::Path,
+};
+
+use image::{ImageError, ImageReader, Limits, RgbaImage};
+
+use crate::{
+    error::{Location, SceneError},
+    scene::MAX_TEXTURE_SIDE,
+};
+
+/// Memory that decoding one texture may take: 16384 x 16384 RGBA.
+const MAX_DECODE_BYTES: u64 = 1 << 30;
+
+/// Decodes a picture file that is named at `at`.
+pub(crate) fn decode_file(at: &Location, file: &Path) -> Result<RgbaImage, SceneError> {
+    let missing = |source| SceneError::missing(at.clone(), "texture", file, source);
+    if file.is_dir() {
+        return Err(missing(ErrorKind::IsADirectory.into()));
+    }
+    let reader = ImageReader::open(file).map_err(missing)?;
+    decode(reader).map_err(|error| match error {
+        ImageError::IoError(source) if source.kind() != ErrorKind::UnexpectedEof => missing(source),
+        other => undecoded(at, &file.display().to_string(), &other),
+    })
+}
+
+/// Decodes a picture in memory; `name` is for messages.
+pub(crate) fn decode_bytes(at: &Location, name: &str, bytes: &[u8]) -> Result<RgbaImage, SceneError> {
+    decode(ImageReader::new(Cursor::new(bytes))).map_err(|error| undecoded(at, name, &error))
+}
+
+fn undecoded(at: &Location, name: &str, error: &ImageError) -> SceneError {
+    SceneError::input(
+        at.clone(),
+        format!("the texture `{name}` cannot be decoded: {error}"),
+        format!("PNG and JPEG up to {MAX_TEXTURE_SIDE} x {MAX_TEXTURE_SIDE} texels can"),
+    )
+}
+
+fn decode<R: BufRead + Seek>(reader: ImageReader<R>) -> Result<RgbaImage, ImageError> {
+    let mut reader = reader.with_guessed_format().map_err(ImageError::IoError)?;
+    let mut limits = Limits::default();
+    limits.max_image_width = Some(MAX_TEXTURE_SIDE);
+    limits.max_image_height = Some(MAX_TEXTURE_SIDE);
+    limits.max_alloc = Some(MAX_DECODE_BYTES);
+    reader.limits(limits);
+    Ok(reader.decode()?.to_rgba8())
+}
