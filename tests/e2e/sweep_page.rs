@@ -205,6 +205,13 @@ fn phone(page: &Page<'_>, file: &Path) {
     browser.run("document.querySelector('#best-tables .pick').click()");
     page.holds("!document.getElementById('chosen').hidden");
     page.is_sound();
+    // What goes on to the right says so until its end is seen, and its first column stays in sight.
+    page.holds("document.querySelector('#points-table .scroll, #points-table.scroll').classList.contains('more')");
+    let left = "document.querySelector('#points-table tbody th').getBoundingClientRect().left";
+    let before = browser.run(&format!("return {left}"));
+    browser.run("document.querySelector('#points-table .scroll, #points-table.scroll').scrollLeft = 1e6");
+    page.holds("!document.querySelector('#points-table .scroll, #points-table.scroll').classList.contains('more')");
+    page.holds(&format!("Math.abs({left} - {before}) <= 2"));
 }
 
 /// On paper: charts as they are, nothing to press.
