@@ -4,7 +4,7 @@ use anyhow::Result;
 use rayreel_tracer::verify::verify;
 use serde_json::json;
 
-use crate::common::{print, print_json};
+use crate::common::{lacks, print, print_json};
 use crate::exit::Exit;
 use crate::progress::{self, Progress};
 use crate::traces::TraceArgs;
@@ -40,6 +40,7 @@ pub fn run(args: &Args, quiet: bool) -> Result<Exit> {
         print_json(&json!({
             "tiles": found.tiles, "rays": found.rays, "steps": found.steps,
             "tiles_wrong": found.tiles_wrong, "missing_tiles": missing,
+            "tiles_without_paths": found.without_paths, "tiles_unchecked": found.unchecked,
             "first_mismatch": first.map(|m| json!({"frame": m.frame, "tile": m.tile, "x": m.x, "y": m.y, "detail": m.detail})),
         }))?;
     } else if let Some(m) = first {
@@ -50,12 +51,17 @@ pub fn run(args: &Args, quiet: bool) -> Result<Exit> {
     } else {
         print(&format!("verified: {} tiles, {} rays, {} steps\n", found.tiles, found.rays, found.steps))?;
     }
-    Ok(match (found.tiles_wrong, missing) {
-        (0, 0) => Exit::Done,
-        (0, missing) => {
-            eprintln!("incomplete: {missing} tiles are missing");
-            Exit::Incomplete
-        }
-        _ => Exit::No,
-    })
+    let lacks = lacks(&trace);
+    if found.tiles_wrong > 0 {
+        return Ok(Exit::No);
+    }
+    if lacks.is_empty() {
+        return Ok(Exit::Done);
+    }
+    eprintln!("incomplete: {lacks}");
+    if found.without_paths + found.unchecked > 0 {
+        let (steps, tiles) = (found.without_paths, found.unchecked);
+        eprintln!("not checked: the steps of {steps} tiles, and {tiles} tiles altogether");
+    }
+    Ok(Exit::Incomplete)
 }
