@@ -3,7 +3,9 @@
 use std::path::Path;
 
 use rayreel_formats::Limits;
+use rayreel_formats::bvh::Bvh;
 use rayreel_formats::container::{ChunkId, ColumnEntry, ColumnInfo, EncodedChunk};
+use rayreel_formats::scene::Meta;
 use rayreel_formats::tile::{Column, Tile};
 use rayreel_formats::trace::{BvhTopology, Codec, Scratch, TileCodec, Trace, TraceWriter};
 
@@ -14,8 +16,19 @@ pub fn open(file: &Path) -> Trace {
 }
 
 /// Writes `trace` to `file`, each tile changed by `change`.
-pub fn rewrite(trace: &Trace, file: &Path, codec: Codec, mut change: impl FnMut(&mut Tile)) {
-    let (meta, bvh, limits) = (trace.meta(), trace.bvh(), Limits::default());
+pub fn rewrite(trace: &Trace, file: &Path, codec: Codec, change: impl FnMut(&mut Tile)) {
+    rewrite_with(trace, file, codec, (trace.meta(), trace.bvh()), change);
+}
+
+/// The same with other metadata and tables.
+pub fn rewrite_with(
+    trace: &Trace,
+    file: &Path,
+    codec: Codec,
+    (meta, bvh): (&Meta, &Bvh),
+    mut change: impl FnMut(&mut Tile),
+) {
+    let limits = Limits::default();
     let topology = BvhTopology::new(bvh);
     let mut writer = TraceWriter::create(file, meta, bvh, 3).unwrap();
     for frame in meta.frame_numbers() {

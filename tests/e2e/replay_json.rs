@@ -195,7 +195,7 @@ fn results_say_what_made_them() {
     let holds = |words: &str| exr.windows(words.len()).any(|bytes| bytes == words.as_bytes());
     let about = json!({ "model_version": said["model_version"], "trace": "a.rtrace", "trace_fingerprint": said["trace_fingerprint"],
         "trace_digest": said["trace_digest"], "frame": 0, "policy": said["policy"], "machine": said["machine"] });
-    for words in [command, &about.to_string(), said["program"].as_str().unwrap(), "softwareName"] {
+    for words in [command, &about.to_string(), said["program"].as_str().unwrap(), "software"] {
         assert!(holds(words), "{words}");
     }
     assert!(!holds(folder.path().to_str().unwrap()), "no folder of this machine");

@@ -28,7 +28,10 @@ const ORDERS: [(&str, &str); 11] = [
     ("replay/src/lib.rs", "error stop image counts source policy work frame maps detail simulate windows sequence"),
     ("store/src/lib.rs", "traffic cache location options remote open"),
     ("scenes/src/lib.rs", "names warnings error scene validate camera mesh defaults modelling obj builtin file load"),
-    ("tracer/src/lib.rs", "convert grid shading texture traverse verify accel materials waves trace capture render"),
+    (
+        "tracer/src/lib.rs",
+        "convert grid shading texture traverse verify accel materials waves trace against capture render",
+    ),
     (
         "study/src/lib.rs",
         "error files pool policy_text schema figures report table point sweep cluster analysis compare html",
