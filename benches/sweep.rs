@@ -81,7 +81,7 @@ fn bare(plan: &Plan) {
             Ok::<_, rayreel_replay::ReplayError>(())
         };
         frames.run(resolved.frame_numbers(), simulator, &mut NoProbe, sink).unwrap();
-        let origin = Origin { trace: String::new(), trace_fingerprint: None, trace_digest: None };
+        let origin = Origin::default();
         let report = Report::new(&origin, &resolved.policy, trace.meta(), &counted).with_machine(&machine, &runs);
         assert!(report.run.cycles > Some(0));
     }

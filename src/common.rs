@@ -137,6 +137,14 @@ pub fn si(value: f64) -> String {
     format!("{:.2}{unit}", value / scale)
 }
 
+/// What a trace lacks, in words: whole tiles, and columns of tiles that are there. Empty if it is complete.
+pub fn lacks(trace: &Trace) -> String {
+    let missing = trace.missing_tiles().len();
+    let tiles = (missing > 0).then(|| format!("{missing} tiles are missing"));
+    let columns = trace.lacking().iter().map(|(column, tiles)| format!("{tiles} tiles hold no {}", column.name()));
+    tiles.into_iter().chain(columns).collect::<Vec<_>>().join(", ")
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -51,7 +51,8 @@ pub fn run(args: &Args) -> Result<Exit> {
             args.b.display()
         );
     }
-    let across = if a.is_run() { ACROSS.iter().map(|name| (*name).to_owned()).collect() } else { args.across.clone() };
+    let of_runs = a.is_run().then_some(ACROSS).into_iter().flatten().map(|name| (*name).to_owned());
+    let across = of_runs.chain(args.across.iter().cloned()).collect();
     let options = Options { select, tolerance: args.tolerance, across };
     let found = Comparison::new(a.results(), b.results(), &options)?;
     let top = if args.top == 0 { usize::MAX } else { args.top };

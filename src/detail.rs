@@ -24,4 +24,13 @@ impl DetailArgs {
     pub fn asked(&self) -> Option<Detail> {
         self.precision.map(Detail::Precision).or(self.detail)
     }
+
+    /// The option and its value, if one was given.
+    pub fn words(&self) -> Option<(&'static str, String)> {
+        match (self.precision, self.detail) {
+            (Some(share), _) => Some(("--precision", share.to_string())),
+            (None, Some(detail)) => Some(("--detail", detail.to_string())),
+            (None, None) => None,
+        }
+    }
 }

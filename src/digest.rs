@@ -4,7 +4,7 @@ use anyhow::Result;
 use rayreel_formats::trace::digest;
 use serde_json::{Map, Value};
 
-use crate::common::{print, print_json};
+use crate::common::{lacks, print, print_json};
 use crate::exit::Exit;
 use crate::traces::TraceArgs;
 
@@ -31,9 +31,9 @@ pub fn run(args: &Args) -> Result<Exit> {
     } else {
         print(&parts.iter().map(|(name, hash)| format!("{hash}  {name}\n")).collect::<String>())?;
     }
-    let missing = trace.missing_tiles().len();
-    if missing > 0 {
-        eprintln!("incomplete: {missing} tiles are missing");
+    let lacks = lacks(&trace);
+    if !lacks.is_empty() {
+        eprintln!("incomplete: {lacks}; they are left out of the hashes");
         return Ok(Exit::Incomplete);
     }
     Ok(Exit::Done)

@@ -7,7 +7,7 @@ use rayreel_formats::tile::{Column, RayKind};
 use rayreel_formats::trace::{Scratch, Trace};
 use serde_json::{Value, json};
 
-use crate::common::{print, print_json};
+use crate::common::{lacks, print, print_json};
 use crate::exit::Exit;
 use crate::traces::TraceArgs;
 
@@ -29,9 +29,9 @@ pub fn run(args: &Args) -> Result<Exit> {
     if args.json {
         print_json(&value)?;
     } else {
-        print(&table(&trace, &rays, missing.len()))?;
+        print(&table(&trace, &rays))?;
     }
-    Ok(if missing.is_empty() { Exit::Done } else { Exit::Incomplete })
+    Ok(if missing.is_empty() && trace.lacking().is_empty() { Exit::Done } else { Exit::Incomplete })
 }
 
 /// Rays by kind over all tiles, read from their trees.
@@ -94,10 +94,11 @@ fn describe(trace: &Trace, rays: &[u64; 4], missing: usize) -> Value {
         "file_bytes": trace.reader().len(),
         "bytes": parts(trace).into_iter().collect::<std::collections::BTreeMap<_, _>>(),
         "missing_tiles": missing,
+        "missing_columns": missing_columns(trace),
     })
 }
 
-fn table(trace: &Trace, rays: &[u64; 4], missing: usize) -> String {
+fn table(trace: &Trace, rays: &[u64; 4]) -> String {
     let meta = trace.meta();
     let total = rays.iter().sum::<u64>();
     let mut text = String::new();
@@ -128,8 +129,14 @@ fn table(trace: &Trace, rays: &[u64; 4], missing: usize) -> String {
     for (name, bytes) in parts(trace) {
         text += &format!("  {name:<28} {bytes:>12}  {:.3} a ray\n", bytes as f64 / total.max(1) as f64);
     }
-    if missing > 0 {
-        text += &format!("incomplete: {missing} tiles are missing\n");
+    let lacks = lacks(trace);
+    if !lacks.is_empty() {
+        text += &format!("incomplete: {lacks}\n");
     }
     text
+}
+
+/// How many tiles lack which column.
+fn missing_columns(trace: &Trace) -> serde_json::Map<String, Value> {
+    trace.lacking().iter().map(|(column, tiles)| (column.name().into(), (*tiles).into())).collect()
 }

@@ -33,7 +33,7 @@ use exit::Exit;
 /// ray-tracing GPU, without tracing again: cycles, power, pictures and image quality. `paper` does the whole experiment for the
 /// built-in scenes.
 ///
-/// Exit codes: 0 done, 1 the result says no (verify, diff, compare, anchors), 2 wrong usage, 3 incomplete trace, 65 bad input data,
+/// Exit codes: 0 done, 1 the result says no (verify, diff, compare, anchors, repair), 2 wrong usage, 3 incomplete trace, 65 bad input data,
 /// 75 interrupted but flushed.
 #[derive(Debug, Parser)]
 #[command(version, max_term_width = 110)]

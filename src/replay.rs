@@ -12,11 +12,15 @@ use rayreel_machine::config::schema::is_machine_override;
 use rayreel_machine::probes::Watch;
 use rayreel_machine::timeline::Timeline;
 use rayreel_replay::error::RequestError;
+use rayreel_replay::image::files::{ExrNotes, SOFTWARE};
 use rayreel_replay::sequence::{FrameLoop, FrameResult, Simulator};
 use rayreel_replay::{Detail, NamedPolicy, Options, PathSource, ReplayError, Stop};
+use rayreel_study::cluster::shell::line;
 use rayreel_study::files::write_named;
 use rayreel_study::point::pictures::FramePictures;
-use rayreel_study::report::{Origin, Report};
+use rayreel_study::point::version::MODEL_VERSION;
+use rayreel_study::report::{Made, Origin, Report};
+use serde_json::json;
 
 use crate::common::{frames, print};
 use crate::detail::DetailArgs;
@@ -30,8 +34,9 @@ use crate::traces::TraceArgs;
 /// FLIP, the worst tile and, over several frames, flicker.
 ///
 /// Writes result.exr (linear), result.png (sRGB), reference.png, error.png (differences times 8), flip.png (where a viewer sees
-/// them, black to yellow), similarity.png (yellow interpolated, blue traced) and stats.json into the output folder; with several
-/// frames the pictures are named by frame.
+/// them, black to yellow), similarity.png (yellow interpolated, blue traced), rate.png (what part of each tile was traced: dark blue
+/// none, green a quarter, yellow all) and stats.json into the output folder; with several frames the pictures are named
+/// by frame.
 #[derive(Debug, clap::Args)]
 pub struct Args {
     #[command(flatten)]
@@ -63,7 +68,7 @@ pub struct Args {
     /// Write how busy each unit was over time, as a Chrome trace: open it in ui.perfetto.dev. Needs --detail full.
     #[arg(long, value_name = "FILE")]
     timeline: Option<PathBuf>,
-    /// Print JSON: the bytes depend on trace, policy, machine and detail only.
+    /// Print JSON: the bytes depend on trace, policy, machine, detail and how they were asked for.
     #[arg(long)]
     json: bool,
 }
@@ -139,7 +144,37 @@ fn origin(args: &Args, trace: &Trace, detail: Detail) -> Result<Origin> {
     let wanted = (args.json || args.out.is_some()) && detail == Detail::Full;
     let trace_digest = if wanted { Some(digest(trace)?.total().to_string()) } else { None };
     let trace_fingerprint = Some(trace.fingerprint()?.to_string());
-    Ok(Origin { trace: args.trace.file_name(), trace_fingerprint, trace_digest })
+    let made = Made { program: SOFTWARE.into(), model_version: MODEL_VERSION, command: command(args) };
+    Ok(Origin { made: Some(made), trace: args.trace.file_name(), trace_fingerprint, trace_digest })
+}
+
+/// The command without what changes no result: threads, progress, where files go. Files are named without their folders, so that the
+/// same replay gives the same bytes wherever it runs.
+fn command(args: &Args) -> String {
+    let name = |text: &str| text.rsplit(['/', '\\']).next().unwrap_or(text).to_owned();
+    let mut words: Vec<String> = vec!["rayreel".into(), "replay".into(), args.trace.file_name()];
+    let mut option = |option: &str, value: String| words.extend([option.to_owned(), value]);
+    option("--policy", name(&args.policy));
+    option("--machine", name(&args.machine));
+    args.overrides.iter().for_each(|text| option("--set", text.clone()));
+    if let Some((first, count)) = args.frames {
+        option("--frames", format!("{first}..{}", first + count));
+    }
+    if let Some((key, value)) = args.detail.words() {
+        option(key, value);
+    }
+    words.extend(args.warm.then(|| "--warm".to_owned()));
+    line(&words)
+}
+
+/// What the pictures of a frame are of, for their EXR file.
+fn notes(origin: &Origin, policy: &NamedPolicy, machine: Option<&NamedMachine>, frame: u32) -> ExrNotes {
+    let Origin { made, trace, trace_fingerprint, trace_digest } = origin;
+    let about = json!({
+        "model_version": made.as_ref().map(|made| made.model_version), "trace": trace, "trace_fingerprint": trace_fingerprint,
+        "trace_digest": trace_digest, "frame": frame, "policy": policy.name, "machine": machine.map(|machine| &machine.name),
+    });
+    ExrNotes { comments: made.as_ref().map(|made| made.command.clone()), about: Some(about.to_string()) }
 }
 
 /// Replays the frames asked for; writes pictures and timeline.
@@ -160,7 +195,8 @@ fn replay(
     let sink = |FrameResult { replay, run }: FrameResult| {
         if let Some(out) = &args.out {
             let prefix = if meta.frames > 1 { format!("frame_{:04}_", replay.frame) } else { String::new() };
-            FramePictures::new(&replay, meta.samples).write(out, &prefix)?;
+            let notes = notes(&origin, policy, machine, replay.frame);
+            FramePictures::new(&replay, meta.samples).write(out, &prefix, &notes)?;
         }
         done.set(done.get() + tiles);
         bar.borrow_mut().set(done.get(), || format!("frame {}", replay.frame));

@@ -1,21 +1,28 @@
 //! `rayreel verify`: does a trace follow from itself?
 
 use anyhow::Result;
+use rayreel_formats::trace::Trace;
+use rayreel_tracer::against::{Against, against};
 use rayreel_tracer::verify::verify;
 use serde_json::json;
 
-use crate::common::{print, print_json};
+use crate::common::{build, lacks, load_scene, print, print_json};
 use crate::exit::Exit;
 use crate::progress::{self, Progress};
 use crate::traces::TraceArgs;
 
 /// Traverse the BVH of a trace again and check every path, hit and shadow state, bit for bit.
 ///
-/// Needs no scene. Exits with 1 at a mismatch, 3 if tiles are missing, 65 if the file is damaged.
+/// Needs no scene, and so says nothing of what only the scene knows: to which object a triangle belongs, colours of lights, which
+/// materials are cut-outs and where, local colours, black surfaces, triangles that no ray meets. With --scene these are compared too,
+/// and every tile is traced again. Exits with 1 at a mismatch, 3 if tiles are missing, 65 if the file is damaged.
 #[derive(Debug, clap::Args)]
 pub struct Args {
     #[command(flatten)]
     trace: TraceArgs,
+    /// Also compare with the scene that the trace is of: built-in scene, scene file or model.
+    #[arg(long, value_name = "SCENE")]
+    scene: Option<String>,
     /// Print JSON.
     #[arg(long)]
     json: bool,
@@ -35,11 +42,19 @@ pub fn run(args: &Args, quiet: bool) -> Result<Exit> {
     if stop.is_requested() {
         return Ok(Exit::Interrupted);
     }
+    let against = args.scene.as_deref().map(|scene| compare(&trace, scene, quiet)).transpose()?;
+    if stop.is_requested() {
+        return Ok(Exit::Interrupted);
+    }
     let first = found.first.as_ref();
     if args.json {
         print_json(&json!({
+            "scene": against.as_ref().map(|found| json!({
+                "tables_wrong": found.tables, "tiles": found.tiles, "tiles_wrong": found.tiles_wrong, "first_mismatch": found.first,
+            })),
             "tiles": found.tiles, "rays": found.rays, "steps": found.steps,
             "tiles_wrong": found.tiles_wrong, "missing_tiles": missing,
+            "tiles_without_paths": found.without_paths, "tiles_unchecked": found.unchecked,
             "first_mismatch": first.map(|m| json!({"frame": m.frame, "tile": m.tile, "x": m.x, "y": m.y, "detail": m.detail})),
         }))?;
     } else if let Some(m) = first {
@@ -50,12 +65,58 @@ pub fn run(args: &Args, quiet: bool) -> Result<Exit> {
     } else {
         print(&format!("verified: {} tiles, {} rays, {} steps\n", found.tiles, found.rays, found.steps))?;
     }
-    Ok(match (found.tiles_wrong, missing) {
-        (0, 0) => Exit::Done,
-        (0, missing) => {
-            eprintln!("incomplete: {missing} tiles are missing");
-            Exit::Incomplete
+    if !args.json {
+        print(&of_scene(against.as_ref()))?;
+    }
+    if against.is_some_and(|found| !found.agrees()) {
+        return Ok(Exit::No);
+    }
+    let lacks = lacks(&trace);
+    if found.tiles_wrong > 0 {
+        return Ok(Exit::No);
+    }
+    if lacks.is_empty() {
+        return Ok(Exit::Done);
+    }
+    eprintln!("incomplete: {lacks}");
+    if found.without_paths + found.unchecked > 0 {
+        let (steps, tiles) = (found.without_paths, found.unchecked);
+        eprintln!("not checked: the steps of {steps} tiles, and {tiles} tiles altogether");
+    }
+    Ok(Exit::Incomplete)
+}
+
+/// Compares with the scene.
+fn compare(trace: &Trace, scene: &str, quiet: bool) -> Result<Against> {
+    let stop = progress::stop_on_signal();
+    let scene = load_scene(scene)?;
+    let built = build(&scene)?;
+    let total = u64::from(trace.meta().tile_count()) * u64::from(trace.meta().frames);
+    let mut bar = Progress::new("trace again", total, quiet);
+    let found = against(trace, &scene, &built, |tiles| {
+        bar.set(tiles, || format!("{tiles} tiles"));
+        !stop.is_requested()
+    })?;
+    bar.finish();
+    Ok(found)
+}
+
+/// What was found of the scene, or what is not known without it.
+fn of_scene(found: Option<&Against>) -> String {
+    let Some(found) = found else {
+        return "not bound to a scene: objects, colours of lights and surfaces, cut-outs and what no ray met are believed \
+                (--scene SCENE compares them)\n"
+            .into();
+    };
+    let mut text: String = found.tables.iter().map(|what| format!("differs from the scene: {what}\n")).collect();
+    match &found.first {
+        Some(first) => {
+            text += &format!("{} of {} tiles differ when traced again, first {first}\n", found.tiles_wrong, found.tiles)
         }
-        _ => Exit::No,
-    })
+        None if text.is_empty() => {
+            text += &format!("as the scene: all tables, and {} tiles traced again\n", found.tiles)
+        }
+        None => {}
+    }
+    text
 }

@@ -117,6 +117,7 @@ fn pictures(setup: &Setup, scene: usize, mode: usize, policy: usize) -> (Picture
         reference: Some(format!("{base}/reference.png")),
         result: add(Kind::Result, file("result")),
         error: add(Kind::Error, file("error")),
+        flip: add(Kind::Flip, file("flip")),
         similarity: add(Kind::Similarity, file("similarity")),
         rate: setup.has_rates(policy).then(|| add(Kind::Rate, file("rate"))).flatten(),
     };

@@ -1,5 +1,7 @@
 //! Near names: what a mistyped name may have meant.
 
+use strsim::levenshtein;
+
 /// At most three of `known` that look like `name`, best first.
 fn near_names<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> Vec<&'a str> {
     let wanted = name.to_lowercase();
@@ -9,7 +11,7 @@ fn near_names<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> Vec<&'a s
             let lower = candidate.to_lowercase();
             let contains =
                 wanted.len() >= 3 && (lower.contains(&wanted) || (lower.len() >= 3 && wanted.contains(&lower)));
-            let distance = if contains { 1 } else { edit_distance(&wanted, &lower) };
+            let distance = if contains { 1 } else { levenshtein(&wanted, &lower) };
             (distance <= budget).then_some((distance, candidate))
         })
         .collect();
@@ -30,18 +32,15 @@ pub(crate) fn hint<'a>(name: &str, known: &[&'a str], what: &str) -> String {
     }
 }
 
-/// Levenshtein distance, capped by giving up on long words: names are short.
-fn edit_distance(a: &str, b: &str) -> usize {
-    let b: Vec<char> = b.chars().take(64).collect();
-    let mut row: Vec<usize> = (0..=b.len()).collect();
-    for (i, ca) in a.chars().take(64).enumerate() {
-        let mut diagonal = row[0];
-        row[0] = i + 1;
-        for (j, cb) in b.iter().enumerate() {
-            let substitute = diagonal + usize::from(ca != *cb);
-            diagonal = row[j + 1];
-            row[j + 1] = substitute.min(row[j] + 1).min(diagonal + 1);
-        }
-    }
-    row[b.len()]
+/// A message of the TOML reader in two parts: what is wrong, and for a key or word that does not exist what to write instead. The reader lists
+/// those that exist.
+pub(crate) fn of_toml(message: &str) -> (String, Option<String>) {
+    let is_name = |text: &str| text.starts_with("unknown field") || text.starts_with("unknown variant");
+    let unknown = message.split_once(", expected ").filter(|(start, _)| is_name(start));
+    let Some((what, known)) = unknown else { return (message.to_owned(), None) };
+    let quoted = |text: &str| text.split('`').skip(1).step_by(2).map(str::to_owned).collect::<Vec<_>>();
+    let (name, known) = (quoted(what), quoted(known));
+    let known: Vec<&str> = known.iter().map(String::as_str).collect();
+    let fix = name.first().map(|name| hint(name, &known, if what.contains("field") { "keys" } else { "words" }));
+    (what.to_owned(), fix)
 }

@@ -273,6 +273,10 @@ fn toml_errors_say_where_and_what() {
             "[materials.board]\nreflect = 1.5".into(),
             "s.toml: materials.board.reflect is 1.5; use a value between 0 and 1",
         ),
+        ("[[lights]]\nkind = \"pointy\"".into(), "s.toml:3:8: unknown variant `pointy`; did you mean `point`?"),
+        ("[camra]\neye = 3".into(), "s.toml:2:2: unknown field `camra`; did you mean `camera`?"),
+        ("zzzz = 3".into(), "s.toml:2:1: unknown field `zzzz`; the keys are `name`, `model`, `camera`"),
+        ("[materials.board]\nreflct = 0.5".into(), "s.toml:3:1: unknown field `reflct`; did you mean `reflect`?"),
         ("[materials.board]\nior = 0.5".into(), "s.toml: materials.board.ior is 0.5; use a value between 1 and 1000"),
     ];
     for (text, wanted) in cases {

@@ -23,7 +23,7 @@ pub struct Ancestor {
 /// The preset or file `spec`, what it extends, and so on to the base.
 pub(crate) fn load(family: &Family, spec: &str) -> Result<Vec<File>> {
     let mut folder = PathBuf::new();
-    let first = read(family, spec, &mut folder)?;
+    let first = read(family, spec, None, &mut folder)?;
     follow(family, first, folder)
 }
 
@@ -31,7 +31,8 @@ pub(crate) fn load(family: &Family, spec: &str) -> Result<Vec<File>> {
 pub(crate) fn follow(family: &Family, first: File, mut folder: PathBuf) -> Result<Vec<File>> {
     let mut chain = vec![first];
     while let Some(spec) = base(family, &chain[chain.len() - 1])? {
-        let next = read(family, &spec, &mut folder)?;
+        let by = &chain[chain.len() - 1].origin;
+        let next = read(family, &spec, Some(by), &mut folder)?;
         let seen = chain.iter().any(|known| known.origin == next.origin);
         chain.push(next);
         if seen || chain.len() > CHAIN_MAX {
@@ -82,16 +83,17 @@ fn base(family: &Family, file: &File) -> Result<Option<String>> {
     Ok((file.origin != preset_origin(kind)).then(|| kind.to_owned()))
 }
 
-/// One preset or file; `folder` becomes that of the file.
-fn read(family: &Family, spec: &str, folder: &mut PathBuf) -> Result<File> {
+/// One preset or file, which the file `by` extends, if there is one; `folder` becomes that of the file.
+fn read(family: &Family, spec: &str, by: Option<&str>, folder: &mut PathBuf) -> Result<File> {
     if let Some((name, text)) = family.preset(spec) {
         return File::parse(family, name, &preset_origin(name), text);
     }
     if !is_path(spec) {
-        return Err(family.unknown_preset(spec));
+        return Err(family.unknown_preset(spec, by));
     }
     let path = folder.join(spec);
     let text = std::fs::read_to_string(&path).map_err(|source| SettingsError::File {
+        by: by.map(str::to_owned),
         what: family.what,
         path: path.clone(),
         source,

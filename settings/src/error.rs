@@ -16,8 +16,10 @@ pub type Result<T, E = SettingsError> = std::result::Result<T, E>;
 #[non_exhaustive]
 pub enum SettingsError {
     /// A file cannot be read.
-    #[error("cannot read the {what} file {}", path.display())]
+    #[error("{}cannot read the {what} file {}", extended(by.as_deref()), path.display())]
     File {
+        /// The file that extends it, if one does.
+        by: Option<String>,
         /// What it describes: "machine".
         what: &'static str,
         /// The file.
@@ -36,8 +38,10 @@ pub enum SettingsError {
         detail: String,
     },
     /// No preset of this name, and not a file.
-    #[error("no {what} preset {name:?}; {near}, or give the path of a .toml file")]
+    #[error("{}no {what} preset {name:?}; {near} (or give the path of a .toml file)", extended(by.as_deref()))]
     UnknownPreset {
+        /// The file that extends it, if one does.
+        by: Option<String>,
         /// What was to be loaded: "machine".
         what: &'static str,
         /// The name asked for.
@@ -105,6 +109,10 @@ pub enum SettingsError {
         /// Which values, and what they break.
         detail: String,
     },
+}
+
+fn extended(by: Option<&str>) -> String {
+    by.map_or_else(String::new, |by| format!("{by}: extends: "))
 }
 
 impl SettingsError {

@@ -34,9 +34,10 @@ impl Family {
     }
 
     /// The error of a name that is neither.
-    pub(crate) fn unknown_preset(&self, name: &str) -> SettingsError {
+    pub(crate) fn unknown_preset(&self, name: &str, by: Option<&str>) -> SettingsError {
         let names: Vec<_> = self.presets.iter().map(|(name, _)| *name).collect();
-        SettingsError::UnknownPreset { what: self.what, name: name.into(), near: near(name, &names) }
+        let by = by.map(str::to_owned);
+        SettingsError::UnknownPreset { by, what: self.what, name: name.into(), near: near(name, &names) }
     }
 
     /// The two sides of an override `key=value`.

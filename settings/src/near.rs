@@ -1,33 +1,41 @@
 //! Names that were probably meant.
 
-/// "did you mean .." with the names nearest to `name`, or all of them.
-pub fn near(name: &str, names: &[&str]) -> String {
+use strsim::levenshtein;
+
+/// The names nearest to `name`, in their order; none if all of them are other words.
+pub fn nearest<'a>(name: &str, names: &[&'a str]) -> Vec<&'a str> {
     let last = |s: &str| s.rsplit('.').next().unwrap_or_default().to_owned();
-    let distance = |other: &str| edits(name, other).min(edits(&last(name), &last(other)));
+    let distance = |other: &str| levenshtein(name, other).min(levenshtein(&last(name), &last(other)));
     let best = names.iter().map(|n| distance(n)).min().unwrap_or(usize::MAX);
     // More than a third of the letters wrong is another word.
-    if best <= last(name).chars().count() / 3 + 1 {
-        let close: Vec<_> = names.iter().filter(|n| distance(n) == best).copied().collect();
-        format!("did you mean {}?", close.join(" or "))
-    } else {
-        format!("there are {}", names.join(", "))
+    if best > last(name).chars().count() / 3 + 1 {
+        return Vec::new();
+    }
+    names.iter().filter(|n| distance(n) == best).copied().collect()
+}
+
+/// "did you mean .." with the names nearest to `name`, or all of them.
+pub fn near(name: &str, names: &[&str]) -> String {
+    match nearest(name, names).as_slice() {
+        [] => format!("there are {}", names.join(", ")),
+        close => format!("did you mean {}?", close.join(" or ")),
     }
 }
 
-/// Levenshtein distance.
-fn edits(a: &str, b: &str) -> usize {
-    let b: Vec<char> = b.chars().collect();
-    let mut row: Vec<usize> = (0..=b.len()).collect();
-    for (i, x) in a.chars().enumerate() {
-        let mut diagonal = row[0];
-        row[0] = i + 1;
-        for (j, &y) in b.iter().enumerate() {
-            let change = diagonal + usize::from(x != y);
-            diagonal = row[j + 1];
-            row[j + 1] = change.min(row[j] + 1).min(diagonal + 1);
-        }
+/// A message of a TOML reader about a key or word that does not exist, with the one that was probably meant. The reader lists
+/// those that exist; all other messages stay as they are.
+pub fn with_near_key(message: &str) -> String {
+    let is_name = |text: &str| text.starts_with("unknown field") || text.starts_with("unknown variant");
+    let Some((unknown, known)) = message.split_once(", expected ").filter(|(start, _)| is_name(start)) else {
+        return message.to_owned();
+    };
+    let quoted = |text: &str| text.split('`').skip(1).step_by(2).map(str::to_owned).collect::<Vec<_>>();
+    let (name, known) = (quoted(unknown), quoted(known));
+    let known: Vec<&str> = known.iter().map(String::as_str).collect();
+    match name.first().map(|name| nearest(name, &known)).unwrap_or_default().as_slice() {
+        [] => message.to_owned(),
+        close => format!("{unknown}; did you mean `{}`?", close.join("` or `")),
     }
-    row[b.len()]
 }
 
 #[cfg(test)]
@@ -35,9 +43,23 @@ mod tests {
     use super::*;
 
     #[test]
-    fn distances() {
-        assert_eq!(edits("kitten", "sitting"), 3);
-        assert_eq!(edits("", "abc"), 3);
-        assert_eq!(edits("abc", "abc"), 0);
+    fn what_is_near_is_meant() {
+        let names = ["ti.trv", "ti.ist", "l2.ways"];
+        assert_eq!(nearest("ti.trb", &names), ["ti.trv"]);
+        assert_eq!(nearest("way", &names), ["l2.ways"], "by its last part alone");
+        assert!(nearest("colour", &names).is_empty());
+        assert_eq!(near("colour", &names), "there are ti.trv, ti.ist, l2.ways");
+        assert!(nearest("", &[]).is_empty());
+    }
+
+    #[test]
+    fn keys_of_a_reader_are_named() {
+        let message = "unknown field `polices`, expected one of `name`, `policies`, `traces`";
+        assert_eq!(with_near_key(message), "unknown field `polices`; did you mean `policies`?");
+        let one = "unknown field `valu`, expected `value`";
+        assert_eq!(with_near_key(one), "unknown field `valu`; did you mean `value`?");
+        for other in ["unknown field `colour`, expected one of `name`, `traces`", "missing field `name`", ""] {
+            assert_eq!(with_near_key(other), other);
+        }
     }
 }

@@ -110,7 +110,7 @@ fn errors_say_what_and_where() {
     assert!(error("legs = ").starts_with("table mine is not a valid table: "));
     assert_eq!(
         error("extends = \"plan\""),
-        "no table preset \"plan\"; did you mean plain?, or give the path of a .toml file"
+        "table mine: extends: no table preset \"plan\"; did you mean plain? (or give the path of a .toml file)"
     );
     assert_eq!(
         error("extends = \"plain\"\nlegs = 9"),

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, bail};
 use rayreel_formats::trace::Trace;
 use rayreel_store::Location;
+use rayreel_study::analysis::load::is_sweep;
 use rayreel_study::sweep::folder::{Created, Folder};
 use rayreel_study::sweep::plan::Plan;
 use rayreel_study::sweep::plan::locate::Text;
@@ -49,6 +50,9 @@ fn located(location: &str, traces: Option<&str>) -> String {
 
 /// All points of a plan file; relative traces are in `traces`, or beside it.
 pub fn read(file: &Path, place: &FolderArgs, traces: Option<&str>, cache: &CacheArgs) -> Result<Plan> {
+    if file.is_dir() {
+        bail!("{}", no_plan_file(file));
+    }
     let text = std::fs::read_to_string(file).with_context(|| format!("cannot read the plan {}", file.display()))?;
     let name = file.display().to_string();
     let folder = file.parent().unwrap_or(Path::new(""));
@@ -61,6 +65,18 @@ pub fn read(file: &Path, place: &FolderArgs, traces: Option<&str>, cache: &Cache
         open: &opener(cache, None),
     };
     Ok(Plan::new(&sources)?)
+}
+
+/// What to do with a folder that stands where a plan file is asked for.
+fn no_plan_file(folder: &Path) -> String {
+    let name = folder.display();
+    if is_sweep(folder) {
+        return format!(
+            "{name} is the folder of a sweep and not a plan file: `rayreel sweep run {name}` computes what is missing (on a cluster \
+             `resume`), `status {name}` says how far it is, `merge {name}` makes its table"
+        );
+    }
+    format!("{name} is a folder; name a plan file (.toml)")
 }
 
 /// Puts the plan of a file into its folder, or finds it there.

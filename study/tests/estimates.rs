@@ -66,7 +66,7 @@ impl Simulated {
 
     fn report(&self, runs: &[MachineRun]) -> Report {
         let frames = vec![self.stats.clone(); runs.len()];
-        let origin = Origin { trace: "cornell".into(), trace_fingerprint: None, trace_digest: None };
+        let origin = Origin { trace: "cornell".into(), ..Origin::default() };
         Report::new(&origin, &self.policy, self.trace.meta(), &frames).with_machine(&self.machine, runs)
     }
 

@@ -46,7 +46,7 @@ fn run(machine: &str, overrides: &[&str], times: usize) -> (Value, String, Vec<M
     };
     replays.run(frames, simulator, &mut NoProbe, count).unwrap();
     assert_eq!(runs, unwatched, "looking changes nothing");
-    let origin = Origin { trace: "cornell".into(), trace_fingerprint: None, trace_digest: None };
+    let origin = Origin { trace: "cornell".into(), ..Origin::default() };
     let report = Report::new(&origin, &policy, trace.meta(), &stats).with_machine(&machine, &runs);
     let json = serde_json::from_str(&report.to_json().unwrap()).unwrap();
     (json, report.to_string(), runs, serde_json::from_str(&timeline.to_json()).unwrap())

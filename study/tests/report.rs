@@ -21,7 +21,7 @@ fn source() -> Synthetic {
 fn report(frames: impl IntoIterator<Item = u32>, options: Options, policy: &NamedPolicy) -> Report {
     let source = source();
     let stats = replay(&source, &policy.policy, frames, options).unwrap().stats();
-    let origin = Origin { trace: "synthetic".into(), trace_fingerprint: None, trace_digest: Some("abc".into()) };
+    let origin = Origin { trace: "synthetic".into(), trace_digest: Some("abc".into()), ..Origin::default() };
     Report::new(&origin, policy, &source.meta, &stats)
 }
 

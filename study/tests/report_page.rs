@@ -114,7 +114,7 @@ fn a_picture_named_often_is_embedded_once_in_the_viewer() {
 
 /// Appends to every string of the study what would break out of an element, an attribute or a script.
 fn poisoned(value: &mut Value, key: &str) {
-    const FILES: [&str; 6] = ["reference", "result", "error", "similarity", "rate", "picture"];
+    const FILES: [&str; 7] = ["reference", "result", "error", "flip", "similarity", "rate", "picture"];
     match value {
         Value::String(text) if !FILES.contains(&key) => {
             *text += "'\"></td></script><script>alert(1)</script><!-- &\u{1}"

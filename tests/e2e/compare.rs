@@ -65,6 +65,12 @@ fn errors_say_what_to_do() {
     rayreel!["compare", dir, &run].expect(2).says(&["not the folder of a sweep"]);
     rayreel!["compare", &run, &run, "--tolerance", "-1"].expect(2).says(&["0 or more"]);
     rayreel!["compare", &run, &run, "--only", "***"].expect(2).says(&["***"]);
+    rayreel!["compare", &run, &run, "--only", "rays_trace"].expect(2).says(&["--only \"rays_trace\"", "rays_traced"]);
+    rayreel!["compare", &run, &run, "--ignore", "cycels*"].expect(2).says(&["--ignore \"cycels*\" matches no column"]);
+    rayreel!["compare", &run, &run, "--across", "polcy"]
+        .expect(2)
+        .says(&["--across \"polcy\"", "did you mean policy?"]);
+    rayreel!["compare", &run, &run, "--only", "rays_traced"].expect(0);
     fs::write(dir.join("plan.json"), "{}").unwrap();
     rayreel!["compare", dir, &run].expect(2).says(&["no results.parquet", "rayreel sweep merge"]);
     rayreel!["report", dir].expect(2).says(&["no results.parquet", "rayreel sweep merge"]);

@@ -38,6 +38,10 @@ fn wrong_usage_is_2() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
     capture("cornell", "--size 16x16 --samples 1x1", &folder.join("a.rtrace"));
+    fs::create_dir(folder.join("some.sweep")).unwrap();
+    fs::write(folder.join("some.sweep/plan.json"), "{}").unwrap();
+    fs::write(folder.join("odd.toml"), "extends = \"multirat\"").unwrap();
+    fs::write(folder.join("misspelt.toml"), "trace = [\"a.rtrace\"]").unwrap();
     for (line, word) in [
         ("", "Usage"),
         ("captur cornell", "capture"),
@@ -67,6 +71,14 @@ fn wrong_usage_is_2() {
         ("replay {}/a.rtrace --set dram.channels=0", "dram.channels"),
         ("replay {}/a.rtrace --frames 0..2", "frame 1"),
         ("replay {}/a.rtrace --frames 2..2", "A..B"),
+        (
+            "replay {}/a.rtrace --policy {}/odd.toml",
+            "odd.toml: extends: no policy preset \"multirat\"; did you mean multirate? (or",
+        ),
+        ("sweep {}/some.sweep", "is the folder of a sweep and not a plan file: `rayreel sweep run "),
+        ("sweep {}", "is a folder; name a plan file (.toml)"),
+        ("sweep plan {}/odd.toml", "unknown field `extends`"),
+        ("sweep plan {}/misspelt.toml", "misspelt.toml:1:1: unknown field `trace`; did you mean `traces`?"),
         ("presets show sgrt-ti3", "did you mean sgrt-ti2"),
         ("presets show adaptve", "did you mean adaptive"),
         ("presets show sgrt-ti2 --set ti.trv=99", "from 1 to 16"),

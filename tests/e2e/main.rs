@@ -12,6 +12,7 @@ mod anchors;
 mod browser;
 #[cfg(unix)]
 mod cluster;
+mod columns;
 mod compare;
 mod damage;
 mod detail;

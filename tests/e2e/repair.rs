@@ -99,6 +99,48 @@ fn a_complete_trace_stays_what_it_is() {
     rayreel!["verify", &anew].expect(0);
 }
 
+/// Without the tree or the metadata nothing can be decoded: a repair says so instead of leaving a file that every command refuses.
+#[test]
+fn a_trace_without_its_tree_is_said_to_be_lost() {
+    let folder = tempfile::tempdir().unwrap();
+    let whole = folder.path().join("whole.rtrace");
+    capture("cornell", "--size 32x32", &whole);
+    let bytes = fs::read(&whole).unwrap();
+    for (kind, name) in [(b"BVH ", "BVH"), (b"META", "META")] {
+        let header = bytes.windows(4).position(|four| four == kind).unwrap();
+        let (torn, fixed) = (folder.path().join(format!("{name}.torn")), folder.path().join(format!("{name}.rtrace")));
+        let mut damaged = bytes.clone();
+        damaged[header + 60] ^= 0xff;
+        fs::write(&torn, &damaged).unwrap();
+        let ran = rayreel!["repair", &torn, "-o", &fixed].expect(1);
+        for words in
+            [&format!("the {name} chunk is lost") as &str, "damaged: bytes ", "no command", "Capture the scene again"]
+        {
+            assert!(ran.out.contains(words), "{words}: {}", ran.out);
+        }
+        assert!(!ran.out.contains(['{', '}']), "no form for programmers: {}", ran.out);
+        rayreel!["replay", &fixed].expect(3).says(&[&format!("holds no {name} chunk")]);
+    }
+}
+
+#[test]
+fn a_lost_camera_and_whole_frames_are_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let whole = folder.path().join("whole.rtrace");
+    capture(&moving(folder.path()), "--size 60x40 --frames 0..3", &whole);
+    let mut bytes = fs::read(&whole).unwrap();
+    let cameras: Vec<usize> = (0..bytes.len() - 4).filter(|&at| &bytes[at..at + 4] == b"FRAM").collect();
+    bytes[cameras[2] + 60] ^= 0xff;
+    let (torn, fixed) = (folder.path().join("torn"), folder.path().join("fixed.rtrace"));
+    fs::write(&torn, &bytes).unwrap();
+    let told = rayreel!["repair", &torn, "-o", &fixed].expect(3).out;
+    for words in ["the FRAM chunk of frame 2", "2 of 3 frames are whole: replay --frames 0..2 works"] {
+        assert!(told.contains(words), "{words}: {told}");
+    }
+    replay(&fixed, "--frames 0..2").expect(0);
+    replay(&fixed, "--frames 2").expect(3);
+}
+
 #[test]
 fn repair_never_overwrites() {
     let folder = tempfile::tempdir().unwrap();

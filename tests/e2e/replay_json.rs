@@ -156,6 +156,51 @@ fn the_bytes_do_not_depend_on_threads_or_folder() {
     }
 }
 
+/// A folder of results says what made it, whoever finds it: the same words wherever it was made.
+#[test]
+fn results_say_what_made_them() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = trace(folder.path(), "cornell", "--size 40x20");
+    let (policy, out) = (folder.path().join("my policy.toml"), folder.path().join("out"));
+    fs::write(&policy, "extends = \"adaptive\"\n").unwrap();
+    let policy = policy.to_str().unwrap();
+    let options = [
+        "--policy",
+        policy,
+        "--set",
+        "block=4",
+        "--frames",
+        "0",
+        "--detail",
+        "all",
+        "--warm",
+        "--threads",
+        "2",
+        "--quiet",
+    ];
+    let run = |more: &[&str]| {
+        let args =
+            ["replay".as_ref(), file.as_os_str()].into_iter().chain(options.iter().chain(more).map(|s| s.as_ref()));
+        run(&args.map(Into::into).collect::<Vec<_>>()).expect(0).out
+    };
+    let said: Value = serde_json::from_str(&run(&["--json"])).unwrap();
+    let command = "rayreel replay a.rtrace --policy 'my policy.toml' --machine sgrt-ti2 --set block=4 --frames 0..1 --detail all --warm";
+    assert_eq!(said["command"], command);
+    assert_eq!(said["program"], format!("rayreel {}", env!("CARGO_PKG_VERSION")));
+    assert_eq!(said["model_version"], rayreel_study::point::version::MODEL_VERSION);
+    run(&["--out", out.to_str().unwrap()]);
+    let stats: Value = serde_json::from_slice(&fs::read(out.join("stats.json")).unwrap()).unwrap();
+    assert_eq!(stats, said);
+    let exr = fs::read(out.join("result.exr")).unwrap();
+    let holds = |words: &str| exr.windows(words.len()).any(|bytes| bytes == words.as_bytes());
+    let about = json!({ "model_version": said["model_version"], "trace": "a.rtrace", "trace_fingerprint": said["trace_fingerprint"],
+        "trace_digest": said["trace_digest"], "frame": 0, "policy": said["policy"], "machine": said["machine"] });
+    for words in [command, &about.to_string(), said["program"].as_str().unwrap(), "software"] {
+        assert!(holds(words), "{words}");
+    }
+    assert!(!holds(folder.path().to_str().unwrap()), "no folder of this machine");
+}
+
 #[test]
 fn overrides_are_the_same_as_a_policy_file() {
     let folder = tempfile::tempdir().unwrap();

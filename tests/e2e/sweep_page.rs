@@ -160,23 +160,40 @@ fn filter(page: &Page<'_>) {
     page.click("#filter");
     "full".chars().for_each(|c| page.0.key(&c.to_string()));
     page.holds(&format!("{rows} === 2 && {found} === '2 of 8 points'"));
-    set("policy = adaptive and block >= 4");
+    set("policy = \\'adaptive\\' and block >= 4");
     page.holds(&format!("{rows} === 4"));
-    set("l1 = 32KiB, block < 8 psnr_db < 1e9");
+    set("l1 = 32KiB and block < 8 and block is not none and psnr_db < 1e9");
     page.holds(&format!("{rows} === 2"));
+    // Four with the large cache, and one with the small one.
+    set("l1 >= 32KiB or block = 2");
+    page.holds(&format!("{rows} === 5 && {found} === '5 of 8 points'"));
+    page.holds("document.querySelector('#summary-of .read').textContent.startsWith('5 of 8 points')");
+    page.holds("[...document.querySelectorAll('#summary-of tbody tr')].find(r => r.cells[0].textContent === 'block').cells[1].textContent === '3'");
+    set("not (l1 >= 32KiB or block = 2)");
+    page.holds(&format!("{rows} === 3"));
+    let least = "document.querySelector('#summary-of dl').textContent";
+    let narrow = page.0.run(&format!("return {least}"));
     // An identical picture has more PSNR than any number.
     set("psnr_db > 1e6");
     page.holds(&format!("{rows} === 2"));
-    set("policy ~ apt");
-    page.holds(&format!("{rows} === 6"));
+    set("\\'apt\\' in policy");
+    page.holds(&format!("{rows} === 6 && {least} !== {narrow}"));
     page.holds("document.getElementById('effects-of').textContent === 'of 6 points'");
-    set("nonsense > 3");
-    page.holds(&format!("{found} === 'no column nonsense' && {rows} === 6"));
+    for (text, told) in [
+        ("nonsense > 3", "at character 1, nonsense: there is no column nonsense"),
+        ("l1 > 3 and (trv", "there is no column trv"),
+        ("l1 > 16KB", "at character 6, 16KB: no number"),
+        ("policy = full", "at character 10, full: there is no column full; a word stands in quotes"),
+        ("policy ~ full", "at character 8, ~: a part of a word"),
+    ] {
+        set(text);
+        page.holds(&format!("{found}.includes('{told}') && {found}.includes('6 of 8 points') && {rows} === 6"));
+    }
     set("no such word");
     page.holds(&format!("{rows} === 0"));
     page.is_sound();
     set("");
-    page.holds(&format!("{rows} === {POINTS}"));
+    page.holds(&format!("{rows} === {POINTS} && document.querySelector('#summary-of > .read') === null"));
 }
 
 fn phone(page: &Page<'_>, file: &Path) {
@@ -188,6 +205,13 @@ fn phone(page: &Page<'_>, file: &Path) {
     browser.run("document.querySelector('#best-tables .pick').click()");
     page.holds("!document.getElementById('chosen').hidden");
     page.is_sound();
+    // What goes on to the right says so until its end is seen, and its first column stays in sight.
+    page.holds("document.querySelector('#points-table .scroll, #points-table.scroll').classList.contains('more')");
+    let left = "document.querySelector('#points-table tbody th').getBoundingClientRect().left";
+    let before = browser.run(&format!("return {left}"));
+    browser.run("document.querySelector('#points-table .scroll, #points-table.scroll').scrollLeft = 1e6");
+    page.holds("!document.querySelector('#points-table .scroll, #points-table.scroll').classList.contains('more')");
+    page.holds(&format!("Math.abs({left} - {before}) <= 2"));
 }
 
 /// On paper: charts as they are, nothing to press.

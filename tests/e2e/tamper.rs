@@ -2,13 +2,15 @@
 
 use std::path::{Path, PathBuf};
 
+use rayreel_formats::bvh::Bvh;
 use rayreel_formats::half::Half3;
 use rayreel_formats::oct::Oct;
+use rayreel_formats::scene::{Light, Meta};
 use rayreel_formats::tile::{ShadowState, Tile, step};
 use rayreel_formats::trace::{Codec, Trace};
 
 use crate::common::scenes::moving;
-use crate::common::trace::{open, rewrite};
+use crate::common::trace::{open, rewrite, rewrite_with};
 use crate::common::{Ran, capture, digest};
 use crate::rayreel;
 
@@ -209,4 +211,49 @@ fn diff_of_other_captures_names_the_setting() {
     capture("cornell", "--size 32x24 --samples 1x1 --depth 2", &b);
     let said = rayreel!["diff", &a, &b].expect(1).out;
     assert!(said.starts_with("meta: ") && said.contains("32x20 | 32x24") && said.contains("depth: 4 | 2"), "{said}");
+}
+
+/// Changes of what only the scene knows: name, how, and what `verify --scene` says.
+type TableLie = (&'static str, fn(&mut Meta, &mut Bvh), &'static str);
+
+const TABLE_LIES: [TableLie; 4] = [
+    ("all objects are one", |_, bvh| bvh.triangles.iter_mut().for_each(|t| t.object = 0), "triangles, first number "),
+    ("an object's name", |_, bvh| bvh.objects[1].push('x'), "the names of objects"),
+    (
+        "the colour of a light",
+        |meta, _| match &mut meta.lights[0] {
+            Light::Point { colour, .. } | Light::Directional { colour, .. } => colour.x *= 0.5,
+        },
+        "the lights",
+    ),
+    ("the scene's hash", |meta, _| meta.scene_hash[0] ^= 1, "the hash of the scene's content"),
+];
+
+/// A trace agrees with itself whatever its tables call things: without the scene `verify` says that it believes them.
+#[test]
+fn tables_are_bound_by_the_scene() {
+    let folder = tempfile::tempdir().unwrap();
+    let (whole, lie) = (folder.path().join("whole.rtrace"), folder.path().join("lie.rtrace"));
+    capture("cornell", "--size 32x24", &whole);
+    let told = rayreel!["verify", &whole].expect(0).out;
+    assert!(told.contains("not bound to a scene: objects, colours"), "{told}");
+    let told = rayreel!["verify", &whole, "--scene", "cornell"].expect(0).out;
+    assert!(told.contains("as the scene: all tables, and 4 tiles traced again"), "{told}");
+    let trace = open(&whole);
+    for (name, change, words) in TABLE_LIES {
+        let (mut meta, mut bvh) = (trace.meta().clone(), trace.bvh().clone());
+        change(&mut meta, &mut bvh);
+        rewrite_with(&trace, &lie, Codec::Context, (&meta, &bvh), |_| {});
+        rayreel!["verify", &lie].expect(0);
+        let told = rayreel!["verify", &lie, "--scene", "cornell"].expect(1).out;
+        assert!(told.contains("differs from the scene: ") && told.contains(words), "{name}: {told}");
+        std::fs::remove_file(&lie).unwrap();
+    }
+    // A colour follows from the scene alone.
+    rewrite(&trace, &lie, Codec::Context, |tile| tile.radiance[0].local.0[0] ^= 1);
+    rayreel!["verify", &lie].expect(0);
+    let json = rayreel!["verify", "--json", &lie, "--scene", "cornell"].expect(1).json();
+    assert_eq!((&json["scene"]["tiles_wrong"], &json["scene"]["tables_wrong"]), (&4.into(), &serde_json::json!([])));
+    assert_eq!(json["scene"]["first_mismatch"], "the radiance of frame 0, tile 0");
+    rayreel!["verify", &whole, "--scene", "teapot"].expect(1);
 }

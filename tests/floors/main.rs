@@ -31,7 +31,10 @@ const ORDERS: [(&str, &str); 11] = [
         "scenes/src/lib.rs",
         "names warnings error scene pictures options validate camera mesh defaults view overrides modelling obj builtin gltf_model file load",
     ),
-    ("tracer/src/lib.rs", "convert grid shading texture traverse verify accel materials waves trace capture render"),
+    (
+        "tracer/src/lib.rs",
+        "convert grid shading texture traverse verify accel materials waves trace against capture render",
+    ),
     (
         "study/src/lib.rs",
         "error files pool policy_text schema figures report table point sweep cluster analysis compare html",

@@ -31,6 +31,7 @@
 //! packets, and verification walks each ray alone; no output depends on the number of threads or the processor.
 
 pub mod accel;
+pub mod against;
 pub mod capture;
 pub mod convert;
 mod grid;

@@ -29,6 +29,10 @@ pub struct Verified {
     pub steps: u64,
     /// Tiles that differ.
     pub tiles_wrong: u64,
+    /// Of the tiles checked those that hold no paths: their hits and shadow states were checked, their steps were not.
+    pub without_paths: u64,
+    /// Tiles that were not checked: they lack another column, or paths where a cut-out says what a ray passes.
+    pub unchecked: u64,
     /// The first difference, by frame and tile.
     pub first: Option<Mismatch>,
 }
@@ -40,6 +44,8 @@ impl Verified {
         self.rays += later.rays;
         self.steps += later.steps;
         self.tiles_wrong += later.tiles_wrong;
+        self.without_paths += later.without_paths;
+        self.unchecked += later.unchecked;
         self.first = self.first.take().or(later.first);
     }
 }
@@ -66,6 +72,8 @@ pub struct Mismatch {
 /// When a tile is damaged.
 pub fn verify(trace: &Trace, mut progress: impl FnMut(u64) -> bool) -> Result<Verified> {
     let traversal = TraversalBvh::new(trace.bvh());
+    // What a cut-out lets pass only the paths say.
+    let decided = !trace.bvh().materials.iter().any(|material| material.cutout);
     let missing = trace.missing_tiles();
     let every = |frame| (0..trace.meta().tile_count()).map(move |tile| (frame, tile));
     let tiles: Vec<(u32, u32)> =
@@ -73,14 +81,19 @@ pub fn verify(trace: &Trace, mut progress: impl FnMut(u64) -> bool) -> Result<Ve
     let mut total = Verified::default();
     for batch in tiles.chunks(64 * rayon::current_num_threads()) {
         let check = |scratch: &mut (CodecScratch, TraversalScratch), &(frame, tile): &(u32, u32)| {
-            let content = trace.tile_with(frame, tile, &Column::ALL, &mut scratch.0)?;
+            let readable = trace.readable(frame, tile)?;
+            let needed = if decided { &Column::ALL[..3] } else { &Column::ALL[..] };
+            if needed.iter().any(|column| !readable.contains(column)) {
+                return Ok(Verified { unchecked: 1, ..Verified::default() });
+            }
+            let content = trace.tile_with(frame, tile, &readable, &mut scratch.0)?;
             TileCheck::new(trace, &traversal, &content, frame).map(|mut check| check.run(&mut scratch.1))
         };
         let checked: Vec<Verified> = batch.par_iter().map_init(Default::default, check).collect::<Result<_>>()?;
         for one in checked {
             total.add(one);
         }
-        if !progress(total.tiles) {
+        if !progress(total.tiles + total.unchecked) {
             break;
         }
     }
@@ -94,6 +107,7 @@ struct TileCheck<'a> {
     traversal: &'a TraversalBvh,
     tile: &'a Tile,
     rebuilt: RayRebuilder<'a>,
+    has_paths: bool,
     parents: Vec<u32>,
     /// Per node the product of the weights from the eye, once its parent was checked.
     weights: Vec<Vec3>,
@@ -107,8 +121,9 @@ impl<'a> TileCheck<'a> {
         let geometry = Geometry { bvh, camera };
         let rebuilt = RayRebuilder::new(&tile.tree, tile.rect, geometry);
         let weights = vec![Vec3::ONE; tile.tree.nodes.len()];
-        let counts = Verified { tiles: 1, ..Verified::default() };
-        Ok(Self { trace, bvh, traversal, tile, rebuilt, parents: tile.tree.parents(), weights, counts })
+        let has_paths = tile.paths.spans.len() == tile.tree.ray_count() as usize;
+        let counts = Verified { tiles: 1, without_paths: u64::from(!has_paths), ..Verified::default() };
+        Ok(Self { has_paths, trace, bvh, traversal, tile, rebuilt, parents: tile.tree.parents(), weights, counts })
     }
 
     fn run(&mut self, scratch: &mut TraversalScratch) -> Verified {
@@ -224,7 +239,7 @@ impl<'a> TileCheck<'a> {
         name: &str,
         scratch: &mut TraversalScratch,
     ) -> Result<(Option<RayHit>, bool), String> {
-        let recorded = self.tile.paths.ray(number);
+        let recorded = if self.has_paths { self.tile.paths.ray(number) } else { &[] };
         // The recorded outcomes of the triangles that were hit, in order. Only cut-outs are decided by them.
         let mut met = recorded.iter().filter(|&&s| s == step::HIT || s == step::PASS);
         let mut passed = false;
@@ -242,6 +257,9 @@ impl<'a> TileCheck<'a> {
             self.traversal.closest_hit::<true>(ray, scratch, pass)
         };
         self.counts.rays += 1;
+        if !self.has_paths {
+            return Ok((hit, passed));
+        }
         self.counts.steps += scratch.steps.len() as u64;
         if scratch.steps != recorded {
             let at = scratch.steps.iter().zip(recorded).take_while(|(a, b)| a == b).count();

@@ -28,6 +28,9 @@ pub struct RepairReport {
     /// Chunks known to have been in the old file, from its index or from headers in damaged ranges, that are not in the
     /// new one; sorted. If the index was lost, there may be others.
     pub lost: Vec<ChunkId>,
+    /// Chunks that nothing can be read without, and that the new file lacks: `META` and `BVH `. Whatever else it holds, it is no
+    /// trace unless this is empty.
+    pub indispensable: Vec<ChunkId>,
     /// Whether the old file had a whole index, so that `lost` is complete.
     pub had_index: bool,
     /// Version of the new file: that of the old one, or the current one if the old header is damaged.
@@ -53,6 +56,8 @@ pub fn repair(input: &Path, output: &Path, limits: &Limits) -> Result<RepairRepo
     }
     let expected = indexed(&file, &scan);
     let lost = lost(&kept, &scan, expected.as_deref());
+    let absent = |id: &ChunkId| !kept.iter().any(|record| record.id == *id);
+    let indispensable = [ChunkId::META, ChunkId::BVH].into_iter().filter(absent).collect();
     let version = scan.version.unwrap_or(FormatVersion::CURRENT);
     let temporary = with_suffix(output, ".repairing")?;
     let finished = create(&temporary, output, version)
@@ -69,6 +74,7 @@ pub fn repair(input: &Path, output: &Path, limits: &Limits) -> Result<RepairRepo
         duplicates,
         damaged: scan.damaged,
         lost,
+        indispensable,
         had_index: expected.is_some(),
         version,
     })

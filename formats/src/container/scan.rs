@@ -1,5 +1,6 @@
 //! Finds the whole chunks of a damaged or unfinished file, without its index.
 
+use std::fmt;
 use std::path::Path;
 
 use super::chunk_file::ChunkFile;
@@ -22,6 +23,16 @@ pub struct DamagedRange {
     pub end: u64,
     /// Chunks whose headers lie in the range and are whole. There may be others.
     pub chunks: Vec<ChunkId>,
+}
+
+impl fmt::Display for DamagedRange {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "bytes {} to {}", self.start, self.end)?;
+        for (at, id) in self.chunks.iter().enumerate() {
+            write!(f, "{} {id}", if at == 0 { ": the" } else { ", the" })?;
+        }
+        Ok(())
+    }
 }
 
 /// What a walk through a file found.

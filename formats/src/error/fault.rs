@@ -64,6 +64,16 @@ pub enum Missing {
     /// This chunk.
     #[error("holds no {0}")]
     Chunk(ChunkId),
+    /// A column of a tile: its writer left it out.
+    #[error(
+        "holds no {column} in the {tile}; what does not need them works, such as `rayreel replay --machine none` without paths"
+    )]
+    Column {
+        /// The tile.
+        tile: ChunkId,
+        /// The column.
+        column: &'static str,
+    },
 }
 
 /// How a file is damaged.

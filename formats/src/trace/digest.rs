@@ -39,7 +39,8 @@ impl Digest {
     }
 }
 
-/// Digests a trace. Tiles that it does not hold are left out (see [`Trace::missing_tiles`]).
+/// Digests a trace. Tiles that it does not hold are left out (see [`Trace::missing_tiles`]), and of a tile the columns that
+/// cannot be read (see [`Trace::readable`]).
 ///
 /// # Errors
 /// When a tile is damaged.
@@ -57,13 +58,18 @@ pub fn digest(trace: &Trace) -> Result<Digest> {
         cameras.update(&camera.to_payload()?);
         let tiles: Vec<u32> =
             (0..trace.meta().tile_count()).filter(|&t| missing.binary_search(&(frame, t)).is_err()).collect();
-        let hash = |scratch: &mut Scratch, &tile: &u32| -> Result<[blake3::Hash; 4]> {
-            let content = trace.tile_with(frame, tile, &Column::ALL, scratch)?;
-            Ok(Column::ALL.map(|column| blake3::hash(&content.canonical_bytes(column))))
+        let hash = |scratch: &mut Scratch, &tile: &u32| -> Result<[Option<blake3::Hash>; 4]> {
+            let readable = trace.readable(frame, tile)?;
+            if readable.is_empty() {
+                return Ok([None; 4]);
+            }
+            let content = trace.tile_with(frame, tile, &readable, scratch)?;
+            let hash = |column| readable.contains(&column).then(|| blake3::hash(&content.canonical_bytes(column)));
+            Ok(Column::ALL.map(hash))
         };
         let hashes: Vec<_> = tiles.par_iter().map_init(Scratch::default, hash).collect::<Result<_>>()?;
         for (tile, hashes) in tiles.iter().zip(hashes) {
-            for (hasher, hash) in columns.iter_mut().zip(hashes) {
+            for (hasher, hash) in columns.iter_mut().zip(hashes).filter_map(|(hasher, hash)| Some((hasher, hash?))) {
                 hasher.update(&frame.to_le_bytes());
                 hasher.update(&tile.to_le_bytes());
                 hasher.update(hash.as_bytes());

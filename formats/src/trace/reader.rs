@@ -8,7 +8,7 @@ use crate::bvh::Bvh;
 use crate::columns::classes::CodingOrder;
 use crate::columns::paths::{BvhTopology, PathSink, SharedPaths};
 use crate::container::{ChunkRecord, ColumnTotals, Reader, Source, TileDirectory, TilePayload};
-use crate::error::{Error, Result};
+use crate::error::{Error, Missing, Result};
 use crate::id::{ChunkId, ChunkKind};
 use crate::limits::Limits;
 use crate::rays::{Geometry, TileRays};
@@ -24,6 +24,7 @@ pub struct Trace {
     topology: BvhTopology,
     /// Frames that the file holds, ascending: a file pays for what it holds, not for what its metadata claims.
     frames: Vec<FrameEntry>,
+    lacking: Vec<(Column, u64)>,
 }
 
 /// A frame of the file. Its camera is read when it is first asked for: cameras lie among the tiles, and of a trace far
@@ -68,7 +69,8 @@ impl Trace {
         let mut frames: Vec<FrameEntry> =
             frames.map(|&record| FrameEntry { record, camera: OnceLock::new() }).collect();
         frames.sort_by_key(|frame| frame.record.id.frame);
-        let trace = Self { reader, meta, bvh, topology, frames };
+        let lacking = lacking(&reader);
+        let trace = Self { reader, meta, bvh, topology, frames, lacking };
         trace.check_chunks()?;
         Ok(trace)
     }
@@ -142,6 +144,25 @@ impl Trace {
             }
         }
         missing
+    }
+
+    /// Columns that some tiles lack, with how many do. Only other writers than ours leave columns out.
+    pub fn lacking(&self) -> &[(Column, u64)] {
+        &self.lacking
+    }
+
+    /// The columns of a tile that can be read: those that it holds, as far as it holds what they need.
+    ///
+    /// # Errors
+    /// When the trace does not hold the tile, or its directory is damaged.
+    pub fn readable(&self, frame: u32, index: u32) -> Result<Vec<Column>> {
+        let record = self.reader.require(ChunkId::tile(frame, index))?;
+        if self.lacking().is_empty() {
+            return Ok(Column::ALL.to_vec());
+        }
+        let directory = self.reader.tile_directory(record)?;
+        let held = |column: &Column| directory.column(*column as u8).is_some();
+        Ok(Column::ALL.into_iter().filter(|column| held(column) && column.needs().iter().all(held)).collect())
     }
 
     /// Reads the columns of a tile that `columns` name, and those they need; the others stay empty.
@@ -278,9 +299,20 @@ impl Trace {
         };
         match found {
             Some((info, bytes)) => Ok(PackedColumn { codec: info.codec, raw_len: info.raw_len, bytes }),
-            None => Err(Error::column(record.id.frame, record.id.tile, column.name(), "the tile does not hold it")),
+            None => {
+                let missing = Missing::Column { tile: record.id, column: column.name() };
+                Err(Error::Incomplete { path: self.reader.path().to_path_buf(), missing })
+            }
         }
     }
+}
+
+/// Columns that fewer tiles have than there are.
+fn lacking(reader: &Reader) -> Vec<(Column, u64)> {
+    let tiles = reader.chunks().iter().filter(|record| record.id.kind == ChunkKind::TILE).count() as u64;
+    let held = |column: Column| reader.column_totals().iter().find(|t| t.id == column as u8).map_or(0, |t| t.tiles);
+    let lacking = Column::ALL.into_iter().map(|column| (column, tiles.saturating_sub(held(column))));
+    lacking.filter(|(_, tiles)| *tiles > 0).collect()
 }
 
 /// Where the columns of a tile come from: one read of everything, or one read each.

@@ -7,8 +7,8 @@ use std::io::{self, BufReader, Cursor};
 use std::path::Path;
 
 use exr::prelude::{
-    Compression, Encoding, Image as ExrImage, Layer, LayerAttributes, LineOrder, SpecificChannels, Vec2, WritableImage,
-    read_first_rgba_layer_from_file,
+    AttributeValue, Compression, Encoding, Image as ExrImage, Layer, LayerAttributes, LineOrder, SpecificChannels,
+    Text, Vec2, WritableImage, read_first_rgba_layer_from_file,
 };
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{ExtendedColorType, ImageEncoder, ImageReader};
@@ -21,11 +21,31 @@ fn write(path: &Path, bytes: &[u8]) -> Result<()> {
     durable::write_whole(path, &[bytes]).map_err(|source| ReplayError::output(path, "write", source))
 }
 
+/// What an EXR file says of its picture beside the program that wrote it.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct ExrNotes {
+    /// For people: the attribute `comments`.
+    pub comments: Option<String>,
+    /// For programs: the attribute `rayreel`.
+    pub about: Option<String>,
+}
+
+/// The program, as EXR files and reports name it.
+pub const SOFTWARE: &str = concat!("rayreel ", env!("CARGO_PKG_VERSION"));
+
 /// Writes a picture as EXR: three f32 channels, scan lines top to bottom, ZIP.
 ///
 /// # Errors
 /// When the file cannot be written.
 pub fn write_exr(path: &Path, image: &Image) -> Result<()> {
+    write_exr_with(path, image, &ExrNotes::default())
+}
+
+/// As [`write_exr`], with notes on what the picture is of.
+///
+/// # Errors
+/// When the file cannot be written.
+pub fn write_exr_with(path: &Path, image: &Image, notes: &ExrNotes) -> Result<()> {
     let width = image.width as usize;
     let channels = SpecificChannels::rgb(|at: Vec2<usize>| {
         let [r, g, b] = image.pixels[at.y() * width + at.x()];
@@ -37,11 +57,29 @@ pub fn write_exr(path: &Path, image: &Image) -> Result<()> {
         blocks: exr::image::Blocks::ScanLines,
         line_order: LineOrder::Increasing,
     };
-    let layer = Layer::new((width, image.height as usize), LayerAttributes::default(), encoding, channels);
+    let layer = Layer::new((width, image.height as usize), attributes(notes), encoding, channels);
     let mut bytes = Cursor::new(Vec::new());
     let result = ExrImage::from_layer(layer).write().non_parallel().to_buffered(&mut bytes);
     result.map_err(|e| ReplayError::output(path, "encode", io::Error::other(e)))?;
     write(path, bytes.get_ref())
+}
+
+/// The attributes. One of them at most has a name of ours: the crate writes those in the order of a hash map, which is another each
+/// time.
+fn attributes(notes: &ExrNotes) -> LayerAttributes {
+    let about = notes.about.as_deref().map(|about| (Text::from("rayreel"), AttributeValue::Text(latin(about))));
+    LayerAttributes {
+        software_name: Some(latin(SOFTWARE)),
+        comments: notes.comments.as_deref().map(latin),
+        other: about.into_iter().collect(),
+        ..LayerAttributes::default()
+    }
+}
+
+/// EXR has one byte for a character: others stand there as `\u{1234}`.
+fn latin(text: &str) -> Text {
+    let escaped = |c: char| if c.is_ascii() { c.to_string() } else { c.escape_unicode().to_string() };
+    Text::from(text.chars().map(escaped).collect::<String>().as_str())
 }
 
 /// Writes a picture as PNG.
@@ -127,6 +165,23 @@ mod tests {
         let first = fs::read(&paths[0]).unwrap();
         assert!(paths.iter().all(|path| fs::read(path).unwrap() == first));
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 4, "no temporary file is left");
+    }
+
+    #[test]
+    fn exr_says_what_it_is_of_and_has_the_same_bytes_each_time() {
+        let folder = tempfile::tempdir().unwrap();
+        let notes =
+            ExrNotes { comments: Some("rayreel replay é.rtrace".into()), about: Some("{\"machine\":\"m\"}".into()) };
+        let paths: Vec<_> = (0..8).map(|i| folder.path().join(format!("{i}.exr"))).collect();
+        paths.iter().for_each(|path| write_exr_with(path, &picture(), &notes).unwrap());
+        let first = fs::read(&paths[0]).unwrap();
+        assert!(paths.iter().all(|path| fs::read(path).unwrap() == first));
+        assert_eq!(read_exr(&paths[0]).unwrap(), picture());
+        let header = exr::meta::MetaData::read_from_file(&paths[0], true).unwrap().headers[0].own_attributes.clone();
+        let text = |text: &Option<Text>| text.as_ref().map(ToString::to_string);
+        assert_eq!(text(&header.software_name).as_deref(), Some(SOFTWARE));
+        assert_eq!(text(&header.comments).as_deref(), Some("rayreel replay \\u{e9}.rtrace"));
+        assert_eq!(header.other[&Text::from("rayreel")], AttributeValue::Text(Text::from("{\"machine\":\"m\"}")));
     }
 
     #[test]

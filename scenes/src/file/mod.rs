@@ -21,6 +21,7 @@ use self::{
 };
 use crate::{
     error::{Location, SceneError},
+    names::of_toml,
     options::{LoadOptions, MAX_FPS},
     scene::Scene,
 };
@@ -115,10 +116,11 @@ fn toml_error(path: &Path, text: &str, error: &toml::de::Error) -> SceneError {
     let before = text.get(..start).unwrap_or("");
     let line = before.matches('\n').count() + 1;
     let column = before.rsplit('\n').next().unwrap_or("").chars().count() + 1;
+    let (what, fix) = of_toml(&error.message().trim().replace('\n', "; "));
     SceneError::Input {
         at: Location::Line { path: path.to_owned(), line, column: Some(column) },
-        what: error.message().trim().replace('\n', "; "),
-        fix: None,
+        what,
+        fix,
         source: None,
     }
 }

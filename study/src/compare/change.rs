@@ -13,6 +13,9 @@ use crate::compare::select::Select;
 use crate::table::{Cells, Field, Results, Role};
 use rayreel_replay::Detail;
 
+/// Columns of the configuration that are compared beside its keys.
+const OF_ALL: [&str; 3] = ["trace_fingerprint", "model_version", DETAIL];
+
 /// A figure or counter that changed.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Change {
@@ -90,6 +93,22 @@ pub fn columns<'a>(a: &'a Results, b: &'a Results, select: &Select) -> (Vec<(&'a
         list.iter().filter(|field| find(other, &field.name).is_none()).map(|field| field.name.clone()).collect()
     };
     (both, [alone(&of_a, &of_b), alone(&of_b, &of_a)])
+}
+
+/// Every name that a comparison of two tables may tell of: figures and counters, what points are known by, and keys of machine and
+/// policy.
+pub fn comparable(a: &Results, b: &Results) -> BTreeSet<String> {
+    let result = |field: &&Field| matches!(field.role, Role::Figure | Role::Counter);
+    let results =
+        [a, b].into_iter().flat_map(|table| table.fields.iter().filter(result)).map(|field| field.name.as_str());
+    let known_by = names(a, b).into_iter().chain(OF_ALL);
+    let mut all: BTreeSet<String> = results.chain(known_by).map(str::to_owned).collect();
+    for half in Half::ALL {
+        for table in [a, b] {
+            all.extend(Configs::new(table, half).keys().into_iter().map(str::to_owned));
+        }
+    }
+    all
 }
 
 /// Figures and counters that changed: from nothing or from zero first, then by their largest relative change. And in how many others
@@ -203,7 +222,7 @@ pub fn configuration(tables: [&Results; 2], pairs: &Pairs, options: &Options) ->
     let mut changes = ConfigChanges { select: &options.select, columns: BTreeMap::new(), keys: BTreeMap::new() };
     let unmatched =
         names(tables[0], tables[1]).into_iter().filter(|name| options.across.iter().any(|column| column == name));
-    for name in unmatched.filter(|name| *name != DETAIL).chain(["trace_fingerprint", "model_version", DETAIL]) {
+    for name in unmatched.filter(|name| *name != DETAIL).chain(OF_ALL) {
         changes.compare_column(name, tables, pairs);
     }
     for half in Half::ALL {

@@ -42,8 +42,9 @@ impl Comparison {
     /// Compares two tables.
     ///
     /// # Errors
-    /// A column of [`Options::across`] that neither has.
+    /// A column of [`Options::across`] that neither has; a pattern of [`Options::select`] that matches nothing.
     pub fn new(a: &Results, b: &Results, options: &Options) -> Result<Self> {
+        options.select.check(&change::comparable(a, b))?;
         let pairs = Pairs::new(a, b, &options.across)?;
         let (columns, [columns_vanished, columns_appeared]) = change::columns(a, b, &options.select);
         let estimates = [a, b].map(Estimates::new);

@@ -2,6 +2,8 @@
 
 use std::collections::{BTreeMap, VecDeque};
 
+use rayreel_settings::nearest;
+
 use crate::analysis::dims::{DETAIL, Dimension, IDENTITY, label};
 use crate::error::{Result, StudyError};
 use crate::table::{Field, Results, Role};
@@ -26,7 +28,10 @@ impl Pairs {
     pub fn new(a: &Results, b: &Results, across: &[String]) -> Result<Self> {
         let names = names(a, b);
         if let Some(unknown) = across.iter().find(|column| !names.contains(&column.as_str())) {
-            let detail = format!("no point has a column {unknown:?}; points are known by {}", names.join(", "));
+            let near = nearest(unknown, &names);
+            let meant = if near.is_empty() { String::new() } else { format!("; did you mean {}?", near.join(" or ")) };
+            let known = names.join(", ");
+            let detail = format!("--across {unknown:?}: points are known by {known}{meant}");
             return Err(StudyError::Usage { detail });
         }
         let names: Vec<&str> = names.into_iter().filter(|name| !across.iter().any(|column| column == name)).collect();

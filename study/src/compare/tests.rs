@@ -73,6 +73,32 @@ fn points_appear_and_vanish() {
     let wrong = Options { across: vec!["nonsense".into()], ..Options::default() };
     let error = Comparison::new(&sweep(&[1], &[1.0]), &sweep(&[1], &[1.0]), &wrong).unwrap_err().to_string();
     assert!(error.contains("nonsense") && error.contains("machine, l1"), "{error}");
+    let near = Options { across: vec!["machin".into()], ..Options::default() };
+    let error = Comparison::new(&sweep(&[1], &[1.0]), &sweep(&[1], &[1.0]), &near).unwrap_err().to_string();
+    assert!(error.contains("did you mean machine?"), "{error}");
+}
+
+#[test]
+fn a_pattern_that_matches_nothing_is_no_comparison() {
+    let error = |only: &[&str], ignore: &[&str]| {
+        let texts = |all: &[&str]| all.iter().map(|text| (*text).to_owned()).collect::<Vec<_>>();
+        let options = Options { select: Select::new(&texts(only), &texts(ignore)).unwrap(), ..Options::default() };
+        let both = (sweep(&[1], &[1.0]), sweep(&[1], &[2.0]));
+        Comparison::new(&both.0, &both.1, &options).map(|_| ()).map_err(|e| e.to_string())
+    };
+    for (only, ignore, words) in [
+        (&["tiem_ms"][..], &[][..], ["--only \"tiem_ms\" matches no column", "did you mean time_ms?"]),
+        (&["time_ms", "tim_*"], &[], ["--only \"tim_*\"", "time_ms"]),
+        (&[], &["ti.trw"], ["--ignore \"ti.trw\"", "did you mean ti.trv?"]),
+        (&["perf_per_watt"], &[], ["--only", "there are "]),
+    ] {
+        let error = error(only, ignore).unwrap_err();
+        assert!(words.iter().all(|words| error.contains(words)), "{error}");
+    }
+    for known in ["time_ms", "time*", "ti.trv", "machine", "l1", "model_version", "*"] {
+        assert_eq!(error(&[known], &[]), Ok(()), "{known}");
+        assert_eq!(error(&[], &[known]), Ok(()), "{known}");
+    }
 }
 
 #[test]

@@ -81,7 +81,13 @@ pub fn table(caption: &str, columns: &[Head], rows: &[(String, Vec<String>)]) ->
 
 /// An entry of a legend: a square of a colour class, and what it stands for.
 pub fn key(class: &str, name: &str) -> String {
-    let square = format!("<rect x=\"2\" y=\"2\" width=\"12\" height=\"12\" class=\"{class}\"/>");
+    key_shade(class, 1.0, name)
+}
+
+/// The same in a shade of the colour, from 0 to 1.
+pub fn key_shade(class: &str, shade: f64, name: &str) -> String {
+    let opacity = if shade < 1.0 { format!(" opacity=\"{shade:.2}\"") } else { String::new() };
+    let square = format!("<rect x=\"2\" y=\"2\" width=\"12\" height=\"12\" class=\"{class}\"{opacity}/>");
     symbol(&square, name)
 }
 

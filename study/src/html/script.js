@@ -26,6 +26,20 @@
     remember(next);
   });
 
+  // Tables that go on to the right say so in words too, as long as they do. Other scripts make tables as well.
+  const mark = (box) => box.classList.toggle("more", box.scrollWidth - box.clientWidth - box.scrollLeft > 4);
+  let marking = false;
+  const markAll = () => {
+    if (marking) return;
+    marking = true;
+    requestAnimationFrame(() => { marking = false; document.querySelectorAll(".scroll").forEach(mark); });
+  };
+  addEventListener("resize", markAll);
+  addEventListener("scroll", (event) => { if (event.target.classList?.contains("scroll")) mark(event.target); }, true);
+  addEventListener("toggle", markAll, true);
+  new MutationObserver(markAll).observe(document.body, { childList: true, subtree: true, attributes: true, attributeFilter: ["hidden"] });
+  markAll();
+
   // One mode at a time, the same everywhere on the page.
   const runs = [];
   for (const block of document.querySelectorAll(".mode")) {

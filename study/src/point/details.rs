@@ -13,7 +13,7 @@ use rayreel_replay::simulate::MachineRun;
 
 /// Results say nowhere what a trace was called: it is in no key.
 pub(crate) fn no_origin() -> Origin {
-    Origin { trace: String::new(), trace_fingerprint: None, trace_digest: None }
+    Origin::default()
 }
 
 /// The second kind of result of a point: a pure function of its key, as a row is.

@@ -6,7 +6,8 @@ use std::path::Path;
 use crate::error::Result;
 use crate::point::wanted::{Kind, PictureWanted};
 use rayreel_replay::FrameReplay;
-use rayreel_replay::image::{Srgb8, errors, files, srgb};
+use rayreel_replay::image::files::{self, ExrNotes};
+use rayreel_replay::image::{Srgb8, errors, srgb};
 use rayreel_replay::maps;
 
 /// A frame of which pictures are made.
@@ -56,13 +57,13 @@ impl<'a> FramePictures<'a> {
         Ok(files::png(&shrunk(picture, wanted.shrink))?)
     }
 
-    /// Writes all pictures of the frame as files into `folder`; their names begin with `prefix`.
+    /// Writes all pictures of the frame as files into `folder`; their names begin with `prefix`, and `notes` stand in the EXR file.
     ///
     /// # Errors
     /// When a file cannot be written.
-    pub fn write(&self, folder: &Path, prefix: &str) -> Result<()> {
+    pub fn write(&self, folder: &Path, prefix: &str, notes: &ExrNotes) -> Result<()> {
         let file = |name: &str| folder.join(format!("{prefix}{name}"));
-        files::write_exr(&file("result.exr"), &self.frame.image)?;
+        files::write_exr_with(&file("result.exr"), &self.frame.image, notes)?;
         for kind in Kind::ALL {
             if let Some(picture) = self.picture(kind)? {
                 files::write_png(&file(&format!("{}.png", kind.name())), &picture)?;

@@ -28,8 +28,10 @@ use rayreel_replay::policy::{NamedPolicy, Policy};
 use rayreel_replay::simulate::MachineRun;
 
 /// What the results are of, as the caller knows it.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Origin {
+    /// What made them.
+    pub made: Option<Made>,
     /// Name of the trace.
     pub trace: String,
     /// What the trace holds ([`rayreel_formats::trace::Trace::fingerprint`]), if the caller has it.
@@ -38,9 +40,25 @@ pub struct Origin {
     pub trace_digest: Option<String>,
 }
 
+/// What made results.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Made {
+    /// The program and its version.
+    pub program: String,
+    /// Version of everything between a trace and a result ([`crate::point::version::MODEL_VERSION`]): results of one version may be
+    /// compared.
+    pub model_version: u32,
+    /// A command line that gives these results, in a folder that holds the trace and the files that it names. What changes no result
+    /// is left out of it.
+    pub command: String,
+}
+
 /// The results of a replay. [`crate::figures`] says what each figure means, and in which unit.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Report {
+    /// What made them; left out where the caller does not say.
+    #[serde(flatten, skip_serializing_if = "Option::is_none")]
+    pub made: Option<Made>,
     /// Name of the trace.
     pub trace: String,
     /// What the trace holds, known without reading its tiles: the same as in a sweep's table.
@@ -136,6 +154,7 @@ impl Report {
     /// The report of some replayed frames.
     pub fn new(origin: &Origin, policy: &NamedPolicy, meta: &Meta, frames: &[FrameStats]) -> Self {
         Self {
+            made: origin.made.clone(),
             trace: origin.trace.clone(),
             trace_fingerprint: origin.trace_fingerprint.clone(),
             trace_digest: origin.trace_digest.clone(),

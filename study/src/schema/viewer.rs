@@ -34,6 +34,9 @@ pub struct ViewerImages {
     pub result: Option<String>,
     /// Their difference.
     pub error: Option<String>,
+    /// Where a viewer sees that they differ: FLIP.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub flip: Option<String>,
     /// Similarity map.
     pub similarity: Option<String>,
     /// Rate map.

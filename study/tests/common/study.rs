@@ -234,6 +234,7 @@ fn set(scene: &str, policy: &str) -> ViewerSet {
             reference: file("reference"),
             result: file("result"),
             error: file("error"),
+            flip: file("flip"),
             similarity: file("similarity"),
             rate: file("rate"),
         },

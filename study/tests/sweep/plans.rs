@@ -102,7 +102,10 @@ fn each_detail_is_a_point_of_its_own() {
 fn bad_plans_are_one_error_with_its_place() {
     let axis = |body: &str| format!("policies = [\"full\"]\n[[axis]]\nname = \"x\"\n{body}");
     let cases = [
-        ("policies = [\"full\"]\npolicy = \"full\"".to_owned(), "plan.toml:3:1: unknown field `policy`"),
+        (
+            "policies = [\"full\"]\npolicy = \"full\"".to_owned(),
+            "plan.toml:3:1: unknown field `policy`; did you mean `policies`?",
+        ),
         ("policies = [\"full\"\n".to_owned(), "plan.toml:"),
         ("machines = [\"sgrt-ti2\"]".to_owned(), "missing field `policies`"),
         ("policies = []".to_owned(), "plan.toml:2:12: policies is empty"),
@@ -138,7 +141,7 @@ fn bad_plans_are_one_error_with_its_place() {
         ),
         (
             "policies = [\"full\"]\nexclude = [\"l1 > 3\"]".to_owned(),
-            "plan.toml:3:12: exclude \"l1 > 3\": a name in it is none of trace",
+            "plan.toml:3:12: exclude \"l1 > 3\": l1 is no name of a point; there are trace",
         ),
         ("policies = [\"full\"]\nexclude = [\"width >\"]".to_owned(), "plan.toml:3:12: exclude \"width >\""),
         (

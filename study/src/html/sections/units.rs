@@ -2,12 +2,12 @@
 
 use crate::html::charts::stacked::{Part, StackedRow, stacked};
 use crate::html::modes::by_mode;
-use crate::html::parts::{Section, card, grid, how_to_read, key, legend};
+use crate::html::parts::{Section, card, grid, how_to_read, key, key_shade, legend};
 use crate::html::text::percent;
 use crate::html::view::StudyView;
 use crate::schema::{Point, StateShare, Unit};
 
-/// States that are known, with their colour class and what they mean; any other is grey.
+/// States that are known, each with a colour class of its own and what it means; any other is dark.
 const STATES: [(&str, &str, &str); 12] = [
     ("busy", "s0", "works"),
     ("bypass", "s1", "passes operations whose data had missed"),
@@ -15,10 +15,10 @@ const STATES: [(&str, &str, &str); 12] = [
     ("memory", "s3", "waits for L2 or DRAM"),
     ("mshr", "s4", "no room for another miss"),
     ("blocked", "s5", "the stage behind is full"),
-    ("output", "s5", "the queue of rays to the T&I unit is full"),
-    ("unit", "s6", "waits for rays in the T&I unit"),
-    ("transfer", "s4", "waits for a tile's transfers"),
-    ("border", "s3", "waits for the tiles beside its own"),
+    ("output", "s9", "the queue of rays to the T&I unit is full"),
+    ("unit", "s12", "waits for rays in the T&I unit"),
+    ("transfer", "s10", "waits for a tile's transfers"),
+    ("border", "s11", "waits for the tiles beside its own"),
     ("starved", "s6", "rays are here, but none needs this stage"),
     ("idle", "s7", "no ray"),
 ];
@@ -40,6 +40,12 @@ const KERNELS: [&str; 13] = [
     "inspector",
 ];
 
+/// The shade of a kernel: each has another, and those that follow one another in `KERNELS` lie far apart.
+fn shade(kernel: &str) -> Option<f64> {
+    let at = KERNELS.iter().position(|known| *known == kernel)?;
+    Some(1.0 - 0.05 * (at * 5 % KERNELS.len()) as f64)
+}
+
 /// Share of the cycles in which the unit works.
 fn busy(unit: &Unit) -> f64 {
     unit.shares.iter().filter(|s| s.state == "busy" || KERNELS.contains(&s.state.as_str())).map(|s| s.share).sum()
@@ -54,7 +60,10 @@ pub fn section(view: &StudyView<'_>) -> Option<Section> {
         |state: &str| view.points.iter().flat_map(|p| &p.units).flat_map(|u| &u.shares).any(|s| s.state == state);
     let known = STATES.iter().filter(|(state, ..)| used(state));
     let keys = known.map(|(state, class, what)| key(class, &format!("{state}: {what}")));
-    let mut html = legend(&keys.collect::<String>());
+    let kernels = KERNELS.iter().filter(|kernel| used(kernel));
+    let kernels =
+        kernels.map(|kernel| key_shade("s0", shade(kernel).unwrap_or(1.0), &format!("{kernel}: SRP works on it")));
+    let mut html = legend(&keys.chain(kernels).collect::<String>());
     html += &by_mode(view, |mode| {
         grid(&view.scenes(mode).iter().map(|scene| chart(view, scene, mode)).collect::<String>())
     });
@@ -101,18 +110,41 @@ fn chart(view: &StudyView<'_>, scene: &str, mode: &str) -> String {
 }
 
 fn parts(unit: &Unit, policy: &str) -> Vec<Part> {
-    let mut kernels = 0;
     let part = |share: &StateShare| {
         let (mut class, mut opacity, mut meaning) = ("s8", 1.0, String::new());
         if let Some((_, colour, what)) = STATES.iter().find(|(state, ..)| *state == share.state) {
             (class, meaning) = (colour, format!(": {what}"));
-        } else if KERNELS.contains(&share.state.as_str()) {
-            // Two shades in turn tell the kernels apart.
-            (class, opacity, meaning) = ("s0", if kernels % 2 == 0 { 1.0 } else { 0.72 }, ": works".into());
-            kernels += 1;
+        } else if let Some(shade) = shade(&share.state) {
+            (class, opacity, meaning) = ("s0", shade, ": works".into());
         }
         let tip = format!("{}\n{policy}\n{} {}{meaning}", unit.unit, share.state, percent(share.share));
         Part { value: share.share, class: class.into(), opacity, tip }
     };
     unit.shares.iter().map(part).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::BTreeSet;
+
+    #[test]
+    fn no_two_classes_look_the_same() {
+        let classes: BTreeSet<&str> = STATES.iter().map(|(_, class, _)| *class).collect();
+        assert_eq!(classes.len(), STATES.len());
+        let style = include_str!("../style.css");
+        let fill = |class: &str| {
+            let rule = style
+                .split('}')
+                .find(|rule| rule.split(['.', ' ', ',']).any(|word| word == class) && rule.contains("fill:"));
+            rule.and_then(|rule| rule.split("fill:").nth(1))
+                .unwrap_or_else(|| panic!("{class} has no colour"))
+                .trim()
+                .to_owned()
+        };
+        let fills: BTreeSet<String> = classes.iter().map(|class| fill(class)).collect();
+        assert_eq!(fills.len(), STATES.len(), "{fills:?}");
+        let shades: BTreeSet<u64> = KERNELS.iter().map(|kernel| shade(kernel).unwrap().to_bits()).collect();
+        assert_eq!(shades.len(), KERNELS.len());
+    }
 }

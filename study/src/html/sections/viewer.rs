@@ -59,11 +59,12 @@ impl Pictures {
 }
 
 /// The pictures of a set with their names, in the order in which they are shown.
-fn files(images: &ViewerImages) -> [(&'static str, Option<&str>); 5] {
+fn files(images: &ViewerImages) -> [(&'static str, Option<&str>); 6] {
     [
         ("reference", images.reference.as_deref()),
         ("result", images.result.as_deref()),
         ("error", images.error.as_deref()),
+        ("FLIP", images.flip.as_deref()),
         ("similarity", images.similarity.as_deref()),
         ("rate", images.rate.as_deref()),
     ]
@@ -109,7 +110,8 @@ pub fn section(view: &StudyView<'_>, pictures: &Pictures) -> Option<Section> {
         include_str!("../viewer.html"),
         script_json(&Value::Array(data))
     ) + &how_to_read(
-        "Reference is every sample traced; result is the policy's picture; error is their difference, amplified. In the \
+        "Reference is every sample traced; result is the policy's picture; error is their difference, amplified; FLIP is where a viewer \
+         sees that difference (FLIP), from black to yellow. In the \
          similarity map yellow was interpolated and blue was traced. The rate map shows the share of traced samples in each tile, \
          from dark blue (none) over green to light yellow (all). Tile numbers are those of the policy's picture.",
     );

@@ -17,7 +17,8 @@ pub fn section(view: &SweepView<'_>) -> Option<Section> {
     let tiles: String = view.headlines.iter().filter_map(|field| tile(view, field)).collect();
     let tiles = if tiles.is_empty() { tiles } else { format!("<dl class=\"numbers\">\n{tiles}</dl>\n") };
     let html = tiles + &estimates(view) + &axes(view) + &failures(view);
-    Section::new("summary", "Summary", if html.is_empty() { "<p>There are no points.</p>\n".into() } else { html })
+    let html = if html.is_empty() { "<p>There are no points.</p>\n".into() } else { html };
+    Section::new("summary", "Summary", format!("<div id=\"summary-of\">\n{html}</div>\n"))
 }
 
 /// The best value of a result on each trace. Values of different traces are not compared: one scene is easier than another.

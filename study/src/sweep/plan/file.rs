@@ -16,6 +16,7 @@
 //! log = { from = "4KiB", to = "64KiB", factor = 2 }
 //! ```
 
+use rayreel_settings::with_near_key;
 use serde::Deserialize;
 use toml::{Spanned, Value};
 
@@ -97,6 +98,6 @@ impl PlanFile {
     /// # Errors
     /// Not TOML, an unknown or missing key, a value of the wrong kind: with line and column.
     pub fn parse(text: Text<'_>) -> Result<Self> {
-        toml::from_str(text.text).map_err(|e| text.error(&e.span().unwrap_or(0..0), e.message()))
+        toml::from_str(text.text).map_err(|e| text.error(&e.span().unwrap_or(0..0), with_near_key(e.message())))
     }
 }

@@ -1,22 +1,31 @@
 //! Constraints: expressions over the axes that leave points out.
 //!
-//! The language is that of Jinja expressions: `l1 > 65536 and trv == 8`, `machine in ["raycore"]`, `l1 * trv >= 2 * l2`. Sizes
-//! are bytes. A name that is none is an error and not false.
+//! The language is that of Jinja expressions: `l1 > 64KiB and trv == 8`, `machine in ["raycore"]`, `l1 * trv >= 2 * l2`; `=` is
+//! `==`, and sizes are bytes. A name that is none is an error and not false, also where what stands before it decides. The filter of
+//! a sweep's page reads the same expressions (`html/sweep/js/language.js`); `tests/expressions` holds both to it.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use minijinja::value::Value;
-use minijinja::{Environment, ErrorKind, Expression, UndefinedBehavior};
+use minijinja::{Environment, Expression, UndefinedBehavior};
+use rayreel_settings::near;
 use toml::Spanned;
 
 use crate::error::{Result, StudyError};
 use crate::sweep::plan::locate::Text;
+use crate::sweep::plan::quantity::jinja;
 use crate::sweep::plan::scalar::Scalar;
 
 /// The expressions of a plan.
 pub struct Filters<'a> {
-    all: Vec<(&'a Spanned<String>, Expression<'a, 'a>)>,
+    all: Vec<Filter<'a>>,
     text: Text<'a>,
+}
+
+struct Filter<'a> {
+    source: &'a Spanned<String>,
+    expression: Expression<'a, 'a>,
+    names: BTreeSet<String>,
 }
 
 /// Compiles expressions for [`Filters::new`].
@@ -32,9 +41,13 @@ impl<'a> Filters<'a> {
     /// # Errors
     /// One that is none.
     pub fn new(environment: &'a Environment<'a>, all: &'a [Spanned<String>], text: Text<'a>) -> Result<Self> {
+        let globals: BTreeSet<&str> = environment.globals().map(|(name, _)| name).collect();
         let compile = |source: &'a Spanned<String>| {
-            let compiled = environment.compile_expression(source.get_ref().as_str());
-            compiled.map(|compiled| (source, compiled)).map_err(|e| wrong(source, text, &e, &[]))
+            let compiled = environment.compile_expression_owned(jinja(source.get_ref()));
+            let expression = compiled.map_err(|e| wrong(source, text, &why(&e)))?;
+            let names =
+                expression.undeclared_variables(false).into_iter().filter(|name| !globals.contains(name.as_str()));
+            Ok(Filter { source, names: names.collect(), expression })
         };
         Ok(Self { all: all.iter().map(compile).collect::<Result<_>>()?, text })
     }
@@ -50,9 +63,17 @@ impl<'a> Filters<'a> {
         let context: BTreeMap<&str, Value> =
             variables.iter().map(|(name, value)| (name.as_str(), plain(value.as_ref()))).collect();
         let context = Value::from(context);
-        for (source, expression) in &self.all {
-            let names: Vec<&str> = variables.iter().map(|(name, _)| name.as_str()).collect();
-            let value = expression.eval(&context).map_err(|e| wrong(source, self.text, &e, &names))?;
+        for Filter { source, expression, names } in &self.all {
+            let unknown = names.iter().find(|name| !variables.iter().any(|(known, _)| known == *name));
+            if let Some(unknown) = unknown {
+                let known: Vec<&str> = variables.iter().map(|(name, _)| name.as_str()).collect();
+                return Err(wrong(
+                    source,
+                    self.text,
+                    &format!("{unknown} is no name of a point; {}", near(unknown, &known)),
+                ));
+            }
+            let value = expression.eval(&context).map_err(|e| wrong(source, self.text, &why(&e)))?;
             if value.is_true() {
                 return Ok(true);
             }
@@ -72,11 +93,10 @@ fn plain(value: Option<&Scalar>) -> Value {
     }
 }
 
-fn wrong(source: &Spanned<String>, text: Text<'_>, error: &minijinja::Error, names: &[&str]) -> StudyError {
-    let why = match (error.kind(), error.detail()) {
-        (ErrorKind::UndefinedError, _) => format!("a name in it is none of {}", names.join(", ")),
-        (_, Some(detail)) => detail.to_owned(),
-        (kind, None) => kind.to_string(),
-    };
+fn why(error: &minijinja::Error) -> String {
+    error.detail().map_or_else(|| error.kind().to_string(), str::to_owned)
+}
+
+fn wrong(source: &Spanned<String>, text: Text<'_>, why: &str) -> StudyError {
     text.error(&source.span(), format!("exclude {:?}: {why}", source.get_ref()))
 }

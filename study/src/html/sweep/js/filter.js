@@ -1,55 +1,45 @@
-// Which points are shown: words that some column contains, and comparisons such as perf_per_watt > 20.
+// Which points are shown: an expression such as perf_per_watt > 20 or trv == 4, or words that some column contains.
 "use strict";
 sweep.filter = (() => {
   const { $ } = sweep.dom;
-  const TERM = /([A-Za-z_]\w*)\s*(>=|<=|!=|==|=|>|<|~)\s*("[^"]*"|[^\s,]+)/g;
+  const known = (name) => Boolean(sweep.column(name));
 
-  const numberOf = (text) => {
-    const size = /^(-?[\d.]+(?:e[+-]?\d+)?)(KiB|MiB|GiB|B|k|M|G|%)?$/i.exec(text);
-    if (!size) return text === "true" ? 1 : text === "false" ? 0 : text === "inf" || text === "∞" ? Infinity : NaN;
-    const factor = { kib: 1024, mib: 1048576, gib: 1073741824, "%": 0.01 }[size[2]?.toLowerCase()] ?? { k: 1e3, M: 1e6, G: 1e9 }[size[2]] ?? 1;
-    return Number(size[1]) * factor;
+  /** Columns that have a part of a name, for who has not the whole of it. */
+  const hint = (name) => {
+    const text = name.toLowerCase();
+    const near = sweep.columns.map((own) => own.name).filter((own) => own.includes(text) || (own.length > 2 && text.includes(own))).slice(0, 3);
+    return `; a word stands in quotes${near.length > 0 ? `, and there is ${near.join(", ")}` : ""}`;
   };
-  const near = (a, b) => a === b || Math.abs(a - b) <= 1e-6 * Math.max(Math.abs(a), Math.abs(b));
 
-  const comparison = (name, sign, given) => {
-    const column = sweep.column(name);
-    if (!column) throw new Error(`no column ${name}`);
-    const text = given.replaceAll('"', "").toLowerCase();
-    const shown = (row) => sweep.text.value(column, column.values[row]).toLowerCase();
-    if (sign === "~") return (row) => shown(row).includes(text);
-    if (column.kind === "text") {
-      if (sign.length === 1 && sign !== "=") throw new Error(`${name} has words: use =, != or ~`);
-      if (sign === ">=" || sign === "<=") throw new Error(`${name} has words: use =, != or ~`);
-      return (row) => (shown(row) === text) === (sign !== "!=");
-    }
-    const wanted = numberOf(given.replaceAll('"', ""));
-    if (Number.isNaN(wanted)) throw new Error(`${given} is no number`);
-    const own = (row) => sweep.value(column, row);
-    const test = {
-      ">": (value) => value > wanted, "<": (value) => value < wanted,
-      ">=": (value) => value >= wanted || near(value, wanted), "<=": (value) => value <= wanted || near(value, wanted),
-      "=": (value) => near(value, wanted), "==": (value) => near(value, wanted), "!=": (value) => !near(value, wanted),
-    }[sign];
-    return (row) => own(row) !== null && test(own(row));
+  const expression = (text) => {
+    const test = sweep.language.compile(text, known, hint);
+    return (row) => {
+      try {
+        return test((name) => sweep.column(name).values[row]);
+      } catch (error) {
+        throw new Error(`at point ${sweep.number(row)}: ${error.message}`);
+      }
+    };
+  };
+
+  const words = (text) => {
+    const searched = [...new Set([...sweep.columns.filter((own) => own.kind === "text" && (own.varies || own.name !== "detail")), ...sweep.dimensions])];
+    const has = (row, word) => searched.some((own) => sweep.text.value(own, own.values[row]).toLowerCase().includes(word));
+    const all = text.toLowerCase().split(/[\s,]+/).filter(Boolean);
+    return (row) => all.every((word) => has(row, word));
   };
 
   const parse = (text) => {
-    const tests = [];
-    const words = text.replace(TERM, (_, name, sign, given) => { tests.push(comparison(name, sign, given)); return " "; })
-      .split(/[\s,]+/).filter((word) => word && !/^(and|&&)$/i.test(word));
-    const searched = [...new Set([...sweep.columns.filter((own) => own.kind === "text" && (own.varies || own.name !== "detail")), ...sweep.dimensions])];
-    for (const word of words.map((own) => own.toLowerCase())) {
-      if (/[<>=~]/.test(word)) throw new Error(`${word} compares nothing: write column > value`);
-      tests.push((row) => searched.some((own) => sweep.text.value(own, own.values[row]).toLowerCase().includes(word)));
-    }
-    return (row) => tests.every((test) => test(row));
+    if (text === "") return () => true;
+    return sweep.language.isWords(text, known) ? words(text) : expression(text);
   };
 
   const listeners = [];
   const own = {
     /** Points that could be computed, and all of them, as far as they are shown. */
     rows: sweep.done, withFailed: sweep.all,
+    /** Whether all points are shown. */
+    isAll: true,
     /** Calls `draw` now and whenever the choice changes. */
     listen: (draw) => { listeners.push(draw); draw(); },
   };
@@ -57,13 +47,16 @@ sweep.filter = (() => {
     const text = $("filter").value.trim();
     try {
       const test = parse(text);
-      own.rows = sweep.done.filter(test);
-      own.withFailed = sweep.all.filter(test);
-      $("filter-found").textContent = text ? `${own.withFailed.length} of ${sweep.all.length} points` : "";
+      const shown = sweep.all.filter(test);
+      const done = new Set(sweep.done);
+      own.withFailed = shown;
+      own.rows = shown.filter((row) => done.has(row));
+      own.isAll = text === "";
+      $("filter-found").textContent = text ? `${shown.length} of ${sweep.all.length} points` : "";
       $("filter").removeAttribute("aria-invalid");
     } catch (error) {
       // The last good choice stays while somebody types.
-      $("filter-found").textContent = error.message;
+      $("filter-found").textContent = `${error.message}. Still shown: ${own.withFailed.length} of ${sweep.all.length} points`;
       $("filter").setAttribute("aria-invalid", "true");
       return;
     }

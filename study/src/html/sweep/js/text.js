@@ -37,7 +37,7 @@ sweep.text = (() => {
   };
   const unit = (column) => (column.unit && column.unit !== "bytes" ? `${GAP}${column.unit}` : "");
   return {
-    fixed, number, value,
+    fixed, number, value, within,
     /** The value of a column in a row. */
     at: (column, row) => value(column, column.values[row]) + within(column, row),
     atWithUnit: (column, row) => value(column, column.values[row]) + (column.values[row] === null ? "" : unit(column)) + within(column, row),
