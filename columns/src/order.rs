@@ -83,7 +83,7 @@ mod tests {
             assert_eq!(taken, (0..count).collect::<Vec<_>>());
         }
         let mut taken = Vec::new();
-        let make = |i| if i % 10 == 9 { Err(ColumnsError::Request(i.to_string())) } else { Ok(i) };
+        let make = |i: usize| if i % 10 == 9 { Err(ColumnsError::Request(i.to_string())) } else { Ok(i) };
         let error = ordered(100, make, &mut |i| {
             taken.push(i);
             Ok(())

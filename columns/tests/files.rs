@@ -12,6 +12,7 @@ use parquet::record::Field;
 use rayreel_columns::{Column, Data, Encoder, Format, Selection, Sink, Use, What};
 use rayreel_formats::Trace;
 use rayreel_machine::NamedMachine;
+use rayreel_replay::NamedPolicy;
 
 /// Writes a table, and gives the number of rows.
 fn write(data: &Data<'_>, format: Format, columns: &[&str], file: &Path) -> u64 {
@@ -147,19 +148,22 @@ fn with_nulls(cells: Cells, what: What) -> Cells {
     cells.into_iter().map(|(name, cells)| (name.clone(), cells.into_iter().map(|c| null(&name, c)).collect())).collect()
 }
 
-fn data<'a>(trace: &'a Trace, machine: &'a NamedMachine, what: What) -> Data<'a> {
+/// Few rows of a table: under a policy that traces little, of one tile.
+fn data<'a>(trace: &'a Trace, (machine, policy): (&'a NamedMachine, &'a NamedPolicy), what: What) -> Data<'a> {
     let machine = what.takes_machine().then_some(machine);
-    let selection = Selection::all(trace.meta()).tiles("0..2").unwrap();
-    Data { machine, selection, interval: 5000, ..Data::new(trace, what) }
+    let selection = Selection::all(trace.meta()).tiles("1").unwrap();
+    let policy = what.takes_policy().then_some(policy);
+    Data { machine, policy, selection, interval: 5000, ..Data::new(trace, what) }
 }
 
 #[test]
 fn every_format_says_the_same() {
     let folder = tempfile::tempdir().unwrap();
     let machine = NamedMachine::load("sgrt-ti2", &[]).unwrap();
+    let policy = NamedPolicy::load("aggressive", &[]).unwrap();
     let trace = trace("cornell");
     for what in What::ALL {
-        let data = data(&trace, &machine, what);
+        let data = data(&trace, (&machine, &policy), what);
         let expected = collected(&data);
         let rows = expected.values().next().unwrap().len() as u64;
         assert!(rows > 0, "{}", what.name());
@@ -179,9 +183,12 @@ fn every_format_says_the_same() {
 fn bytes_do_not_depend_on_threads() {
     let folder = tempfile::tempdir().unwrap();
     let machine = NamedMachine::load("sgrt-ti2", &[]).unwrap();
-    let trace = trace("teapot");
-    for what in [What::Rays, What::Steps, What::Samples, What::Lookups] {
-        let data = Data { selection: Selection::all(trace.meta()), ..data(&trace, &machine, what) };
+    let policy = NamedPolicy::load("aggressive", &[]).unwrap();
+    for (scene, what) in
+        [("teapot", What::Rays), ("teapot", What::Steps), ("teapot", What::Samples), ("cornell", What::Lookups)]
+    {
+        let trace = trace(scene);
+        let data = Data { selection: Selection::all(trace.meta()), ..data(&trace, (&machine, &policy), what) };
         for format in [Format::Parquet, Format::Npy] {
             let file = folder.path().join("t");
             let bytes = |threads| {
@@ -265,9 +272,10 @@ fn text_can_be_piped_and_nothing_else() {
 fn parquet_says_what_its_columns_are() {
     let folder = tempfile::tempdir().unwrap();
     let machine = NamedMachine::load("sgrt-ti2", &[]).unwrap();
+    let policy = NamedPolicy::load("aggressive", &[]).unwrap();
     let (trace, file) = (trace("cornell"), folder.path().join("t.parquet"));
     for what in What::ALL {
-        write(&data(&trace, &machine, what), Format::Parquet, &[], &file);
+        write(&data(&trace, (&machine, &policy), what), Format::Parquet, &[], &file);
         let reader = SerializedFileReader::new(std::fs::File::open(&file).unwrap()).unwrap();
         let pairs = reader.metadata().file_metadata().key_value_metadata().unwrap();
         let text = pairs.iter().find(|pair| pair.key == rayreel_columns::sink::KEY).unwrap().value.clone().unwrap();

@@ -5,7 +5,7 @@ mod common;
 use std::collections::BTreeMap;
 
 use common::{Rows, trace};
-use rayreel_columns::{Data, What};
+use rayreel_columns::{Data, Selection, What};
 use rayreel_formats::Trace;
 use rayreel_machine::NamedMachine;
 use rayreel_machine::stats::Stats;
@@ -17,11 +17,11 @@ fn machine(name: &str, set: &[&str]) -> NamedMachine {
     NamedMachine::load(name, &set.iter().map(|text| text.to_string()).collect::<Vec<_>>()).unwrap()
 }
 
-/// What a machine counts in frame 0.
+/// What a machine counts in the first frame.
 fn stats(trace: &Trace, policy: &NamedPolicy, machine: &NamedMachine) -> Stats {
     let mut replayer = Replayer::new(trace, &policy.policy, Options { reference: false, perception: false }).unwrap();
     let named = (machine.name.as_str(), &machine.config);
-    simulate(&mut replayer, 0, &trace.topology(), named, &mut NoProbe).unwrap().stats
+    simulate(&mut replayer, trace.meta().first_frame, &trace.topology(), named, &mut NoProbe).unwrap().stats
 }
 
 #[test]
@@ -30,7 +30,9 @@ fn addresses_are_what_a_machine_reads_of_all_rays() {
     for scene in ["cornell", "teapot"] {
         let trace = trace(scene);
         let machine = machine("sgrt-ti2", &["layout.node_bytes=80"]);
-        let rows = Rows::of(&Data { machine: Some(&machine), ..Data::new(&trace, What::Addresses) });
+        let first = trace.meta().first_frame;
+        let selection = Selection::all(trace.meta()).frames(first..first + 1).unwrap();
+        let rows = Rows::of(&Data { machine: Some(&machine), selection, ..Data::new(&trace, What::Addresses) });
         let counted = stats(&trace, &full, &machine);
         let visits: u64 = counted.trv().map(|unit| unit.events.node_visits - unit.events.restart_visits).sum();
         let tests: u64 = counted.ist().map(|unit| unit.events.triangle_tests).sum();
