@@ -2,6 +2,7 @@
 
 use std::process::ExitCode;
 
+use rayreel_columns::ColumnsError;
 use rayreel_formats::Error as TraceError;
 use rayreel_paper::PaperError;
 use rayreel_replay::ReplayError;
@@ -44,7 +45,12 @@ pub fn of(error: &anyhow::Error) -> Exit {
             cause.downcast_ref().is_some_and(|e| !matches!(e, SceneError::Usage { .. } | SceneError::Io { .. }));
         let report = cause.downcast_ref().is_some_and(ReportError::is_bad_data);
         let study = study_error(cause).is_some_and(StudyError::is_bad_data);
-        scene || report || study || matches!(cause.downcast_ref(), Some(ReplayError::Corrupt { ray: None, .. }))
+        let columns = cause.downcast_ref().is_some_and(ColumnsError::is_bad_data);
+        scene
+            || report
+            || study
+            || columns
+            || matches!(cause.downcast_ref(), Some(ReplayError::Corrupt { ray: None, .. }))
     };
     if error.chain().any(bad_data) { Exit::BadData } else { Exit::Usage }
 }

@@ -8,6 +8,7 @@ mod detail;
 mod diff;
 mod digest;
 mod exit;
+mod export;
 mod info;
 mod paper;
 mod presets;
@@ -60,6 +61,7 @@ enum Command {
     Report(report::Args),
     Compare(compare::Args),
     Presets(presets::Args),
+    Export(Box<export::Args>),
     Info(info::Args),
     Verify(verify::Args),
     Digest(digest::Args),
@@ -85,6 +87,7 @@ fn main() -> ExitCode {
         Command::Report(args) => report::run(&args),
         Command::Compare(args) => compare::run(&args),
         Command::Presets(args) => presets::run(&args),
+        Command::Export(args) => export::run(&args, quiet),
         Command::Info(args) => info::run(&args),
         Command::Verify(args) => verify::run(&args, quiet),
         Command::Digest(args) => digest::run(&args),

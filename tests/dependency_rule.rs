@@ -88,12 +88,13 @@ impl Graph {
 }
 
 /// Every member and the members that it may depend on. What is not listed here is refused.
-const SIBLINGS: [(&str, &[&str]); 10] = [
+const SIBLINGS: [(&str, &[&str]); 11] = [
     ("formats", &[]),
     ("settings", &[]),
     ("scenes", &[]),
     ("machine", &["formats", "settings"]),
     ("replay", &["formats", "machine", "settings"]),
+    ("columns", &["formats", "machine", "replay"]),
     ("store", &["formats"]),
     ("tracer", &["formats", "scenes"]),
     ("study", &["formats", "machine", "replay", "settings", "store"]),
@@ -128,7 +129,7 @@ fn siblings_are_those_of_the_design() {
 #[test]
 fn a_replay_needs_no_scene() {
     let graph = Graph::new();
-    for member in ["formats", "settings", "machine", "replay", "store", "study"] {
+    for member in ["formats", "settings", "machine", "replay", "columns", "store", "study"] {
         let closure = graph.closure(&format!("rayreel-{member}"));
         for name in TRACING {
             assert!(!closure.contains(name), "{member} depends on {name}");
@@ -197,7 +198,7 @@ fn the_network_is_off_by_default() {
 /// The crates that read files from anywhere, and all that stands between them and a result.
 #[test]
 fn readers_of_foreign_files_are_safe_code() {
-    for member in ["formats", "settings", "machine", "replay", "store", "study", "testkit"] {
+    for member in ["formats", "settings", "machine", "replay", "columns", "store", "study", "testkit"] {
         assert_eq!(lint(&root().join(member).join("Cargo.toml")).as_deref(), Some("forbid"), "{member}");
     }
 }

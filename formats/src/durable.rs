@@ -8,7 +8,7 @@
 
 use std::ffi::OsString;
 use std::fs::{self, File};
-use std::io::{self, Write};
+use std::io::{self, BufWriter, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -37,6 +37,70 @@ fn replace(path: &Path, fill: impl FnOnce(&mut File) -> io::Result<()>) -> io::R
         fs::remove_file(&temporary).ok();
     })?;
     sync_folder_of(path)
+}
+
+/// A file that is written bit by bit and yet is whole or absent: for what does not fit into memory. Until
+/// [`WholeFile::finish`] only the temporary file is there; without it the temporary file goes away.
+#[derive(Debug)]
+pub struct WholeFile {
+    path: PathBuf,
+    temporary: PathBuf,
+    /// Gone once the file has its name.
+    file: Option<BufWriter<File>>,
+}
+
+impl WholeFile {
+    /// Begins to write `path`, whose folder must exist.
+    ///
+    /// # Errors
+    /// Those of the system.
+    pub fn create(path: &Path) -> io::Result<Self> {
+        let (file, temporary) = create_temporary(path)?;
+        Ok(Self { path: path.to_path_buf(), temporary, file: Some(BufWriter::with_capacity(1 << 16, file)) })
+    }
+
+    /// Forces what was written to the disk and gives it the file's name, in place of what was there.
+    ///
+    /// # Errors
+    /// Those of the system. The old file is as it was then, and no temporary file is left.
+    pub fn finish(mut self) -> io::Result<()> {
+        if let Some(file) = self.file.take() {
+            let written = file.into_inner().map_err(io::IntoInnerError::into_error).and_then(|file| file.sync_all());
+            written.and_then(|()| fs::rename(&self.temporary, &self.path)).inspect_err(|_| {
+                fs::remove_file(&self.temporary).ok();
+            })?;
+        }
+        sync_folder_of(&self.path)
+    }
+
+    fn open(&mut self) -> io::Result<&mut BufWriter<File>> {
+        self.file.as_mut().ok_or_else(|| io::Error::other("the file is finished"))
+    }
+}
+
+impl Write for WholeFile {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.open()?.write(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.open()?.flush()
+    }
+}
+
+impl Seek for WholeFile {
+    fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
+        self.open()?.seek(to)
+    }
+}
+
+impl Drop for WholeFile {
+    fn drop(&mut self) {
+        if self.file.take().is_some() {
+            // Whoever dropped it has an error of its own to report.
+            fs::remove_file(&self.temporary).ok();
+        }
+    }
 }
 
 /// A new file beside `path`, under a name that nobody else has: the system refuses a second file of one name, also to
@@ -113,6 +177,28 @@ mod tests {
         assert_eq!(replace(&path, full).unwrap_err().kind(), io::ErrorKind::StorageFull);
         assert_eq!(fs::read(&path).unwrap(), b"old");
         assert_eq!(names(folder.path()), ["a.bin"]);
+    }
+
+    #[test]
+    fn a_file_written_bit_by_bit_is_whole_or_absent() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.bin");
+        write_whole(&path, &[b"old"]).unwrap();
+        let mut dropped = WholeFile::create(&path).unwrap();
+        dropped.write_all(b"half of the ne").unwrap();
+        assert_eq!(fs::read(&path).unwrap(), b"old");
+        assert_eq!(names(folder.path()).len(), 2, "a temporary file stands beside it");
+        drop(dropped);
+        assert_eq!((fs::read(&path).unwrap(), names(folder.path())), (b"old".to_vec(), vec!["a.bin".to_string()]));
+        let mut whole = WholeFile::create(&path).unwrap();
+        whole.write_all(b"?? content").unwrap();
+        whole.seek(SeekFrom::Start(0)).unwrap();
+        whole.write_all(b"my").unwrap();
+        whole.finish().unwrap();
+        assert_eq!(
+            (fs::read(&path).unwrap(), names(folder.path())),
+            (b"my content".to_vec(), vec!["a.bin".to_string()])
+        );
     }
 
     #[test]

@@ -11,8 +11,7 @@
 //! Time is whole cycles of each unit's clock ([`time`]) and energy whole femtojoules; no float decides an event.
 //!
 //! ```
-//! use rayreel_machine::work::PolicyReads;
-//! use rayreel_machine::work::synthetic::{Random, balanced_topology, random_tile};
+//! use rayreel_machine::work::{PolicyReads, synthetic::{Random, balanced_topology, random_tile}};
 //! use rayreel_machine::{FrameShape, NamedMachine, run_tiles};
 //!
 //! # fn main() -> rayreel_machine::Result<()> {
@@ -35,6 +34,7 @@ mod error;
 pub mod functional;
 pub mod link;
 pub mod memory;
+pub mod ports;
 pub mod probes;
 mod run;
 pub mod srp;

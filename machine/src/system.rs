@@ -30,7 +30,7 @@ const DEADLOCK_CYCLES: u64 = 4_000_000;
 const EVENTS_BETWEEN_LOOKS: u32 = 32;
 
 /// Ports that a core's SRP takes: its L1 and its DMA.
-const SRP_PORTS: u16 = 2;
+pub(crate) const SRP_PORTS: u16 = 2;
 
 /// One core.
 pub struct Core {
@@ -76,6 +76,13 @@ impl Core {
             self.srp_wake = When::at(now + 1);
         }
         finished
+    }
+
+    /// What was counted before cycle `end`.
+    pub fn report(&self, end: TiCycle) -> CoreStats {
+        let SrpReport { stats, l1, cycles } = self.srp.report(end);
+        let processors = self.ti.processor_report(end);
+        CoreStats { ti: self.ti.report(end), processors, srp: stats, srp_l1: l1, srp_cycles: cycles }
     }
 
     fn finish(&mut self, end: TiCycle) -> CoreStats {
@@ -154,12 +161,7 @@ impl<'a> System<'a, MemorySystem> {
 
     /// What was counted before the cycle at hand. Operations that are certain to issue later are in it already.
     pub fn measure(&self) -> Stats {
-        let core = |core: &Core| {
-            let SrpReport { stats, l1, cycles } = core.srp.report(self.now);
-            let processors = core.ti.processor_report(self.now);
-            CoreStats { ti: core.ti.report(self.now), processors, srp: stats, srp_l1: l1, srp_cycles: cycles }
-        };
-        let cores = self.cores.iter().map(core).collect();
+        let cores = self.cores.iter().map(|core| core.report(self.now)).collect();
         Stats { cycles: self.now.0, tiles: self.tiles, cores, memory: self.memory.report() }
     }
 
@@ -224,6 +226,11 @@ impl<'a, M: Memory> System<'a, M> {
             progress: TiCycle(0),
             tiles: 0,
         }
+    }
+
+    /// The memory, to take from it what it has written down.
+    pub fn memory_mut(&mut self) -> &mut M {
+        &mut self.memory
     }
 
     /// Runs until a core has a free tile slot and gives it `work`: the first such core, at the first such cycle.

@@ -15,12 +15,13 @@
 //! ```
 
 use crate::detail::Estimate;
-use crate::error::{RequestError, Result};
+use crate::error::{ReplayError, RequestError, Result};
 use crate::frame::{FrameReplay, PassedFrame, Replayer};
 use crate::source::PathSource;
 use rayreel_formats::scene::Meta;
 use rayreel_machine::config::{Framebuffer, MachineConfig};
 use rayreel_machine::energy::EnergyReport;
+use rayreel_machine::memory::{Memory, MemorySystem};
 use rayreel_machine::srp::{FrameShape, Needs, missing_kernels};
 use rayreel_machine::stats::Stats;
 use rayreel_machine::system::{NoProbe, Probe, System};
@@ -138,6 +139,42 @@ pub(crate) fn pass_all<S: PathSource + ?Sized, P: Probe>(
         runs.push(MachineRun { stats, energy, paths: passed.paths, estimate: None });
     }
     Ok((passed, runs))
+}
+
+/// As [`simulate`] in front of a memory that `memory` makes of the machine's. After each tile that the machine takes, and at the end, `each`
+/// may take from memory and probe what they have written down. Caches are empty at first, whatever `gpu.warm_caches` says. Gives
+/// what the machine did.
+///
+/// # Errors
+/// As [`simulate`]; what `each` returns.
+pub fn simulate_in_front_of<S: PathSource + ?Sized, M: Memory, P: Probe, E: From<ReplayError>>(
+    replayer: &mut Replayer<'_, S>,
+    (frame, tree): (u32, &Topology),
+    machine: (&str, &MachineConfig),
+    (memory, probe): (impl FnOnce(MemorySystem) -> M, &mut P),
+    mut each: impl FnMut(&mut M, &mut P) -> Result<(), E>,
+) -> Result<Stats, E> {
+    let (meta, config) = (replayer.source().meta(), machine.1);
+    let shape = frame_shape(meta, config, replayer.reads());
+    let mut system = System::with_memory(config, tree, shape, memory(MemorySystem::new(config)));
+    probe.begin(frame);
+    // An error of `each` ends the frame; what the replay says of that is of no interest.
+    let mut stopped = None;
+    let replayed = replayer.frame_with(frame, tree, |work| {
+        check_kernels(machine, &work)?;
+        system.feed(work, probe)?;
+        each(system.memory_mut(), probe).map_err(|error| {
+            stopped = Some(error);
+            ReplayError::Interrupted
+        })
+    });
+    if let Some(error) = stopped {
+        return Err(error);
+    }
+    replayed?;
+    let (stats, mut memory) = system.finish(probe).map_err(ReplayError::from)?;
+    each(&mut memory, probe)?;
+    Ok(stats)
 }
 
 /// The framebuffer of a trace's frames on a machine.

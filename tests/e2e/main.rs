@@ -20,6 +20,7 @@ mod determinism;
 mod energy;
 mod every_scene;
 mod exit_codes;
+mod export;
 mod fence;
 mod goldens;
 mod help;

@@ -15,7 +15,7 @@ mod tokens;
 use std::path::{Path, PathBuf};
 
 /// The modules at the top of each crate, lowest first: a module may use those before it.
-const ORDERS: [(&str, &str); 11] = [
+const ORDERS: [(&str, &str); 12] = [
     (
         "formats/src/lib.rs",
         "math half oct scene tile bvh rays intersect durable id limits error payload columns container trace",
@@ -23,9 +23,10 @@ const ORDERS: [(&str, &str); 11] = [
     ("settings/src/lib.rs", "near units rule key declare source error schema family file chain loaded text"),
     (
         "machine/src/lib.rs",
-        "time component counters error config work link memory ti traversal srp stats functional energy area system run probes timeline",
+        "time component counters error config work link memory ti traversal srp stats functional energy area system run ports probes timeline",
     ),
     ("replay/src/lib.rs", "error stop image counts source policy work frame maps detail simulate windows sequence"),
+    ("columns/src/lib.rs", "error value schema select order rows simulated sink what data"),
     ("store/src/lib.rs", "traffic cache location options remote open"),
     (
         "scenes/src/lib.rs",
@@ -49,7 +50,7 @@ const ORDERS: [(&str, &str); 11] = [
     ),
     (
         "src/main.rs",
-        "exit progress common scene_args detail traces anchors capture compare diff digest info presets paper render repair replay report scenes sweep verify",
+        "exit progress common scene_args detail traces anchors capture compare diff digest export info presets paper render repair replay report scenes sweep verify",
     ),
 ];
 

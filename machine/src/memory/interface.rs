@@ -1,6 +1,6 @@
 //! The memory behind the L1s as one trait.
 
-use super::request::{Request, Response};
+use super::request::{Lookup, Request, Response};
 use super::stats::MemoryStats;
 use crate::component::{Component, Tick};
 use crate::time::TiCycle;
@@ -10,6 +10,12 @@ use crate::time::TiCycle;
 /// A tick runs up to and including its cycle and appends what arrived by then, in the order of arrival. Its next event is the
 /// next cycle at which a tick can bring a response or free a queue.
 pub trait Memory: Component<Report = MemoryStats> + for<'a> Tick<&'a mut Vec<Response>> {
+    /// Whether units tell it what they look for: a constant, so that it costs nothing where nobody listens.
+    const LISTENS: bool = false;
+
+    /// A unit looks for something at cycle `now`; told if it listens.
+    fn looked_for(&mut self, _now: TiCycle, _lookup: Lookup) {}
+
     /// Takes a request at cycle `now`, or refuses it because a queue is full: then nothing changed, ask again later.
     /// Of `Route::Cached` and `Route::Read` each accepted request gets exactly one response, at a later cycle.
     fn request(&mut self, now: TiCycle, request: Request) -> bool;

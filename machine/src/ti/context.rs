@@ -3,10 +3,11 @@
 use super::crossbar::LeafCrossbar;
 use super::wheel::Wheel;
 use crate::link::RayRef;
+use crate::memory::{Lookup, Memory, Port};
 use crate::time::TiCycle;
-use crate::work::TileWork;
-use crate::work::layout::Layout;
+use crate::work::layout::{Layout, Region};
 use crate::work::topology::Topology;
+use crate::work::{RayWork, TileWork};
 
 /// Where a unit finds the tiles of its core.
 pub trait Tiles {
@@ -44,4 +45,14 @@ pub(super) struct EventContext<'a, T, M> {
     pub wheel: &'a mut Wheel,
     /// Finished rays are appended here.
     pub done: &'a mut Vec<RayRef>,
+}
+
+impl<T: Tiles, M: Memory> EventContext<'_, T, M> {
+    /// Tells the memory what `ray` looks for in the L1 at `port`.
+    pub fn tell(&mut self, port: Port, RayRef { slot, ray }: RayRef, (region, index): (Region, u32)) {
+        let work = self.tiles.work(slot);
+        let RayWork { kind, depth, x, y, .. } = work.rays[ray as usize];
+        let lookup = Lookup { port, tile: work.tile, ray, kind, depth, sample: (x, y), region, index };
+        self.memory.looked_for(self.now, lookup);
+    }
 }

@@ -8,7 +8,7 @@ use super::context::EventContext;
 use super::input_buffer::{InputBuffer, InputBufferCounters, Outcome};
 use super::stage::Candidate;
 use super::wheel::{Event, EventKind};
-use crate::memory::{CacheCounters, Memory, Tags};
+use crate::memory::{CacheCounters, Memory, Port, Tags};
 use crate::time::TiCycle;
 use crate::work::layout::{Lines, Region};
 
@@ -33,6 +33,11 @@ impl FetchPort {
     /// The port of unit `unit` that fetches through `buffer`; `retry` is the unit's event for a refused lookup.
     pub fn new(buffer: InputBuffer, unit: u8, retry: EventKind) -> Self {
         Self { buffer, unit, retry }
+    }
+
+    /// The port of the L1.
+    pub fn l1_port(&self) -> Port {
+        self.buffer.l1().port()
     }
 
     /// The operation in `slot` needs `lines`.

@@ -104,16 +104,21 @@ impl Ist {
         }
     }
 
-    /// The next task comes.
-    pub(super) fn accept<T, M: Memory>(&mut self, context: &mut EventContext<'_, T, M>) {
-        let Some(task) = context.crossbar.accept(self.index) else { return };
+    /// The task in `slot`: whose it is, and its next triangle.
+    pub(super) fn task(&self, slot: u8) -> LeafTask {
+        self.tasks[slot as usize]
+    }
+
+    /// The next task comes, to the slot that is given.
+    pub(super) fn accept<T, M: Memory>(&mut self, context: &mut EventContext<'_, T, M>) -> Option<u8> {
+        let task = context.crossbar.accept(self.index)?;
         if self.free.len() == self.tasks.len() {
             self.idle.end(context.now);
         }
         let slot = self.free.pop().expect("every task has a reserved entry");
         self.tasks[slot as usize] = task;
         self.events.tasks += 1;
-        self.fetch(slot, context);
+        Some(slot)
     }
 
     /// The next triangle of a task comes to the input buffer.

@@ -16,6 +16,7 @@ mod ist;
 mod ray;
 mod stage;
 mod trv;
+mod trv_stats;
 mod wheel;
 
 #[cfg(test)]
@@ -24,8 +25,8 @@ mod tests;
 pub use context::{TiContext, Tiles};
 pub use input_buffer::InputBufferCounters;
 pub use ist::{IstCounters, IstStats};
-pub(crate) use trv::stage_names;
-pub use trv::{TrvCounters, TrvStats};
+pub(crate) use trv_stats::stage_names;
+pub use trv_stats::{TrvCounters, TrvStats};
 
 use std::collections::VecDeque;
 
@@ -42,6 +43,7 @@ use crate::link::{RayMessage, RayRef, RayUnit};
 use crate::memory::{Memory, Port, Tags};
 use crate::time::{TiCycle, When};
 use crate::work::cost;
+use crate::work::layout::Region;
 
 counters! {
     /// What the ray buffer and the dispatcher did.
@@ -173,7 +175,7 @@ impl TiUnit {
 
     /// Events that move no ray along.
     #[inline]
-    fn handle_rarer<T, M: Memory>(
+    fn handle_rarer<T: Tiles, M: Memory>(
         trv: &mut [Trv],
         ist: &mut [Ist],
         event: Event,
@@ -182,14 +184,29 @@ impl TiUnit {
         let (unit, slot) = (event.unit as usize, event.slot);
         match event.kind {
             EventKind::InnerBypass => trv[unit].retry(slot, context),
-            EventKind::Task => ist[unit].accept(context),
-            EventKind::NextTriangle => ist[unit].fetch(slot, context),
+            EventKind::Task => {
+                if let Some(slot) = ist[unit].accept(context) {
+                    Self::next_triangle(trv, &mut ist[unit], slot, context);
+                }
+            }
+            EventKind::NextTriangle => Self::next_triangle(trv, &mut ist[unit], slot, context),
             EventKind::LastTriangle => ist[unit].task_done(slot, context),
             EventKind::TriangleBypass => ist[unit].retry(slot, context),
             EventKind::RetryLookup => trv[unit].retry_lookup(event, context),
             EventKind::RetryTriangleLookup => ist[unit].retry_lookup(event, context),
             EventKind::Setup | EventKind::Returned | EventKind::Inner | EventKind::Stack | EventKind::Leaf => {}
         }
+    }
+
+    /// The next triangle of the task in `slot`.
+    #[inline(always)]
+    fn next_triangle<T: Tiles, M: Memory>(trv: &[Trv], ist: &mut Ist, slot: u8, context: &mut EventContext<'_, T, M>) {
+        if M::LISTENS {
+            let task = ist.task(slot);
+            let ray = trv[task.trv as usize].ray(task.slot);
+            context.tell(ist.port.l1_port(), ray, (Region::Triangle, task.triangle));
+        }
+        ist.fetch(slot, context);
     }
 
     /// Busy cycles of each issue stage so far, for a timeline.

@@ -8,63 +8,22 @@
 use super::context::{EventContext, Tiles};
 use super::crossbar::{LeafGrant, LeafRequest, LeafTask};
 use super::fetch_port::FetchPort;
-use super::input_buffer::{InputBuffer, InputBufferCounters};
+use super::input_buffer::InputBuffer;
 use super::ray::{Popped, RaySlot, Trail};
 use super::stage::{Candidate, Idle, Stage, Wait};
+use super::trv_stats::{TrvCounters, TrvStats, stage_names};
 use super::wheel::{Event, EventKind, Wheel};
 use crate::config::{MachineConfig, Pipeline};
-use crate::counters::{Activity, counters};
 use crate::link::RayRef;
-use crate::memory::{CacheCounters, Memory, Port};
+use crate::memory::{Memory, Port};
 use crate::time::TiCycle;
 use crate::work::layout::{Lines, Region};
 use crate::work::ops::OpKind;
-
-counters! {
-    /// What a traversal unit did.
-    pub struct TrvCounters {
-        rays: "rays", "rays that finished";
-        node_visits: "events", "inner nodes visited, visits on restarts included";
-        restart_visits: "events", "inner nodes visited again because the short stack had lost a child";
-        box_tests: "events", "boxes tested";
-        leaves: "events", "leaves processed";
-        triangle_tests: "events", "triangles tested here (pipeline = \"unified\")";
-        stack_operations: "events", "operations of the stack pipeline";
-        culled: "events", "popped children that lay behind the closest hit";
-        pushes: "events", "children pushed onto the stack, on restarts again";
-        restarts: "events", "pops that found the short stack empty while children were deferred";
-        bypasses: "events", "operations that passed a pipeline without work";
-        ray_cycles: "cycles", "cycles that rays spent here, summed over rays";
-    }
-}
-
-/// What a unit reports.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct TrvStats {
-    /// Each issue stage with what it did in every cycle.
-    pub stages: Vec<(&'static str, Activity)>,
-    /// Events.
-    pub events: TrvCounters,
-    /// Input buffer.
-    pub buffer: InputBufferCounters,
-    /// L1.
-    pub l1: CacheCounters,
-}
 
 /// Issue stages of the parallel pipeline; the single one has only the first.
 const INNER: usize = 0;
 const LEAF: usize = 1;
 const STACK: usize = 2;
-
-/// The issue stages of a traversal unit.
-pub fn stage_names(pipeline: Pipeline) -> &'static [&'static str] {
-    match pipeline {
-        Pipeline::Parallel => &["inner", "leaf", "stack"],
-        Pipeline::Single | Pipeline::Unified => &["pipeline"],
-        Pipeline::Software => &["threads"],
-        Pipeline::Gathering => &["boxes", "triangles"],
-    }
-}
 
 /// What a ray does next.
 #[derive(Clone, Copy, Debug)]
@@ -243,7 +202,7 @@ impl Trv {
 
     /// An operation left the inner-node pipeline.
     #[inline]
-    pub(super) fn inner_done<T, M: Memory>(&mut self, slot: u8, context: &mut EventContext<'_, T, M>) -> Step {
+    pub(super) fn inner_done<T: Tiles, M: Memory>(&mut self, slot: u8, context: &mut EventContext<'_, T, M>) -> Step {
         let ray = &mut self.rays[slot as usize];
         if ray.tests > 0 {
             return self.triangle_done(slot, context);
@@ -262,13 +221,14 @@ impl Trv {
     }
 
     /// A triangle left the unified pipeline.
-    fn triangle_done<T, M: Memory>(&mut self, slot: u8, context: &mut EventContext<'_, T, M>) -> Step {
+    fn triangle_done<T: Tiles, M: Memory>(&mut self, slot: u8, context: &mut EventContext<'_, T, M>) -> Step {
         let ray = &mut self.rays[slot as usize];
         ray.tested();
         if ray.tests == 0 {
             return Step::Next;
         }
         let triangle = ray.triangle();
+        self.tell(slot, (Region::Triangle, triangle), context);
         self.fetch(slot, context.layout.triangle(triangle), Region::Triangle, context);
         Step::Waits
     }
@@ -326,6 +286,7 @@ impl Trv {
             }
         };
         ray.passes = self.passes;
+        self.tell(slot, (Region::Node, node), context);
         self.fetch(slot, context.layout.node(node), Region::Node, context);
     }
 
@@ -341,14 +302,28 @@ impl Trv {
     }
 
     /// The ray comes to a leaf.
-    fn enter_leaf<T, M: Memory>(&mut self, slot: u8, triangle: u32, context: &mut EventContext<'_, T, M>) {
+    fn enter_leaf<T: Tiles, M: Memory>(&mut self, slot: u8, triangle: u32, context: &mut EventContext<'_, T, M>) {
         self.events.leaves += 1;
         if self.pipeline == Pipeline::Unified {
+            self.tell(slot, (Region::Triangle, triangle), context);
             return self.fetch(slot, context.layout.triangle(triangle), Region::Triangle, context);
         }
         let request = LeafRequest { trv: self.index, slot, arrived: context.now };
         if let Some(grant) = context.crossbar.reserve_or_wait(request) {
             self.leaf_granted(context.now, grant, context.wheel);
+        }
+    }
+
+    /// The ray in `slot`.
+    pub(super) fn ray(&self, slot: u8) -> RayRef {
+        self.rays[slot as usize].ray
+    }
+
+    /// Tells whoever listens what the ray in `slot` looks for here.
+    #[inline(always)]
+    fn tell<T: Tiles, M: Memory>(&self, slot: u8, what: (Region, u32), context: &mut EventContext<'_, T, M>) {
+        if M::LISTENS {
+            context.tell(self.port.l1_port(), self.ray(slot), what);
         }
     }
 

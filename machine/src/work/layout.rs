@@ -83,6 +83,15 @@ pub struct Lines {
     pub last: u64,
 }
 
+/// Bytes that lie side by side.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Span {
+    /// The first.
+    pub address: u64,
+    /// How many.
+    pub bytes: u64,
+}
+
 /// Addresses by index.
 #[derive(Clone, Copy, Debug)]
 pub struct Layout {
@@ -109,16 +118,31 @@ impl Layout {
         Lines { first: address >> self.line_shift, last: (address + bytes.max(1) - 1) >> self.line_shift }
     }
 
+    /// Where inner node `node` lies.
+    #[inline]
+    pub fn node_at(&self, node: u32) -> Span {
+        Span { address: Region::Node.base() + u64::from(node) * self.node_bytes, bytes: self.node_bytes }
+    }
+
+    /// Where triangle `triangle` lies.
+    #[inline]
+    pub fn triangle_at(&self, triangle: u32) -> Span {
+        let address = Region::Triangle.base() + u64::from(triangle) * self.triangle_bytes;
+        Span { address, bytes: self.triangle_bytes }
+    }
+
     /// The lines of inner node `node`.
     #[inline]
     pub fn node(&self, node: u32) -> Lines {
-        self.lines(Region::Node.base() + u64::from(node) * self.node_bytes, self.node_bytes)
+        let Span { address, bytes } = self.node_at(node);
+        self.lines(address, bytes)
     }
 
     /// The lines of triangle `triangle`.
     #[inline]
     pub fn triangle(&self, triangle: u32) -> Lines {
-        self.lines(Region::Triangle.base() + u64::from(triangle) * self.triangle_bytes, self.triangle_bytes)
+        let Span { address, bytes } = self.triangle_at(triangle);
+        self.lines(address, bytes)
     }
 
     /// The lines of the vertex attributes of triangle `triangle`.

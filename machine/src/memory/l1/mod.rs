@@ -97,6 +97,11 @@ impl L1Cache {
         self.tags.clone_from(tags);
     }
 
+    /// The port through which it asks.
+    pub fn port(&self) -> Port {
+        self.port
+    }
+
     /// What it holds.
     pub(crate) fn tags(&self) -> &Tags {
         &self.tags

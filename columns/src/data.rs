@@ -1,0 +1,312 @@
+//! A table of a trace as batches of columns.
+
+use std::cell::Cell;
+use std::sync::Arc;
+
+use rayreel_formats::trace::Trace;
+use rayreel_machine::NamedMachine;
+use rayreel_machine::config::MachineConfig;
+use rayreel_machine::memory::Recording;
+use rayreel_machine::ports::tells_lookups;
+use rayreel_machine::system::NoProbe;
+use rayreel_machine::work::topology::Topology;
+use rayreel_replay::simulate::simulate_in_front_of;
+use rayreel_replay::{NamedPolicy, Options, Replayer, Stop};
+
+use crate::error::{ColumnsError, Result};
+use crate::order::{Gathered, ROWS, ordered};
+use crate::rows::{
+    AddressRows, Addresses, HitRows, NodeRows, RayRows, SampleRows, Samples, StepRows, TileRows, ancestors, nodes,
+    triangle_words, triangles,
+};
+use crate::schema::{Batch, Head};
+use crate::select::Selection;
+use crate::simulated::{Intervals, Issue};
+use crate::what::What;
+
+/// Nothing is replayed for its picture.
+const NO_PICTURES: Options = Options { reference: false, perception: false };
+
+/// What to get out of a trace.
+#[derive(Clone, Debug)]
+pub struct Data<'a> {
+    /// The trace.
+    pub trace: &'a Trace,
+    /// Which table.
+    pub what: What,
+    /// Of which frames and tiles; tables that are not of tiles take no notice of it.
+    pub selection: Selection,
+    /// The policy: of samples only if there is one; simulated tables take `full` if there is none.
+    pub policy: Option<&'a NamedPolicy>,
+    /// The machine of tables that depend on one.
+    pub machine: Option<&'a NamedMachine>,
+    /// Length of the intervals of counters, T&I cycles.
+    pub interval: u64,
+    /// Ends early what takes long.
+    pub stop: Stop,
+}
+
+/// What becomes of batches: `make` is called in any thread, `take` in order with what it gave and how many tiles are done.
+pub struct Use<'a, T> {
+    /// Makes something of a batch.
+    pub make: &'a (dyn Fn(Batch) -> Result<T> + Sync),
+    /// Takes it.
+    pub take: &'a mut (dyn FnMut(T, u64) -> Result<()> + Send),
+}
+
+impl<'a> Data<'a> {
+    /// A table of all of a trace, without policy and machine.
+    pub fn new(trace: &'a Trace, what: What) -> Self {
+        let selection = Selection::all(trace.meta());
+        Self { trace, what, selection, policy: None, machine: None, interval: 1000, stop: Stop::never() }
+    }
+
+    /// All columns, before the first row.
+    ///
+    /// # Errors
+    /// As [`Data::check`].
+    pub fn head(&self) -> Result<Head> {
+        self.check()?;
+        Ok(Head::new(self.what.table(), &self.empty()?))
+    }
+
+    /// A batch without rows.
+    fn empty(&self) -> Result<Batch> {
+        let bvh = self.trace.bvh();
+        Ok(match self.what {
+            What::Rays => RayRows::default().batch(),
+            What::Hits => HitRows::default().batch(),
+            What::Steps => StepRows::default().batch(),
+            What::Addresses => AddressRows::default().batch(),
+            What::Samples => SampleRows::default().batch(),
+            What::Nodes => NodeRows::default().batch(),
+            What::Triangles => triangles(bvh, triangle_words(bvh), 0..0).batch(),
+            What::Lookups => Issue::new(self.config()?).lookups().batch(),
+            What::Requests => Issue::new(self.config()?).requests().batch(),
+            What::Counters => Intervals::new(self.config()?, self.interval).take().batch(),
+        })
+    }
+
+    /// Whether policy, machine and table go together.
+    ///
+    /// # Errors
+    /// [`ColumnsError::Request`] that says what does not.
+    pub fn check(&self) -> Result<()> {
+        let (what, name) = (self.what, self.what.name());
+        let refuse = |detail: String| Err(ColumnsError::Request(detail));
+        if self.policy.is_some() && !what.takes_policy() {
+            return refuse(format!(
+                "table {name} is of what was recorded, whatever a policy makes of it; leave the policy out, or take {}",
+                names(What::takes_policy)
+            ));
+        }
+        if self.machine.is_some() && !what.takes_machine() {
+            return refuse(format!(
+                "table {name} is the same for every machine; leave the machine out, or take {}",
+                names(What::takes_machine)
+            ));
+        }
+        if what.takes_machine() && self.machine.is_none() {
+            return refuse(format!("table {name} depends on a machine; name one"));
+        }
+        if what == What::Lookups && !tells_lookups(self.config()?) {
+            let machine = self.machine.map_or("", |machine| &machine.name);
+            return refuse(format!(
+                "machine {machine} looks things up for several rays at once, so table lookups does not fit it; take requests, or \
+                 a machine whose ti.pipeline is parallel, single or unified"
+            ));
+        }
+        if self.interval == 0 {
+            return refuse("an interval of 0 cycles never ends; take 1 or more".into());
+        }
+        Ok(())
+    }
+
+    fn config(&self) -> Result<&'a MachineConfig> {
+        let none = || ColumnsError::Request(format!("table {} depends on a machine; name one", self.what.name()));
+        self.machine.map(|machine| &machine.config).ok_or_else(none)
+    }
+
+    /// How many tiles [`Data::run`] goes through.
+    pub fn tiles(&self) -> u64 {
+        let frames = self.selection.frames.len() as u64;
+        let tiles =
+            if self.what.is_simulated() { self.trace.meta().tile_count() as usize } else { self.selection.tiles.len() };
+        if self.what.takes_frames() { frames * tiles as u64 } else { 1 }
+    }
+
+    /// All batches, in order; the same for any number of threads.
+    ///
+    /// # Errors
+    /// As [`Data::check`]; a trace that lacks a tile or is damaged; what the use of a batch returns.
+    pub fn run<T: Send>(&self, to: Use<'_, T>) -> Result<()> {
+        self.check()?;
+        let (trace, bvh) = (self.trace, self.trace.bvh());
+        let tree = || Arc::new(Topology::new(bvh));
+        match self.what {
+            What::Rays => self.tile_rows::<RayRows, T>(to, |_| Ok(())),
+            What::Hits => self.tile_rows::<HitRows, T>(to, |_| Ok(())),
+            What::Steps => {
+                let tree = tree();
+                self.tile_rows::<StepRows, T>(to, |_| Ok(Arc::clone(&tree)))
+            }
+            What::Addresses => {
+                let with = Arc::new(Addresses::new(trace, self.config()?));
+                self.tile_rows::<AddressRows, T>(to, |_| Ok(Arc::clone(&with)))
+            }
+            What::Samples => self.samples(to, tree()),
+            What::Nodes => {
+                let above = ancestors(bvh);
+                chunks(to, bvh.nodes.len(), |range| nodes(bvh, &above, range).batch())
+            }
+            What::Triangles => {
+                let words = triangle_words(bvh);
+                chunks(to, bvh.triangles.len(), |range| triangles(bvh, words.clone(), range).batch())
+            }
+            What::Lookups | What::Requests => self.issue(to),
+            What::Counters => self.counters(to),
+        }
+    }
+
+    /// All rows at once, for those who have the memory.
+    ///
+    /// # Errors
+    /// As [`Data::run`].
+    pub fn collect(&self) -> Result<Batch> {
+        let mut all = self.empty()?;
+        let mut take = |batch: Batch, _| {
+            all.columns.iter_mut().zip(batch.columns).for_each(|(to, from)| to.extend(from));
+            Ok(())
+        };
+        self.run(Use { make: &Ok, take: &mut take })?;
+        Ok(all)
+    }
+
+    /// A table that tiles add to; `prepare` gives what it needs of each frame.
+    fn tile_rows<R: TileRows, T: Send>(
+        &self,
+        Use { make, take }: Use<'_, T>,
+        mut prepare: impl FnMut(u32) -> Result<R::With>,
+    ) -> Result<()> {
+        let edge = self.trace.meta().tile as usize;
+        let tiles = (ROWS / (edge * edge * R::ROWS_A_SAMPLE as usize)).max(1);
+        let groups: Vec<&[u32]> = self.selection.tiles.chunks(tiles).collect();
+        let mut done = 0;
+        for frame in self.selection.frames.clone() {
+            let with = prepare(frame)?;
+            let one = |group: usize| {
+                self.stop.check()?;
+                let mut rows = R::default();
+                groups[group].iter().try_for_each(|&tile| rows.add(self.trace, &with, (frame, tile)))?;
+                Ok((make(rows.into_batch())?, groups[group].len() as u64))
+            };
+            ordered(groups.len(), one, &mut |(made, tiles)| {
+                done += tiles;
+                take(made, done)
+            })?;
+        }
+        Ok(())
+    }
+
+    fn samples<T: Send>(&self, to: Use<'_, T>, tree: Arc<Topology>) -> Result<()> {
+        let mut replayer = match self.policy {
+            Some(policy) => Some(Replayer::new(self.trace, &policy.policy, NO_PICTURES)?.with_stop(self.stop.clone())),
+            None => None,
+        };
+        self.tile_rows::<SampleRows, T>(to, |frame| {
+            let replayed = replayer.as_mut().map(|replayer| replayer.frame(frame)).transpose()?;
+            let states = replayed.map(|frame| Arc::new((frame.states, frame.blocks)));
+            Ok(Samples { tree: Arc::clone(&tree), states })
+        })
+    }
+
+    /// What the simulated tables have in common: the frames one after the other under the policy.
+    fn each_frame(
+        &self,
+        mut simulate: impl FnMut(&mut Replayer<'_, Trace>, u32, &Topology) -> Result<()>,
+    ) -> Result<()> {
+        let tree = Topology::new(self.trace.bvh());
+        let full;
+        let policy = match self.policy {
+            Some(policy) => policy,
+            None => {
+                full = NamedPolicy::load("full", &[]).map_err(rayreel_replay::ReplayError::from)?;
+                &full
+            }
+        };
+        let mut replayer = Replayer::new(self.trace, &policy.policy, NO_PICTURES)?.with_stop(self.stop.clone());
+        self.selection.frames.clone().try_for_each(|frame| simulate(&mut replayer, frame, &tree))
+    }
+
+    fn named(&self) -> Result<(&'a str, &'a MachineConfig)> {
+        Ok((self.machine.map_or("", |machine| &machine.name), self.config()?))
+    }
+
+    /// The tables of what is issued.
+    fn issue<T: Send>(&self, Use { make, take }: Use<'_, T>) -> Result<()> {
+        let (machine, issue) = (self.named()?, Issue::new(self.config()?));
+        let lookups = self.what == What::Lookups;
+        let record = |memory| if lookups { Recording::of_lookups(memory) } else { Recording::of_requests(memory) };
+        let fed = Cell::new(0);
+        let mut take = |made| take(made, fed.get());
+        let mut gathered = Gathered::new(make, &mut take);
+        let (mut looked, mut asked) = (issue.lookups(), issue.requests());
+        self.each_frame(|replayer, frame, tree| {
+            simulate_in_front_of(replayer, (frame, tree), machine, (record, &mut NoProbe), |memory, _| {
+                for lookup in memory.take_lookups() {
+                    issue.add_lookup(&mut looked, frame, lookup);
+                }
+                for request in memory.take_requests() {
+                    issue.add_request(&mut asked, frame, request);
+                }
+                if looked.frame.len() >= ROWS {
+                    gathered.add(std::mem::replace(&mut looked, issue.lookups()).batch())?;
+                }
+                if asked.frame.len() >= ROWS {
+                    gathered.add(std::mem::replace(&mut asked, issue.requests()).batch())?;
+                }
+                fed.set(fed.get() + 1);
+                Ok::<_, ColumnsError>(())
+            })?;
+            Ok(())
+        })?;
+        gathered.add(if lookups { looked.batch() } else { asked.batch() })?;
+        gathered.flush()
+    }
+
+    /// Counters over time.
+    fn counters<T: Send>(&self, Use { make, take }: Use<'_, T>) -> Result<()> {
+        let (machine, mut probe) = (self.named()?, Intervals::new(self.config()?, self.interval));
+        let fed = Cell::new(0);
+        let mut take = |made| take(made, fed.get());
+        let mut gathered = Gathered::new(make, &mut take);
+        self.each_frame(|replayer, frame, tree| {
+            simulate_in_front_of(replayer, (frame, tree), machine, (|memory| memory, &mut probe), |_, probe| {
+                if probe.rows() >= ROWS {
+                    gathered.add(probe.take().batch())?;
+                }
+                fed.set(fed.get() + 1);
+                Ok::<_, ColumnsError>(())
+            })?;
+            Ok(())
+        })?;
+        gathered.add(probe.take().batch())?;
+        gathered.flush()
+    }
+}
+
+/// The names of the tables of which `fits` is true.
+fn names(fits: fn(What) -> bool) -> String {
+    let names: Vec<_> = What::ALL.into_iter().filter(|what| fits(*what)).map(What::name).collect();
+    names.join(", ")
+}
+
+/// A table of `count` rows that are known by number.
+fn chunks<T: Send>(
+    Use { make, take }: Use<'_, T>,
+    count: usize,
+    rows: impl Fn(std::ops::Range<usize>) -> Batch + Sync,
+) -> Result<()> {
+    let one = |chunk: usize| make(rows(chunk * ROWS..count.min((chunk + 1) * ROWS)));
+    ordered(count.div_ceil(ROWS), one, &mut |made| take(made, 1))
+}

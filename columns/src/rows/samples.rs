@@ -1,0 +1,118 @@
+//! One row a sample: its colour, what its rays cost, and what a policy made of it.
+
+use std::sync::Arc;
+
+use rayreel_formats::tile::composite;
+use rayreel_formats::trace::Trace;
+use rayreel_machine::work::check::PathCounts;
+use rayreel_machine::work::topology::Topology;
+use rayreel_replay::frame::states::{Blocks, StateMap};
+use rayreel_replay::policy::view::SampleState;
+
+use super::paths::each_path;
+use super::{TileRows, place};
+use crate::error::Result;
+use crate::schema::{Batch, Table, table};
+use crate::value::{WordsOf, word};
+
+word! {
+    /// What a policy made of a sample.
+    pub enum State {
+        /// There is no policy: it was recorded.
+        Recorded = "recorded",
+        /// Traced before any test.
+        Reference = "reference",
+        /// Traced after a test.
+        Traced = "traced",
+        /// Some of its rays were traced, some of its hits interpolated.
+        Partial = "partial",
+        /// Interpolated.
+        Interpolated = "interpolated",
+    }
+}
+
+impl From<SampleState> for State {
+    fn from(state: SampleState) -> Self {
+        match state {
+            SampleState::Reference => Self::Reference,
+            SampleState::Traced => Self::Traced,
+            SampleState::Partial => Self::Partial,
+            SampleState::Interpolated => Self::Interpolated,
+        }
+    }
+}
+
+table! {
+    /// The samples of a trace.
+    pub struct SampleRows = "samples", "a sample, tile by tile, those of a tile row by row" {
+        frame: Vec<u32>, "", "frame number";
+        tile: Vec<u32>, "", "tile in the frame";
+        x: Vec<u32>, "samples", "sample: column of the frame's grid";
+        y: Vec<u32>, "samples", "sample: row of the frame's grid";
+        r: Vec<f32>, "linear RGB", "colour as recorded, whatever a policy makes of it";
+        g: Vec<f32>, "linear RGB", "colour as recorded";
+        b: Vec<f32>, "linear RGB", "colour as recorded";
+        rays: Vec<u32>, "rays", "recorded rays of the sample";
+        shadow_rays: Vec<u32>, "rays", "shadow rays among them";
+        node_visits: Vec<u32>, "events", "inner nodes that its rays visit";
+        triangle_tests: Vec<u32>, "events", "triangles that its rays test";
+        pops: Vec<u32>, "events", "children that its rays take from the stack, culled ones included";
+        state: WordsOf<State>, "", "what the policy made of it";
+        round: Vec<u8>, "", "round of the policy in which it was traced or interpolated; 0 without a policy";
+        block: Vec<u32>, "samples", "block edge of the policy in its tile; 1 without a policy";
+    }
+}
+
+/// What samples follow from beside the trace.
+#[derive(Clone, Debug)]
+pub struct Samples {
+    /// The tree.
+    pub tree: Arc<Topology>,
+    /// What a policy made of the frame at hand.
+    pub states: Option<Arc<(StateMap, Blocks)>>,
+}
+
+impl TileRows for SampleRows {
+    const TABLE: &'static Table = &Self::TABLE;
+    const ROWS_A_SAMPLE: u32 = 1;
+    type With = Samples;
+
+    fn add(&mut self, trace: &Trace, with: &Samples, (frame, index): (u32, u32)) -> Result<()> {
+        let mut sums: Vec<(u32, PathCounts)> = Vec::new();
+        let tile = each_path(trace, &with.tree, (frame, index), |tile, at, _, counts| {
+            sums.resize(tile.rect.len(), Default::default());
+            let (shadows, sum) = &mut sums[at.sample as usize];
+            *shadows += u32::from(at.shadow);
+            *sum += counts;
+        })?;
+        for (sample, (shadows, counts)) in (0..).zip(&sums) {
+            let (x, y) = place(&tile, sample);
+            let nodes = tile.tree.sample(sample as usize);
+            let colour = composite(&tile.tree.nodes[nodes.clone()], &tile.radiance[nodes]);
+            let (state, round, block) = match with.states.as_deref() {
+                Some((states, blocks)) => (states.state(x, y).into(), states.round(x, y), blocks.at(x, y)),
+                None => (State::Recorded, 0, 1),
+            };
+            self.frame.push(frame);
+            self.tile.push(index);
+            self.x.push(x);
+            self.y.push(y);
+            self.r.push(colour.x);
+            self.g.push(colour.y);
+            self.b.push(colour.z);
+            self.rays.push(counts.rays as u32);
+            self.shadow_rays.push(*shadows);
+            self.node_visits.push(counts.node_visits as u32);
+            self.triangle_tests.push(counts.triangle_tests as u32);
+            self.pops.push((counts.pops + counts.culled) as u32);
+            self.state.push(state);
+            self.round.push(round);
+            self.block.push(block);
+        }
+        Ok(())
+    }
+
+    fn into_batch(self) -> Batch {
+        self.batch()
+    }
+}

@@ -1,0 +1,189 @@
+//! Parquet: a row group a batch, zstd, no value missing. Under the metadata key `rayreel` stands a JSON object with the table, and unit and
+//! meaning of each column.
+//!
+//! A batch is encoded where it was made, in any thread; the groups are put one behind the other. So the bytes depend on the batches
+//! alone. Whole numbers are stored as differences, floats split by byte, words by number: smaller and faster than what the library
+//! would choose.
+
+use std::io::Write;
+use std::sync::Arc;
+
+use bytes::Bytes;
+use parquet::basic::{Compression, Encoding, LogicalType, Repetition, Type as Physical, ZstdLevel};
+use parquet::column::writer::{ColumnCloseResult, ColumnWriter, get_column_writer};
+use parquet::data_type::ByteArray;
+use parquet::errors::ParquetError;
+use parquet::file::metadata::KeyValue;
+use parquet::file::properties::{EnabledStatistics, WriterProperties, WriterPropertiesPtr};
+use parquet::file::writer::{SerializedFileWriter, SerializedPageWriter, TrackedWrite};
+use parquet::schema::types::{ColumnPath, SchemaDescriptor, Type as Schema, TypePtr};
+
+use crate::error::{ColumnsError, Result};
+use crate::schema::{Batch, Head};
+use crate::value::{Column, Type};
+
+/// The metadata key.
+pub const KEY: &str = "rayreel";
+
+fn refused(error: ParquetError) -> ColumnsError {
+    ColumnsError::Writer { format: "Parquet", detail: error.to_string() }
+}
+
+/// What all row groups of a file share.
+#[derive(Debug)]
+pub struct Layout {
+    schema: TypePtr,
+    columns: SchemaDescriptor,
+    properties: WriterPropertiesPtr,
+}
+
+/// A column of a row group.
+#[derive(Debug)]
+pub struct Chunk(Bytes, ColumnCloseResult);
+
+impl Layout {
+    /// The layout of a table.
+    ///
+    /// # Errors
+    /// Never for a table of ours.
+    pub fn new(head: &Head) -> Result<Self> {
+        let schema = schema(head).map_err(refused)?;
+        let properties = properties(head).map_err(refused)?;
+        Ok(Self { columns: SchemaDescriptor::new(Arc::clone(&schema)), schema, properties: Arc::new(properties) })
+    }
+
+    /// The row group of a batch.
+    ///
+    /// # Errors
+    /// Never for a batch of the table.
+    pub fn encode(&self, batch: &Batch) -> Result<Vec<Chunk>> {
+        let chunk = |(i, column)| self.chunk(i, column).map_err(refused);
+        batch.columns.iter().enumerate().map(chunk).collect()
+    }
+
+    fn chunk(&self, i: usize, column: &Column) -> Result<Chunk, ParquetError> {
+        let mut bytes = TrackedWrite::new(Vec::new());
+        let pages = Box::new(SerializedPageWriter::new(&mut bytes));
+        let mut writer = get_column_writer(self.columns.column(i), Arc::clone(&self.properties), pages);
+        write(column, &mut writer)?;
+        let closed = writer.close()?;
+        Ok(Chunk(Bytes::from(bytes.into_inner()?), closed))
+    }
+}
+
+/// A file that is being written.
+pub struct File<W: Write>(SerializedFileWriter<W>);
+
+impl<W: Write + Send> File<W> {
+    /// Begins a file.
+    ///
+    /// # Errors
+    /// Those of the output.
+    pub fn begin(layout: &Layout, to: W) -> Result<Self> {
+        let writer = SerializedFileWriter::new(to, Arc::clone(&layout.schema), Arc::clone(&layout.properties));
+        writer.map(Self).map_err(refused)
+    }
+
+    /// Appends a row group.
+    ///
+    /// # Errors
+    /// Those of the output.
+    pub fn append(&mut self, group: Vec<Chunk>) -> Result<()> {
+        let append = || {
+            let mut to = self.0.next_row_group()?;
+            group.into_iter().try_for_each(|Chunk(bytes, closed)| to.append_column(&bytes, closed))?;
+            to.close().map(|_| ())
+        };
+        append().map_err(refused)
+    }
+
+    /// Ends the file, and gives the output.
+    ///
+    /// # Errors
+    /// Those of the output.
+    pub fn finish(self) -> Result<W> {
+        self.0.into_inner().map_err(refused)
+    }
+}
+
+/// The columns with their types.
+fn schema(head: &Head) -> Result<TypePtr, ParquetError> {
+    let integer = |bit_width, is_signed| Some(LogicalType::integer(bit_width, is_signed));
+    let mut fields = Vec::new();
+    for (column, _) in head.columns() {
+        let (physical, logical) = match column.kind {
+            Type::U8 => (Physical::INT32, integer(8, false)),
+            Type::I8 => (Physical::INT32, integer(8, true)),
+            Type::U16 => (Physical::INT32, integer(16, false)),
+            Type::U32 => (Physical::INT32, integer(32, false)),
+            Type::I32 => (Physical::INT32, None),
+            Type::U64 => (Physical::INT64, integer(64, false)),
+            Type::F32 => (Physical::FLOAT, None),
+            Type::Bool => (Physical::BOOLEAN, None),
+            Type::Word => (Physical::BYTE_ARRAY, Some(LogicalType::String)),
+        };
+        let field = Schema::primitive_type_builder(column.name, physical);
+        fields.push(Arc::new(field.with_repetition(Repetition::REQUIRED).with_logical_type(logical).build()?));
+    }
+    Schema::group_type_builder(head.table.name).with_fields(fields).build().map(Arc::new)
+}
+
+fn properties(head: &Head) -> Result<WriterProperties, ParquetError> {
+    let mut all = WriterProperties::builder()
+        .set_compression(Compression::ZSTD(ZstdLevel::try_new(1)?))
+        .set_created_by("rayreel".into())
+        .set_dictionary_enabled(false)
+        .set_statistics_enabled(EnabledStatistics::Chunk)
+        .set_offset_index_disabled(true)
+        .set_key_value_metadata(Some(vec![KeyValue::new(KEY.into(), describe(head))]));
+    for (column, _) in head.columns() {
+        let path = ColumnPath::from(column.name);
+        all = match column.kind {
+            Type::Word => all.set_column_dictionary_enabled(path, true),
+            Type::Bool => all,
+            Type::F32 => all.set_column_encoding(path, Encoding::BYTE_STREAM_SPLIT),
+            _ => all.set_column_encoding(path, Encoding::DELTA_BINARY_PACKED),
+        };
+    }
+    Ok(all.build())
+}
+
+/// The value of the metadata key. Names, units and meanings hold nothing that JSON would escape; a test sees to that.
+fn describe(head: &Head) -> String {
+    let column = |(column, _): (&crate::schema::ColumnInfo, _)| {
+        format!(r#"{{"name":"{}","unit":"{}","meaning":"{}"}}"#, column.name, column.unit, column.meaning)
+    };
+    let columns: Vec<_> = head.columns().map(column).collect();
+    format!(r#"{{"table":"{}","row":"{}","columns":[{}]}}"#, head.table.name, head.table.row, columns.join(","))
+}
+
+/// Writes a column.
+fn write(column: &Column, writer: &mut ColumnWriter<'_>) -> Result<(), ParquetError> {
+    match (column, writer) {
+        (Column::U8(values), ColumnWriter::Int32ColumnWriter(to)) => to.write_batch(&wide(values), None, None),
+        (Column::I8(values), ColumnWriter::Int32ColumnWriter(to)) => to.write_batch(&wide(values), None, None),
+        (Column::U16(values), ColumnWriter::Int32ColumnWriter(to)) => to.write_batch(&wide(values), None, None),
+        (Column::U32(values), ColumnWriter::Int32ColumnWriter(to)) => {
+            let bits: Vec<i32> = values.iter().map(|&value| value.cast_signed()).collect();
+            to.write_batch(&bits, None, None)
+        }
+        (Column::I32(values), ColumnWriter::Int32ColumnWriter(to)) => to.write_batch(values, None, None),
+        (Column::U64(values), ColumnWriter::Int64ColumnWriter(to)) => {
+            let bits: Vec<i64> = values.iter().map(|&value| value.cast_signed()).collect();
+            to.write_batch(&bits, None, None)
+        }
+        (Column::F32(values), ColumnWriter::FloatColumnWriter(to)) => to.write_batch(values, None, None),
+        (Column::Bool(values), ColumnWriter::BoolColumnWriter(to)) => to.write_batch(values, None, None),
+        (Column::Word(words), ColumnWriter::ByteArrayColumnWriter(to)) => {
+            let names: Vec<ByteArray> = words.names.iter().map(|name| name.as_bytes().to_vec().into()).collect();
+            let values: Vec<ByteArray> = words.codes.iter().map(|&code| names[code as usize].clone()).collect();
+            to.write_batch(&values, None, None)
+        }
+        _ => return Err(ParquetError::General("a column is of another type than its table says".into())),
+    }?;
+    Ok(())
+}
+
+fn wide<T: Copy + Into<i32>>(values: &[T]) -> Vec<i32> {
+    values.iter().map(|&value| value.into()).collect()
+}

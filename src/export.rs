@@ -1,0 +1,189 @@
+//! `rayreel export`: what a trace holds, or what a machine does with it, as a table in a file.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Result, bail};
+use rayreel_columns::{ColumnsError, Data, Encoder, Format, Selection, Sink, Use, What};
+use rayreel_formats::scene::Meta;
+use rayreel_machine::NamedMachine;
+use rayreel_machine::config::schema::is_machine_override;
+use rayreel_replay::{NamedPolicy, ReplayError};
+
+use crate::common::{frames, print};
+use crate::exit::Exit;
+use crate::progress::{self, Progress};
+use crate::traces::TraceArgs;
+
+/// Write what a trace holds as a table: rays, hits, traversal steps, memory addresses, samples, geometry.
+///
+/// rays, hits, steps, samples, nodes and triangles are what was recorded. addresses is what each ray reads, in its order, where a
+/// machine keeps it. lookups, requests and counters come from a simulation under a policy: what each unit asks for and when, before
+/// its cache and behind it, and what the units count over time. docs/export.md describes every column.
+///
+/// The file is whole or absent, and the same for any number of threads; memory does not depend on its length.
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    #[command(flatten)]
+    trace: TraceArgs,
+    /// Table: rays, hits, steps, addresses, samples, nodes, triangles, lookups, requests or counters.
+    #[arg(long, value_name = "TABLE", value_parser = what)]
+    what: What,
+    /// File to write; - writes csv or jsonl to standard output.
+    #[arg(long, short, value_name = "FILE|-")]
+    output: PathBuf,
+    /// parquet, npy (one NumPy array of records), csv or jsonl; what the file's name ends in, if not given.
+    #[arg(long, value_name = "FORMAT", value_parser = format)]
+    format: Option<Format>,
+    /// Only these columns, separated by commas, in this order.
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    columns: Vec<String>,
+    /// Frames of the trace: A..B without B, or a single number; all if not given.
+    #[arg(long, value_name = "A..B", value_parser = frames)]
+    frames: Option<(u32, u32)>,
+    /// Tiles of each frame: numbers and ranges, such as 0..8,17; all if not given.
+    #[arg(long, value_name = "TILES")]
+    tiles: Option<String>,
+    /// Preset or policy file (.toml): of samples, whose states are recorded if none is given, and of lookups, requests and counters,
+    /// which take full then.
+    #[arg(long, value_name = "NAME|FILE")]
+    policy: Option<String>,
+    /// Preset or machine file (.toml) of addresses, lookups, requests and counters; sgrt-ti2 if not given.
+    #[arg(long, value_name = "NAME|FILE")]
+    machine: Option<String>,
+    /// Override a value of the machine or the policy, as rayreel replay does; may be given several times.
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    overrides: Vec<String>,
+    /// Intervals of counters, in cycles of the T&I clock; 1000 if not given.
+    #[arg(long, value_name = "CYCLES")]
+    interval: Option<u64>,
+}
+
+/// Parses the name of a table.
+fn what(text: &str) -> Result<What, String> {
+    let all: Vec<_> = What::ALL.iter().map(|what| what.name()).collect();
+    What::named(text).ok_or_else(|| format!("there is no such table; take one of {}", all.join(", ")))
+}
+
+/// Parses the name of a format.
+fn format(text: &str) -> Result<Format, String> {
+    let all: Vec<_> = Format::ALL.iter().map(|format| format.name()).collect();
+    Format::named(text).ok_or_else(|| format!("there is no such format; take one of {}", all.join(", ")))
+}
+
+pub fn run(args: &Args, quiet: bool) -> Result<Exit> {
+    match export(args, quiet) {
+        Err(error) if matches!(error.downcast_ref(), Some(ReplayError::Interrupted)) => {
+            eprintln!("interrupted; nothing was written");
+            Ok(Exit::Interrupted)
+        }
+        ended => ended.map(|()| Exit::Done),
+    }
+}
+
+fn export(args: &Args, quiet: bool) -> Result<()> {
+    let format = output_format(args)?;
+    let (policy, machine) = settings(args)?;
+    check(args)?;
+    let trace = args.trace.open()?;
+    let mut data = Data::new(&trace, args.what);
+    data.selection = selection(args, trace.meta()).map_err(plain)?;
+    (data.policy, data.machine) = (policy.as_ref(), machine.as_ref());
+    data.interval = args.interval.unwrap_or(data.interval);
+    data.stop = progress::stop_on_signal();
+    let mut head = data.head().map_err(plain)?;
+    if !args.columns.is_empty() {
+        head = head.only(&args.columns).map_err(plain)?;
+    }
+    let encoder = Encoder::new(format, head).map_err(plain)?;
+    let piped = args.output == Path::new("-");
+    let mut sink = if piped {
+        Sink::stream(&encoder, "standard output", Box::new(std::io::stdout()))
+    } else {
+        Sink::file(&encoder, &args.output)
+    }
+    .map_err(plain)?;
+    let mut bar = Progress::new("export", data.tiles(), quiet);
+    let mut take = |encoded, tiles| {
+        sink.append(encoded)?;
+        bar.set(tiles, || format!("tile {tiles}"));
+        Ok(())
+    };
+    data.run(Use { make: &|batch| encoder.encode(batch), take: &mut take }).map_err(plain)?;
+    let rows = sink.finish().map_err(plain)?;
+    bar.finish();
+    if !piped {
+        let bytes = std::fs::metadata(&args.output)?.len();
+        print(&format!("{}: {rows} rows of table {}, {bytes} bytes\n", args.output.display(), args.what.name()))?;
+    }
+    Ok(())
+}
+
+/// What is wrong with the trace or the replay, as other commands say it.
+fn plain(error: ColumnsError) -> anyhow::Error {
+    match error {
+        ColumnsError::Trace(error) => error.into(),
+        ColumnsError::Replay(error) => error.into(),
+        error => error.into(),
+    }
+}
+
+/// The format that is asked for, or that the file's name says.
+fn output_format(args: &Args) -> Result<Format> {
+    if let Some(format) = args.format {
+        return Ok(format);
+    }
+    if args.output == Path::new("-") {
+        bail!("standard output has no name to tell a format by; add --format csv or --format jsonl");
+    }
+    let all: Vec<_> = Format::ALL.iter().map(|format| format!(".{}", format.name())).collect();
+    Format::of(&args.output).ok_or_else(|| {
+        let (name, all) = (args.output.display(), all.join(", "));
+        anyhow::anyhow!("the name {name} says no format; let it end in one of {all}, or give --format")
+    })
+}
+
+/// Policy and machine, as far as the table wants them.
+fn settings(args: &Args) -> Result<(Option<NamedPolicy>, Option<NamedMachine>)> {
+    let (machine, policy): (Vec<_>, Vec<_>) =
+        args.overrides.iter().cloned().partition(|text| is_machine_override(text));
+    let (what, name) = (args.what, args.what.name());
+    let machine_name = args.machine.as_deref().or(what.takes_machine().then_some("sgrt-ti2"));
+    let policy_name = args.policy.as_deref().or(what.is_simulated().then_some("full"));
+    if let (None, Some(text)) = (machine_name, machine.first()) {
+        bail!("--set {text} is for a machine, and table {name} is the same for every machine; leave it out");
+    }
+    if let (None, Some(text)) = (policy_name, policy.first()) {
+        bail!("--set {text} is for a policy, and there is none; name one with --policy, or leave it out");
+    }
+    let policy = policy_name.map(|name| NamedPolicy::load(name, &policy)).transpose()?;
+    let machine = machine_name.map(|name| NamedMachine::load(name, &machine)).transpose()?;
+    Ok((policy, machine))
+}
+
+/// Whether all that is asked for means something for the table.
+fn check(args: &Args) -> Result<()> {
+    let (what, name) = (args.what, args.what.name());
+    if args.frames.is_some() && !what.takes_frames() {
+        bail!("table {name} is the same for all frames; leave --frames out");
+    }
+    if args.tiles.is_some() && !what.takes_tiles() {
+        let why = if what.is_simulated() { "a machine works on whole frames" } else { "it is not of tiles" };
+        bail!("table {name} takes no --tiles: {why}; leave it out");
+    }
+    if args.interval.is_some() && what != What::Counters {
+        bail!("--interval is for table counters, not for {name}; leave it out");
+    }
+    Ok(())
+}
+
+/// The frames and tiles asked for.
+fn selection(args: &Args, meta: &Meta) -> rayreel_columns::Result<Selection> {
+    let mut selection = Selection::all(meta);
+    if let Some((first, count)) = args.frames {
+        selection = selection.frames(first..first.saturating_add(count))?;
+    }
+    match &args.tiles {
+        Some(tiles) => selection.tiles(tiles),
+        None => Ok(selection),
+    }
+}

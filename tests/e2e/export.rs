@@ -1,0 +1,109 @@
+//! `rayreel export`: the command, its files and its errors. That rows are right is tested in `columns/tests`.
+
+use std::ffi::OsString;
+use std::path::Path;
+
+use serde_json::Value;
+
+use crate::common::{Ran, capture, repository, run};
+use crate::rayreel;
+
+/// Exports to a file; `options` are split at blanks.
+fn export(trace: &Path, options: &str, file: &Path) -> Ran {
+    let mut args: Vec<OsString> = vec!["export".into(), "--quiet".into(), trace.into(), "-o".into(), file.into()];
+    args.extend(options.split_whitespace().map(OsString::from));
+    run(&args)
+}
+
+/// The rows that an export says it wrote.
+fn rows(ran: &Ran) -> u64 {
+    ran.out.split_whitespace().nth(1).and_then(|word| word.parse().ok()).unwrap_or_else(|| panic!("{ran:?}"))
+}
+
+/// What a pipe gets, line by line.
+fn piped(trace: &Path, options: &str) -> Vec<Value> {
+    let ran = export(trace, &format!("{options} --format jsonl"), Path::new("-")).expect(0);
+    ran.out.lines().map(|line| serde_json::from_str(line).unwrap()).collect()
+}
+
+#[test]
+fn tables_count_what_the_trace_and_the_machine_count() {
+    let folder = tempfile::tempdir().unwrap();
+    let (trace, file) = (folder.path().join("chess.rtrace"), folder.path().join("t.npy"));
+    capture("chess", "--size 48x32 --samples 2x2 --frames 0..2", &trace);
+    let info = rayreel!["info", "--json", &trace].expect(0).json();
+    let count = |options: &str| rows(&export(&trace, options, &file).expect(0));
+    assert_eq!(count("--what rays"), info["rays"].as_u64().unwrap());
+    assert_eq!(count("--what nodes"), info["bvh_nodes"].as_u64().unwrap());
+    assert_eq!(count("--what triangles"), info["triangles"].as_u64().unwrap());
+    assert_eq!(count("--what samples"), 2 * 96 * 64);
+    assert_eq!(count("--what rays --frames 0") + count("--what rays --frames 1"), count("--what rays"));
+    assert_eq!(count("--what hits --tiles 0..3") + count("--what hits --tiles 3..6"), count("--what hits"));
+    // A policy and a machine, against the report of a replay.
+    let replay = rayreel!["replay", "--quiet", "--json", "--policy", "multirate", &trace].expect(0).json();
+    let counter =
+        |name: &str| replay["counters"][name]["value"].as_u64().unwrap_or_else(|| panic!("no counter {name}"));
+    let lookups = counter("ti/trv/node_visits") + counter("ti/ist/triangle_tests");
+    assert_eq!(count("--what lookups --policy multirate"), lookups);
+    let misses = counter("ti/trv/l1/misses") + counter("ti/ist/l1/misses") + counter("srp/l1/misses");
+    let requests = piped(&trace, "--what requests --policy multirate --columns route");
+    assert_eq!(requests.iter().filter(|row| row["route"] == "cached").count() as u64, misses);
+    let visits = |row: &&Value| row["counter"] == "node_visits";
+    let intervals = piped(&trace, "--what counters --policy multirate --interval 2000");
+    let sum: u64 = intervals.iter().filter(visits).map(|row| row["change"].as_u64().unwrap()).sum();
+    assert_eq!(sum, counter("ti/trv/node_visits"));
+    // States of samples, against the same report.
+    let samples = piped(&trace, "--what samples --policy multirate --columns state");
+    let interpolated = samples.iter().filter(|row| row["state"] == "interpolated").count() as u64;
+    let traced = samples.len() as u64 - interpolated;
+    let said = ["samples_traced", "samples_interpolated"].map(|name| replay[name].as_u64().unwrap());
+    assert_eq!([traced, interpolated], said);
+}
+
+#[test]
+fn what_cannot_be_exported_is_said_and_leaves_no_file() {
+    let (trace, folder) = (repository("traces/v1_0_cornell.rtrace"), tempfile::tempdir().unwrap());
+    let refused = |options: &str, name: &str, words: &[&str]| {
+        export(&trace, options, &folder.path().join(name)).expect(2).says(words);
+    };
+    refused("--what colours", "a.npy", &["no such table", "rays, hits"]);
+    refused("--what rays --format xml", "a.npy", &["no such format", "parquet, npy"]);
+    refused("--what rays", "a.txt", &["says no format", ".parquet"]);
+    refused("--what rays --frames 7", "a.npy", &["frame 7 is not in the trace, which holds frames 0 to 0"]);
+    refused("--what rays --tiles 900", "a.npy", &["tile 900 is not in the trace"]);
+    refused("--what rays --tiles 5..2", "a.npy", &["give tiles as numbers and ranges"]);
+    refused("--what rays --columns x,hue", "a.npy", &["no column \"hue\"", "frame, tile, x, y"]);
+    refused("--what rays --policy full", "a.npy", &["whatever a policy makes of it"]);
+    refused("--what steps --machine sgrt-ti2", "a.npy", &["the same for every machine"]);
+    refused("--what rays --set block=4", "a.npy", &["--set block=4 is for a policy"]);
+    refused("--what rays --set ti.trv=4", "a.npy", &["--set ti.trv=4 is for a machine"]);
+    refused("--what nodes --frames 0", "a.npy", &["the same for all frames"]);
+    refused("--what lookups --tiles 0", "a.npy", &["a machine works on whole frames"]);
+    refused("--what lookups --machine mimd-trax", "a.npy", &["take requests"]);
+    refused("--what rays --interval 5", "a.npy", &["--interval is for table counters"]);
+    refused("--what counters --interval 0", "a.npy", &["take 1 or more"]);
+    refused("--what rays", "no/folder/a.npy", &["cannot write", "no/folder/a.npy"]);
+    export(&trace, "--what rays", Path::new("-")).expect(2).says(&["--format csv"]);
+    export(&trace, "--what rays --format npy", Path::new("-")).expect(2).says(&["cannot be piped"]);
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
+}
+
+/// Damage is found when the export comes to it: what was written until then goes away.
+#[test]
+fn a_damaged_trace_is_bad_data_and_leaves_no_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let (trace, file) = (folder.path().join("damaged.rtrace"), folder.path().join("t.parquet"));
+    let mut bytes = std::fs::read(repository("traces/v1_0_teapot.rtrace")).unwrap();
+    let at = bytes.len() * 3 / 4;
+    bytes[at] ^= 0xff;
+    std::fs::write(&trace, bytes).unwrap();
+    for what in ["rays", "steps", "addresses", "samples", "samples --policy full", "lookups"] {
+        let options = format!("--what {what}");
+        let ran = export(&trace, &options, &file);
+        // The byte may lie in a column that the table does not need.
+        assert!(ran.code == 65 || what == "rays" && ran.code == 0, "{what}: {ran:?}");
+        assert!(ran.code == 0 || !file.exists(), "{what}");
+        std::fs::remove_file(&file).ok();
+    }
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1, "no temporary file");
+}
