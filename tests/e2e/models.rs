@@ -104,8 +104,8 @@ fn a_flight_in_a_gltf_is_captured_frame_by_frame() {
     let film =
         capture(gltf.to_str().unwrap(), "--size 32x16 --samples 1x1 --fps 8 --frames 0..5", &folder.join("f.rtrace"));
     assert_eq!(film["frames"], 5);
-    rayreel!["verify", folder.join("f.rtrace")].expect(0);
-    rayreel!["render", &gltf, "-o", folder.join("x.png"), "--fps", "8", "--frame", "5"].expect(2).says(&["5"]);
+    rayreel!["verify", &folder.join("f.rtrace")].expect(0);
+    rayreel!["render", &gltf, "-o", &folder.join("x.png"), "--fps", "8", "--frame", "5"].expect(2).says(&["5"]);
 }
 
 #[test]
@@ -120,7 +120,7 @@ fn other_kinds_of_files_are_told_what_is_read() {
     let bad = folder.path().join("m.glb");
     fs::write(&bad, b"glTF rest").unwrap();
     rayreel!["render", &bad, "-o", &out].expect(65).says(&["m.glb: the .glb is cut short"]);
-    rayreel!["render", folder.path().join("n.glb"), "-o", &out].expect(2).says(&["cannot read this glTF file"]);
+    rayreel!["render", &folder.path().join("n.glb"), "-o", &out].expect(2).says(&["cannot read this glTF file"]);
 }
 
 #[test]

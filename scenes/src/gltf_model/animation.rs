@@ -6,8 +6,16 @@ use glam::DVec3;
 use gltf::json::animation::{Interpolation, Property};
 use gltf::json::validation::Checked;
 
-use super::{document::Source, nodes::Pose};
+use super::document::Source;
 use crate::{error::SceneError, warnings::Warnings};
+
+/// Translation, rotation (x, y, z, w) and scale.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Pose {
+    pub translation: DVec3,
+    pub rotation: [f64; 4],
+    pub scale: DVec3,
+}
 
 /// What is animated of a node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]

@@ -3,19 +3,14 @@
 use glam::{DAffine3, DMat3, DVec3};
 use gltf::json::scene::Node;
 
-use super::{animation::Animations, document::Source};
+use super::{
+    animation::{Animations, Pose},
+    document::Source,
+};
 use crate::{error::SceneError, warnings::Warnings};
 
 /// A place without a node above it.
 const ROOT: usize = usize::MAX;
-
-/// Translation, rotation (x, y, z, w) and scale.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Pose {
-    pub translation: DVec3,
-    pub rotation: [f64; 4],
-    pub scale: DVec3,
-}
 
 /// How a node stands in its parent: as parts, which can be animated, or as a matrix.
 #[derive(Clone, Copy)]
