@@ -269,6 +269,10 @@ impl<'a> Sink<'a> {
     ///
     /// # Errors
     /// When it cannot be written.
+    #[cfg_attr(
+        not(feature = "parquet"),
+        allow(clippy::infallible_destructuring_match, reason = "there is one kind of file then")
+    )]
     pub fn finish(self) -> Result<u64> {
         let Self { encoder, name, rows, to } = self;
         let mut target = match to {
