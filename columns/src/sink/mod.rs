@@ -1,5 +1,5 @@
-//! Tables as files. A batch is encoded where it was made, in any thread ([`Encoder`]); a [`Sink`] puts what came of it one behind the other. The
-//! bytes depend on the batches alone.
+//! Tables as files. A batch is encoded where it was made, in any thread ([`Encoder`]); a [`Sink`] puts what came of it one behind the
+//! other. The bytes depend on the batches alone.
 
 #[cfg(feature = "csv")]
 mod csv;
