@@ -230,7 +230,7 @@ impl<'a> Data<'a> {
         let policy = match self.policy {
             Some(policy) => policy,
             None => {
-                full = NamedPolicy::load("full", &[]).map_err(rayreel_replay::ReplayError::from)?;
+                full = NamedPolicy::load("full", &[])?;
                 &full
             }
         };

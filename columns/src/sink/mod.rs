@@ -1,5 +1,5 @@
-//! Tables as files. A batch is encoded where it was made, in any thread ([`Encoder`]); a [`Sink`] puts what came of it one behind the other. The
-//! bytes depend on the batches alone.
+//! Tables as files. A batch is encoded where it was made, in any thread ([`Encoder`]); a [`Sink`] puts what came of it one behind the
+//! other. The bytes depend on the batches alone.
 
 #[cfg(feature = "csv")]
 mod csv;
@@ -269,6 +269,10 @@ impl<'a> Sink<'a> {
     ///
     /// # Errors
     /// When it cannot be written.
+    #[cfg_attr(
+        not(feature = "parquet"),
+        allow(clippy::infallible_destructuring_match, reason = "there is one kind of file then")
+    )]
     pub fn finish(self) -> Result<u64> {
         let Self { encoder, name, rows, to } = self;
         let mut target = match to {
