@@ -233,7 +233,7 @@ fn toml_errors_say_where_and_what() {
     let eye = "[camera]\neye = [0.0, 0.0, 5.0]\n";
     let many = "[[lights]]\nkind = \"point\"\nposition = [1.0, 2.0, 3.0]\n".repeat(17);
     let cases: Vec<(String, &str)> = vec![
-        ("modle = 3".into(), "s.toml:2:1: unknown field `modle`, expected one of"),
+        ("modle = 3".into(), "s.toml:2:1: unknown field `modle`; did you mean `model`?"),
         ("[camera]\neye = \"here\"".into(), "s.toml:3:7: invalid type: string \"here\""),
         ("[camera]\nzoom = 1.0".into(), "s.toml:3:1: unknown field `zoom`"),
         ("name = ".into(), "s.toml:2:"),

@@ -107,9 +107,9 @@ fn the_same_study_gives_the_same_bytes() {
 #[test]
 fn a_picture_named_often_is_embedded_once_in_the_viewer() {
     let text = page(&study());
-    assert_eq!(text.matches("id=\"picture-").count(), 5, "two sets share five files");
+    assert_eq!(text.matches("id=\"picture-").count(), 6, "two sets share six files");
     // Maps show theirs: three for each of two frames.
-    assert_eq!(text.matches("data:image/png").count(), 5 + 6);
+    assert_eq!(text.matches("data:image/png").count(), 6 + 6);
 }
 
 /// Appends to every string of the study what would break out of an element, an attribute or a script.
@@ -194,7 +194,7 @@ fn a_study_is_read_back_from_its_folder() {
     assert_eq!(html::load(folder.path()).unwrap().viewer.len(), study.viewer.len());
     let file = folder.path().join("a.html");
     let written = html::write(folder.path(), &file).unwrap();
-    assert_eq!(written.pictures, 5);
+    assert_eq!(written.pictures, 6);
     assert!(fs::read_to_string(&file).unwrap() == page(&study));
     fs::remove_file(folder.path().join("rate.png")).unwrap();
     let error = html::write(folder.path(), &file).unwrap_err();

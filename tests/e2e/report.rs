@@ -14,10 +14,10 @@ fn it_writes_one_page() {
     write(folder.path());
     let told = rayreel!["report", folder.path()].expect(0).out;
     let page = fs::read(folder.path().join("report.html")).unwrap();
-    assert!(told.contains("report.html") && told.contains("5 pictures"), "{told}");
+    assert!(told.contains("report.html") && told.contains("6 pictures"), "{told}");
     let other = folder.path().join("other.html");
     let json = rayreel!["report", folder.path(), "-o", &other, "--json", "--threads", "1"].expect(0).json();
-    assert_eq!((json["bytes"].as_u64(), json["pictures"].as_u64()), (Some(page.len() as u64), Some(5)));
+    assert_eq!((json["bytes"].as_u64(), json["pictures"].as_u64()), (Some(page.len() as u64), Some(6)));
     assert!(fs::read(&other).unwrap() == page, "the same study gives the same bytes");
     assert!(String::from_utf8(page).unwrap().starts_with("<!DOCTYPE html>"));
 }

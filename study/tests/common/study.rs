@@ -24,7 +24,7 @@ pub fn write(folder: &Path) -> Study {
 /// Writes the pictures, each of its own colour.
 pub fn pictures(folder: &Path) {
     let [width, height, _] = PICTURE;
-    for (i, name) in (0u8..).zip(["reference", "result", "error", "similarity", "rate"]) {
+    for (i, name) in (0u8..).zip(["reference", "result", "error", "flip", "similarity", "rate"]) {
         let pixel = |n: u32| [40 * i, (n % width * 3) as u8, (n / width * 6) as u8];
         let image = Srgb8 { width, height, pixels: (0..width * height).map(pixel).collect() };
         write_png(&folder.join(format!("{name}.png")), &image).unwrap();

@@ -11,6 +11,8 @@ pub fn jinja(source: &str) -> String {
     while let Some(first) = rest.chars().next() {
         let length = match first {
             '"' | '\'' => quoted(rest, first),
+            // A number with its point and its unit: 1.5KiB is no size, and not 1. with 5KiB behind it.
+            c if c.is_ascii_digit() => rest.find(|c| !is_word(c) && c != '.').unwrap_or(rest.len()),
             c if is_word(c) => rest.find(|c| !is_word(c)).unwrap_or(rest.len()),
             c => c.len_utf8(),
         };
@@ -71,6 +73,7 @@ mod tests {
             ("f(x, y=[1 = 2])", "f(x, y=[1 == 2])"),
             ("x <= 3 and y >= 4 and z != 5", "x <= 3 and y >= 4 and z != 5"),
             ("é = 1e6", "é == 1e6"),
+            ("l1 >= 1.5KiB and x = 2.5", "l1 >= 1.5KiB and x == 2.5"),
             ("x = 16KB and b16KiB = 'unclosed = ", "x == 16KB and b16KiB == 'unclosed = "),
         ];
         for (source, jinja_has) in cases {

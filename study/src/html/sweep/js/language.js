@@ -86,6 +86,7 @@ sweep.language = (() => {
   };
   const calculate = (sign, a, b) => {
     if (sign === "+" && typeof a === "string" && typeof b === "string") return a + b;
+    if (sign === "*" && typeof a === "string" && Number.isInteger(b) && b >= 0 && b <= 64) return a.repeat(b);
     if (!isNumber(a) || !isNumber(b)) throw new Error(`${sign} takes two numbers`);
     return MATH[sign](Number(a), Number(b));
   };
