@@ -4,6 +4,7 @@ mod anchors;
 mod capture;
 mod common;
 mod compare;
+mod completions;
 mod detail;
 mod diff;
 mod digest;
@@ -24,9 +25,12 @@ mod traces;
 mod verify;
 
 use std::process::ExitCode;
+use std::sync::LazyLock;
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, Parser, Subcommand};
 use exit::Exit;
+use rayreel_formats::container::FormatVersion;
+use rayreel_study::point::version::{ESTIMATE_VERSION, MODEL_VERSION};
 
 /// Record what a ray tracer does once; replay it as often as you like.
 ///
@@ -37,7 +41,7 @@ use exit::Exit;
 /// Exit codes: 0 done, 1 the result says no (verify, diff, compare, anchors, repair), 2 wrong usage, 3 incomplete trace, 65 bad input data,
 /// 75 interrupted but flushed.
 #[derive(Debug, Parser)]
-#[command(version, max_term_width = 110)]
+#[command(version, long_version = LONG_VERSION.as_str(), max_term_width = 110)]
 struct Cli {
     #[command(subcommand)]
     command: Command,
@@ -67,7 +71,16 @@ enum Command {
     Digest(digest::Args),
     Diff(diff::Args),
     Repair(repair::Args),
+    Completions(completions::Args),
+    Man(completions::ManArgs),
 }
+
+/// The commit and the versions that results and traces are kept under.
+static LONG_VERSION: LazyLock<String> = LazyLock::new(|| {
+    let commit = option_env!("RAYREEL_COMMIT").map(|commit| format!("\ncommit {commit}")).unwrap_or_default();
+    let (version, format) = (env!("CARGO_PKG_VERSION"), FormatVersion::CURRENT);
+    format!("{version}{commit}\nmodel {MODEL_VERSION}, estimates {ESTIMATE_VERSION}, trace format {format}")
+});
 
 fn main() -> ExitCode {
     let cli = Cli::parse();
@@ -93,6 +106,8 @@ fn main() -> ExitCode {
         Command::Digest(args) => digest::run(&args),
         Command::Diff(args) => diff::run(&args),
         Command::Repair(args) => repair::run(&args),
+        Command::Completions(args) => completions::run(&args, Cli::command()),
+        Command::Man(args) => completions::run_man(&args, Cli::command()),
     };
     if !quiet {
         traces::tell_traffic();

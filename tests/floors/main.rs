@@ -50,7 +50,7 @@ const ORDERS: [(&str, &str); 12] = [
     ),
     (
         "src/main.rs",
-        "exit progress common scene_args detail traces anchors capture compare diff digest export info presets paper render repair replay report scenes sweep verify",
+        "exit progress common scene_args detail traces anchors capture compare completions diff digest export info presets paper render repair replay report scenes sweep verify",
     ),
 ];
 

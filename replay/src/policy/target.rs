@@ -291,13 +291,13 @@ mod tests {
             (0..3).for_each(|_| drop(frame.row(&[tile(above, 100, 1.0)])));
             frame.row(&[tile(below, 100, 1.0)])
         };
-        // Both have the same error so far, which is on target: 3 + 5 parts and 3 + 5 of 8.
         assert!((rows(AIM, AIM) - 1.0).abs() < 1.0e-4);
-        let expected = (5.0 + 0.5 * (0.75 + 0.75 * 0.75 + 0.421875)) / (1.0 + 0.75 + 0.75 * 0.75 + 0.421875);
-        let rest = (1.0 - 0.5 * (3.0 * 0.5 + 5.0) / 4.0) / 0.5;
-        let factor = libm::pow((rest / expected).max(0.25 / expected), 1.0 / GROWTH);
-        assert!((rows(0.5 * AIM, 5.0 * AIM) - factor.max(0.25)).abs() < 1.0e-3);
-        assert!(rows(0.5 * AIM, 2.0 * AIM) < rows(1.25 * AIM, 0.0), "the last row says most of the rest");
+        // Half of the frame has 4.5 / 4 of the aim. The rest may have 0.875 of it, and is expected to have what the rows had by their weights.
+        let older: f64 = 0.75 + 0.75 * 0.75 + 0.75 * 0.75 * 0.75;
+        let expected = (3.0 + 0.5 * older) / (1.0 + older);
+        let factor = libm::pow(0.875 / expected, 1.0 / GROWTH);
+        assert!((rows(0.5 * AIM, 3.0 * AIM) - factor).abs() < 1.0e-3, "{factor}");
+        assert!(factor < rows(4.0 / 3.0 * AIM, 0.5 * AIM), "the same error, but further up");
     }
 
     #[test]
