@@ -159,7 +159,7 @@ impl TileSource for Still {
 
 /// The preset with one block and one limit for all: nothing but the history moves.
 fn steady(sets: &[&str]) -> Temporal {
-    let mut all = vec!["target.psnr_db=off", "start=4", "finest=4", "coarsest=4"];
+    let mut all = vec!["target.psnr_db=off", "start=4", "finest=4", "coarsest=4", "correct.colour_alone=off"];
     all.extend(sets);
     let all: Vec<String> = all.iter().map(ToString::to_string).collect();
     match NamedPolicy::load("temporal", &all).unwrap().policy {
@@ -168,7 +168,7 @@ fn steady(sets: &[&str]) -> Temporal {
     }
 }
 
-/// Of [`Look::Flat`], whose colours are noise, nothing but R-samples is traced then.
+/// Of [`Look::Flat`], whose colours are noise, nothing but R-samples is traced then (and without `correct.colour_alone`).
 const BLIND: &str = "similarity.colour=off";
 
 fn shadow_rays(frames: &[FrameReplay]) -> Vec<u64> {

@@ -64,6 +64,14 @@ impl Ran {
     pub fn json(&self) -> Value {
         serde_json::from_str(&self.out).unwrap_or_else(|e| panic!("`rayreel {}`: {e}\n{}", self.what, self.out))
     }
+
+    /// The same without the command that it names: two commands may ask for one result in other words.
+    #[track_caller]
+    pub fn result(&self) -> Value {
+        let mut json = self.json();
+        json.as_object_mut().unwrap().remove("command").expect("results name their command");
+        json
+    }
 }
 
 /// The binary with these arguments, detached from any terminal.

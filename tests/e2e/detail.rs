@@ -27,8 +27,8 @@ fn a_part_is_simulated_and_the_rest_is_estimated() {
         [1, 2].map(|n| replay(&file, &format!("--machine sgrt-ti2 --detail 5% --threads {n}")).expect(0).out);
     assert_eq!(one, two, "the same bytes with any number of threads");
     let sampled: Value = serde_json::from_str(&one).unwrap();
-    let full = replay(&file, "--machine sgrt-ti2").expect(0).json();
-    assert_eq!(replay(&file, "--machine sgrt-ti2 --detail full").expect(0).json(), full, "the default");
+    let full = replay(&file, "--machine sgrt-ti2").expect(0).result();
+    assert_eq!(replay(&file, "--machine sgrt-ti2 --detail full").expect(0).result(), full, "the default");
     assert_eq!((&full["detail"]["mode"], &full["detail"]["fraction"]), (&json!("full"), &json!(1.0)));
     let detail = &sampled["detail"];
     assert_eq!(

@@ -85,7 +85,9 @@ fn a_machine_adds_its_figures_and_changes_no_other() {
     let one = replay(&file, "--machine sgrt-ti2 --frames 2").expect(0).json();
     assert_eq!((&one["cycles"], &one["energy_mj"]), (&frames[1]["cycles"], &frames[1]["energy_mj"]));
     assert_eq!(one["frames"].as_array().unwrap().len(), 1);
-    assert_eq!(replay(&file, "--machine sgrt-ti2 --frames 1..4").expect(0).json(), said);
+    let mut same = replay(&file, "--machine sgrt-ti2 --frames 1..4").expect(0).json();
+    same["command"] = said["command"].clone();
+    assert_eq!(same, said, "in other words");
 }
 
 /// Overrides go to the machine or to the policy by their key.

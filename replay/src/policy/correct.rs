@@ -110,7 +110,9 @@ fn contradicts(doubted: &Node, witness: &Node, (tests, limits): (&Tests, Limits)
         return limits.alone.is_some_and(exceeds) || (limits.colour.is_none_or(exceeds) && differs(compared));
     }
     let unlike = differs(compared);
-    match if unlike { limits.colour } else { limits.alone } {
+    // Unlike or not, a difference beyond `alone` is enough.
+    let either = |colour: f64| limits.alone.map_or(colour, |alone| alone.min(colour));
+    match if unlike { limits.colour.map(either) } else { limits.alone } {
         Some(limit) => {
             compared.colours += 1;
             exceeds(limit)

@@ -288,7 +288,7 @@ mod tests {
     fn a_first_frame_expects_what_its_last_rows_were_like() {
         let rows = |above: f64, below: f64| {
             let mut frame = controller(20.0).first(TOTAL);
-            (0..3).for_each(|_| drop(frame.row(&[tile(above, 100, 1.0)])));
+            (0..3).for_each(|_| _ = frame.row(&[tile(above, 100, 1.0)]));
             frame.row(&[tile(below, 100, 1.0)])
         };
         assert!((rows(AIM, AIM) - 1.0).abs() < 1.0e-4);
