@@ -74,7 +74,7 @@ impl MachineRun {
 /// they keep it (`gpu.warm_caches`). `probe` may watch.
 ///
 /// # Errors
-/// As [`Replayer::frame_with`]; [`RequestError::MissingKernel`] if the machine cannot run the policy; [`ReplayError::Machine`](crate::ReplayError::Machine) if
+/// As [`Replayer::frame_with`]; [`RequestError::MissingKernel`] if the machine cannot run the policy; [`ReplayError::Machine`] if
 /// the machine stands still.
 pub fn simulate<S: PathSource + ?Sized, P: Probe>(
     replayer: &mut Replayer<'_, S>,
