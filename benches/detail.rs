@@ -4,6 +4,7 @@
 //! cargo bench -p rayreel --bench detail                              three scenes at 512x256, three policies, sgrt-ti2, 10 %
 //! cargo bench -p rayreel --bench detail -- --size 1024x512 --share 0.05 teapot FILE.rtrace
 //! cargo bench -p rayreel --bench detail -- --machines sgrt-ti2,raycore --policies full,multirate
+//! cargo bench -p rayreel --bench detail -- --kept FOLDER teapot    what `full` gives is kept there, and taken from there
 //! ```
 //!
 //! Errors are those of an estimate against `--detail full`, in percent, each with half its 95 % interval; a `!` marks a value
@@ -13,15 +14,23 @@
 
 mod common;
 
+use std::fmt;
+use std::path::{Path, PathBuf};
+
 use common::{cpu_seconds, size, trace};
 use rayreel_formats::trace::Trace;
+use rayreel_machine::Stats;
 use rayreel_machine::config::NamedMachine;
+use rayreel_machine::energy::EnergyReport;
 use rayreel_machine::system::NoProbe;
 use rayreel_machine::work::topology::Topology;
 use rayreel_replay::detail::{Detail, half_width};
 use rayreel_replay::sequence::{FrameLoop, Simulator};
 use rayreel_replay::simulate::MachineRun;
-use rayreel_replay::{NamedPolicy, Options, Stop};
+use rayreel_replay::error::RequestError;
+use rayreel_replay::{NamedPolicy, Options, ReplayError, Stop};
+use rayreel_study::point::version::MODEL_VERSION;
+use serde::{Deserialize, Serialize};
 
 struct Arguments {
     size: (u32, u32),
@@ -29,6 +38,7 @@ struct Arguments {
     machines: Vec<String>,
     policies: Vec<String>,
     names: Vec<String>,
+    kept: Option<PathBuf>,
 }
 
 fn arguments() -> Arguments {
@@ -39,6 +49,7 @@ fn arguments() -> Arguments {
         machines: list("sgrt-ti2".into()),
         policies: list("full,paper-ss,multirate".into()),
         names: Vec::new(),
+        kept: None,
     };
     let mut given = std::env::args().skip(1);
     while let Some(argument) = given.next() {
@@ -49,6 +60,7 @@ fn arguments() -> Arguments {
             "--share" => parsed.detail = value().parse().expect("--share takes a detail"),
             "--machines" => parsed.machines = list(value()),
             "--policies" => parsed.policies = list(value()),
+            "--kept" => parsed.kept = Some(value().into()),
             name => parsed.names.push(name.to_string()),
         }
     }
@@ -58,19 +70,62 @@ fn arguments() -> Arguments {
     parsed
 }
 
-/// A run, with the CPU seconds that it took.
-fn run(trace: &Trace, tree: &Topology, policy: &str, machine: &NamedMachine, detail: Detail) -> (MachineRun, f64) {
+/// A run, with the CPU seconds that it took; nothing if the machine lacks a kernel of the policy.
+fn run(
+    (trace, tree): (&Trace, &Topology),
+    policy: &str,
+    machine: &NamedMachine,
+    detail: Detail,
+) -> Option<(MachineRun, f64)> {
     let policy = NamedPolicy::load(policy, &[]).expect("a policy");
     let begin = cpu_seconds();
     let options = Options { reference: false, perception: false };
     let mut frames = FrameLoop::new(trace, &policy.policy, options, &Stop::never()).expect("a replay");
     let simulator = Simulator { machine, tree, detail };
-    let result = frames.step(trace.meta().first_frame, Some(simulator), &mut NoProbe).expect("a simulation");
+    let result = match frames.step(trace.meta().first_frame, Some(simulator), &mut NoProbe) {
+        Err(ReplayError::Request(RequestError::MissingKernel { .. })) => return None,
+        result => result.expect("a simulation"),
+    };
     let seconds = cpu_seconds().zip(begin).map_or(f64::NAN, |(end, begin)| end - begin);
-    (result.run.expect("a machine"), seconds)
+    Some((result.run.expect("a machine"), seconds))
 }
 
-/// Values of a figure: the true one, the estimate, those of the replicates.
+/// What a simulation of every cycle gave.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+struct Truth {
+    cycles: f64,
+    energy_fj: f64,
+    dram_bytes: f64,
+    cpu_seconds: f64,
+}
+
+/// The simulation of every cycle. It is kept in `folder`, under what it depends on, and not made again.
+fn truth(
+    folder: Option<&Path>,
+    (trace, tree): (&Trace, &Topology),
+    policy: &str,
+    machine: &NamedMachine,
+) -> Option<Truth> {
+    let fingerprint: String = trace.fingerprint().expect("a fingerprint").to_hex().chars().take(16).collect();
+    let file = folder.map(|folder| folder.join(format!("{fingerprint}-{}-{policy}-{MODEL_VERSION}.json", machine.name)));
+    if let Some(text) = file.as_ref().and_then(|file| std::fs::read_to_string(file).ok()) {
+        return Some(serde_json::from_str(&text).expect("a kept result"));
+    }
+    let (run, cpu_seconds) = run((trace, tree), policy, machine, Detail::Full)?;
+    let [cycles, energy_fj, dram_bytes] = figures(&run.stats, &run.energy);
+    let truth = Truth { cycles, energy_fj, dram_bytes, cpu_seconds };
+    if let Some(file) = file {
+        std::fs::write(file, serde_json::to_string(&truth).expect("numbers")).expect("a folder to write to");
+    }
+    Some(truth)
+}
+
+/// Cycles, energy and traffic.
+fn figures(stats: &Stats, energy: &EnergyReport) -> [f64; 3] {
+    [stats.cycles as f64, energy.gpu_fj() as f64, stats.memory.traffic.total() as f64]
+}
+
+/// A figure: the true value, the estimate, those of the replicates.
 struct Figure {
     truth: f64,
     value: f64,
@@ -79,11 +134,14 @@ struct Figure {
 }
 
 impl Figure {
-    fn of(full: &MachineRun, run: &MachineRun, of: impl Fn(f64, f64) -> f64) -> Self {
+    fn of(truth: &Truth, run: &MachineRun, of: impl Fn([f64; 3]) -> f64) -> Self {
         let estimate = run.estimate.as_ref().expect("an estimate");
-        let replicates = estimate.replicates.iter().map(|r| of(r.stats.cycles as f64, r.energy.gpu_fj() as f64));
-        let value = |run: &MachineRun| of(run.stats.cycles as f64, run.energy.gpu_fj() as f64);
-        Self { truth: value(full), value: value(run), replicates: replicates.collect(), freedom: estimate.freedom }
+        Self {
+            truth: of([truth.cycles, truth.energy_fj, truth.dram_bytes]),
+            value: of(figures(&run.stats, &run.energy)),
+            replicates: estimate.replicates.iter().map(|r| of(figures(&r.stats, &r.energy))).collect(),
+            freedom: estimate.freedom,
+        }
     }
 
     /// What is the quotient of this figure and another one.
@@ -94,12 +152,13 @@ impl Figure {
     }
 }
 
-/// How many intervals hold.
+/// How many intervals hold, and how large errors are.
 #[derive(Default)]
 struct Held {
     all: usize,
     held: usize,
     largest: f64,
+    squares: f64,
 }
 
 impl Held {
@@ -111,32 +170,46 @@ impl Held {
         self.all += 1;
         self.held += usize::from(holds);
         self.largest = self.largest.max(error.abs());
-        format!("{error:>7.2} ±{width:>5.2}{}", if holds { ' ' } else { '!' })
+        self.squares += error * error;
+        format!("{error:.2} ± {width:.2}{}", if holds { "" } else { " !" })
     }
 }
 
-fn table(trace: &Trace, arguments: &Arguments, held: &mut [Held; 3]) {
+impl fmt::Display for Held {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { all, held, largest, squares } = self;
+        let rms = (squares / (*all).max(1) as f64).sqrt();
+        write!(f, "{held} of {all} intervals hold their value; errors {rms:.2} % rms, at most {largest:.2} %")
+    }
+}
+
+/// What the table has errors of. Energy of a frame and frames a joule are one figure; so are their errors, but for the sign.
+const ERRORS: [&str; 4] = ["cycles", "energy", "DRAM bytes", "perf/W ratio"];
+
+fn table(name: &str, trace: &Trace, arguments: &Arguments, held: &mut [Held; ERRORS.len()], times: &mut Vec<f64>) {
     let tree = Topology::new(trace.bvh());
-    for name in &arguments.machines {
-        let machine = NamedMachine::load(name, &[]).expect("a machine");
+    for machine in &arguments.machines {
+        let machine = NamedMachine::load(machine, &[]).expect("a machine");
         let mut first: Option<Figure> = None;
         for policy in &arguments.policies {
-            let (full, full_seconds) = run(trace, &tree, policy, &machine, Detail::Full);
-            let (sampled, seconds) = run(trace, &tree, policy, &machine, arguments.detail);
-            let cycles = Figure::of(&full, &sampled, |cycles, _| cycles);
-            let energy = Figure::of(&full, &sampled, |_, energy| energy);
-            let per_watt = Figure::of(&full, &sampled, |_, energy| 1.0 / energy);
-            let ratio = first.as_ref().map(|first| held[2].show(&per_watt.over(first)));
+            let traced = (trace, &tree);
+            let truth = truth(arguments.kept.as_deref(), traced, policy, &machine);
+            let sampled = truth.and_then(|truth| Some((truth, run(traced, policy, &machine, arguments.detail)?)));
+            let Some((truth, (sampled, seconds))) = sampled else { continue };
+            let figures = [0, 1, 2].map(|figure| Figure::of(&truth, &sampled, |figures| figures[figure]));
+            let mut errors = [0, 1, 2].map(|figure| held[figure].show(&figures[figure])).to_vec();
+            let per_watt = Figure::of(&truth, &sampled, |[_, energy, _]| 1.0 / energy);
+            errors.push(first.as_ref().map(|first| held[3].show(&per_watt.over(first))).unwrap_or_default());
             let estimate = sampled.estimate.as_ref().expect("an estimate");
+            times.push(truth.cpu_seconds / seconds);
             println!(
-                "  {name:<20} {policy:<10} {:>10} {:>8} {:>6.1} {} {} {:>16} {:>6.1}",
-                full.stats.cycles,
+                "| {name} | {} | {policy} | {:.0} | {} | {:.1} | {} | {:.1} |",
+                machine.name,
+                truth.cycles,
                 estimate.windows,
                 100.0 * estimate.fraction(),
-                held[0].show(&cycles),
-                held[1].show(&energy),
-                ratio.unwrap_or_default(),
-                full_seconds / seconds,
+                errors.join(" | "),
+                truth.cpu_seconds / seconds,
             );
             first = first.or(Some(per_watt));
         }
@@ -146,16 +219,22 @@ fn table(trace: &Trace, arguments: &Arguments, held: &mut [Held; 3]) {
 fn main() {
     let arguments = arguments();
     println!(
-        "  {:<20} {:<10} {:>10} {:>8} {:>6} {:>15} {:>15} {:>16} {:>6}",
-        "machine", "policy", "cycles", "windows", "%", "cycles, %", "energy, %", "perf/W ratio, %", "CPU"
+        "| scene | machine | policy | cycles | windows | tiles, % | {} | CPU |\n|{}",
+        ERRORS.join(", % | ") + ", %",
+        "---|".repeat(7 + ERRORS.len()),
     );
-    let mut held = <[Held; 3]>::default();
+    let mut held = <[Held; ERRORS.len()]>::default();
+    let mut times = Vec::new();
     for name in &arguments.names {
-        println!("{name}");
         let (trace, _folder) = trace(name, arguments.size);
-        table(&trace, &arguments, &mut held);
+        let name = Path::new(name).file_stem().map_or(name.into(), |stem| stem.to_string_lossy());
+        table(&name, &trace, &arguments, &mut held, &mut times);
     }
-    for (what, Held { all, held, largest }) in ["cycles", "energy", "perf/W ratio"].into_iter().zip(held) {
-        println!("{what}: {held} of {all} intervals hold their value; largest error {largest:.2} %");
+    println!();
+    for (what, held) in ERRORS.into_iter().zip(held) {
+        println!("{what}: {held}");
     }
+    let mean = (times.iter().map(|ratio| ratio.ln()).sum::<f64>() / times.len() as f64).exp();
+    let (least, most) = times.iter().fold((f64::INFINITY, 0.0_f64), |(a, b), &ratio| (a.min(ratio), b.max(ratio)));
+    println!("CPU time of full over that of the sample: {least:.1} to {most:.1}, geometric mean {mean:.1}");
 }
