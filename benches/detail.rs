@@ -25,9 +25,9 @@ use rayreel_machine::energy::EnergyReport;
 use rayreel_machine::system::NoProbe;
 use rayreel_machine::work::topology::Topology;
 use rayreel_replay::detail::{Detail, half_width};
+use rayreel_replay::error::RequestError;
 use rayreel_replay::sequence::{FrameLoop, Simulator};
 use rayreel_replay::simulate::MachineRun;
-use rayreel_replay::error::RequestError;
 use rayreel_replay::{NamedPolicy, Options, ReplayError, Stop};
 use rayreel_study::point::version::MODEL_VERSION;
 use serde::{Deserialize, Serialize};
@@ -107,7 +107,8 @@ fn truth(
     machine: &NamedMachine,
 ) -> Option<Truth> {
     let fingerprint: String = trace.fingerprint().expect("a fingerprint").to_hex().chars().take(16).collect();
-    let file = folder.map(|folder| folder.join(format!("{fingerprint}-{}-{policy}-{MODEL_VERSION}.json", machine.name)));
+    let file =
+        folder.map(|folder| folder.join(format!("{fingerprint}-{}-{policy}-{MODEL_VERSION}.json", machine.name)));
     if let Some(text) = file.as_ref().and_then(|file| std::fs::read_to_string(file).ok()) {
         return Some(serde_json::from_str(&text).expect("a kept result"));
     }

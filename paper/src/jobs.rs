@@ -9,11 +9,15 @@ use rayreel_study::StudyError;
 use rayreel_study::point::compute::compute_all;
 use rayreel_study::point::key::Point;
 use rayreel_study::point::task::{Computed, Missing, PointTask};
+use rayreel_study::point::tile_cache::{Room, TileCache};
 use rayreel_study::pool::Pool;
 
 use crate::ledger::Ledger;
 use crate::meter::{Item, Meter, point_weight};
 use crate::plan::Plan;
+
+/// Memory for what the points of a batch decode once, bytes: all of a batch at 512x256.
+const DECODED: usize = 1 << 30;
 
 /// Jobs and the traces that they read.
 pub struct Jobs {
@@ -33,7 +37,7 @@ pub struct Job {
 
 /// A trace that several jobs read; closed behind the last one.
 struct SharedTrace {
-    trace: Option<Arc<Trace>>,
+    trace: Option<Arc<TileCache>>,
     /// Jobs that still need it.
     left: usize,
 }
@@ -62,9 +66,11 @@ impl Jobs {
                 }
             }
         }
+        let room = Room::new(DECODED);
         let shared = |(capture, trace): (&usize, Trace)| {
             let left = list.iter().filter(|job| job.capture == *capture).count();
-            (left > 0).then(|| (*capture, Mutex::new(SharedTrace { trace: Some(Arc::new(trace)), left })))
+            let trace = || Some(Arc::new(TileCache::new(trace, &room)));
+            (left > 0).then(|| (*capture, Mutex::new(SharedTrace { trace: trace(), left })))
         };
         let traces = captures.iter().zip(traces).filter_map(shared).collect();
         list.sort_by_key(|job| (std::cmp::Reverse(job.weight), job.points[0].0));
@@ -85,7 +91,7 @@ impl Jobs {
         let slot = self.traces.get(&job.capture).ok_or_else(closed)?;
         let trace = slot.lock().unwrap_or_else(PoisonError::into_inner).trace.clone().ok_or_else(closed)?;
         let points: Vec<(&Point, Missing)> = job.points.iter().map(|(_, point, missing)| (point, *missing)).collect();
-        let simulates = points.iter().any(|(point, missing)| PointTask::<Trace>::simulates(point, *missing));
+        let simulates = points.iter().any(|(point, missing)| PointTask::<TileCache>::simulates(point, *missing));
         let tree = simulates.then(|| trace.topology());
         let (scene, policy) = (plan.scene_of(&plan.captures[job.capture]), &points[0].0.policy.name);
         let computed = compute_all(&points, (&*trace, tree.as_ref()), &pool.stop, |part, whole| {

@@ -156,7 +156,7 @@ impl<S: PathSource> PathSource for FrameHolder<'_, S> {
         self.source.packed_tile(frame, index)
     }
 
-    fn paths(&self, tile: &Tile, packed: &PackedColumn) -> Result<TilePaths> {
+    fn paths(&self, tile: &Tile, packed: &PackedColumn) -> Result<Arc<TilePaths>> {
         self.source.paths(tile, packed)
     }
 }

@@ -70,11 +70,12 @@ pub trait PathSource: TileSource {
         Ok(PackedTile { tile: Arc::new(self.tile_with_paths(frame, index)?), packed: None })
     }
 
-    /// The paths of a tile as operations, from the bytes that came with it. They are known to lead through the tree.
+    /// The paths of a tile as operations, from the bytes that came with it. They are known to lead through the tree. A source that
+    /// keeps paths hands out those that it has.
     ///
     /// # Errors
     /// When they are damaged; when this source does not pack paths.
-    fn paths(&self, tile: &Tile, _packed: &PackedColumn) -> rayreel_formats::Result<TilePaths> {
+    fn paths(&self, tile: &Tile, _packed: &PackedColumn) -> rayreel_formats::Result<Arc<TilePaths>> {
         Err(Error::usage(format!("the source of tile {} packs no paths", tile.index)))
     }
 }
@@ -121,11 +122,11 @@ impl PathSource for Trace {
         Ok(PackedTile { tile: Arc::new(tile), packed: None })
     }
 
-    fn paths(&self, tile: &Tile, packed: &PackedColumn) -> rayreel_formats::Result<TilePaths> {
+    fn paths(&self, tile: &Tile, packed: &PackedColumn) -> rayreel_formats::Result<Arc<TilePaths>> {
         let mut recorder = PathRecorder::default();
         let decode = |scratch: &mut Scratch| self.paths_to(tile, packed, scratch, &mut recorder);
         let shared = SCRATCH.with_borrow_mut(decode)?;
-        Ok(recorder.finish(shared))
+        Ok(Arc::new(recorder.finish(shared)))
     }
 }
 

@@ -46,7 +46,7 @@ pub struct RunArgs {
     pub traces: Option<String>,
     #[command(flatten)]
     pub cache: CacheArgs,
-    /// Memory for decoded tiles that points share, MiB.
+    /// Memory for decoded tiles and paths that points share, MiB.
     #[arg(long, default_value_t = 1024, value_name = "MIB")]
     pub memory: usize,
     /// Least time between two segment files; on a shared file system 30s keeps their number small.

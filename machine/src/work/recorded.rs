@@ -45,6 +45,17 @@ impl TilePaths {
         self.rays.len()
     }
 
+    /// Bytes that they take in memory.
+    pub fn bytes(&self) -> usize {
+        let Self { rays, paths, ops } = self;
+        let lists = [
+            rays.capacity() * size_of::<u32>(),
+            paths.capacity() * size_of::<RecordedPath>(),
+            ops.capacity() * size_of::<Op>(),
+        ];
+        size_of::<Self>() + lists.iter().sum::<usize>()
+    }
+
     /// Number of paths.
     pub fn paths(&self) -> usize {
         self.paths.len()

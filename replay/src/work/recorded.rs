@@ -16,7 +16,7 @@ pub(crate) struct RecordedTile {
     pub tile: Arc<Tile>,
     packed: Option<Arc<PackedColumn>>,
     /// Its paths, if several tiles need them.
-    kept: OnceLock<TilePaths>,
+    kept: OnceLock<Arc<TilePaths>>,
 }
 
 /// The paths of a tile.

@@ -11,43 +11,94 @@ use rayreel_machine::work::recorded::TilePaths;
 use rayreel_machine::work::topology::Topology;
 use rayreel_replay::source::{PackedTile, PathSource, TileSource};
 
-/// A trace with the tiles that were read before, as far as memory is allowed, their paths packed. What does not fit is decoded
-/// each time.
+/// A trace with what was read of it before, as far as memory is allowed: tiles, and their paths as operations. What does not fit
+/// is decoded each time.
 pub struct TileCache {
     trace: Trace,
     /// By frame and tile.
-    tiles: Vec<OnceLock<PackedTile>>,
+    tiles: Vec<KeptTile>,
+    room: Arc<Room>,
+    /// Bytes that this trace has of the room.
     bytes: AtomicUsize,
+}
+
+/// What is kept of a tile.
+#[derive(Default)]
+struct KeptTile {
+    tile: OnceLock<PackedTile>,
+    paths: OnceLock<Arc<TilePaths>>,
+}
+
+/// Memory that caches share.
+#[derive(Debug)]
+pub struct Room {
+    used: AtomicUsize,
     limit: usize,
 }
 
+impl Room {
+    /// About so many bytes.
+    pub fn new(limit: usize) -> Arc<Self> {
+        Arc::new(Self { used: AtomicUsize::new(0), limit })
+    }
+}
+
 impl TileCache {
-    /// Nothing is decoded yet; at most about `limit` bytes will be kept.
-    pub fn new(trace: Trace, limit: usize) -> Self {
+    /// Nothing is decoded yet; what will be kept has to find room.
+    pub fn new(trace: Trace, room: &Arc<Room>) -> Self {
         let meta = trace.meta();
         // A trace whose table of tiles alone is over the limit keeps none.
         let count = meta.frames as usize * meta.tile_count() as usize;
-        let count = if count.saturating_mul(size_of::<OnceLock<PackedTile>>()) <= limit { count } else { 0 };
-        let tiles = std::iter::repeat_with(OnceLock::new).take(count).collect();
-        Self { trace, tiles, bytes: AtomicUsize::new(0), limit }
+        let count = if count.saturating_mul(size_of::<KeptTile>()) <= room.limit { count } else { 0 };
+        let tiles = std::iter::repeat_with(KeptTile::default).take(count).collect();
+        Self { trace, tiles, room: Arc::clone(room), bytes: AtomicUsize::new(0) }
+    }
+
+    /// The trace.
+    pub fn trace(&self) -> &Trace {
+        &self.trace
+    }
+
+    fn slot(&self, frame: u32, index: u32) -> Option<&KeptTile> {
+        let meta = self.trace.meta();
+        let frame = frame.wrapping_sub(meta.first_frame) as usize;
+        self.tiles.get(frame * meta.tile_count() as usize + index as usize)
     }
 
     fn read(&self, frame: u32, index: u32) -> rayreel_formats::Result<PackedTile> {
-        let meta = self.trace.meta();
-        let at = (frame.wrapping_sub(meta.first_frame)) as usize * meta.tile_count() as usize + index as usize;
-        let slot = self.tiles.get(at);
-        if let Some(tile) = slot.and_then(OnceLock::get) {
-            return Ok(tile.clone());
+        let slot = self.slot(frame, index).map(|kept| &kept.tile);
+        self.kept(slot, weight, || PathSource::packed_tile(&self.trace, frame, index))
+    }
+
+    /// What stands in `slot`, or else what `make` makes, which is kept if it finds room.
+    fn kept<T: Clone>(
+        &self,
+        slot: Option<&OnceLock<T>>,
+        weight: impl Fn(&T) -> usize,
+        make: impl FnOnce() -> rayreel_formats::Result<T>,
+    ) -> rayreel_formats::Result<T> {
+        if let Some(kept) = slot.and_then(OnceLock::get) {
+            return Ok(kept.clone());
         }
-        let tile = PathSource::packed_tile(&self.trace, frame, index)?;
+        let made = make()?;
         if let Some(slot) = slot {
-            let bytes = weight(&tile);
+            let bytes = weight(&made);
             // Both may be over the limit for a moment; the one that is gives its share back.
-            if self.bytes.fetch_add(bytes, Ordering::Relaxed) + bytes > self.limit || slot.set(tile.clone()).is_err() {
-                self.bytes.fetch_sub(bytes, Ordering::Relaxed);
+            if self.room.used.fetch_add(bytes, Ordering::Relaxed) + bytes <= self.room.limit
+                && slot.set(made.clone()).is_ok()
+            {
+                self.bytes.fetch_add(bytes, Ordering::Relaxed);
+            } else {
+                self.room.used.fetch_sub(bytes, Ordering::Relaxed);
             }
         }
-        Ok(tile)
+        Ok(made)
+    }
+}
+
+impl Drop for TileCache {
+    fn drop(&mut self) {
+        self.room.used.fetch_sub(*self.bytes.get_mut(), Ordering::Relaxed);
     }
 }
 
@@ -90,8 +141,9 @@ impl PathSource for TileCache {
         self.read(frame, index)
     }
 
-    fn paths(&self, tile: &Tile, packed: &PackedColumn) -> rayreel_formats::Result<TilePaths> {
-        PathSource::paths(&self.trace, tile, packed)
+    fn paths(&self, tile: &Tile, packed: &PackedColumn) -> rayreel_formats::Result<Arc<TilePaths>> {
+        let slot = self.slot(tile.frame, tile.index).map(|kept| &kept.paths);
+        self.kept(slot, |paths| paths.bytes(), || PathSource::paths(&self.trace, tile, packed))
     }
 }
 
@@ -105,4 +157,46 @@ fn weight(PackedTile { tile, packed }: &PackedTile) -> usize {
         + size_of_val(&tile.paths.steps[..])
         + size_of_val(&tile.paths.spans[..])
         + packed.as_ref().map_or(0, |packed| size_of::<PackedColumn>() + packed.bytes.len())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rayreel_formats::Limits;
+
+    fn trace() -> Trace {
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../traces/v1_0_cornell.rtrace");
+        Trace::open(path.as_ref(), Limits::default()).unwrap()
+    }
+
+    fn read(cache: &TileCache) -> (Arc<Tile>, Arc<TilePaths>) {
+        let PackedTile { tile, packed } = cache.packed_tile(0, 1).unwrap();
+        let paths = cache.paths(&tile, &packed.unwrap()).unwrap();
+        (tile, paths)
+    }
+
+    #[test]
+    fn what_finds_room_is_decoded_once_and_leaves_with_its_cache() {
+        let room = Room::new(1 << 30);
+        let cache = TileCache::new(trace(), &room);
+        let (first, again) = (read(&cache), read(&cache));
+        assert!(Arc::ptr_eq(&first.0, &again.0) && Arc::ptr_eq(&first.1, &again.1));
+        let used = || room.used.load(Ordering::Relaxed);
+        assert!(used() > first.1.bytes());
+        let other = TileCache::new(trace(), &room);
+        let (alone, both) = (used(), read(&other));
+        assert_eq!(used(), 2 * alone);
+        assert_eq!((both.0, both.1.rays()), (first.0, first.1.rays()));
+        drop(other);
+        assert_eq!(used(), alone);
+    }
+
+    #[test]
+    fn without_room_all_is_decoded_each_time() {
+        let room = Room::new(10_000);
+        let cache = TileCache::new(trace(), &room);
+        let (first, again) = (read(&cache), read(&cache));
+        assert!(!Arc::ptr_eq(&first.1, &again.1) && first.0 == again.0);
+        assert!(room.used.load(Ordering::Relaxed) <= 10_000);
+    }
 }

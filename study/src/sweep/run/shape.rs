@@ -15,7 +15,7 @@ pub struct Settings<'a> {
     pub shard: Shard,
     /// Points at a time.
     pub threads: usize,
-    /// Bytes of decoded tiles that are kept.
+    /// Bytes of decoded tiles and paths that are kept, of all traces.
     pub memory: usize,
     /// Least time between two segments: zero writes whatever is finished at once; on a shared file system seconds save files.
     pub flush: Duration,

@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use super::shape::Settings;
 use crate::error::Result;
-use crate::point::tile_cache::TileCache;
+use crate::point::tile_cache::{Room, TileCache};
 use crate::sweep::folder::Folder;
 use rayreel_machine::work::topology::Topology;
 use rayreel_replay::source::PathSource;
@@ -29,6 +29,7 @@ pub(super) struct SharedTraces<'a> {
     folder: &'a Folder,
     settings: &'a Settings<'a>,
     traces: Vec<SharedTrace>,
+    room: Arc<Room>,
 }
 
 impl<'a> SharedTraces<'a> {
@@ -38,7 +39,7 @@ impl<'a> SharedTraces<'a> {
         for point in todo {
             traces[folder.plan().points[*point].trace].left.fetch_add(1, Ordering::Relaxed);
         }
-        Self { folder, settings, traces }
+        Self { folder, settings, traces, room: Room::new(settings.memory) }
     }
 
     /// Trace number `trace` of the plan.
@@ -61,7 +62,7 @@ impl<'a> SharedTraces<'a> {
             ));
         }
         let tree = trace.topology();
-        Ok(Arc::new(OpenTrace { source: TileCache::new(trace, self.settings.memory), tree }))
+        Ok(Arc::new(OpenTrace { source: TileCache::new(trace, &self.room), tree }))
     }
 
     /// A point of this trace is done; behind the last one it is closed.
