@@ -19,6 +19,7 @@ mod features;
 mod in_flight;
 mod memory;
 mod rays;
+mod reads;
 mod shader;
 #[cfg(test)]
 mod tests;

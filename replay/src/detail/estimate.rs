@@ -92,6 +92,12 @@ pub fn half_width(value: f64, replicates: &[f64], freedom: u32) -> f64 {
     (student(freedom) * (squares * (count - 1.0) / count).sqrt()).hypot(floor)
 }
 
+/// How far from the estimate two replicates among `count` have to lie, one on each side, to add this once to the half width.
+pub(crate) fn weight_of_pair(count: usize, freedom: u32) -> f64 {
+    let count = count as f64;
+    1.0 / (student(freedom) * (2.0 * (count - 1.0) / count).sqrt())
+}
+
 /// The 97.5 % point of Student's t with so many degrees of freedom.
 fn student(freedom: u32) -> f64 {
     const FIRST: [f64; 30] = [
@@ -119,6 +125,14 @@ mod tests {
         let variance = values.iter().map(|v| (v - mean) * (v - mean)).sum::<f64>() / 4.0;
         let expected = (2.776 * (variance / 5.0).sqrt()).hypot(FLOOR * mean);
         assert!((half_width(mean, &without, 4) - expected).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_pair_adds_its_distance() {
+        let (value, apart) = (100.0, 7.0);
+        let pair = weight_of_pair(10, 5) * apart;
+        let replicates = [[value; 8].as_slice(), &[value - pair, value + pair]].concat();
+        assert!((half_width(value, &replicates, 5) - apart.hypot(FLOOR * value)).abs() < 1e-9);
     }
 
     #[test]

@@ -8,7 +8,7 @@ use rayreel_machine::stats::Stats;
 use super::calibrate::{rates_used, weights};
 use super::pass::Passed;
 use super::window::Measured;
-use crate::detail::{Detail, Estimate, Replicate};
+use crate::detail::{Detail, Estimate, Replicate, weight_of_pair};
 use crate::simulate::MachineRun;
 
 /// Parts that windows are left out in, one at a time.
@@ -39,7 +39,8 @@ struct Frame<'a> {
 pub fn extrapolate(config: &MachineConfig, passed: &Passed, detail: Detail) -> MachineRun {
     let frame = Frame::new(config, passed);
     let every = vec![true; frame.windows.len()];
-    let estimated = frame.list(&every);
+    let measured_list = frame.list(&every);
+    let estimated = frame.settled(&measured_list);
     let (stats, energy) = frame.run(&estimated);
     let groups = frame.windows.len().min(GROUPS);
     // What was simulated is not uncertain: where all is, nothing is.
@@ -47,11 +48,15 @@ pub fn extrapolate(config: &MachineConfig, passed: &Passed, detail: Detail) -> M
     let unknown = (1.0 - measured / rest.max(1.0)).clamp(0.0, 1.0).sqrt();
     let replicates = (0..groups).map(|group| {
         let kept: Vec<bool> = (0..frame.windows.len()).map(|window| window % groups != group).collect();
-        let list: Vec<f64> =
-            frame.list(&kept).iter().zip(&estimated).map(|(other, value)| value + unknown * (other - value)).collect();
-        let (stats, energy) = frame.run(&list);
-        Replicate { stats, energy }
+        frame.replicate(&estimated, unknown, (&frame.list(&kept), &measured_list))
     });
+    // Size and rates were fitted to the windows.
+    let freedom = groups.saturating_sub(1 + frame.rates).max(1) as u32;
+    // Windows and pass disagree about what is read from DRAM: two more replicates, which make an interval as wide as that.
+    let apart = weight_of_pair(groups + 2, freedom);
+    let pair = [apart, -apart].into_iter().filter(|_| groups > 0);
+    let pair = pair.map(|apart| frame.replicate(&estimated, apart, (&measured_list, &estimated)));
+    let replicates = replicates.chain(pair).collect();
     let tiles = passed.sizes.len() as u64;
     let (all, certain) = (frame.rest.cost() + frame.certain.features.cost(), frame.certain.features.cost());
     let part = if all > 0.0 { (measured + certain) / all } else { 1.0 };
@@ -61,9 +66,8 @@ pub fn extrapolate(config: &MachineConfig, passed: &Passed, detail: Detail) -> M
         detailed_tiles: (part * tiles as f64).round().min(tiles as f64) as u64,
         windows: passed.windows.len() as u64,
         whole_frames: 0,
-        // Size and rates were fitted to the windows.
-        freedom: groups.saturating_sub(1 + frame.rates).max(1) as u32,
-        replicates: replicates.collect(),
+        freedom,
+        replicates,
     };
     MachineRun { stats, energy, paths: Default::default(), estimate: Some(estimate) }
 }
@@ -102,6 +106,25 @@ impl<'a> Frame<'a> {
             sum.add(window, weight);
         }
         sum.counters
+    }
+
+    /// The same counters, but reading from DRAM what the functional pass did ([`Stats::read_as`]). Where all is simulated the
+    /// windows know it.
+    fn settled(&self, list: &[f64]) -> Vec<f64> {
+        if self.windows.is_empty() {
+            return list.to_vec();
+        }
+        let mut stats = self.passed.counted.with_list(list);
+        stats.read_as(&self.passed.counted);
+        stats.list()
+    }
+
+    /// The run that differs from `estimated` by a part of how `one` differs from `other`.
+    fn replicate(&self, estimated: &[f64], part: f64, (one, other): (&[f64], &[f64])) -> Replicate {
+        let apart = one.iter().zip(other).map(|(one, other)| part * (one - other));
+        let list: Vec<f64> = estimated.iter().zip(apart).map(|(value, apart)| value + apart).collect();
+        let (stats, energy) = self.run(&list);
+        Replicate { stats, energy }
     }
 
     /// A run with these counters, with what is known exactly in their place.

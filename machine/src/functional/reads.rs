@@ -1,0 +1,96 @@
+//! How much a frame reads from DRAM, where windows and the functional pass disagree.
+//!
+//! A window goes on from tiles that the functional pass has left half done, more of them side by side than a simulation would have.
+//! They share less of the L2, and it takes as many tiles as the machine has slots until the window's machine is in its own
+//! step. So windows read more than the whole simulation does, by up to a third (`benches/detail.rs`); the functional pass, which
+//! passes all tiles, is nearer. Estimates read as much as the pass did; how windows differ from it says how far both may be off.
+
+use crate::memory::{ChannelCounters, L2Counters};
+use crate::stats::Stats;
+use crate::work::layout::Region;
+
+/// What is read through the L2.
+const CACHED: [Region; 4] = [Region::Node, Region::Triangle, Region::Attribute, Region::Texture];
+
+impl Stats {
+    /// Lets the run read through its L2 what `counted` says, region by region; all that follows from it is scaled.
+    pub fn read_as(&mut self, counted: &Self) {
+        let bytes = |stats: &Self| CACHED.iter().map(|region| stats.memory.traffic.read[*region as usize]).sum::<u64>();
+        let (read, wanted) = (bytes(self), bytes(counted));
+        if read == 0 || wanted == 0 {
+            return;
+        }
+        let all: u64 = self.memory.traffic.read.iter().sum();
+        for region in CACHED {
+            self.memory.traffic.read[region as usize] = counted.memory.traffic.read[region as usize];
+        }
+        let reads = (all - read + wanted) as f64 / all as f64;
+        self.memory.channels.iter_mut().for_each(|channel| scale_channel(channel, reads));
+        scale_misses(&mut self.memory.l2, wanted as f64 / read as f64);
+    }
+}
+
+fn scale<const N: usize>(counters: [&mut u64; N], factor: f64) {
+    counters.into_iter().for_each(|counter| *counter = (*counter as f64 * factor).round() as u64);
+}
+
+/// A channel with so many times the reads. Rows are opened as often a line as before.
+fn scale_channel(channel: &mut ChannelCounters, reads: f64) {
+    let before = channel.read_lines + channel.write_lines;
+    scale([&mut channel.reads, &mut channel.read_lines], reads);
+    if before > 0 {
+        let lines = (channel.read_lines + channel.write_lines) as f64 / before as f64;
+        let ChannelCounters { activates, precharges, closed, row_hits, row_closed, row_conflicts, .. } = channel;
+        scale([activates, precharges, closed, row_hits, row_closed, row_conflicts], lines);
+    }
+}
+
+/// An L2 with so many times the misses among the same lookups.
+fn scale_misses(l2: &mut L2Counters, factor: f64) {
+    let found = l2.hits + l2.misses;
+    scale([&mut l2.misses, &mut l2.fills, &mut l2.evictions], factor);
+    l2.hits = found.saturating_sub(l2.misses);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn stats(node: u64, sample: u64, lines: u64) -> Stats {
+        let mut stats = Stats::default();
+        stats.memory.traffic.read[Region::Node as usize] = node;
+        stats.memory.traffic.read[Region::Sample as usize] = sample;
+        stats.memory.l2 =
+            L2Counters { lookups: 1000, hits: 700, misses: 300, fills: 300, evictions: 280, ..L2Counters::default() };
+        stats.memory.channels = vec![ChannelCounters {
+            reads: 2 * lines,
+            read_lines: lines,
+            write_lines: 100,
+            writes: 200,
+            row_hits: lines,
+            row_conflicts: 100,
+            activates: 100,
+            ..ChannelCounters::default()
+        }];
+        stats
+    }
+
+    #[test]
+    fn misses_reads_and_rows_follow_and_writes_and_lookups_stay() {
+        let (mut run, counted) = (stats(60_000, 40_000, 900), stats(30_000, 1, 1));
+        run.read_as(&counted);
+        let (traffic, l2, channel) = (run.memory.traffic, run.memory.l2, run.memory.channels[0]);
+        assert_eq!((traffic.read[Region::Node as usize], traffic.read[Region::Sample as usize]), (30_000, 40_000));
+        assert_eq!((l2.lookups, l2.hits, l2.misses, l2.fills, l2.evictions), (1000, 850, 150, 150, 140));
+        // 70 % of the reads; 730 of 1000 lines.
+        assert_eq!((channel.reads, channel.read_lines, channel.writes, channel.write_lines), (1260, 630, 200, 100));
+        assert_eq!((channel.row_hits, channel.row_conflicts, channel.activates), (657, 73, 73));
+    }
+
+    #[test]
+    fn where_nothing_is_read_nothing_changes() {
+        let (mut run, nothing) = (stats(60_000, 40_000, 900), stats(0, 0, 0));
+        run.read_as(&nothing);
+        assert_eq!(run, stats(60_000, 40_000, 900));
+    }
+}
