@@ -86,7 +86,7 @@ impl Submission {
     }
 
     fn read(file: &Path) -> Result<Self> {
-        let bytes = fs::read(file).map_err(|e| StudyError::io(file, "read", e))?;
+        let bytes = rayreel_settings::files::read(file, 1 << 24).map_err(|e| StudyError::io(file, "read", e))?;
         let bad = |why: String| {
             StudyError::input(file, format!("is no record of a submission: {why}; remove it if its jobs are gone"))
         };
