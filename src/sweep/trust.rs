@@ -18,9 +18,32 @@ use super::order::Submit;
 
 /// Options of sbatch that a stranger's record may hold. All others may load code, change where it runs, or write files.
 const HARMLESS: &[&str] = &[
-    "--account", "--begin", "--comment", "--constraint", "--contiguous", "--cpus-per-task", "--deadline", "--exclude", "--exclusive",
-    "--gres", "--gpus", "--hint", "--licenses", "--mem", "--mem-per-cpu", "--nice", "--nodelist", "--nodes", "--ntasks",
-    "--partition", "--priority", "--qos", "--reservation", "--time", "--time-min", "--tmp",
+    "--account",
+    "--begin",
+    "--comment",
+    "--constraint",
+    "--contiguous",
+    "--cpus-per-task",
+    "--deadline",
+    "--exclude",
+    "--exclusive",
+    "--gres",
+    "--gpus",
+    "--hint",
+    "--licenses",
+    "--mem",
+    "--mem-per-cpu",
+    "--nice",
+    "--nodelist",
+    "--nodes",
+    "--ntasks",
+    "--partition",
+    "--priority",
+    "--qos",
+    "--reservation",
+    "--time",
+    "--time-min",
+    "--tmp",
 ];
 
 /// Notes that this was submitted here. Where it cannot be noted, `resume` asks.
@@ -52,7 +75,10 @@ pub fn check(folder: &Folder, last: &Submission, trusted: bool, given_anew: bool
         );
     }
     eprintln!("submission {} was not made by this user on this machine. It would run:", last.number);
-    eprintln!("  commands before each task: {}", last.options.setup.as_ref().map_or_else(|| "none".into(), |setup| format!("{setup:?}")));
+    eprintln!(
+        "  commands before each task: {}",
+        last.options.setup.as_ref().map_or_else(|| "none".into(), |setup| format!("{setup:?}"))
+    );
     eprintln!("  arguments of sweep run:    {}", line(&last.run));
     let options = &last.options;
     let named = [
@@ -68,7 +94,9 @@ pub fn check(folder: &Folder, last: &Submission, trusted: bool, given_anew: bool
     if trusted || agreed()? {
         return Ok(());
     }
-    bail!("nothing was submitted; --trust submits it, `rayreel sweep submit {sweep}` takes options of your own, --local computes here")
+    bail!(
+        "nothing was submitted; --trust submits it, `rayreel sweep submit {sweep}` takes options of your own, --local computes here"
+    )
 }
 
 /// Asks, where somebody can answer.
@@ -112,7 +140,16 @@ mod tests {
 
     #[test]
     fn options_that_load_code_are_not_harmless() {
-        for option in ["--export=LD_PRELOAD=/x.so", "--wrap=sh", "--chdir=/x", "-D", "/x", "--get-user-env", "--bcast", "--output=/x"] {
+        for option in [
+            "--export=LD_PRELOAD=/x.so",
+            "--wrap=sh",
+            "--chdir=/x",
+            "-D",
+            "/x",
+            "--get-user-env",
+            "--bcast",
+            "--output=/x",
+        ] {
             assert!(!is_harmless(option), "{option}");
         }
         assert!(is_harmless("--qos=long") && is_harmless("--exclusive"));

@@ -84,10 +84,14 @@ fn no_secret_of_a_url_is_at_rest() {
     let folder = tempfile::tempdir().unwrap();
     let server = Server::start(fs::read(small(folder.path(), "cornell")).unwrap());
     let place = folder.path().display();
-    fs::write(folder.path().join("p.toml"), format!("traces = [{:?}]\npolicies = [\"full\"]\nmachines = [\"none\"]\n", server.url()))
-        .unwrap();
+    fs::write(
+        folder.path().join("p.toml"),
+        format!("traces = [{:?}]\npolicies = [\"full\"]\nmachines = [\"none\"]\n", server.url()),
+    )
+    .unwrap();
     rayreel(&format!("sweep plan --no-estimate {place}/p.toml -o {place}/s")).expect(0);
-    let ran = rayreel(&format!("sweep run {place}/s --quiet")).expect(3).says(&["RAYREEL_TRACE_URLS", "no such object"]);
+    let ran =
+        rayreel(&format!("sweep run {place}/s --quiet")).expect(3).says(&["RAYREEL_TRACE_URLS", "no such object"]);
     assert!(!ran.err.contains("secret"), "{}", ran.err);
     // In one process the URL is known; elsewhere it comes from the environment.
     rayreel(&format!("sweep {place}/p.toml --quiet -o {place}/t")).expect(0);
@@ -123,8 +127,12 @@ fn a_corrupted_answer_is_fetched_once_more() {
         state.bytes[middle - 2000..middle + 2000].iter_mut().for_each(|byte| *byte ^= u8::from(wrong));
     };
     let read = |trace: &rayreel_formats::trace::Trace| {
-        let tiles = trace.meta().frame_numbers().flat_map(|frame| (0..trace.meta().tile_count()).map(move |t| (frame, t)));
-        tiles.map(|(frame, tile)| trace.tile(frame, tile, &Column::ALL).map(|_| ())).collect::<Result<Vec<_>, _>>().map(|_| ())
+        let tiles =
+            trace.meta().frame_numbers().flat_map(|frame| (0..trace.meta().tile_count()).map(move |t| (frame, t)));
+        tiles
+            .map(|(frame, tile)| trace.tile(frame, tile, &Column::ALL).map(|_| ()))
+            .collect::<Result<Vec<_>, _>>()
+            .map(|_| ())
     };
     let trace = rayreel_store::open(server.url().as_str(), &options()).unwrap();
     spoil(true);

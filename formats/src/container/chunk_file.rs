@@ -200,6 +200,10 @@ impl ChunkFile {
         if stored && record.raw_len != record.packed_len {
             return Err(Error::corrupt(place, "a stored chunk has two different lengths"));
         }
+        if !stored {
+            let earned = Limits::unpacked_max(record.packed_len);
+            check_limit("raw length of a chunk in bytes", record.raw_len, earned).map_err(|e| e.at(&place))?;
+        }
         let packed = self.packed(record)?;
         if stored { Ok(packed) } else { decompress(&packed, record.raw_len).map_err(|e| Error::corrupt(place, e)) }
     }
