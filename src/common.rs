@@ -88,7 +88,11 @@ pub fn tell_warnings(scene: &Scene) {
 
 /// Builds a scene's BVH.
 pub fn build(scene: &Scene) -> Result<Built> {
-    Ok(rayreel_tracer::build(scene)?)
+    let built = rayreel_tracer::build(scene)?;
+    if built.left_out > 0 {
+        eprintln!("warning: {} triangles are copies of others in the same place and are left out", built.left_out);
+    }
+    Ok(built)
 }
 
 /// Renders one frame straight from the tracer.

@@ -1,5 +1,6 @@
 //! Exit codes: what a script may rely on.
 
+use std::io;
 use std::process::ExitCode;
 
 use rayreel_columns::ColumnsError;
@@ -7,6 +8,7 @@ use rayreel_formats::Error as TraceError;
 use rayreel_paper::PaperError;
 use rayreel_replay::ReplayError;
 use rayreel_scenes::SceneError;
+use rayreel_store::Unavailable;
 use rayreel_study::StudyError;
 use rayreel_study::html::ReportError;
 
@@ -23,6 +25,10 @@ pub enum Exit {
     Incomplete = 3,
     /// Bad input data.
     BadData = 65,
+    /// A server cannot be reached, or gives no sound answer.
+    Unavailable = 69,
+    /// The system cannot read or write: a full disk, a broken one.
+    Io = 74,
     /// Interrupted, with everything flushed.
     Interrupted = 75,
 }
@@ -52,7 +58,10 @@ pub fn of(error: &anyhow::Error) -> Exit {
             || columns
             || matches!(cause.downcast_ref(), Some(ReplayError::Corrupt { ray: None, .. }))
     };
-    if error.chain().any(bad_data) { Exit::BadData } else { Exit::Usage }
+    if error.chain().any(bad_data) {
+        return Exit::BadData;
+    }
+    error.chain().find_map(|cause| cause.downcast_ref::<io::Error>()).map_or(Exit::Usage, of_io)
 }
 
 /// The trace's error in a cause. An error that is transparent stands in the chain in place of the one it holds.
@@ -73,10 +82,33 @@ fn study_error<'a>(cause: &'a (dyn std::error::Error + 'static)) -> Option<&'a S
     cause.downcast_ref().or_else(of_paper)
 }
 
+/// What the system or a server refused. A name that leads nowhere is a wrong name; what is left is no fault of whoever gave it.
+fn of_io(error: &io::Error) -> Exit {
+    use io::ErrorKind as Kind;
+    if error.get_ref().is_some_and(|inner| inner.is::<Unavailable>()) {
+        return Exit::Unavailable;
+    }
+    match error.kind() {
+        Kind::InvalidData => Exit::BadData,
+        Kind::NotFound
+        | Kind::PermissionDenied
+        | Kind::AlreadyExists
+        | Kind::IsADirectory
+        | Kind::NotADirectory
+        | Kind::DirectoryNotEmpty
+        | Kind::InvalidInput
+        | Kind::InvalidFilename
+        | Kind::Unsupported
+        | Kind::WouldBlock => Exit::Usage,
+        _ => Exit::Io,
+    }
+}
+
 fn of_trace(error: &TraceError) -> Exit {
     match error {
         TraceError::Incomplete { .. } => Exit::Incomplete,
-        TraceError::Io { .. } | TraceError::Occupied { .. } | TraceError::Usage { .. } => Exit::Usage,
+        TraceError::Io { source, .. } => of_io(source),
+        TraceError::Occupied { .. } | TraceError::Usage { .. } => Exit::Usage,
         _ => Exit::BadData,
     }
 }

@@ -39,7 +39,7 @@ use rayreel_study::point::version::{ESTIMATE_VERSION, MODEL_VERSION};
 /// built-in scenes.
 ///
 /// Exit codes: 0 done, 1 the result says no (verify, diff, compare, anchors, repair), 2 wrong usage, 3 incomplete trace, 65 bad input data,
-/// 75 interrupted but flushed.
+/// 69 a server does not answer or answers wrongly, 74 the system cannot read or write (a full disk), 75 interrupted but flushed.
 #[derive(Debug, Parser)]
 #[command(version, long_version = LONG_VERSION.as_str(), max_term_width = 110)]
 struct Cli {
@@ -83,6 +83,7 @@ static LONG_VERSION: LazyLock<String> = LazyLock::new(|| {
 });
 
 fn main() -> ExitCode {
+    progress::handle_signals();
     let cli = Cli::parse();
     if let Err(error) = rayon::ThreadPoolBuilder::new().num_threads(cli.threads.into()).build_global() {
         eprintln!("error: cannot start {} threads: {error}", cli.threads);

@@ -1,10 +1,13 @@
 //! `rayreel paper`: the paper's experiment on the built-in scenes, and what goes beyond it.
 
-use std::path::PathBuf;
+use std::fs::File;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use anyhow::{Context, Result, bail};
+use rayreel_formats::locks::try_lock;
 use rayreel_paper::{Finished, Folders, Machines, SIZE, SIZE_FULL, Setup};
-use rayreel_replay::Detail;
+use rayreel_replay::{Detail, Stop};
 use rayreel_scenes::Scene;
 use rayreel_study::html;
 
@@ -71,6 +74,7 @@ pub fn run(args: &Args, quiet: bool) -> Result<Exit> {
         std::fs::create_dir_all(folder).with_context(|| format!("cannot create folder {}", folder.display()))?;
     }
     let stop = progress::stop_on_signal();
+    let Some(_alone) = alone(&args.cache, &stop)? else { return Ok(Exit::Interrupted) };
     let size = args.size.unwrap_or(if args.full { SIZE_FULL } else { SIZE });
     let detail = args.detail.asked().unwrap_or_else(rayreel_paper::detail);
     if detail == Detail::Counts {
@@ -107,6 +111,26 @@ pub fn run(args: &Args, quiet: bool) -> Result<Exit> {
         }
         Err(error) => Err(error.into()),
     }
+}
+
+/// The cache folder for this process alone: two would trace the same scene into one file. Waits while another has it; nothing if a
+/// signal ends that.
+fn alone(cache: &Path, stop: &Stop) -> Result<Option<File>> {
+    let path = cache.join(".lock");
+    let lock = File::options().create(true).append(true).open(&path);
+    let lock = lock.with_context(|| format!("cannot create {}", path.display()))?;
+    let mut told = false;
+    while let Err(holder) = try_lock(&lock).with_context(|| format!("cannot lock {}", path.display()))? {
+        if !told {
+            eprintln!("waiting: {holder} uses the cache folder {}; --cache names another", cache.display());
+            told = true;
+        }
+        if stop.is_requested() {
+            return Ok(None);
+        }
+        std::thread::sleep(Duration::from_millis(200));
+    }
+    Ok(Some(lock))
 }
 
 /// Writes the page, prints the results.

@@ -2,24 +2,43 @@
 
 use std::io::IsTerminal;
 use std::sync::OnceLock;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
 use rayreel_replay::Stop;
 
+use crate::exit::Exit;
+
 /// The one request to stop that signals make: a process has one handler.
 static SIGNAL: OnceLock<Stop> = OnceLock::new();
 
-/// What Ctrl-C, SIGTERM and SIGHUP request from now on.
-pub fn stop_on_signal() -> Stop {
-    let stop = SIGNAL.get_or_init(|| {
+/// Whether somebody looks at the request.
+static HEARD: AtomicBool = AtomicBool::new(false);
+
+/// Handles Ctrl-C, SIGTERM and SIGHUP from now on. Until [`stop_on_signal`] is called one of them ends the process at once, with the
+/// code of an interruption: nothing is half written then, because files are written whole.
+pub fn handle_signals() {
+    SIGNAL.get_or_init(|| {
         let stop = Stop::default();
         let handle = stop.clone();
-        // Without a handler a signal ends the process at once, which loses nothing that was written.
-        let _ = ctrlc::set_handler(move || handle.request());
+        // Without a handler a signal ends the process at once, too, with a code of the system.
+        let _ = ctrlc::set_handler(move || {
+            handle.request();
+            if !HEARD.load(Ordering::SeqCst) {
+                eprintln!("interrupted");
+                std::process::exit(Exit::Interrupted as i32);
+            }
+        });
         stop
     });
-    stop.clone()
+}
+
+/// What Ctrl-C, SIGTERM and SIGHUP request: from now on the caller looks at it, and ends in its own way.
+pub fn stop_on_signal() -> Stop {
+    handle_signals();
+    HEARD.store(true, Ordering::SeqCst);
+    SIGNAL.get().cloned().unwrap_or_default()
 }
 
 /// Plain lines come at most this often.

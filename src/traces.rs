@@ -1,7 +1,8 @@
 //! Traces as arguments: paths and URLs.
 
+use std::collections::BTreeMap;
 use std::ffi::OsString;
-use std::sync::{Arc, LazyLock};
+use std::sync::{Arc, LazyLock, Mutex, PoisonError};
 
 use anyhow::Result;
 use rayreel_formats::Limits;
@@ -47,8 +48,9 @@ impl CacheArgs {
         folder.flat_map(|folder| ["--trace-cache".to_owned(), folder]).collect()
     }
 
-    /// Opens a trace with the default limits.
+    /// Opens a trace.
     pub fn open(&self, location: &Location) -> Result<Trace> {
+        let location = &whole(location);
         let cache = match location {
             Location::Local(_) => None,
             Location::Remote(_) => CacheFolder::choose(self.trace_cache.as_deref()).map_err(anyhow::Error::msg)?,
@@ -56,6 +58,26 @@ impl CacheArgs {
         let options = Options { limits: Limits::default(), cache, traffic: Arc::clone(&TRAFFIC) };
         Ok(rayreel_store::open(location, &options)?)
     }
+}
+
+/// URLs with what may not be written down of them, by what may: those that this process was given.
+static WHOLE: Mutex<BTreeMap<String, String>> = Mutex::new(BTreeMap::new());
+
+/// The variable with whole URLs, blanks between them: of traces that plans name without user, password and query.
+const URLS: &str = "RAYREEL_TRACE_URLS";
+
+/// The URL to ask for. One with a user, a password or a query is remembered for as long as the process lives; one without is looked
+/// up there, and in the environment.
+fn whole(location: &Location) -> Location {
+    let Location::Remote(url) = location else { return location.clone() };
+    let mut known = WHOLE.lock().unwrap_or_else(PoisonError::into_inner);
+    if location.has_secret() {
+        known.insert(location.to_string(), url.clone());
+        return location.clone();
+    }
+    let given = std::env::var(URLS).unwrap_or_default();
+    let found = given.split_whitespace().find(|given| Location::from(*given).to_string() == *url);
+    found.or_else(|| known.get(url).map(String::as_str)).map_or_else(|| location.clone(), Location::from)
 }
 
 /// Says on standard error what was fetched, if anything was.

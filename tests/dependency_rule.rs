@@ -91,7 +91,7 @@ impl Graph {
 const SIBLINGS: [(&str, &[&str]); 11] = [
     ("formats", &[]),
     ("settings", &[]),
-    ("scenes", &[]),
+    ("scenes", &["settings"]),
     ("machine", &["formats", "settings"]),
     ("replay", &["formats", "machine", "settings"]),
     ("columns", &["formats", "machine", "replay"]),

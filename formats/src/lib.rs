@@ -42,6 +42,7 @@ pub mod half;
 mod id;
 pub mod intersect;
 pub mod limits;
+pub mod locks;
 pub mod math;
 pub mod oct;
 mod payload;

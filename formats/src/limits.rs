@@ -50,6 +50,37 @@ impl Default for Limits {
     }
 }
 
+/// What any file may ask for, and what each of its bytes earns beyond: a small file cannot ask for much.
+///
+/// Files that Rayreel writes stay far below: a byte of a coded column holds tens of rays or hundreds of steps at most, and zstd makes
+/// a tenth of a BVH.
+impl Limits {
+    /// Most bytes that so many packed bytes of a chunk may unpack to.
+    pub(crate) fn unpacked_max(packed: u64) -> u64 {
+        (16_u64 << 20).saturating_add(packed.saturating_mul(256))
+    }
+
+    /// Most bytes that so many packed bytes of a column may unpack to.
+    pub(crate) fn column_max(packed: u64) -> u64 {
+        (64_u64 << 20).saturating_add(packed.saturating_mul(256))
+    }
+
+    /// Most ray-tree nodes of a tile whose tree takes so many bytes.
+    pub(crate) fn nodes_max(&self, bytes: usize) -> u64 {
+        self.max_nodes_per_tile.min((2_u64 << 20).saturating_add((bytes as u64).saturating_mul(64)))
+    }
+
+    /// Most path steps of a tile whose paths take so many bytes.
+    pub(crate) fn path_steps_max(&self, bytes: usize) -> u64 {
+        self.max_path_steps_per_tile.min((4_u64 << 20).saturating_add((bytes as u64).saturating_mul(1024)))
+    }
+
+    /// Most tiles of a trace that holds so many chunks: others may be missing, but not without end.
+    pub(crate) fn tiles_max(chunks: u64) -> u64 {
+        (4_u64 << 20).saturating_add(chunks.saturating_mul(64))
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::Limits;

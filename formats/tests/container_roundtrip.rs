@@ -82,8 +82,11 @@ fn a_partial_file_is_not_overwritten() {
     let writer = Writer::create(&path).unwrap();
     assert!(matches!(Writer::create(&path), Err(Error::Occupied { by: Occupant::File { .. }, .. })));
     if cfg!(unix) {
-        assert!(matches!(Writer::discard(&path), Err(Error::Occupied { by: Occupant::Writer, .. })));
-        assert!(matches!(Writer::resume(&path, &Limits::default()), Err(Error::Occupied { by: Occupant::Writer, .. })));
+        assert!(matches!(Writer::discard(&path), Err(Error::Occupied { by: Occupant::Writer { .. }, .. })));
+        assert!(matches!(
+            Writer::resume(&path, &Limits::default()),
+            Err(Error::Occupied { by: Occupant::Writer { .. }, .. })
+        ));
     }
     drop(writer);
     assert!(partial(&path).exists());

@@ -6,6 +6,7 @@ use std::{
 };
 
 use image::{ImageError, ImageReader, Limits, RgbaImage};
+use rayreel_settings::files;
 
 use crate::{
     error::{Location, SceneError},
@@ -18,9 +19,7 @@ const MAX_DECODE_BYTES: u64 = 1 << 30;
 /// Decodes a picture file that is named at `at`.
 pub(crate) fn decode_file(at: &Location, file: &Path) -> Result<RgbaImage, SceneError> {
     let missing = |source| SceneError::missing(at.clone(), "texture", file, source);
-    if file.is_dir() {
-        return Err(missing(ErrorKind::IsADirectory.into()));
-    }
+    files::check(file, MAX_DECODE_BYTES).map_err(missing)?;
     let reader = ImageReader::open(file).map_err(missing)?;
     decode(reader).map_err(|error| match error {
         ImageError::IoError(source) if source.kind() != ErrorKind::UnexpectedEof => missing(source),

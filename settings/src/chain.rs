@@ -7,6 +7,7 @@ use toml::Value;
 use crate::error::{Result, SettingsError};
 use crate::family::{Family, is_path};
 use crate::file::{File, wrong_kind};
+use crate::files::{TEXT_MAX, read_text};
 
 /// Files that may extend one another in a row.
 const CHAIN_MAX: usize = 16;
@@ -62,7 +63,7 @@ pub(crate) fn leads_to(family: &Family, spec: &str) -> bool {
         if family.preset(&spec).is_some() {
             return true;
         }
-        let Ok(text) = std::fs::read_to_string(folder.join(&spec)) else { return false };
+        let Ok(text) = read_text(&folder.join(&spec), TEXT_MAX) else { return false };
         let Ok(table) = text.parse::<toml::Table>() else { return false };
         if !family.kinds.is_empty() && table.contains_key("kind") {
             return true;
@@ -92,7 +93,11 @@ fn read(family: &Family, spec: &str, by: Option<&str>, folder: &mut PathBuf) -> 
         return Err(family.unknown_preset(spec, by));
     }
     let path = folder.join(spec);
-    let text = std::fs::read_to_string(&path).map_err(|source| SettingsError::File {
+    // A file of a stranger may extend any file that the reader can read: it says nothing of what stands in one of another kind.
+    if let Some(by) = by.filter(|_| !spec.ends_with(".toml")) {
+        return Err(SettingsError::Extends { by: by.into(), what: family.what, spec: spec.into() });
+    }
+    let text = read_text(&path, TEXT_MAX).map_err(|source| SettingsError::File {
         by: by.map(str::to_owned),
         what: family.what,
         path: path.clone(),
@@ -100,7 +105,15 @@ fn read(family: &Family, spec: &str, by: Option<&str>, folder: &mut PathBuf) -> 
     })?;
     *folder = path.parent().map(Path::to_path_buf).unwrap_or_default();
     let name = path.file_stem().map_or_else(|| spec.into(), |stem| stem.to_string_lossy().into_owned());
-    File::parse(family, &name, &path.display().to_string(), &text)
+    let origin = path.display().to_string();
+    if by.is_some()
+        && let Err(error) = text.parse::<toml::Table>()
+    {
+        let line = error.span().map_or(1, |span| text[..span.start.min(text.len())].matches('\n').count() + 1);
+        let detail = format!("it is no TOML, from line {line} on");
+        return Err(SettingsError::Syntax { origin, expected: family.expected, detail });
+    }
+    File::parse(family, &name, &origin, &text)
 }
 
 /// What messages call a preset.

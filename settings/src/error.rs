@@ -49,6 +49,16 @@ pub enum SettingsError {
         /// Names that exist.
         near: String,
     },
+    /// What a file extends is no preset and no TOML file.
+    #[error("{by}: extends: {spec:?} is no {what} preset and no .toml file; name one")]
+    Extends {
+        /// The file that extends it.
+        by: String,
+        /// What was to be loaded: "machine".
+        what: &'static str,
+        /// What it names.
+        spec: String,
+    },
     /// Files extend one another in a circle, or in too long a row.
     #[error("{what} files extend one another in a circle or more than {limit} deep: {chain}; remove one `extends`")]
     Circle {

@@ -34,6 +34,7 @@ mod declare;
 mod error;
 mod family;
 mod file;
+pub mod files;
 mod key;
 mod loaded;
 mod near;

@@ -4,7 +4,8 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
 use rayreel_formats::trace::Trace;
-use rayreel_store::Location;
+use rayreel_settings::files;
+use rayreel_store::{Location, in_folder};
 use rayreel_study::analysis::load::is_sweep;
 use rayreel_study::sweep::folder::{Created, Folder};
 use rayreel_study::sweep::plan::Plan;
@@ -45,7 +46,7 @@ pub fn opener<'a>(cache: &'a CacheArgs, traces: Option<&'a str>) -> impl Fn(&str
 /// Where a trace of a plan is: there, or by its name in `traces`.
 fn located(location: &str, traces: Option<&str>) -> String {
     let name = location.rsplit(['/', '\\']).next().unwrap_or(location);
-    traces.map_or_else(|| location.to_owned(), |base| format!("{}/{name}", base.trim_end_matches('/')))
+    traces.map_or_else(|| location.to_owned(), |base| in_folder(base, name))
 }
 
 /// All points of a plan file; relative traces are in `traces`, or beside it.
@@ -53,7 +54,8 @@ pub fn read(file: &Path, place: &FolderArgs, traces: Option<&str>, cache: &Cache
     if file.is_dir() {
         bail!("{}", no_plan_file(file));
     }
-    let text = std::fs::read_to_string(file).with_context(|| format!("cannot read the plan {}", file.display()))?;
+    let text =
+        files::read_text(file, files::TEXT_MAX).with_context(|| format!("cannot read the plan {}", file.display()))?;
     let name = file.display().to_string();
     let folder = file.parent().unwrap_or(Path::new(""));
     let sources = rayreel_study::sweep::plan::Sources {

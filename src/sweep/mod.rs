@@ -12,6 +12,7 @@ mod run;
 mod slurm;
 mod status;
 mod submit;
+mod trust;
 
 use std::path::PathBuf;
 

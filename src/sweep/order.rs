@@ -17,7 +17,7 @@ use rayreel_study::sweep::plan::LAYOUT;
 use rayreel_study::sweep::status;
 
 use super::folder::absolute;
-use super::{merge, plan, slurm};
+use super::{merge, plan, slurm, trust};
 use crate::common::print;
 use crate::exit::Exit;
 
@@ -176,6 +176,7 @@ impl<'a> Batch<'a> {
             commands: Vec::new(),
             submitted_unix_s: SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |t| t.as_secs()),
         };
+        trust::remember(self.folder, order);
         print(&self.arrays.iter().map(|array| line(&self.array(array)) + "\n").collect::<String>())?;
         let done = self.jobs(&mut submission, &mut after);
         if let Err(error) = done {

@@ -12,12 +12,14 @@ use super::order::{Submit, SubmitContext, carry_out};
 use super::run::{self, RunArgs};
 use super::slurm;
 use super::submit::{SiteArgs, limits};
+use super::trust;
 use crate::exit::Exit;
 
 /// Compute what is missing: on the cluster if the sweep was submitted to one, and here otherwise.
 ///
 /// On a cluster the shards that miss points and are not in the queue any more are submitted with the options of the last submission;
-/// what is given here goes before them, such as --mem 8G for shards that ran out of memory.
+/// what is given here goes before them, such as --mem 8G for shards that ran out of memory. What somebody else submitted, or another
+/// machine, is shown in full first, and submitted on a yes or with --trust.
 #[derive(Debug, clap::Args)]
 pub struct Args {
     /// Folder of a sweep.
@@ -25,6 +27,9 @@ pub struct Args {
     /// Compute here, even if it was submitted.
     #[arg(long)]
     local: bool,
+    /// Submit what the folder says, although this user did not submit it from this machine: it holds commands that the jobs run.
+    #[arg(long)]
+    trust: bool,
     #[command(flatten)]
     run: RunArgs,
     #[command(flatten)]
@@ -44,6 +49,10 @@ pub fn run(args: &Args, quiet: bool) -> Result<Exit> {
         }
         _ => return run::here(&folder, &args.run, Shard::WHOLE, quiet),
     };
+    let given = args.site.options();
+    if !args.how.dry_run {
+        trust::check(&folder, last, args.trust, !given.others.is_empty())?;
+    }
     let limits = limits(&folder, args.how.dry_run)?;
     let tasks = if slurm::is_here() { slurm::tasks(folder.id(), &submissions)? } else { Vec::new() };
     let mut active = Vec::new();
@@ -55,7 +64,7 @@ pub fn run(args: &Args, quiet: bool) -> Result<Exit> {
         shards: last.shards,
         run: last.run.clone(),
         patience: last.patience.clone(),
-        options: args.site.options().or(&last.options),
+        options: given.or(&last.options),
     };
     carry_out(&folder, &order, limits, SubmitContext { args: args.how, active: &active, last: Some(last) })
 }

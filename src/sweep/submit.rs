@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::{Result, bail};
+use rayreel_store::Location;
 use rayreel_study::cluster::shell::quote;
 use rayreel_study::cluster::slurm::limits::Limits;
 use rayreel_study::cluster::slurm::sbatch::{self, Options};
@@ -194,5 +195,16 @@ fn local(folder: &Folder, args: &Args, quiet: bool) -> Result<Exit> {
 
 /// A folder or address of traces as tasks find it, wherever they start.
 fn anywhere(traces: &str) -> Result<String> {
-    if traces.contains("://") { Ok(traces.into()) } else { Ok(absolute(Path::new(traces))?.display().to_string()) }
+    let location = Location::from(traces);
+    if location.has_secret() {
+        bail!(
+            "--traces {location}: its user, password or query would stand in the scripts and records of the sweep; give {location} \
+             alone, and the whole URLs of the traces in RAYREEL_TRACE_URLS where the tasks run"
+        );
+    }
+    if matches!(location, Location::Remote(_)) {
+        Ok(traces.into())
+    } else {
+        Ok(absolute(Path::new(traces))?.display().to_string())
+    }
 }

@@ -36,9 +36,11 @@ mod options;
 #[cfg(feature = "s3")]
 mod remote;
 mod traffic;
+mod unavailable;
 
 pub use cache::{CacheFolder, CacheSizeError};
-pub use location::{Location, is_remote};
+pub use location::{Location, in_folder, is_remote};
 pub use open::open;
 pub use options::Options;
 pub use traffic::Traffic;
+pub use unavailable::Unavailable;

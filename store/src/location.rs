@@ -43,6 +43,11 @@ impl Location {
         }
     }
 
+    /// Whether it holds what is not shown: a user, a password or a query.
+    pub fn has_secret(&self) -> bool {
+        matches!(self, Self::Remote(url) if *url != self.shown())
+    }
+
     /// The last part of path or URL: the same for a file and its copy in a bucket.
     pub fn file_name(&self) -> String {
         match self {
@@ -53,6 +58,13 @@ impl Location {
             }
         }
     }
+}
+
+/// The location of a file in a folder: the query of a URL stays behind its path.
+pub fn in_folder(folder: &str, name: &str) -> String {
+    let query = if is_remote(folder) { folder.find(['?', '#']) } else { None };
+    let (path, query) = folder.split_at(query.unwrap_or(folder.len()));
+    format!("{}/{name}{query}", path.trim_end_matches('/'))
 }
 
 impl fmt::Display for Location {
@@ -115,6 +127,9 @@ mod tests {
         let location = Location::from("https://me:word@host:8/a/b.rtrace?X-Amz-Signature=abc#x");
         assert_eq!(location.to_string(), "https://host:8/a/b.rtrace");
         assert_eq!(location.file_name(), "b.rtrace");
+        assert!(location.has_secret() && !Location::from("https://host:8/a/b.rtrace").has_secret());
+        assert_eq!(in_folder("https://h/a/?sig=x", "t"), "https://h/a/t?sig=x");
+        assert_eq!((in_folder("/a?b/", "t"), in_folder("s3://b", "t")), ("/a?b/t".into(), "s3://b/t".into()));
         assert_eq!(Location::from("s3://bucket/f/t.rtrace").to_string(), "s3://bucket/f/t.rtrace");
         assert_eq!(Location::from("f/t.rtrace").file_name(), "t.rtrace");
     }

@@ -25,6 +25,7 @@ mod fence;
 mod goldens;
 mod help;
 mod history;
+mod hostile;
 #[cfg(unix)]
 mod kill;
 mod models;

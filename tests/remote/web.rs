@@ -29,18 +29,18 @@ fn faults_of_a_server_are_explained() {
     let folder = tempfile::tempdir().unwrap();
     let server = Server::start(fs::read(small(folder.path(), "cornell")).unwrap());
     let shown = server.url().replace("?key=secret", "");
-    let fails = |url: &str, word: &str| {
-        let ran = rayreel(&format!("info {url}")).expect(2).says(&["cannot open", &shown, word]);
+    let fails = |url: &str, word: &str, code: i32| {
+        let ran = rayreel(&format!("info {url}")).expect(code).says(&["cannot open", &shown, word]);
         assert!(!ran.err.contains("secret"), "{}", ran.err);
     };
-    fails(&shown, "no such object");
+    fails(&shown, "no such object", 2);
     server.state.lock().unwrap().whole_only = true;
-    fails(&server.url(), "parts of files");
+    fails(&server.url(), "parts of files", 69);
     server.state.lock().unwrap().whole_only = false;
     server.state.lock().unwrap().failures = 2;
     rayreel(&format!("info {}", server.url())).expect(0);
     server.state.lock().unwrap().failures = 1000;
-    fails(&server.url(), "503");
+    fails(&server.url(), "503", 69);
 }
 
 #[test]
@@ -76,4 +76,71 @@ fn threads_share_what_is_fetched() {
     });
     let read = options.traffic.fetched_bytes();
     assert!(read < len + len / 4 + (128 << 10), "4 threads that read all of {len} bytes fetched {read}");
+}
+
+/// The plan, the results and every message held the signature.
+#[test]
+fn no_secret_of_a_url_is_at_rest() {
+    let folder = tempfile::tempdir().unwrap();
+    let server = Server::start(fs::read(small(folder.path(), "cornell")).unwrap());
+    let place = folder.path().display();
+    fs::write(
+        folder.path().join("p.toml"),
+        format!("traces = [{:?}]\npolicies = [\"full\"]\nmachines = [\"none\"]\n", server.url()),
+    )
+    .unwrap();
+    rayreel(&format!("sweep plan --no-estimate {place}/p.toml -o {place}/s")).expect(0);
+    let ran =
+        rayreel(&format!("sweep run {place}/s --quiet")).expect(3).says(&["RAYREEL_TRACE_URLS", "no such object"]);
+    assert!(!ran.err.contains("secret"), "{}", ran.err);
+    // In one process the URL is known; elsewhere it comes from the environment.
+    rayreel(&format!("sweep {place}/p.toml --quiet -o {place}/t")).expect(0);
+    let run: Vec<_> = ["sweep", "run", &format!("{place}/s"), "--quiet"].map(std::ffi::OsString::from).to_vec();
+    let ran = crate::common::command(&run).env("RAYREEL_TRACE_URLS", format!("x {}", server.url())).output().unwrap();
+    assert!(ran.status.success(), "{}", String::from_utf8_lossy(&ran.stderr));
+    let mut todo = vec![folder.path().join("s"), folder.path().join("t")];
+    while let Some(path) = todo.pop() {
+        if path.is_dir() {
+            todo.extend(fs::read_dir(path).unwrap().map(|entry| entry.unwrap().path()));
+        } else {
+            let bytes = fs::read(&path).unwrap();
+            assert!(!bytes.windows(6).any(|text| text == b"secret"), "{}", path.display());
+        }
+    }
+    let csv = fs::read_to_string(folder.path().join("t/results.csv")).unwrap();
+    assert!(csv.contains(",orbit.rtrace,"), "{csv}");
+}
+
+/// A corrupted answer went into the cache before its checksum was looked at, and stayed there.
+#[test]
+fn a_corrupted_answer_is_fetched_once_more() {
+    let folder = tempfile::tempdir().unwrap();
+    let bytes = fs::read(few()).unwrap();
+    let server = Server::start(bytes.clone());
+    let cache = rayreel_store::CacheFolder { path: folder.path().to_path_buf(), max_bytes: u64::MAX };
+    let options = || Options { cache: Some(cache.clone()), ..Options::default() };
+    let spoil = |wrong: bool| {
+        let mut state = server.state.lock().unwrap();
+        // The middle of the file: tiles, and neither end.
+        let middle = bytes.len() / 2;
+        state.bytes = bytes.clone();
+        state.bytes[middle - 2000..middle + 2000].iter_mut().for_each(|byte| *byte ^= u8::from(wrong));
+    };
+    let read = |trace: &rayreel_formats::trace::Trace| {
+        let tiles =
+            trace.meta().frame_numbers().flat_map(|frame| (0..trace.meta().tile_count()).map(move |t| (frame, t)));
+        tiles
+            .map(|(frame, tile)| trace.tile(frame, tile, &Column::ALL).map(|_| ()))
+            .collect::<Result<Vec<_>, _>>()
+            .map(|_| ())
+    };
+    let trace = rayreel_store::open(server.url().as_str(), &options()).unwrap();
+    spoil(true);
+    let error = read(&trace).unwrap_err().to_string();
+    let kept = format!("fetched twice from the server, and the cache {} does not keep it", folder.path().display());
+    assert!(error.contains("checksum") && error.contains(&kept), "{error}");
+    // The server is well again: nothing of the wrong bytes is left.
+    spoil(false);
+    read(&trace).unwrap();
+    read(&rayreel_store::open(server.url().as_str(), &options()).unwrap()).unwrap();
 }

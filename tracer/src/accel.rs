@@ -9,12 +9,12 @@ use glam::Vec3A;
 use obvhs::BvhBuildParams;
 use obvhs::bvh2::{Bvh2, builder::build_bvh2};
 use obvhs::triangle::Triangle as BuildTriangle;
-use rayreel_formats::bvh::{Bvh, MAX_LEAF_TRIANGLES, Shape, Triangle, Vertex};
+use rayreel_formats::bvh::{Bvh, MAX_LEAF_TRIANGLES, MAX_TREE_DEPTH, Shape, Triangle, Vertex};
 use rayreel_formats::math::Vec3;
 use rayreel_formats::oct::Oct;
 use rayreel_scenes::Scene;
 
-use crate::convert;
+use crate::{coincident, convert};
 
 /// A scene that the trace format cannot hold: it is too large, or too degenerate for a tree of bounded depth.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -33,6 +33,8 @@ pub struct Built {
     pub bvh: Bvh,
     /// Per triangle in leaf order, its index in the scene's mesh.
     pub source: Vec<u32>,
+    /// Triangles of the mesh that were left out, because they are copies of others in the same place.
+    pub left_out: usize,
 }
 
 /// Builds the BVH of a scene: obvhs' medium preset, at most [`MAX_LEAF_TRIANGLES`] triangles a leaf. The builder runs in
@@ -43,48 +45,134 @@ pub struct Built {
 pub fn build(scene: &Scene) -> Result<Built, BuildError> {
     let mesh = &scene.mesh;
     let corner = |v: u32| Vec3A::from(mesh.positions[v as usize]);
-    let triangles: Vec<BuildTriangle> = mesh
-        .triangles
+    let kept = coincident::kept(scene);
+    let triangles: Vec<BuildTriangle> = kept
         .iter()
+        .map(|&t| mesh.triangles[t as usize])
         .map(|t| BuildTriangle { v0: corner(t.vertices[0]), v1: corner(t.vertices[1]), v2: corner(t.vertices[2]) })
         .collect();
     let params = BvhBuildParams { max_prims_per_leaf: MAX_LEAF_TRIANGLES, ..BvhBuildParams::medium_build() };
     let bvh2 = build_bvh2(&triangles, params, &mut Duration::default());
-    let (shape, source) = depth_first(&bvh2);
+    let (shape, mut source) = depth_first(&bvh2);
+    source.iter_mut().for_each(|at| *at = kept[*at as usize]);
     let (triangles, vertices) = leaf_order(scene, &source);
     let materials = scene.materials.iter().map(convert::material).collect();
     let bvh = Bvh::new(&shape, triangles, vertices, scene.objects.clone(), materials)
         .map_err(|what| BuildError { scene: scene.name.clone(), what })?;
-    Ok(Built { bvh, source })
+    Ok(Built { bvh, source, left_out: mesh.triangles.len() - kept.len() })
 }
+
+/// Depth from which on a tree that is too deep is split in halves.
+const DEEP: u32 = 64;
 
 /// The shape of the tree and the triangle order of a depth-first walk, left child first.
 fn depth_first(bvh: &Bvh2) -> (Vec<[Shape; 2]>, Vec<u32>) {
-    let mut source = Vec::with_capacity(bvh.primitive_indices.len());
-    let mut take = |node: usize| {
-        let node = &bvh.nodes[node];
-        let first = node.first_index as usize;
-        source.extend_from_slice(&bvh.primitive_indices[first..first + node.prim_count as usize]);
-        Shape::Leaf(node.prim_count as u8)
-    };
+    let mut walk = DepthFirst { bvh, shape: Vec::new(), source: Vec::with_capacity(bvh.primitive_indices.len()) };
     if bvh.nodes[0].prim_count > 0 {
         // The whole scene is one leaf: it stands left below a root whose right child is empty.
-        return (vec![[take(0), Shape::Leaf(0)]], source);
+        let leaf = walk.leaf(walk.triangles(0));
+        walk.shape.push([leaf, Shape::Leaf(0)]);
+    } else {
+        walk.walk(is_too_deep(bvh));
     }
-    let mut shape = vec![[Shape::Inner; 2]];
-    let left = bvh.nodes[0].first_index as usize;
-    let mut open = vec![(left + 1, 0, 1), (left, 0, 0)];
-    while let Some((node, parent, side)) = open.pop() {
-        if bvh.nodes[node].prim_count > 0 {
-            shape[parent][side] = take(node);
-            continue;
+    (walk.shape, walk.source)
+}
+
+/// Whether a branch has more inner nodes than a trace may have.
+fn is_too_deep(bvh: &Bvh2) -> bool {
+    let mut open = vec![(0, 1)];
+    while let Some((node, depth)) = open.pop() {
+        let node = &bvh.nodes[node];
+        if node.prim_count == 0 {
+            if depth > MAX_TREE_DEPTH {
+                return true;
+            }
+            open.extend([0, 1].map(|side| (node.first_index as usize + side, depth + 1)));
         }
-        let pair: usize = shape.len();
-        shape.push([Shape::Inner; 2]);
-        let left = bvh.nodes[node].first_index as usize;
-        open.extend([(left + 1, pair, 1), (left, pair, 0)]);
     }
-    (shape, source)
+    false
+}
+
+/// What a depth-first walk still has to visit.
+enum Part {
+    /// A node.
+    Node(usize),
+    /// Triangles that are split in halves.
+    Halves(Vec<u32>),
+}
+
+struct DepthFirst<'a> {
+    bvh: &'a Bvh2,
+    shape: Vec<[Shape; 2]>,
+    source: Vec<u32>,
+}
+
+impl DepthFirst<'_> {
+    fn triangles(&self, node: usize) -> Vec<u32> {
+        let node = &self.bvh.nodes[node];
+        let first = node.first_index as usize;
+        self.bvh.primitive_indices[first..first + node.prim_count as usize].to_vec()
+    }
+
+    /// All triangles below a node, in the order of a depth-first walk.
+    fn below(&self, node: usize) -> Vec<u32> {
+        let (mut all, mut open) = (Vec::new(), vec![node]);
+        while let Some(node) = open.pop() {
+            let left = self.bvh.nodes[node].first_index as usize;
+            match self.bvh.nodes[node].prim_count {
+                0 => open.extend([left + 1, left]),
+                _ => all.extend(self.triangles(node)),
+            }
+        }
+        all
+    }
+
+    fn leaf(&mut self, triangles: Vec<u32>) -> Shape {
+        let count = triangles.len() as u8;
+        self.source.extend(triangles);
+        Shape::Leaf(count)
+    }
+
+    /// Walks the tree; `halve` splits what lies deep in it in halves.
+    fn walk(&mut self, halve: bool) {
+        let mut open = vec![(Part::Node(0), None, 0)];
+        while let Some((part, above, depth)) = open.pop() {
+            let part = match part {
+                Part::Node(node) if halve && depth == DEEP => Part::Halves(self.below(node)),
+                part => part,
+            };
+            let (left, right) = match part {
+                Part::Node(node) if self.bvh.nodes[node].prim_count > 0 => {
+                    let leaf = self.leaf(self.triangles(node));
+                    self.set(above, leaf);
+                    continue;
+                }
+                Part::Halves(triangles) if triangles.len() <= MAX_LEAF_TRIANGLES as usize => {
+                    let leaf = self.leaf(triangles);
+                    self.set(above, leaf);
+                    continue;
+                }
+                Part::Node(node) => {
+                    let left = self.bvh.nodes[node].first_index as usize;
+                    (Part::Node(left), Part::Node(left + 1))
+                }
+                Part::Halves(mut triangles) => {
+                    let right = triangles.split_off(triangles.len() / 2);
+                    (Part::Halves(triangles), Part::Halves(right))
+                }
+            };
+            let pair = self.shape.len();
+            self.shape.push([Shape::Inner; 2]);
+            open.extend([(right, Some((pair, 1)), depth + 1), (left, Some((pair, 0)), depth + 1)]);
+        }
+    }
+
+    /// Says what a child is; the root is no child.
+    fn set(&mut self, above: Option<(usize, usize)>, child: Shape) {
+        if let Some((pair, side)) = above {
+            self.shape[pair][side] = child;
+        }
+    }
 }
 
 /// Triangles in leaf order over vertices that are quantised, merged, and numbered as the triangles first name them.

@@ -33,6 +33,7 @@
 pub mod accel;
 pub mod against;
 pub mod capture;
+mod coincident;
 pub mod convert;
 mod grid;
 mod materials;

@@ -3,6 +3,7 @@
 use super::text;
 use crate::error::{ColumnsError, Result};
 use crate::schema::{Batch, Head};
+use crate::value::Column;
 
 fn refused(error: impl std::fmt::Display) -> ColumnsError {
     ColumnsError::Writer { format: "CSV", detail: error.to_string() }
@@ -29,6 +30,10 @@ pub fn rows(batch: &Batch) -> Result<Vec<u8>> {
         for column in &batch.columns {
             field.clear();
             text::write(&mut field, column, row);
+            // A spreadsheet computes such a cell, and names of scenes and materials may be a stranger's.
+            if matches!(column, Column::Word(_)) && field.starts_with(['=', '+', '-', '@', '\t', '\r']) {
+                field.insert(0, '\'');
+            }
             writer.write_field(&field).map_err(refused)?;
         }
         writer.write_record(None::<&[u8]>).map_err(refused)?;

@@ -113,7 +113,7 @@ pub fn encode(order: &CodingOrder<'_>, lights: usize) -> Vec<u8> {
 /// Says which limit a hostile stream would break.
 pub fn decode(bytes: &[u8], rect: Rect, lights: usize, max_depth: u32, limits: &Limits) -> Result<Tree, String> {
     let (mut coder, mut models, mut rows) = (Decoder::new(bytes), TreeModels::new(lights), Rows::new(rect));
-    let max_depth = max_depth.min(MAX_DEPTH);
+    let (max_depth, most) = (max_depth.min(MAX_DEPTH), limits.nodes_max(bytes.len()));
     // Samples that have a ray of each class, filled by the parent class.
     let mut waiting: Vec<Vec<u32>> = vec![Vec::new(); 1 << (max_depth + 1)];
     waiting[1] = (0..rect.len() as u32).collect();
@@ -140,8 +140,8 @@ pub fn decode(bytes: &[u8], rect: Rect, lights: usize, max_depth: u32, limits: &
             }
             rows.set(x, Near::new(&node));
             found.push((sample, node));
-            if found.len() as u64 > limits.max_nodes_per_tile {
-                return Err(format!("more than {} ray-tree nodes", limits.max_nodes_per_tile));
+            if found.len() as u64 > most {
+                return Err(format!("more than {most} ray-tree nodes in {} bytes", bytes.len()));
             }
         }
     }

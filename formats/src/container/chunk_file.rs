@@ -46,7 +46,14 @@ pub(crate) struct ChunkFile {
 
 impl ChunkFile {
     pub(crate) fn open(path: &Path, limits: Limits) -> Result<Self> {
-        let file = File::open(path).map_err(|error| Error::io(path, "open", error))?;
+        let refused = |error| Error::io(path, "open", error);
+        // Opening a pipe would wait for somebody to write into it.
+        let kind = std::fs::metadata(path).map_err(refused)?.file_type();
+        if !kind.is_file() && !kind.is_dir() {
+            let why = "it is no plain file but a pipe, a device or a socket; save it as a file first";
+            return Err(refused(io::Error::new(io::ErrorKind::InvalidInput, why)));
+        }
+        let file = File::open(path).map_err(refused)?;
         Self::new(Box::new(FileSource::new(file)), path, limits)
     }
 
@@ -95,6 +102,26 @@ impl ChunkFile {
             }
         }
         Ok(filled)
+    }
+
+    /// What `read` gives, which reads and checks `len` bytes from `offset`. Where they do not hold and came from far away, they are
+    /// fetched once more: an answer may have been corrupted on its way, and must not stay in a cache.
+    pub(crate) fn twice<T>(&self, offset: u64, len: u64, read: impl Fn() -> Result<T>) -> Result<T> {
+        let wrong = |error: &Error| matches!(error, Error::Damaged { .. } | Error::Unsupported { .. });
+        let error = match read() {
+            Err(error) if wrong(&error) => error,
+            other => return other,
+        };
+        if self.source.distrust(offset, len).is_none() {
+            return Err(error);
+        }
+        read().map_err(|again| match again {
+            Error::Damaged { place, fault } => {
+                let fetched = self.source.distrust(offset, len).unwrap_or_default();
+                Error::Damaged { place, fault: Fault::Again { fault: Box::new(fault), fetched } }
+            }
+            other => other,
+        })
     }
 
     /// Exactly `len` bytes from `offset`. Memory grows in steps with the bytes that arrive.
@@ -148,6 +175,10 @@ impl ChunkFile {
 
     /// The payload of a chunk as it lies in the file, checked.
     pub(crate) fn packed(&self, record: &ChunkRecord) -> Result<Vec<u8>> {
+        self.twice(record.offset, record.total_len(), || self.packed_once(record))
+    }
+
+    fn packed_once(&self, record: &ChunkRecord) -> Result<Vec<u8>> {
         let place = self.place(record.offset).of(record.id);
         check_limit("packed length of a chunk in bytes", record.packed_len, self.limits.max_chunk_packed_bytes)
             .map_err(|error| error.at(&place))?;
@@ -169,12 +200,20 @@ impl ChunkFile {
         if stored && record.raw_len != record.packed_len {
             return Err(Error::corrupt(place, "a stored chunk has two different lengths"));
         }
+        if !stored {
+            let earned = Limits::unpacked_max(record.packed_len);
+            check_limit("raw length of a chunk in bytes", record.raw_len, earned).map_err(|e| e.at(&place))?;
+        }
         let packed = self.packed(record)?;
         if stored { Ok(packed) } else { decompress(&packed, record.raw_len).map_err(|e| Error::corrupt(place, e)) }
     }
 
     /// The directory of a tile; reads nothing else of it but its header.
     pub(crate) fn tile_directory(&self, record: &ChunkRecord) -> Result<TileDirectory> {
+        self.twice(record.offset, record.total_len(), || self.tile_directory_once(record))
+    }
+
+    fn tile_directory_once(&self, record: &ChunkRecord) -> Result<TileDirectory> {
         self.require_tile(record)?;
         let place = self.payload_place(record);
         let directory = self.header_and(record, u64::from(record.directory_len).min(record.packed_len))?;
@@ -209,9 +248,11 @@ impl ChunkFile {
         if column.offset.checked_add(column.packed_len).is_none_or(|end| end > record.packed_len) {
             return Err(Error::usage(format!("this directory is not that of the {}", record.id)));
         }
-        let packed = self.bytes(start, column.packed_len).map_err(|error| error.at(&place))?;
-        check_crc(&packed, column.crc, Checked::Column(id), place)?;
-        Ok(Some(packed))
+        self.twice(start, column.packed_len, || {
+            let packed = self.bytes(start, column.packed_len).map_err(|error| error.at(&place))?;
+            check_crc(&packed, column.crc, Checked::Column(id), place.clone())?;
+            Ok(Some(packed))
+        })
     }
 
     /// Tells the source that these columns of a tile will be read next, one by one.

@@ -55,9 +55,16 @@ impl Reader {
     }
 
     fn from_file(file: ChunkFile) -> Result<Self> {
-        let header = read_file_header(&file)?;
-        let (trailer, trailer_offset) = read_trailer(&file)?;
-        let record = index_record(&file, &header, &trailer, trailer_offset)?;
+        let (version, index, by_id) = file.twice(0, file.len(), || Self::contents(&file))?;
+        file.layout(&index.chunks);
+        Ok(Self { file, version, index, by_id })
+    }
+
+    /// The version, the index, and the order of its chunks by id.
+    fn contents(file: &ChunkFile) -> Result<(FormatVersion, Index, Vec<u32>)> {
+        let header = read_file_header(file)?;
+        let (trailer, trailer_offset) = read_trailer(file)?;
+        let record = index_record(file, &header, &trailer, trailer_offset)?;
         let place = file.place(record.offset);
         let raw = file.read(&record, Index::raw_len_max(trailer.chunks))?;
         let index = Index::parse(&raw).map_err(|detail| Error::corrupt(place.clone(), detail))?;
@@ -67,9 +74,8 @@ impl Reader {
         index
             .check_layout(header.len, trailer.index_offset)
             .map_err(|(offset, id, detail)| Error::corrupt(file.place(offset).of(id), detail))?;
-        let by_id = sorted_by_id(&file, &index.chunks)?;
-        file.layout(&index.chunks);
-        Ok(Self { file, version: header.version, index, by_id })
+        let by_id = sorted_by_id(file, &index.chunks)?;
+        Ok((header.version, index, by_id))
     }
 
     /// Version of the format the file was written in; its minor version may be newer than this build.

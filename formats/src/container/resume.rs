@@ -12,7 +12,7 @@ use super::index::Index;
 use super::reader::read_file_header;
 use super::tile::TileDirectory;
 use super::walk::{Verdict, judge};
-use super::writer::{BUFFER_LEN, Writer, lock, partial_path};
+use super::writer::{BUFFER_LEN, Writer, is_still, lock, partial_path};
 use crate::error::{Error, Fault, Place, Result, Unknown, check_limit};
 use crate::id::{ChunkId, ChunkKind, FormatVersion};
 use crate::limits::Limits;
@@ -80,6 +80,9 @@ impl Writer {
             other => other.map_err(|error| Error::io(&partial, "open", error))?,
         };
         lock(&file, &partial)?;
+        if !is_still(&file, &partial) {
+            return Ok(None);
+        }
         let found = ChunkFile::open(&partial, limits.clone())?;
         if header_is_torn(&found)? {
             file.set_len(0).map_err(|error| Error::io(&partial, "truncate", error))?;

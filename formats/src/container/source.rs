@@ -29,6 +29,12 @@ pub trait Source: Send + Sync + fmt::Debug {
         Ok(())
     }
 
+    /// Told that what it gave of these bytes is not what the file's checksums say. A source that keeps copies of bytes far away drops
+    /// them, and gives in words where it will ask again; nothing where asking again gives the same.
+    fn distrust(&self, _offset: u64, _len: u64) -> Option<String> {
+        None
+    }
+
     /// Told once, after the index was checked, where the chunks lie, in file order: a source far away may fetch
     /// neighbours together that are read one after the other.
     fn layout(&self, _chunks: &[ChunkRecord]) {}

@@ -15,6 +15,8 @@ use super::trailer::Trailer;
 use crate::durable::{PARTIAL, sync_folder_of};
 use crate::error::{Error, Occupant, Result};
 use crate::id::{ChunkId, FormatVersion};
+#[cfg(unix)]
+use crate::locks;
 
 /// Level of the index's zstd frame. Fixed, so that the bytes of a file depend on its chunks alone.
 const INDEX_ZSTD_LEVEL: i32 = 9;
@@ -62,6 +64,12 @@ impl Writer {
         let file = OpenOptions::new().read(true).write(true).create_new(true).open(&partial);
         let file = file.map_err(|error| match error.kind() {
             io::ErrorKind::AlreadyExists => {
+                // Its writer may live: it is not for another to continue then.
+                if let Ok(other) = File::open(&partial)
+                    && let Err(alive) = lock(&other, &partial)
+                {
+                    return alive;
+                }
                 let hint = "a capture was cut short; continue it with --resume, or delete this file";
                 Error::occupied(&partial, Occupant::File { hint })
             }
@@ -81,6 +89,9 @@ impl Writer {
             other => other.map_err(|error| Error::io(&partial, "open", error))?,
         };
         lock(&file, &partial)?;
+        if !is_still(&file, &partial) {
+            return Ok(());
+        }
         fs::remove_file(&partial).map_err(|error| Error::io(&partial, "delete", error))
     }
 
@@ -204,9 +215,25 @@ pub(super) fn with_suffix(path: &Path, suffix: &str) -> Result<PathBuf> {
 pub(super) fn lock(file: &File, path: &Path) -> Result<()> {
     // Elsewhere a lock would also keep out readers, which need none.
     #[cfg(unix)]
-    if let Err(fs::TryLockError::WouldBlock) = file.try_lock() {
-        return Err(Error::occupied(path, Occupant::Writer));
+    if let Err(by) = locks::try_lock(file).map_err(|error| Error::io(path, "lock", error))? {
+        return Err(Error::occupied(path, Occupant::Writer { by }));
     }
     let _ = (file, path);
     Ok(())
+}
+
+/// Whether `path` still names this open and locked file. Its writer may have finished and renamed it after it was opened: it is
+/// complete then, under its own name, and must not be written to.
+pub(super) fn is_still(file: &File, path: &Path) -> bool {
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::MetadataExt;
+        let same = |a: &fs::Metadata, b: &fs::Metadata| (a.dev(), a.ino()) == (b.dev(), b.ino());
+        matches!((file.metadata(), fs::metadata(path)), (Ok(open), Ok(named)) if same(&open, &named))
+    }
+    #[cfg(not(unix))]
+    {
+        let _ = (file, path);
+        true
+    }
 }

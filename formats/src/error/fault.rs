@@ -4,6 +4,7 @@ use std::fmt;
 
 use super::place::Place;
 use crate::id::{ChunkId, FormatVersion};
+use crate::locks::Holder;
 
 /// What occupies the place of an output.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
@@ -16,8 +17,11 @@ pub enum Occupant {
         hint: &'static str,
     },
     /// Another process.
-    #[error("is being written by another process")]
-    Writer,
+    #[error("is being written by {by}; wait until it is done, or stop it")]
+    Writer {
+        /// Which.
+        by: Holder,
+    },
 }
 
 /// What this build does not know.
@@ -108,6 +112,14 @@ pub enum Fault {
         column: &'static str,
         /// What is wrong.
         detail: String,
+    },
+    /// The same fault again, in bytes that were fetched anew.
+    #[error("{fault} ({fetched})")]
+    Again {
+        /// The fault.
+        fault: Box<Self>,
+        /// From where, and what became of what was kept.
+        fetched: String,
     },
     /// A payload cannot be decoded.
     #[error("cannot decode {what}: {detail}")]

@@ -164,6 +164,7 @@ pub fn check_limit(what: &'static str, value: u64, limit: u64) -> Result<()> {
 mod tests {
     use super::*;
     use crate::id::{FormatVersion, NONE};
+    use crate::locks::Holder;
 
     #[test]
     fn unknown_parts_are_not_printed() {
@@ -189,7 +190,10 @@ mod tests {
         let version = Unknown::Version { found: FormatVersion { major: 2, minor: 1 }, known: FormatVersion::CURRENT };
         for (error, text) in [
             (Error::occupied(path, Occupant::File { hint: "go" }), "a.rtrace already exists; go"),
-            (Error::occupied(path, Occupant::Writer), "a.rtrace is being written by another process"),
+            (
+                Error::occupied(path, Occupant::Writer { by: Holder(Some(7)) }),
+                "a.rtrace is being written by process 7; wait until it is done, or stop it",
+            ),
             (
                 Error::unknown(place(), version),
                 "a.rtrace has format version 2.1, this build knows 1.0; use a newer rayreel",

@@ -289,6 +289,9 @@ fn decode<T>(
 ) -> std::result::Result<T, String> {
     let PackedColumn { codec, raw_len, bytes } = packed;
     let decoded = match *codec {
+        Codec::PLAIN if *raw_len > Limits::column_max(bytes.len() as u64) => {
+            return Err(format!("{} bytes are too few for the {raw_len} that the directory promises", bytes.len()));
+        }
         Codec::PLAIN => plain(&decompress(bytes, *raw_len).map_err(|e| e.to_string())?)?,
         Codec::CONTEXT => context(bytes)?,
         other => return Err(format!("coded by codec {other}, which this build does not know; use a newer rayreel")),

@@ -8,7 +8,7 @@ use crate::bvh::Bvh;
 use crate::columns::classes::CodingOrder;
 use crate::columns::paths::{BvhTopology, PathSink, SharedPaths};
 use crate::container::{ChunkRecord, ColumnTotals, Reader, Source, TileDirectory, TilePayload};
-use crate::error::{Error, Missing, Result};
+use crate::error::{Error, Missing, Place, Result, check_limit};
 use crate::id::{ChunkId, ChunkKind};
 use crate::limits::Limits;
 use crate::rays::{Geometry, TileRays};
@@ -63,6 +63,9 @@ impl Trace {
     fn from_reader(reader: Reader) -> Result<Self> {
         let limits = reader.limits().clone();
         let meta = Meta::from_payload(&reader.read(reader.require(ChunkId::META)?)?, &limits)?;
+        let tiles = u64::from(meta.tile_count()).saturating_mul(u64::from(meta.frames));
+        check_limit("number of tiles", tiles, Limits::tiles_max(reader.chunks().len() as u64))
+            .map_err(|error| error.at(&Place::new(reader.path(), 0)))?;
         let bvh = Bvh::from_payload(&reader.read(reader.require(ChunkId::BVH)?)?, &limits)?;
         let topology = BvhTopology::new(&bvh);
         let frames = reader.chunks().iter().filter(|record| record.id.kind == ChunkKind::FRAM);

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use glam::Vec3;
+use rayreel_settings::files;
 
 use crate::{
     error::{Location, SceneError},
@@ -18,7 +19,7 @@ pub const PATH_HEADER: &str = "frame,eye_x,eye_y,eye_z,target_x,target_y,target_
 /// # Errors
 /// A header, number or camera that cannot be used, with its line.
 pub fn read_path(path: &Path) -> Result<Vec<Camera>, SceneError> {
-    let text = std::fs::read_to_string(path).map_err(|source| SceneError::Io {
+    let text = files::read_text(path, files::TEXT_MAX).map_err(|source| SceneError::Io {
         path: path.to_owned(),
         what: "camera path",
         source,

@@ -11,6 +11,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
+use rayreel_settings::files;
 use serde::Deserialize;
 
 use self::{
@@ -57,7 +58,7 @@ pub fn load_scene_file(path: &Path, options: &LoadOptions) -> Result<Scene, Scen
     if path.is_dir() {
         return Err(SceneError::folder(path, "scene file (.toml)"));
     }
-    let text = std::fs::read_to_string(path).map_err(|source| SceneError::Io {
+    let text = files::read_text(path, files::TEXT_MAX).map_err(|source| SceneError::Io {
         path: path.to_owned(),
         what: "scene file",
         source,

@@ -26,7 +26,7 @@ impl Source {
     pub fn open(path: &Path) -> Result<Self, SceneError> {
         let failed = |source| SceneError::Io { path: path.to_owned(), what: "glTF file", source };
         check_size(path, std::fs::metadata(path).map_err(failed)?.len())?;
-        let bytes = std::fs::read(path).map_err(failed)?;
+        let bytes = rayreel_settings::files::read(path, MAX_BYTES).map_err(failed)?;
         let (root, blob) = parse(path, &bytes)?;
         let buffers = load_buffers(path, &root, blob)?;
         Ok(Self { path: path.to_owned(), document: Document::from_json_without_validation(root), buffers })

@@ -28,7 +28,7 @@ pub(crate) fn read(model: &Path, at: &Location, what: &str, uri: &str, most: u64
         let text = format!("the {what} `{}` has {length} bytes: at most {most} are read", file.display());
         return Err(SceneError::Limit { at: at.clone(), what: text, fix: "make it smaller".into() });
     }
-    std::fs::read(&file).map_err(missing)
+    rayreel_settings::files::read(&file, most).map_err(missing)
 }
 
 fn decode(at: &Location, what: &str, data: &str) -> Result<Vec<u8>, SceneError> {

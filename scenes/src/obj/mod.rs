@@ -5,10 +5,9 @@ mod polygon;
 mod text;
 mod triangles;
 
-use std::{
-    io::{self, ErrorKind},
-    path::Path,
-};
+use std::{io, path::Path};
+
+use rayreel_settings::files;
 
 use self::{mtl::TextureSet, text::CheckedObj};
 use crate::{
@@ -18,6 +17,9 @@ use crate::{
     scene::{Material, Mesh, Texture},
     warnings::{Warning, Warnings},
 };
+
+/// Most bytes of an OBJ file or a material library.
+const MODEL_MAX: u64 = 16 << 30;
 
 /// What an OBJ file and its material libraries hold.
 #[derive(Clone, Debug)]
@@ -70,10 +72,7 @@ pub fn load_obj(path: impl AsRef<Path>) -> Result<ObjModel, SceneError> {
 /// Reads a text file. Old exporters write names in Latin-1: bytes that are no UTF-8 are replaced,
 /// with a warning.
 fn read_text(path: &Path, warnings: &mut Warnings) -> io::Result<String> {
-    if path.is_dir() {
-        return Err(ErrorKind::IsADirectory.into());
-    }
-    Ok(String::from_utf8(std::fs::read(path)?).unwrap_or_else(|error| {
+    Ok(String::from_utf8(files::read(path, MODEL_MAX)?).unwrap_or_else(|error| {
         warnings.add("utf-8", || format!("{}: is not UTF-8; the odd bytes were replaced", path.display()));
         String::from_utf8_lossy(error.as_bytes()).into_owned()
     }))

@@ -1,5 +1,7 @@
 //! Rays against a mesh, by a grid of equal cells: enough for a few ten thousand rays, and built in one pass.
 
+use std::collections::HashSet;
+
 use glam::{DVec3, IVec3};
 
 use crate::scene::{Mesh, Triangle};
@@ -89,9 +91,17 @@ impl<'a> Grid<'a> {
         }
     }
 
+    /// The triangles without exact copies of one before: a ray that meets one meets all, and there may be a million.
+    fn distinct(&self) -> Vec<usize> {
+        let mut known = HashSet::new();
+        let triangles = self.mesh.triangles.iter().enumerate();
+        triangles.filter(|(_, triangle)| known.insert((triangle.vertices, triangle.object))).map(|(at, _)| at).collect()
+    }
+
     fn fill(&mut self) {
+        let distinct = self.distinct();
         let mut starts = vec![0_u32; (self.cells.x * self.cells.y * self.cells.z) as usize + 1];
-        for triangle in 0..self.mesh.triangles.len() {
+        for &triangle in &distinct {
             self.each_cell(triangle, |cell| starts[cell + 1] += 1);
         }
         for cell in 1..starts.len() {
@@ -99,7 +109,7 @@ impl<'a> Grid<'a> {
         }
         let mut lists = vec![0_u32; *starts.last().unwrap_or(&0) as usize];
         let mut next = starts.clone();
-        for triangle in 0..self.mesh.triangles.len() {
+        for &triangle in &distinct {
             self.each_cell(triangle, |cell| {
                 lists[next[cell] as usize] = triangle as u32;
                 next[cell] += 1;

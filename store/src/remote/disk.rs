@@ -18,7 +18,7 @@ use std::time::{Duration, Instant, SystemTime};
 
 use rayreel_formats::durable::write_whole;
 
-use super::memory::contains;
+use super::memory::{contains, overlaps};
 use crate::cache::CacheFolder;
 
 /// Digits of the name of an object's folder.
@@ -122,6 +122,19 @@ impl DiskCache {
         whole
     }
 
+    /// Drops all blocks with some of these bytes; the folder of the cache.
+    pub(super) fn forget(&self, range: &Range<u64>) -> &Path {
+        let mut state = self.lock();
+        state.blocks = list(&self.folder);
+        let wrong: Vec<Range<u64>> =
+            state.blocks.iter().map(|(&start, &end)| start..end).filter(|block| overlaps(block, range)).collect();
+        for block in wrong {
+            state.blocks.remove(&block.start);
+            fs::remove_file(self.folder.join(name(&block))).ok();
+        }
+        &self.cache.path
+    }
+
     fn room(&self) -> MutexGuard<'_, Room> {
         self.room.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -195,7 +208,9 @@ fn names(folder: &Path) -> impl Iterator<Item = String> {
 
 fn list(folder: &Path) -> BTreeMap<u64, u64> {
     let mut blocks = BTreeMap::new();
-    names(folder).filter_map(|name| range_of(&name)).for_each(|range| _ = add(&mut blocks, &range));
+    // What has the name of a block and is none, such as a folder, is passed by.
+    let files = names(folder).filter(|name| range_of(name).is_some() && folder.join(name).is_file());
+    files.filter_map(|name| range_of(&name)).for_each(|range| _ = add(&mut blocks, &range));
     blocks
 }
 

@@ -4,6 +4,8 @@ use std::io;
 
 use object_store::Error;
 
+use crate::unavailable::Unavailable;
+
 /// Longest answer of a server that is repeated, in characters.
 const ANSWER_MAX: usize = 300;
 
@@ -25,9 +27,9 @@ pub(super) fn explain(error: &Error) -> io::Error {
         ),
         // HTTP stores say so by kind, the others in words.
         _ if matches!(error, Error::NotSupported { .. }) || cause.contains("non-partial response") => {
-            io::Error::new(io::ErrorKind::Unsupported, "the server does not serve parts of files (range requests)")
+            Unavailable::error("the server does not serve parts of files (range requests)")
         }
-        _ => io::Error::other(cause),
+        _ => Unavailable::error(cause),
     }
 }
 

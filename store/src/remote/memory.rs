@@ -32,6 +32,11 @@ pub(super) fn contains(outer: &Range<u64>, inner: &Range<u64>) -> bool {
     outer.start <= inner.start && inner.end <= outer.end
 }
 
+/// Whether two ranges have a byte in common.
+pub(super) fn overlaps(a: &Range<u64>, b: &Range<u64>) -> bool {
+    a.start < b.end && b.start < a.end
+}
+
 #[derive(Debug, Default)]
 struct State {
     /// Least recently used first.
@@ -104,6 +109,11 @@ impl MemoryCache {
         let range = extend(&held);
         state.flying.push(range.clone());
         Lookup::ToFetch(Flight { memory: self, range })
+    }
+
+    /// Drops all blocks with some of these bytes.
+    pub(super) fn forget(&self, range: &Range<u64>) {
+        self.lock().blocks.retain(|block| !overlaps(&block.range(), range));
     }
 
     /// Takes in a block; drops old ones.

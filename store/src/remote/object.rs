@@ -11,6 +11,7 @@ use tokio::runtime::{Builder, Runtime};
 use super::fetch::Fetch;
 use super::{client, fault};
 use crate::traffic::Traffic;
+use crate::unavailable::Unavailable;
 
 /// An object whose bytes are fetched by range. Every answer is held against the version of the first.
 #[derive(Debug)]
@@ -58,7 +59,7 @@ impl Fetch for Object {
             let answer = get(&*self.store, &self.path, GetRange::Bounded(range.clone())).await?;
             let ObjectMeta { size, e_tag, last_modified, .. } = &answer.meta;
             if (size, e_tag, last_modified) != (&self.meta.size, &self.meta.e_tag, &self.meta.last_modified) {
-                return Err(io::Error::other("the object was replaced while it was read; start again"));
+                return Err(Unavailable::error("the object was replaced while it was read; start again"));
             }
             body(answer, range).await
         })?;
@@ -76,7 +77,7 @@ async fn get(store: &dyn ObjectStore, path: &Path, range: GetRange) -> io::Resul
 async fn body(answer: GetResult, range: Range<u64>) -> io::Result<Vec<u8>> {
     let bytes = answer.bytes().await.map_err(|error| fault::explain(&error))?;
     if bytes.len() as u64 != range.end - range.start {
-        return Err(io::Error::new(io::ErrorKind::UnexpectedEof, "the answer was cut short"));
+        return Err(Unavailable::error("the answer was cut short"));
     }
     Ok(bytes.into())
 }

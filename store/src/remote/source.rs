@@ -84,6 +84,14 @@ impl<F: Fetch> Source for RemoteSource<F> {
         if wanted.is_empty() { Ok(()) } else { self.block(&wanted).map(|_| ()) }
     }
 
+    fn distrust(&self, offset: u64, len: u64) -> Option<String> {
+        let range = offset..offset.saturating_add(len).min(self.size);
+        self.memory.forget(&range);
+        let cache = self.disk.as_ref().map(|disk| disk.forget(&range).display().to_string());
+        let kept = cache.map_or_else(String::new, |cache| format!(", and the cache {cache} does not keep it"));
+        Some(format!("fetched twice from the server{kept}"))
+    }
+
     fn layout(&self, chunks: &[ChunkRecord]) {
         self.ahead.layout(chunks);
     }

@@ -1,14 +1,17 @@
 //! Reading results from the folder of a sweep or from a Parquet file.
 
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use crate::error::{Result, StudyError};
 use crate::sweep::folder::PLAN;
 use crate::table::Results;
+use rayreel_settings::files;
 
 /// The results in the folder of a sweep.
 pub const RESULTS: &str = "results.parquet";
+
+/// Most bytes of a file of results.
+pub(crate) const RESULTS_MAX: u64 = 8 << 30;
 
 /// Whether a path is the folder of a sweep.
 pub fn is_sweep(path: &Path) -> bool {
@@ -30,7 +33,7 @@ pub fn load(path: &Path) -> Result<(Results, PathBuf)> {
         };
         return Err(missing(path, detail));
     }
-    let bytes = fs::read(&file).map_err(|e| missing(&file, format!("cannot read it: {e}")))?;
+    let bytes = files::read(&file, RESULTS_MAX).map_err(|e| missing(&file, format!("cannot read it: {e}")))?;
     Ok((decode(bytes, &file)?, file))
 }
 

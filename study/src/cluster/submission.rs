@@ -86,13 +86,17 @@ impl Submission {
     }
 
     fn read(file: &Path) -> Result<Self> {
-        let bytes = fs::read(file).map_err(|e| StudyError::io(file, "read", e))?;
+        let bytes = rayreel_settings::files::read(file, 1 << 24).map_err(|e| StudyError::io(file, "read", e))?;
         let bad = |why: String| {
             StudyError::input(file, format!("is no record of a submission: {why}; remove it if its jobs are gone"))
         };
         let submission: Self = serde_json::from_slice(&bytes).map_err(|e| bad(e.to_string()))?;
         if submission.layout != LAYOUT || submission.shards == 0 {
             return Err(bad(format!("layout {}, {} shards", submission.layout, submission.shards)));
+        }
+        // They become words of squeue and scancel.
+        if let Some(job) = submission.jobs().find(|job| !is_job(job)) {
+            return Err(bad(format!("{job:?} is no id of a job")));
         }
         Ok(submission)
     }
@@ -120,6 +124,14 @@ impl Submission {
         };
         tasks.iter().filter(|task| task.is_active()).filter_map(shard).collect()
     }
+}
+
+/// Whether a text is the id of a job, with `;CLUSTER` behind it where there are several.
+fn is_job(text: &str) -> bool {
+    let (id, cluster) = text.split_once(';').unwrap_or((text, "c"));
+    let plain = |c: u8| c.is_ascii_alphanumeric() || b"_.".contains(&c) || c == b'-';
+    let digits = !id.is_empty() && id.bytes().all(|b| b.is_ascii_digit());
+    digits && !cluster.is_empty() && !cluster.starts_with('-') && cluster.bytes().all(plain)
 }
 
 fn records(folder: &Folder) -> PathBuf {
@@ -195,6 +207,9 @@ mod tests {
         let file = folder.path().join("002.json");
         fs::write(&file, &text).unwrap();
         assert_eq!(Submission::read(&file).unwrap(), submission());
+        let foreign = Submission { merge: Some("--all".into()), ..submission() };
+        fs::write(&file, serde_json::to_vec(&foreign).unwrap()).unwrap();
+        assert!(Submission::read(&file).unwrap_err().to_string().contains("is no id of a job"));
         fs::write(&file, &text[..text.len() / 2]).unwrap();
         assert!(Submission::read(&file).unwrap_err().to_string().contains("is no record of a submission"));
     }

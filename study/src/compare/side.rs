@@ -6,6 +6,7 @@ use crate::analysis::load;
 use crate::compare::run;
 use crate::error::{Result, StudyError};
 use crate::table::Results;
+use rayreel_settings::files;
 
 /// Something to compare.
 pub enum Side {
@@ -24,7 +25,7 @@ impl Side {
         if path.is_dir() {
             return Ok(Self::Table(load::load(path)?.0));
         }
-        let bytes = std::fs::read(path).map_err(|source| StudyError::io(path, "read", source))?;
+        let bytes = files::read(path, load::RESULTS_MAX).map_err(|source| StudyError::io(path, "read", source))?;
         if bytes.iter().find(|byte| !byte.is_ascii_whitespace()) == Some(&b'{') {
             return Ok(Self::Run(run::decode(&bytes, path)?));
         }

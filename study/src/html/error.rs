@@ -41,6 +41,14 @@ pub enum ReportError {
         /// What is wrong there.
         detail: String,
     },
+    /// Values that no page can be made of.
+    #[error("{}: no page can be made of what stands in it: {why}; write it again with the command that made it", path.display())]
+    Odd {
+        /// The file.
+        path: PathBuf,
+        /// What went wrong.
+        why: String,
+    },
     /// The study is of another version.
     #[error(
         "{} has schema {found}, and this program reads {}; write it again with this version",
@@ -76,6 +84,13 @@ pub enum ReportError {
 impl ReportError {
     /// Whether a file is there and bad, rather than missing or out of reach.
     pub fn is_bad_data(&self) -> bool {
-        matches!(self, Self::Damaged { .. } | Self::Schema { .. } | Self::NoPicture { .. } | Self::BadPicture { .. })
+        matches!(
+            self,
+            Self::Damaged { .. }
+                | Self::Odd { .. }
+                | Self::Schema { .. }
+                | Self::NoPicture { .. }
+                | Self::BadPicture { .. }
+        )
     }
 }

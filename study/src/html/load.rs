@@ -4,6 +4,7 @@ use std::fs;
 use std::io;
 use std::path::{Component, Path};
 
+use rayreel_settings::files;
 use serde_json::Value;
 
 use crate::html::error::ReportError;
@@ -11,6 +12,9 @@ use crate::schema::{FILE, SCHEMA, Study};
 
 /// Most bytes of a picture: a study may be written by anyone.
 const PICTURE_BYTES_MAX: u64 = 1 << 28;
+
+/// Most bytes of study.json.
+const STUDY_BYTES_MAX: u64 = 1 << 28;
 
 /// How every PNG file begins.
 const PNG: [u8; 8] = *b"\x89PNG\r\n\x1a\n";
@@ -21,7 +25,7 @@ const PNG: [u8; 8] = *b"\x89PNG\r\n\x1a\n";
 /// When it is missing, damaged or of another version.
 pub fn load(folder: &Path) -> Result<Study, ReportError> {
     let path = folder.join(FILE);
-    let text = match fs::read(&path) {
+    let text = match files::read(&path, STUDY_BYTES_MAX) {
         Ok(text) => text,
         Err(e) if matches!(e.kind(), io::ErrorKind::NotFound | io::ErrorKind::NotADirectory) => {
             return Err(ReportError::NoStudy { folder: folder.into() });
@@ -69,7 +73,8 @@ pub fn picture(folder: &Path, name: &str) -> Result<Vec<u8>, ReportError> {
     if read(fs::metadata(&path).map(|meta| meta.len()))? > PICTURE_BYTES_MAX {
         return Err(bad("it is larger than 256 MiB"));
     }
-    let bytes = fs::read(&path).map_err(|source| ReportError::Io { path: path.clone(), source })?;
+    let bytes =
+        files::read(&path, PICTURE_BYTES_MAX).map_err(|source| ReportError::Io { path: path.clone(), source })?;
     if bytes.starts_with(&PNG) { Ok(bytes) } else { Err(bad("it is no PNG file")) }
 }
 

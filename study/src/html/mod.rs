@@ -23,6 +23,7 @@ pub use load::load;
 use crate::analysis::load as results;
 use crate::files::write_named;
 use crate::schema::{FILE, Study};
+use crate::table::guard::guarded;
 
 /// A page that was written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -56,7 +57,9 @@ pub fn write(folder: &Path, file: &Path) -> crate::Result<Written, ReportError> 
 /// When a picture is missing or damaged, or `file` cannot be written.
 pub fn write_study(study: &Study, folder: &Path, file: &Path) -> crate::Result<Written, ReportError> {
     let pictures = sections::viewer::Pictures::load(study, |name| load::picture(folder, name))?;
-    let html = page::page(study, &pictures);
+    // A study may be a stranger's: whatever its numbers are, there is a page or one error.
+    let odd = |why| ReportError::Odd { path: folder.join(FILE), why };
+    let html = guarded(|| page::page(study, &pictures)).map_err(odd)?;
     write_named(file, html.as_bytes()).map_err(|e| ReportError::Write { source: Box::new(e) })?;
     Ok(Written { bytes: html.len(), picture_bytes: pictures.bytes(), pictures: pictures.len() })
 }

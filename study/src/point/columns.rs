@@ -30,7 +30,7 @@ pub fn write_columns(folder: &Path, columns: &[Column]) -> Result<()> {
 pub fn read_columns(folder: &Path) -> Result<BTreeMap<String, Column>> {
     let mut all = BTreeMap::new();
     for file in listing(folder, "json")? {
-        let bytes = fs::read(&file).map_err(|e| StudyError::io(&file, "read", e))?;
+        let bytes = rayreel_settings::files::read(&file, 1 << 24).map_err(|e| StudyError::io(&file, "read", e))?;
         let columns: Vec<Column> = serde_json::from_slice(&bytes).map_err(|e| {
             let detail = format!("does not say what columns are: {e}; remove it, and the next run writes it again");
             StudyError::input(&file, detail)

@@ -52,7 +52,7 @@ impl Point {
 
     /// Every value of the policy as JSON, as results keep it.
     pub fn policy_config(&self) -> String {
-        serde_json::to_string(&self.policy.policy).unwrap_or_default()
+        policy_json(&self.policy)
     }
 
     /// The numbers of its frames.
@@ -95,6 +95,11 @@ pub fn machine_json(machine: &NamedMachine) -> String {
     let values: BTreeMap<_, _> = machine.values.iter().map(|sourced| (sourced.key, &sourced.value)).collect();
     // Keys are words and numbers finite: this cannot fail.
     serde_json::to_string(&values).unwrap_or_default()
+}
+
+/// Every value of a policy as JSON, as results keep it.
+pub fn policy_json(policy: &NamedPolicy) -> String {
+    serde_json::to_string(&policy.policy).unwrap_or_default()
 }
 
 /// The hash of all that a row depends on: the trace's fingerprint, the first frame and the number of frames, every value of

@@ -20,6 +20,7 @@ use std::path::{Path, PathBuf};
 use crate::error::{Result, StudyError};
 use crate::files::write_whole;
 use crate::sweep::plan::{BUCKET, Plan};
+use rayreel_settings::files;
 
 /// The folder with its plan.
 #[derive(Clone, Debug)]
@@ -40,6 +41,9 @@ pub enum Created {
 
 /// Name of the plan in its folder.
 pub const PLAN: &str = "plan.json";
+
+/// Most bytes of it: some hundreds for each of a million points.
+const PLAN_MAX: u64 = 1 << 30;
 
 impl Folder {
     /// Puts a plan into a folder. The plan of a folder never changes.
@@ -70,13 +74,13 @@ impl Folder {
     /// Opens the folder of a sweep.
     ///
     /// # Errors
-    /// No plan in it, or one that this program cannot carry out.
+    /// No plan in it, one that this program cannot carry out, or one that was changed or damaged.
     pub fn open(path: &Path) -> Result<Self> {
         let file = path.join(PLAN);
-        let bad = |detail: String| StudyError::input(&file, detail);
-        let bytes = fs::read(&file)
-            .map_err(|e| bad(format!("{e}; is this the folder of a sweep? `rayreel sweep plan` makes one")))?;
-        let plan = Plan::from_json(&bytes).map_err(bad)?;
+        let bytes = files::read(&file, PLAN_MAX).map_err(|e| {
+            StudyError::input(&file, format!("{e}; is this the folder of a sweep? `rayreel sweep plan` makes one"))
+        })?;
+        let plan = Plan::from_json(&bytes).map_err(|detail| StudyError::Corrupt { path: file.clone(), detail })?;
         let id = plan.id();
         Ok(Self { path: path.into(), plan, id })
     }

@@ -14,6 +14,10 @@ use crate::point::columns::listing;
 use crate::point::row::Row;
 use crate::point::segment::{Belonging, Writer, decode, encode};
 use crate::sweep::folder::Folder;
+use rayreel_settings::files;
+
+/// Most bytes of a segment: some kilobytes for each of its rows.
+const SEGMENT_MAX: u64 = 1 << 28;
 
 /// What a bucket holds.
 #[derive(Clone, Debug, Default)]
@@ -97,7 +101,7 @@ pub fn read(folder: &Folder, bucket: usize) -> Result<Bucket> {
 impl Bucket {
     /// Takes in a file: whether it was whole; nothing if it is not there.
     fn add(&mut self, folder: &Folder, bucket: usize, path: &Path) -> Result<Option<bool>> {
-        let bytes = match fs::read(path) {
+        let bytes = match files::read(path, SEGMENT_MAX) {
             Ok(bytes) => bytes,
             Err(e) if e.kind() == io::ErrorKind::NotFound => return Ok(None),
             Err(e) => return Err(StudyError::io(path, "read", e)),

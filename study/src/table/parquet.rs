@@ -18,6 +18,7 @@ use parquet::schema::types::Type;
 use serde::{Deserialize, Serialize};
 
 use crate::error::{Result, StudyError};
+use crate::table::guard::guarded;
 use crate::table::{Cells, Field, Heading, Results, Role};
 
 /// The metadata key.
@@ -55,6 +56,15 @@ pub fn encode(results: &Results) -> Result<Vec<u8>> {
 /// # Errors
 /// Not Parquet, or not ours.
 pub fn decode(bytes: Vec<u8>, path: &Path) -> Result<Results> {
+    // The reader panics on files that no writer makes: a page of a dictionary that is not there, lengths below 0.
+    guarded(|| decode_trusted(bytes, path)).unwrap_or_else(|why| {
+        let detail = format!("not a sound Parquet file: {why}; `rayreel sweep merge` makes it again");
+        Err(StudyError::Corrupt { path: path.into(), detail })
+    })
+}
+
+/// The same, of a file that may make it panic.
+fn decode_trusted(bytes: Vec<u8>, path: &Path) -> Result<Results> {
     let bad = |detail: String| StudyError::Corrupt { path: path.into(), detail };
     let reader =
         SerializedFileReader::new(bytes::Bytes::from(bytes)).map_err(|e| bad(format!("not a Parquet file: {e}")))?;
@@ -72,6 +82,10 @@ pub fn decode(bytes: Vec<u8>, path: &Path) -> Result<Results> {
     for (i, info) in metadata.columns.into_iter().enumerate() {
         let cells = read(&reader, i).map_err(|e| bad(format!("column {}: {e}", info.name)))?;
         let ColumnInfo { name, unit, description, role } = info;
+        let (rows, found) = (fields.first().map_or(cells.len(), |first: &Field| first.cells.len()), cells.len());
+        if rows != found {
+            return Err(bad(format!("column {name} has {found} rows, and the first has {rows}")));
+        }
         fields.push(Field { name, unit, description, role, cells });
     }
     Ok(Results { heading: metadata.heading, fields })
@@ -227,6 +241,16 @@ mod tests {
         let bytes = encode(&table(50)).unwrap();
         for cut in (0..bytes.len()).step_by(7) {
             assert!(decode(bytes[..cut].to_vec(), Path::new("t.parquet")).is_err(), "cut at {cut}");
+        }
+        // Any byte may be another: an error, or other values. Some of these made the reader panic.
+        for at in 0..bytes.len() {
+            for value in [0, 0xff, bytes[at] ^ 1, bytes[at] ^ 0x80] {
+                let mut changed = bytes.clone();
+                changed[at] = value;
+                if let Ok(results) = decode(changed, Path::new("t.parquet")) {
+                    assert!(results.fields.iter().all(|field| field.cells.len() == results.rows()));
+                }
+            }
         }
         let error = decode(b"PAR1 not at all PAR1".to_vec(), Path::new("t.parquet")).unwrap_err();
         assert!(error.to_string().starts_with("t.parquet: not a Parquet file"), "{error}");

@@ -307,9 +307,9 @@ fn a_folder_keeps_its_plan() {
     let file = path.join("plan.json");
     let text = std::fs::read_to_string(&file).unwrap();
     for (from, to, want) in [
-        ("\"layout\":1", "\"layout\":9", "has layout 9"),
+        ("\"layout\":2", "\"layout\":9", "has layout 9"),
         ("\"model\":3", "\"model\":9", "was made for model version 9"),
-        ("\"trace\":0", "\"trace\":5", "points nowhere"),
+        ("\"trace\":0", "\"trace\":5", "does not have the checksum"),
         ("{", "[", "not a plan of a sweep"),
     ] {
         std::fs::write(&file, text.replacen(from, to, 1)).unwrap();
@@ -318,6 +318,46 @@ fn a_folder_keeps_its_plan() {
     }
     let nowhere = Folder::open(place.path()).unwrap_err().to_string();
     assert!(nowhere.contains("is this the folder of a sweep?"), "{nowhere}");
+}
+
+/// One flipped bit of a plan gave wrong results under the names of right ones, and `--reuse` carried them on.
+#[test]
+fn a_plan_that_is_not_what_its_keys_say_is_refused() {
+    let sweep = Sweep::new(plan(SMALL).unwrap());
+    sweep.run(Shard::WHOLE, "a");
+    let file = sweep.folder.path().join("plan.json");
+    let (whole, plan) = (std::fs::read(&file).unwrap(), sweep.folder.plan().clone());
+    let refused = |bytes: &[u8], want: &str| {
+        std::fs::write(&file, bytes).unwrap();
+        let merged = Folder::open(sweep.folder.path()).map(|folder| merge(&folder).is_ok()).unwrap_err();
+        let reused = ReusedRows::load([sweep.folder.path()]).unwrap_err();
+        for error in [merged, reused] {
+            assert!(error.is_bad_data() && error.to_string().contains(want), "{error}");
+        }
+    };
+    // Four cores become five: the digit is one bit away.
+    let text = String::from_utf8(whole.clone()).unwrap();
+    let leaf = text.find("gpu.cores = ").unwrap();
+    let at = leaf + text[leaf..].find("value = 4").unwrap() + "value = ".len();
+    let mut flipped = whole.clone();
+    flipped[at] ^= 1;
+    assert_eq!((whole[at], flipped[at]), (b'4', b'5'));
+    refused(&flipped, "does not have the checksum");
+    // With a checksum of its own it is still not what its keys say.
+    let mut changed = plan.clone();
+    let toml = &mut changed.machines[0].toml;
+    let leaf = toml.find("gpu.cores = ").unwrap();
+    *toml = toml[..leaf].to_owned() + &toml[leaf..].replacen("value = 4", "value = 5", 1);
+    assert_ne!(changed, plan);
+    refused(&changed.to_json().unwrap(), "and what it is to compute has the key");
+    let mut other = plan.clone();
+    other.points[0].key = other.points[1].key.clone();
+    refused(&other.to_json().unwrap(), "point 0 of the plan");
+    let mut beyond = plan.clone();
+    beyond.points[0].frames = (1, u32::MAX);
+    refused(&beyond.to_json().unwrap(), "points nowhere");
+    std::fs::write(&file, &whole).unwrap();
+    assert_eq!(ReusedRows::load([sweep.folder.path()]).unwrap().rows.len(), 8);
 }
 
 /// [`MODEL_VERSION`] and the BLAKE3 hash of `traces/machine.txt`, the golden results of machines and policies, that goes with it.

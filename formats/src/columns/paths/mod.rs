@@ -126,7 +126,7 @@ pub fn decode_to<S: PathSink>(
     scratch: &mut PathScratch,
     sink: &mut S,
 ) -> Result<SharedPaths, String> {
-    let mut runs = Vec::with_capacity(RUNS);
+    let (mut runs, most) = (Vec::with_capacity(RUNS), limits.path_steps_max(bytes.len()));
     for _ in 0..RUNS {
         let (length, rest) = bytes.split_first_chunk::<4>().ok_or("the paths end within a length")?;
         let length = u32::from_le_bytes(*length) as usize;
@@ -135,7 +135,7 @@ pub fn decode_to<S: PathSink>(
         bytes = rest;
     }
     let runs: [RunDecoder<'_>; RUNS] = runs.try_into().map_err(|_| "the paths lack a run")?;
-    let mut coder = PathCoder::new(Decoder::new(bytes), runs, topology, scratch, limits.max_path_steps_per_tile);
+    let mut coder = PathCoder::new(Decoder::new(bytes), runs, topology, scratch, most);
     let index = order.tree.ray_index();
     let mut out = SharedPaths { rays: vec![0; index.last().map_or(0, |&rays| rays as usize)], steps: Vec::new() };
     for rays in streams(order, &index, lights) {

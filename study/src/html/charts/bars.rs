@@ -120,7 +120,7 @@ pub fn rows(rows: &[HorizontalBar], most: f64, zone: Option<(f64, Option<f64>)>,
         svg.rect([a, top - 4.0, (b - a).max(2.0), bottom - top + 4.0], "zone");
         let text =
             end.map_or_else(|| format!("paper ≥ {}", factor(least)), |m| format!("paper {least} to {}", factor(m)));
-        let middle = (f64::midpoint(a, b)).clamp(text_width(&text) / 2.0, WIDTH - text_width(&text) / 2.0);
+        let middle = f64::midpoint(a, b).min(WIDTH - text_width(&text) / 2.0).max(text_width(&text) / 2.0);
         svg.text(middle, top - 8.0, "note m", &text);
     }
     for tick in x.ticks() {

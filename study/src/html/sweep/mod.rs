@@ -19,13 +19,15 @@ use std::path::Path;
 use crate::files::write_named;
 use crate::html::{ReportError, Written};
 use crate::table::Results;
+use crate::table::guard::guarded;
 
 /// Makes the page of results and writes it to `file`.
 ///
 /// # Errors
 /// When `file` cannot be written.
 pub fn write(results: &Results, file: &Path) -> crate::Result<Written, ReportError> {
-    let html = page::page(results);
+    let odd = |why| ReportError::Odd { path: file.into(), why: format!("of its results, {why}") };
+    let html = guarded(|| page::page(results)).map_err(odd)?;
     write_named(file, html.as_bytes()).map_err(|e| ReportError::Write { source: Box::new(e) })?;
     Ok(Written { bytes: html.len(), picture_bytes: 0, pictures: 0 })
 }

@@ -66,6 +66,7 @@ mod tests {
         let trace = TraceRef {
             name: "t".into(),
             location: "t".into(),
+            signed: false,
             fingerprint: "f".into(),
             scene: "s".into(),
             size: (1, 1),

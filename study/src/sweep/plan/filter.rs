@@ -43,6 +43,7 @@ impl<'a> Filters<'a> {
     pub fn new(environment: &'a Environment<'a>, all: &'a [Spanned<String>], text: Text<'a>) -> Result<Self> {
         let globals: BTreeSet<&str> = environment.globals().map(|(name, _)| name).collect();
         let compile = |source: &'a Spanned<String>| {
+            bounded(source.get_ref()).map_err(|why| wrong(source, text, &why))?;
             let compiled = environment.compile_expression_owned(jinja(source.get_ref()));
             let expression = compiled.map_err(|e| wrong(source, text, &why(&e)))?;
             let names =
@@ -82,6 +83,27 @@ impl<'a> Filters<'a> {
     }
 }
 
+/// Most characters of an expression that are shown.
+const SHOWN_MAX: usize = 200;
+
+/// Most characters of an expression, and most signs, brackets and joining words in it: the parser calls itself for each that
+/// stands within another.
+const LENGTH_MAX: usize = 10_000;
+const NESTING_MAX: usize = 200;
+
+/// Refuses what would need a deep stack.
+fn bounded(source: &str) -> Result<(), String> {
+    if source.chars().count() > LENGTH_MAX {
+        return Err(format!("it has more than {LENGTH_MAX} characters; split it into several"));
+    }
+    let words = source.split(|c: char| !c.is_alphanumeric() && c != '_');
+    let words = words.filter(|word| matches!(*word, "not" | "if" | "and" | "or")).count();
+    if words + source.matches(|c: char| "-+*/%~|.([{<>=".contains(c)).count() > NESTING_MAX {
+        return Err(format!("it has more than {NESTING_MAX} signs and brackets; split it into several"));
+    }
+    Ok(())
+}
+
 /// An axis that does not vary for a point is none.
 fn plain(value: Option<&Scalar>) -> Value {
     match value {
@@ -98,5 +120,9 @@ fn why(error: &minijinja::Error) -> String {
 }
 
 fn wrong(source: &Spanned<String>, text: Text<'_>, why: &str) -> StudyError {
-    text.error(&source.span(), format!("exclude {:?}: {why}", source.get_ref()))
+    let mut shown: String = source.get_ref().chars().take(SHOWN_MAX).collect();
+    if shown.len() < source.get_ref().len() {
+        shown += "..";
+    }
+    text.error(&source.span(), format!("exclude {shown:?}: {why}"))
 }

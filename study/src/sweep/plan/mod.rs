@@ -15,12 +15,12 @@ mod quantity;
 mod range;
 mod scalar;
 mod sources;
+mod stored;
 
 use serde::{Deserialize, Serialize};
 
 use crate::error::{Result, StudyError};
 use crate::point::key::{Key, Point};
-use crate::point::version::MODEL_VERSION;
 use rayreel_machine::config::NamedMachine;
 use rayreel_machine::config::schema::is_machine_override;
 use rayreel_replay::Detail;
@@ -30,8 +30,8 @@ pub use axis::{Axis, AxisValue};
 pub use scalar::Scalar;
 pub use sources::Sources;
 
-/// Version of the layout of `plan.json` and of segments.
-pub const LAYOUT: u32 = 1;
+/// Version of the layout of `plan.json` and of records of submissions.
+pub const LAYOUT: u32 = 2;
 
 /// Points of one bucket: what one folder of segments holds.
 pub const BUCKET: usize = 64;
@@ -41,8 +41,12 @@ pub const BUCKET: usize = 64;
 pub struct TraceRef {
     /// File name: what results call it.
     pub name: String,
-    /// Where it was when the plan was made: an absolute path, or an address.
+    /// Where it was when the plan was made: an absolute path, or an address without what may be a secret of it (user, password,
+    /// query).
     pub location: String,
+    /// Whether the address had such a part: whoever opens it has to know it from elsewhere.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub signed: bool,
     /// What it must hold: [`rayreel_formats::trace::Trace::fingerprint`].
     pub fingerprint: String,
     /// Its scene.
@@ -89,7 +93,7 @@ pub struct PointRef {
 pub struct Plan {
     /// [`LAYOUT`].
     pub layout: u32,
-    /// [`MODEL_VERSION`] of the program that made it.
+    /// [`MODEL_VERSION`](crate::point::version::MODEL_VERSION) of the program that made it.
     pub model: u32,
     /// What results call it.
     pub name: String,
@@ -111,59 +115,6 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// The plan of `plan.json`.
-    ///
-    /// # Errors
-    /// Not a plan; a plan of another layout or model.
-    pub fn from_json(bytes: &[u8]) -> Result<Self, String> {
-        #[derive(Deserialize)]
-        struct Head {
-            layout: u32,
-            model: u32,
-        }
-        let head: Head = serde_json::from_slice(bytes).map_err(|e| format!("not a plan of a sweep: {e}"))?;
-        if head.layout != LAYOUT {
-            return Err(format!("the plan has layout {}, this program writes {LAYOUT}; make it again", head.layout));
-        }
-        if head.model != MODEL_VERSION {
-            let (old, new) = (head.model, MODEL_VERSION);
-            return Err(format!(
-                "the plan was made for model version {old}, this program is version {new}: use the program that made it, or make \
-                 a new plan in a new folder"
-            ));
-        }
-        let plan: Self = serde_json::from_slice(bytes).map_err(|e| format!("not a plan of a sweep: {e}"))?;
-        plan.check().map(|()| plan)
-    }
-
-    /// Refuses indices that point nowhere.
-    fn check(&self) -> Result<(), String> {
-        let good = |p: &PointRef| {
-            let values = p.values.iter().zip(&self.axes);
-            p.trace < self.traces.len()
-                && p.machine < self.machines.len()
-                && p.policy < self.policies.len()
-                && p.detail < self.details.len()
-                && p.values.len() == self.axes.len()
-                && values.into_iter().all(|(value, axis)| value.is_none_or(|value| value < axis.values.len()))
-        };
-        if let Some(wrong) = self.details.iter().find(|text| text.parse::<Detail>().is_err()) {
-            return Err(format!("not a plan of a sweep: {wrong:?} is no detail"));
-        }
-        match self.points.iter().position(|p| !good(p)) {
-            Some(at) => Err(format!("not a plan of a sweep: point {at} points nowhere")),
-            None => Ok(()),
-        }
-    }
-
-    /// The plan as `plan.json` holds it: the same bytes for the same plan.
-    ///
-    /// # Errors
-    /// Never for a plan that was made by [`Plan::new`]: numbers are finite.
-    pub fn to_json(&self) -> Result<Vec<u8>> {
-        serde_json::to_vec(self).map_err(|e| StudyError::Usage { detail: e.to_string() })
-    }
-
     /// Which plan it is: a hash of its points and of what their rows are called, wherever the traces lie.
     pub fn id(&self) -> String {
         let mut hasher = blake3::Hasher::new();
@@ -217,14 +168,22 @@ impl Plan {
     fn resolve_with(&self, point: &PointRef, overrides: Vec<String>) -> Result<Point> {
         let (of_machine, of_policy): (Vec<_>, Vec<_>) =
             overrides.into_iter().partition(|text| is_machine_override(text));
-        let (machine, policy) = (&self.machines[point.machine], &self.policies[point.policy]);
-        let machine = match machine.toml.as_str() {
-            "" => None,
-            toml => Some(NamedMachine::parse(&machine.name, toml, &of_machine)?),
-        };
-        let policy = NamedPolicy::parse(&policy.name, &policy.toml, &of_policy)?;
+        let (machine, policy) = (self.machine(point.machine, &of_machine)?, self.policy(point.policy, &of_policy)?);
         let plain = Point::plain(&self.traces[point.trace].fingerprint, point.frames, machine, policy);
         Ok(Point { detail: self.detail(point)?, ..plain })
+    }
+
+    /// Machine number `index` with these overrides; none if that is the machine `none`.
+    fn machine(&self, index: usize, overrides: &[String]) -> Result<Option<NamedMachine>> {
+        let Base { name, toml } = &self.machines[index];
+        let parse = || Ok(NamedMachine::parse(name, toml, overrides)?);
+        (!toml.is_empty()).then(parse).transpose()
+    }
+
+    /// Policy number `index` with these overrides.
+    fn policy(&self, index: usize, overrides: &[String]) -> Result<NamedPolicy> {
+        let Base { name, toml } = &self.policies[index];
+        Ok(NamedPolicy::parse(name, toml, overrides)?)
     }
 
     /// How much of a point is simulated cycle by cycle.

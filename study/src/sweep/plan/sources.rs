@@ -12,6 +12,7 @@ use crate::sweep::plan::{Base, TraceRef};
 use rayreel_machine::config::NamedMachine;
 use rayreel_replay::Detail;
 use rayreel_replay::policy::NamedPolicy;
+use rayreel_store::{Location, in_folder};
 
 /// What a plan is made from.
 pub struct Sources<'a> {
@@ -54,7 +55,7 @@ pub fn traces(file: &PlanFile, sources: &Sources<'_>) -> Result<Vec<TraceRef>> {
         for location in locations(entry, sources)? {
             match (sources.open)(&location) {
                 Ok(trace) => add(&mut all, &trace, &location).map_err(|detail| text.error(&entry.span(), detail))?,
-                Err(why) => missing.push((entry.span(), location, why)),
+                Err(why) => missing.push((entry.span(), shown(&location), why)),
             }
         }
     }
@@ -65,14 +66,20 @@ pub fn traces(file: &PlanFile, sources: &Sources<'_>) -> Result<Vec<TraceRef>> {
     Err(text.error(span, format!("trace {location}: {why}{others}")))
 }
 
+/// What may be written down of a location: an address without user, password and query, any of which may be a secret.
+fn shown(location: &str) -> String {
+    Location::from(location).to_string()
+}
+
 /// Adds a trace, unless it is there already. An error says what is wrong with it.
-fn add(all: &mut Vec<TraceRef>, trace: &Trace, location: &str) -> Result<(), String> {
+fn add(all: &mut Vec<TraceRef>, trace: &Trace, whole: &str) -> Result<(), String> {
+    let location = &shown(whole);
     if let Some((frame, tile)) = trace.missing_tiles().first() {
         return Err(format!(
             "trace {location} is incomplete: tile {tile} of frame {frame} is missing; capture it again"
         ));
     }
-    let found = reference(trace, location).map_err(|e| format!("trace {location}: {e}"))?;
+    let found = reference(trace, whole).map_err(|e| format!("trace {location}: {e}"))?;
     if let Some(other) = all.iter().find(|known| known.name == found.name && known.location != found.location) {
         let (name, other) = (&found.name, &other.location);
         return Err(format!("two traces are called {name}: {other} and {location}; rename one"));
@@ -86,10 +93,12 @@ fn add(all: &mut Vec<TraceRef>, trace: &Trace, location: &str) -> Result<(), Str
 /// What a plan says of an open trace.
 fn reference(trace: &Trace, location: &str) -> rayreel_formats::Result<TraceRef> {
     let meta = trace.meta();
-    let name = location.rsplit(['/', '\\']).next().unwrap_or(location);
+    let (signed, location) = (Location::from(location).has_secret(), shown(location));
+    let name = location.rsplit(['/', '\\']).next().unwrap_or(&location).to_owned();
     Ok(TraceRef {
-        name: name.to_owned(),
-        location: location.to_owned(),
+        name,
+        location,
+        signed,
         fingerprint: trace.fingerprint()?.to_string(),
         scene: meta.scene.clone(),
         size: (meta.width, meta.height),
@@ -105,7 +114,7 @@ fn locations(entry: &At<String>, sources: &Sources<'_>) -> Result<Vec<String>> {
         return Ok(vec![name.clone()]);
     }
     if let Some(base) = sources.traces.filter(|base| is_address(base)) {
-        return Ok(vec![format!("{}/{name}", base.trim_end_matches('/'))]);
+        return Ok(vec![in_folder(base, name)]);
     }
     let absolute = std::path::absolute(sources.traces.map_or(sources.folder, Path::new).join(name));
     let path = absolute.map_err(|e| wrong(format!("trace {name:?}: {e}")))?;

@@ -19,7 +19,7 @@ use crate::point::compute::{chain, compute_rows};
 use crate::point::row::{Column, Row};
 use crate::pool::{Event, Pool};
 use crate::sweep::folder::Folder;
-use crate::sweep::plan::BUCKET;
+use crate::sweep::plan::{BUCKET, PointRef};
 use crate::sweep::segment;
 use groups::groups;
 use saver::Saver;
@@ -154,6 +154,13 @@ impl<'a> Workers<'a> {
         let tell = |done: u64, of: u64| part.store((done.min(of) * all / of.max(1)) as usize, Ordering::Relaxed);
         let wanted: Vec<_> = resolved.iter().zip(&planned).map(|(point, planned)| (point, &planned.key)).collect();
         let rows = compute_rows(&wanted, (&opened.source, &opened.tree), &self.settings.stop, tell);
-        Ok(rows.into_iter().map(|row| row.map_err(|e| chain(&e))).collect())
+        // A row carries the key of what was computed: no other point may take it for its own.
+        let own = |(row, planned): (Result<(Row, Vec<Column>)>, &&PointRef)| match row {
+            Ok((row, _)) if row.key != planned.key => {
+                Err(format!("the plan has key {} for it, and what was computed has {}", planned.key, row.key))
+            }
+            other => other.map_err(|e| chain(&e)),
+        };
+        Ok(rows.into_iter().zip(&planned).map(own).collect())
     }
 }

@@ -51,7 +51,11 @@ impl<'a> SharedTraces<'a> {
 
     fn opened(&self, trace: usize) -> Result<Arc<OpenTrace>, String> {
         let planned = &self.folder.plan().traces[trace];
-        let trace = (self.settings.open)(&planned.location)?;
+        let unsigned = |why: String| {
+            let how = "the plan keeps no user, password or query of its URL: set RAYREEL_TRACE_URLS to the whole URL";
+            if planned.signed { format!("{why}; {how}") } else { why }
+        };
+        let trace = (self.settings.open)(&planned.location).map_err(unsigned)?;
         let fingerprint = trace.fingerprint().map_err(|e| e.to_string())?.to_string();
         if fingerprint != planned.fingerprint {
             let location = &planned.location;
