@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Iterator, Mapping
 
 import numpy as np
+import numpy.typing as npt
 
 from . import _native
 
@@ -14,7 +15,8 @@ if TYPE_CHECKING:
     import polars
     import pyarrow
 
-    from ._native import Array
+
+Array = npt.NDArray[Any]
 
 
 @dataclass(frozen=True)
@@ -59,7 +61,7 @@ class Table(Mapping[str, "Array"]):
         self._text: dict[str, Array] = {}
 
     def __getitem__(self, name: str) -> Array:
-        column = self._columns[name]
+        column: Array | tuple[Array, list[str]] = self._columns[name]
         if not isinstance(column, tuple):
             return column
         if name not in self._text:

@@ -111,7 +111,8 @@ class Trace:
         `requests` or `counters`. The arguments are the options of `rayreel export`. Of columns that are not asked for nothing is
         kept."""
         asked = _asked(columns, frames, tiles, policy, machine, set, interval)
-        return Table(tables()[what] if what in tables() else tables()["rays"], self._native.table(what, asked))
+        columns_by_name = self._native.table(what, asked)
+        return Table(tables()[what], columns_by_name)
 
     def batches(
         self,

@@ -5,8 +5,8 @@ from typing import Any, Iterator, Mapping, Self, Sequence, TypeAlias, final
 import numpy as np
 import numpy.typing as npt
 
-Array: TypeAlias = npt.NDArray[Any]
-Floats: TypeAlias = npt.NDArray[np.float32]
+_Array: TypeAlias = npt.NDArray[Any]
+_Floats: TypeAlias = npt.NDArray[np.float32]
 
 __version__: str
 MODEL_VERSION: int
@@ -30,15 +30,15 @@ class Frame:
         """Number of the frame."""
 
     @property
-    def image(self) -> Floats | None:
+    def image(self) -> _Floats | None:
         """Linear RGB: rows, columns, channels. None without pictures."""
 
     @property
-    def reference(self) -> Floats | None:
+    def reference(self) -> _Floats | None:
         """The picture of full sampling. None without pictures or comparison."""
 
     @property
-    def flip(self) -> Floats | None:
+    def flip(self) -> _Floats | None:
         """FLIP of each pixel: rows, columns. None without pictures or comparison."""
 
     @property
@@ -87,11 +87,11 @@ class TileView:
         """Which samples are known."""
 
     @property
-    def colours(self) -> Floats:
+    def colours(self) -> _Floats:
         """Colours of the known samples, linear RGB; others are not numbers."""
 
     @property
-    def surfaces(self) -> dict[str, Array]:
+    def surfaces(self) -> dict[str, _Array]:
         """Where the primary rays of the known samples met a surface: object (-1 for none), depth, shadows, normal, position."""
 
     def samples(self) -> npt.NDArray[np.uint32]:
