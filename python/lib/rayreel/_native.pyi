@@ -8,6 +8,7 @@ import numpy.typing as npt
 _Array: TypeAlias = npt.NDArray[Any]
 _Floats: TypeAlias = npt.NDArray[np.float32]
 
+__all__: list[str]
 __version__: str
 MODEL_VERSION: int
 
