@@ -19,12 +19,17 @@ fn openexr_reads_what_was_recorded() {
         rayreel!["export", "--quiet", &trace, "--what", what, "--frames", "1", "-o", &table].expect(0);
         table
     };
-    let ran = rayreel!["aov", &trace, "--frame", "1", "--policy", "paper-ss", "--set", "block=4", "-o", &file].expect(0);
+    let ran =
+        rayreel!["aov", &trace, "--frame", "1", "--policy", "paper-ss", "--set", "block=4", "-o", &file].expect(0);
     assert!(ran.out.contains("frame 1, ") && ran.out.contains("of 48 x 32 pixels"), "{ran:?}");
     let again = folder.path().join("b.exr");
     rayreel!["aov", "--threads", "1", &trace, "--frame", "1", "--policy", "paper-ss", "--set", "block=4", "-o", &again]
         .expect(0);
-    assert_eq!(std::fs::read(&file).unwrap(), std::fs::read(&again).unwrap(), "the same bytes for any number of threads");
+    assert_eq!(
+        std::fs::read(&file).unwrap(),
+        std::fs::read(&again).unwrap(),
+        "the same bytes for any number of threads"
+    );
     let script = repository("tests/e2e/aov.py");
     let ran = Command::new("python3").arg("-B").arg(script).args([&file, &table("hits"), &table("samples")]).output();
     let output = match ran {
@@ -45,7 +50,20 @@ fn openexr_reads_what_was_recorded() {
     let about: Value = serde_json::from_str(read["rayreel"].as_str().unwrap()).unwrap();
     assert_eq!((&about["frame"], &about["scene"]), (&1.into(), &"chess".into()));
     assert_eq!(about["trace_digest"], digest(&trace)["digest"], "{about}");
-    let traced = rayreel!["replay", "--quiet", "--json", "--machine", "none", "--policy", "paper-ss", "--set", "block=4", "--frames", "1", &trace];
+    let traced = rayreel![
+        "replay",
+        "--quiet",
+        "--json",
+        "--machine",
+        "none",
+        "--policy",
+        "paper-ss",
+        "--set",
+        "block=4",
+        "--frames",
+        "1",
+        &trace
+    ];
     let traced = traced.expect(0).json();
     assert_eq!(read["traced_samples"], traced["samples_traced"]);
     let flip = |value: &Value| (value.as_f64().unwrap() * 1e5).round();

@@ -36,7 +36,8 @@ fn fewer_tiles_and_columns_are_said_and_still_read() {
     let folder = tempfile::tempdir().unwrap();
     let at = |name: &str| folder.path().join(name);
     capture("chess", OPTIONS, &at("all"));
-    let ran = rayreel!["trim", "--quiet", at("all"), "--tiles", "0..2", "--columns", "hits", "-o", at("some")].expect(0);
+    let ran =
+        rayreel!["trim", "--quiet", at("all"), "--tiles", "0..2", "--columns", "hits", "-o", at("some")].expect(0);
     assert!(ran.out.contains("it is not whole: "), "{ran:?}");
     assert!(fs::metadata(at("some")).unwrap().len() < fs::metadata(at("all")).unwrap().len());
     let info = rayreel!["info", "--json", at("some")].expect(3).json();
