@@ -12,7 +12,7 @@ except ImportError as error:
 
 file, hits, samples = sys.argv[1], np.load(sys.argv[2]), np.load(sys.argv[3])
 with OpenEXR.File(file, separate_channels=True) as exr:
-    header, channels = exr.header(), {name: channel.pixels for name, channel in exr.channels().items()}
+    header, channels = dict(exr.header()), {name: channel.pixels for name, channel in exr.channels().items()}
 height, width = channels["depth.Z"].shape
 n = (int(samples["x"].max()) + 1) // width
 

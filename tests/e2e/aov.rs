@@ -49,7 +49,7 @@ fn openexr_reads_what_was_recorded() {
     assert_eq!(read["comments"], "rayreel aov chess.rtrace --frame 1 --policy paper-ss --set block=4");
     let about: Value = serde_json::from_str(read["rayreel"].as_str().unwrap()).unwrap();
     assert_eq!((&about["frame"], &about["scene"]), (&1.into(), &"chess".into()));
-    assert_eq!(about["trace_digest"], digest(&trace)["digest"], "{about}");
+    assert_eq!(about["trace_digest"], digest(&trace)["total"], "{about}");
     let traced = rayreel![
         "replay",
         "--quiet",
@@ -75,8 +75,8 @@ fn a_scene_gives_what_its_trace_gives() {
     let folder = tempfile::tempdir().unwrap();
     let at = |name: &str| folder.path().join(name);
     capture("cornell", "--size 32x16 --samples 1x1", &at("c.rtrace"));
-    rayreel!["aov", "--quiet", at("c.rtrace"), "-o", at("trace.exr")].expect(0);
-    rayreel!["aov", "--quiet", "cornell", "--size", "32x16", "--samples", "1x1", "-o", at("scene.exr")].expect(0);
+    rayreel!["aov", "--quiet", &at("c.rtrace"), "-o", &at("trace.exr")].expect(0);
+    rayreel!["aov", "--quiet", "cornell", "--size", "32x16", "--samples", "1x1", "-o", &at("scene.exr")].expect(0);
     // They differ in the command alone.
     let [a, b] = ["trace.exr", "scene.exr"].map(|name| rayreel_replay::image::files::read_exr(&at(name)).unwrap());
     assert_eq!(a, b);
@@ -97,7 +97,7 @@ fn wrong_requests_are_named() {
         assert!(ran.err.contains(says), "{ran:?}");
         assert!(!file.exists());
     }
-    let ran = rayreel!["aov", &trace, "-o", folder.path().join("a.png")].expect(2);
+    let ran = rayreel!["aov", &trace, "-o", &folder.path().join("a.png")].expect(2);
     assert!(ran.err.contains("let its name end in .exr"), "{ran:?}");
-    rayreel!["aov", folder.path().join("no.rtrace"), "-o", &file].expect(65);
+    rayreel!["aov", &folder.path().join("no.rtrace"), "-o", &file].expect(65);
 }

@@ -24,7 +24,7 @@ const OF_FRAMES: &[(&str, &str, usize)] = &[
 /// The whole page.
 pub fn page(replay: &Folder) -> String {
     let sections: Vec<Section> =
-        [figures(&replay.stats), pictures(replay), frames(&replay.stats)].into_iter().flatten().collect();
+        [pictures(replay), frames(&replay.stats), figures(&replay.stats)].into_iter().flatten().collect();
     let title = format!("{} · {}", text(&replay.stats, "scene"), text(&replay.stats, "policy"));
     Shell {
         title: &title,
