@@ -15,6 +15,7 @@ use pyo3::prelude::*;
 /// The native part of the package `rayreel`.
 #[pymodule(gil_used = true)]
 mod _native {
+    use super::*;
     #[pymodule_export]
     use crate::batches::Batches;
     #[pymodule_export]
@@ -25,7 +26,6 @@ mod _native {
     use crate::trace::{Trace, presets, tables};
     #[pymodule_export]
     use crate::view::TileView;
-    use super::*;
 
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {

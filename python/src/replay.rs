@@ -58,8 +58,7 @@ pub fn frames_of(py: Python<'_>, trace: &Trace, request: Request) -> PyResult<(S
     let (ran, failure) = interruptible(py, |stop| {
         let options = Options { reference: request.compare, perception: request.compare };
         let tree = machine.as_ref().map(|_| trace.topology());
-        let simulator =
-            machine.as_ref().zip(tree.as_ref()).map(|(machine, tree)| Simulator { machine, tree, detail });
+        let simulator = machine.as_ref().zip(tree.as_ref()).map(|(machine, tree)| Simulator { machine, tree, detail });
         let ran = match (&policy, &in_python) {
             (Some(policy), _) => run(trace, &policy.policy, options, (first..end, simulator, request.pictures), stop),
             (None, Some(policy)) => run(trace, policy, options, (first..end, simulator, request.pictures), stop),

@@ -51,7 +51,8 @@ pub struct Asked {
 impl Wanted {
     fn new(trace: &Recorded, what: &str, asked: Asked) -> PyResult<Self> {
         let all = || What::ALL.map(What::name).join(", ");
-        let what = What::named(what).ok_or_else(|| refuse(format!("there is no table {what:?}; take one of {}", all())))?;
+        let what =
+            What::named(what).ok_or_else(|| refuse(format!("there is no table {what:?}; take one of {}", all())))?;
         let mut selection = Selection::all(trace.meta());
         if let Some((first, end)) = asked.frames {
             selection = selection.frames(first..end).map_err(|e| raise(&e))?;
@@ -101,7 +102,9 @@ pub fn settings(
         overrides.iter().cloned().partition(|text| is_machine_override(text));
     for (kind, there, texts) in [("machine", machine, &of_machine), ("policy", policy, &of_policy)] {
         if let (None, Some(text)) = (there, texts.first()) {
-            return Err(refuse(format!("override {text} is for a {kind}, and there is none; name one, or leave it out")));
+            return Err(refuse(format!(
+                "override {text} is for a {kind}, and there is none; name one, or leave it out"
+            )));
         }
     }
     let policy = policy.map(|name| NamedPolicy::load(name, &of_policy)).transpose().map_err(|e| raise(&e))?;

@@ -32,7 +32,8 @@ pub fn lend(py: Python<'_>, tile: &mut Lent, decide: impl FnOnce(&Py<TileView>) 
 impl TileView {
     /// The tile, as long as it is lent.
     fn with<T>(&self, what: impl FnOnce(&mut Lent) -> PyResult<T>) -> PyResult<T> {
-        let over = || PyRuntimeError::new_err("a view is of use only during the call of begin_tile that it was given to");
+        let over =
+            || PyRuntimeError::new_err("a view is of use only during the call of begin_tile that it was given to");
         if !LENT.is_set() {
             return Err(over());
         }
@@ -45,7 +46,9 @@ impl TileView {
             return Ok(());
         }
         let (right, bottom) = (left + width - 1, top + height - 1);
-        Err(refuse(format!("sample ({x}, {y}) is not in the tile, whose columns are {left} to {right} and rows {top} to {bottom}")))
+        Err(refuse(format!(
+            "sample ({x}, {y}) is not in the tile, whose columns are {left} to {right} and rows {top} to {bottom}"
+        )))
     }
 
     /// A sample that is not decided.
@@ -153,15 +156,7 @@ impl TileView {
 
     /// Gives a sample what lies `share` of the way from sample `near` to sample `far`.
     #[pyo3(signature = (x, y, near, far, share=0.5, round=1))]
-    fn interpolate(
-        &self,
-        x: u32,
-        y: u32,
-        near: (u32, u32),
-        far: (u32, u32),
-        share: f32,
-        round: u8,
-    ) -> PyResult<()> {
+    fn interpolate(&self, x: u32, y: u32, near: (u32, u32), far: (u32, u32), share: f32, round: u8) -> PyResult<()> {
         if !(0.0..=1.0).contains(&share) {
             return Err(refuse(format!("a share is from 0 to 1, not {share}")));
         }

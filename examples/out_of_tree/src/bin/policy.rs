@@ -54,11 +54,17 @@ fn main() -> std::result::Result<(), Box<dyn std::error::Error>> {
     let trace = Trace::open("../../traces/v1_0_teapot.rtrace".as_ref(), Limits::default())?;
     let machine = NamedMachine::load("sgrt-ti2", &[])?;
     let (tree, frame) = (trace.topology(), trace.meta().first_frame);
-    for policy in [&NamedPolicy::load("full", &[])? as &dyn SamplePolicy, &NamedPolicy::load("adaptive", &[])?, &Cross] {
+    for policy in [&NamedPolicy::load("full", &[])? as &dyn SamplePolicy, &NamedPolicy::load("adaptive", &[])?, &Cross]
+    {
         let mut replayer = Replayer::new(&trace, policy, Options::default())?;
         let run = simulate(&mut replayer, frame, &tree, (&machine.name, &machine.config), &mut NoProbe)?;
         let (rays, flip) = (run.stats.rays(), run.replay.stats.quality.and_then(|quality| quality.flip));
-        println!("{:9} {rays:6} rays {:7} cycles, FLIP {:.4}", policy.name(), run.stats.cycles, flip.unwrap_or_default());
+        println!(
+            "{:9} {rays:6} rays {:7} cycles, FLIP {:.4}",
+            policy.name(),
+            run.stats.cycles,
+            flip.unwrap_or_default()
+        );
     }
     Ok(())
 }

@@ -99,11 +99,12 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let reuse = |behind| Reuse { behind, layout: Layout::new(config), lines: BTreeMap::new(), requests: 0 };
     let (mut busy, mut lines, mut requests) = (Busy { due: 0, seen: Vec::new() }, BTreeMap::new(), 0);
     let frame = (trace.meta().first_frame, &trace.topology());
-    let stats = simulate_in_front_of(&mut replayer, frame, (&machine.name, config), (reuse, &mut busy), |memory, _| {
-        // After each tile, and at the end: what was written down so far.
-        (lines, requests) = (memory.lines.clone(), memory.requests);
-        Ok::<_, ReplayError>(())
-    })?;
+    let stats =
+        simulate_in_front_of(&mut replayer, frame, (&machine.name, config), (reuse, &mut busy), |memory, _| {
+            // After each tile, and at the end: what was written down so far.
+            (lines, requests) = (memory.lines.clone(), memory.requests);
+            Ok::<_, ReplayError>(())
+        })?;
     println!("{} cycles, {requests} requests behind the L1s", stats.cycles);
     for (cycle, tiles, bytes) in busy.seen {
         println!("cycle {cycle:6}: {tiles:2} tiles done, {bytes:6} bytes to and from DRAM");
