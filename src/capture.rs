@@ -51,11 +51,21 @@ pub struct Args {
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
-enum CodecName {
+pub enum CodecName {
     /// Adaptive range coding in the context of neighbouring rays: smallest.
     Context,
     /// Plain bytes under zstd: simple to read in any language.
     Plain,
+}
+
+impl CodecName {
+    /// The codec; `level` is that of zstd.
+    pub fn codec(self, level: i32) -> Codec {
+        match self {
+            Self::Context => Codec::Context,
+            Self::Plain => Codec::Plain(level),
+        }
+    }
 }
 
 pub fn run(args: &Args, quiet: bool) -> Result<Exit> {
@@ -70,10 +80,7 @@ pub fn run(args: &Args, quiet: bool) -> Result<Exit> {
     if args.force && !args.resume {
         Writer::discard(&args.output)?;
     }
-    let codec = match args.codec {
-        CodecName::Context => Codec::Context,
-        CodecName::Plain => Codec::Plain(args.level),
-    };
+    let codec = args.codec.codec(args.level);
     let output = CaptureOutput { path: args.output.clone(), codec, level: args.level, resume: args.resume };
     let tile = args.tile.unwrap_or_else(|| tile_of(args.grid.samples));
     let meta = meta(&scene, &args.grid, tile, first, count);

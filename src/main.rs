@@ -1,6 +1,7 @@
 //! The `rayreel` command: one file per subcommand here, all logic in the crates.
 
 mod anchors;
+mod aov;
 mod capture;
 mod common;
 mod compare;
@@ -8,12 +9,15 @@ mod completions;
 mod detail;
 mod diff;
 mod digest;
+mod edit;
 mod exit;
 mod export;
 mod info;
+mod merge;
 mod paper;
 mod presets;
 mod progress;
+mod recompress;
 mod render;
 mod repair;
 mod replay;
@@ -22,6 +26,7 @@ mod scene_args;
 mod scenes;
 mod sweep;
 mod traces;
+mod trim;
 mod verify;
 
 use std::process::ExitCode;
@@ -66,11 +71,15 @@ enum Command {
     Compare(compare::Args),
     Presets(presets::Args),
     Export(Box<export::Args>),
+    Aov(Box<aov::Args>),
     Info(info::Args),
     Verify(verify::Args),
     Digest(digest::Args),
     Diff(diff::Args),
     Repair(repair::Args),
+    Trim(trim::Args),
+    Recompress(recompress::Args),
+    Merge(merge::Args),
     Completions(completions::Args),
     Man(completions::ManArgs),
 }
@@ -102,11 +111,15 @@ fn main() -> ExitCode {
         Command::Compare(args) => compare::run(&args),
         Command::Presets(args) => presets::run(&args),
         Command::Export(args) => export::run(&args, quiet),
+        Command::Aov(args) => aov::run(&args, quiet),
         Command::Info(args) => info::run(&args),
         Command::Verify(args) => verify::run(&args, quiet),
         Command::Digest(args) => digest::run(&args),
         Command::Diff(args) => diff::run(&args),
         Command::Repair(args) => repair::run(&args),
+        Command::Trim(args) => trim::run(&args, quiet),
+        Command::Recompress(args) => recompress::run(&args, quiet),
+        Command::Merge(args) => merge::run(&args, quiet),
         Command::Completions(args) => completions::run(&args, Cli::command()),
         Command::Man(args) => completions::run_man(&args, Cli::command()),
     };

@@ -1,36 +1,56 @@
-//! `rayreel report`: a study or the results of a sweep as one page.
+//! `rayreel report`: a study, a replay or the results of a sweep as one page.
 
 use std::path::PathBuf;
 
-use anyhow::Result;
+use anyhow::{Result, bail};
 use rayreel_study::analysis::load;
-use rayreel_study::html::{self, Written};
+use rayreel_study::html::{self, Written, replay};
+use rayreel_study::point::wanted::Kind;
 use serde_json::json;
 
 use crate::common::{print, print_json};
 use crate::exit::Exit;
 
-/// Make one HTML page of a study that `rayreel paper` wrote, or of the results of a sweep.
+/// Make one HTML page of a study that `rayreel paper` wrote, of a replay, or of the results of a sweep.
 ///
 /// The page needs no network and no other file: charts, tables, pictures and what they are drawn from are all in it. It reads on a
 /// phone, in print, in light and in dark. The same input gives the same bytes.
 ///
 /// Of a sweep it shows the Pareto front of any two results, a heat map of any two axes, which axis moves which result, the best
-/// points with their configuration, and a table to sort and filter.
+/// points with their configuration, and a table to sort and filter. Of a replay it shows the figures of each frame, and its pictures
+/// with a slider and play.
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// Folder with study.json and the pictures that it names; or the results of a sweep: its folder, or a Parquet file.
+    /// Folder with study.json and the pictures that it names; the folder of `rayreel replay --out`; or the results of a sweep: its
+    /// folder, or a Parquet file.
     #[arg(value_name = "RESULTS")]
     input: PathBuf,
-    /// The page; report.html in the folder of a study, results.html beside results.parquet if not given.
+    /// The page; report.html in the folder of a study or a replay, results.html beside results.parquet if not given.
     #[arg(long, short, value_name = "FILE")]
     output: Option<PathBuf>,
+    /// Write the pictures of a replay of this kind as an animated PNG (result, reference, error, flip, similarity or rate) instead of a
+    /// page: KIND.apng in its folder if no --output is given.
+    #[arg(long, value_name = "KIND", value_parser = kind)]
+    animate: Option<Kind>,
+    /// Frames a second of the animation.
+    #[arg(long, value_name = "N", default_value_t = 12, requires = "animate", value_parser = clap::value_parser!(u16).range(1..=1000))]
+    fps: u16,
     /// Print JSON.
     #[arg(long)]
     json: bool,
 }
 
+/// Parses the name of a kind of pictures.
+fn kind(text: &str) -> Result<Kind, String> {
+    let all: Vec<_> = Kind::ALL.iter().map(|kind| kind.name()).collect();
+    let found = Kind::ALL.into_iter().find(|kind| kind.name() == text);
+    found.ok_or_else(|| format!("there is no such picture; take one of {}", all.join(", ")))
+}
+
 pub fn run(args: &Args) -> Result<Exit> {
+    if let Some(kind) = args.animate {
+        return animate(args, kind);
+    }
     if html::is_of_sweep(&args.input) { sweep(args) } else { study(args) }
 }
 
@@ -51,13 +71,33 @@ fn sweep(args: &Args) -> Result<Exit> {
     Ok(Exit::Done)
 }
 
+/// The pictures of a replay as an animation.
+fn animate(args: &Args, kind: Kind) -> Result<Exit> {
+    if !replay::is_of_replay(&args.input) {
+        bail!("--animate is for the folder of a replay, and {} has no stats.json; leave it out", args.input.display());
+    }
+    let file = args.output.clone().unwrap_or_else(|| args.input.join(format!("{}.apng", kind.name())));
+    let frames = replay::animate(&args.input, kind, args.fps, &file)?;
+    let bytes = std::fs::metadata(&file)?.len();
+    if args.json {
+        print_json(&json!({ "file": file.display().to_string(), "bytes": bytes, "frames": frames }))?;
+    } else {
+        print(&format!("{}: {frames} frames, {:.2} MB\n", file.display(), bytes as f64 * 1e-6))?;
+    }
+    Ok(Exit::Done)
+}
+
 fn megabytes(written: &Written) -> String {
     format!("{:.2} MB", written.bytes as f64 * 1e-6)
 }
 
 fn study(args: &Args) -> Result<Exit> {
     let file = args.output.clone().unwrap_or_else(|| args.input.join("report.html"));
-    let written = html::write(&args.input, &file)?;
+    let written = if replay::is_of_replay(&args.input) {
+        replay::write(&args.input, &file)?
+    } else {
+        html::write(&args.input, &file)?
+    };
     if args.json {
         print_json(&json!({
             "file": file.display().to_string(),

@@ -22,6 +22,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+pub mod aov;
 pub mod data;
 pub mod error;
 pub mod order;

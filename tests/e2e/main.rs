@@ -9,6 +9,7 @@ mod common;
 mod made_up;
 
 mod anchors;
+mod aov;
 mod browser;
 #[cfg(unix)]
 mod cluster;
@@ -17,6 +18,7 @@ mod compare;
 mod damage;
 mod detail;
 mod determinism;
+mod edit;
 mod energy;
 mod every_scene;
 mod exit_codes;

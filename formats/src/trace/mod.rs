@@ -3,13 +3,17 @@
 mod codec;
 mod compare;
 mod digest;
+mod edit;
 mod fingerprint;
 mod reader;
+mod rewrite;
 mod writer;
 
 pub use crate::columns::paths::{BvhTopology, LeafTests, PathSink, SharedPaths};
 pub use codec::{Codec, PackedColumn, Scratch, TileCodec};
 pub use compare::{Difference, compare};
 pub use digest::{Digest, digest};
+pub use edit::with_needed;
 pub use reader::Trace;
+pub use rewrite::{Keep, Part, rewrite};
 pub use writer::{Started, TraceWriter};

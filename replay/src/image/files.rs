@@ -17,7 +17,7 @@ use rayreel_formats::durable;
 use super::{Image, Srgb8};
 use crate::error::{ReplayError, Result};
 
-fn write(path: &Path, bytes: &[u8]) -> Result<()> {
+pub(super) fn write(path: &Path, bytes: &[u8]) -> Result<()> {
     durable::write_whole(path, &[bytes]).map_err(|source| ReplayError::output(path, "write", source))
 }
 
@@ -66,7 +66,7 @@ pub fn write_exr_with(path: &Path, image: &Image, notes: &ExrNotes) -> Result<()
 
 /// The attributes. One of them at most has a name of ours: the crate writes those in the order of a hash map, which is another each
 /// time.
-fn attributes(notes: &ExrNotes) -> LayerAttributes {
+pub(super) fn attributes(notes: &ExrNotes) -> LayerAttributes {
     let about = notes.about.as_deref().map(|about| (Text::from("rayreel"), AttributeValue::Text(latin(about))));
     LayerAttributes {
         software_name: Some(latin(SOFTWARE)),

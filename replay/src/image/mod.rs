@@ -5,6 +5,7 @@ pub mod errors;
 pub mod files;
 pub mod flicker;
 pub mod flip;
+pub mod layers;
 pub mod psnr;
 pub mod resolve;
 pub mod srgb;

@@ -8,7 +8,7 @@ use std::path::PathBuf;
 #[non_exhaustive]
 pub enum ReportError {
     /// There is no study.
-    #[error("no study.json and no results of a sweep in {}; give the folder that `rayreel paper` wrote its results to, the folder of a sweep, or a .parquet file", folder.display())]
+    #[error("no study.json, no stats.json and no results of a sweep in {}; give the folder that `rayreel paper` or `rayreel replay --out` wrote its results to, the folder of a sweep, or a .parquet file", folder.display())]
     NoStudy {
         /// The folder.
         folder: PathBuf,

@@ -9,6 +9,7 @@ mod load;
 mod modes;
 mod page;
 mod parts;
+pub mod replay;
 mod sections;
 mod shell;
 pub mod sweep;

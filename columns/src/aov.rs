@@ -1,0 +1,162 @@
+//! Pictures of what a frame holds beside its colours (arbitrary output variables): for compositing programs, and to train on.
+
+use rayreel_formats::trace::Trace;
+use rayreel_replay::image::Image;
+use rayreel_replay::image::layers::{Channel, Values};
+use rayreel_replay::policy::view::SampleState;
+use rayreel_replay::{NamedPolicy, Options, Replayer, Stop};
+
+use crate::data::{Data, Use};
+use crate::error::Result;
+use crate::schema::Batch;
+use crate::value::Column;
+use crate::what::What;
+
+/// What stands for no object and no material.
+pub const NONE: u32 = u32::MAX;
+
+/// The channels of a frame, one value a pixel. Distances, places, normals, objects, materials and shadows are those of the primary hit
+/// of the pixel's first sample, its upper left one; counts are sums over the pixel's samples; colours are means.
+///
+/// # Errors
+/// A frame that is not in the trace, a damaged trace, a policy that does not suit it, an interruption.
+pub fn channels(trace: &Trace, policy: &NamedPolicy, frame: u32, stop: &Stop) -> Result<Vec<Channel>> {
+    let mut planes = Planes::new(trace);
+    let data = |what| -> Result<Data<'_>> {
+        let data = Data::new(trace, what);
+        Ok(Data { selection: data.selection.clone().frames(frame..frame + 1)?, stop: stop.clone(), ..data })
+    };
+    data(What::Hits)?.run(Use { make: &Ok, take: &mut |batch, _| Ok(planes.hits(&batch)) })?;
+    data(What::Samples)?.run(Use { make: &Ok, take: &mut |batch, _| Ok(planes.samples(&batch)) })?;
+    let options = Options { reference: true, perception: true };
+    let replayed = Replayer::new(trace, &policy.policy, options)?.with_stop(stop.clone()).frame(frame)?;
+    let mut all = Vec::new();
+    let mut colours = |layer: &str, image: &Image| {
+        for (i, name) in ["R", "G", "B"].into_iter().enumerate() {
+            let values = image.pixels.iter().map(|pixel| pixel[i]).collect();
+            all.push(Channel { name: format!("{layer}{name}"), values: Values::Floats(values) });
+        }
+    };
+    replayed.reference.iter().for_each(|image| colours("", image));
+    colours("policy.", &replayed.image);
+    if let Some(flip) = replayed.flip {
+        all.push(Channel { name: "flip.value".into(), values: Values::Floats(flip.values) });
+    }
+    let states = &replayed.states;
+    let is_traced = |x, y| f32::from(u8::from(states.state(x, y) != SampleState::Interpolated));
+    let n = planes.samples;
+    let traced = (0..planes.width * planes.height).map(|i| {
+        let (x, y) = (i % planes.width * n, i / planes.width * n);
+        (0..n * n).map(|s| is_traced(x + s % n, y + s / n)).sum::<f32>() / (n * n) as f32
+    });
+    all.push(Channel { name: "policy.traced".into(), values: Values::Floats(traced.collect()) });
+    all.extend(planes.channels);
+    Ok(all)
+}
+
+/// Where the pixels' values are gathered.
+struct Planes {
+    width: u32,
+    height: u32,
+    samples: u32,
+    lights: u32,
+    channels: Vec<Channel>,
+}
+
+/// Channels of primary hits, with their columns: a value of nothing stands where the sky is.
+const OF_HITS: [(&str, &str); 7] = [
+    ("depth.Z", "t"),
+    ("position.X", "position_x"),
+    ("position.Y", "position_y"),
+    ("position.Z", "position_z"),
+    ("normal.X", "normal_x"),
+    ("normal.Y", "normal_y"),
+    ("normal.Z", "normal_z"),
+];
+
+/// Channels of numbers of things.
+const OF_THINGS: [(&str, &str); 2] = [("object.id", "object"), ("material.id", "material")];
+
+/// Channels of counts.
+const OF_SAMPLES: [(&str, &str); 5] = [
+    ("rays.all", "rays"),
+    ("rays.shadow", "shadow_rays"),
+    ("work.node_visits", "node_visits"),
+    ("work.triangle_tests", "triangle_tests"),
+    ("work.pops", "pops"),
+];
+
+impl Planes {
+    fn new(trace: &Trace) -> Self {
+        let meta = trace.meta();
+        let pixels = meta.width as usize * meta.height as usize;
+        let floats = |name: &str, value| Channel { name: name.into(), values: Values::Floats(vec![value; pixels]) };
+        let whole = |name: &str, value| Channel { name: name.into(), values: Values::Whole(vec![value; pixels]) };
+        // A ray that meets nothing goes on for ever; it has no place and no normal.
+        let of_hits = OF_HITS.map(|(name, _)| floats(name, if name == "depth.Z" { f32::INFINITY } else { 0.0 }));
+        let lights = meta.lights.len() as u32;
+        let channels = of_hits
+            .into_iter()
+            .chain(OF_THINGS.map(|(name, _)| whole(name, NONE)))
+            .chain(OF_SAMPLES.map(|(name, _)| whole(name, 0)))
+            .chain((0..lights).map(|light| whole(&format!("shadow.light{light}"), 0)))
+            .collect();
+        Self { width: meta.width, height: meta.height, samples: meta.samples, lights, channels }
+    }
+
+    /// Takes the primary hits of the pixels' first samples.
+    fn hits(&mut self, batch: &Batch) {
+        let (x, y, ray) =
+            (whole(What::Hits, batch, "x"), whole(What::Hits, batch, "y"), whole(What::Hits, batch, "ray"));
+        let n = self.samples;
+        let first = |row: &usize| ray[*row] == 0 && x[*row] % n == 0 && y[*row] % n == 0;
+        let width = self.width;
+        let pixel = |row: usize| (y[row] / n * width + x[row] / n) as usize;
+        let rows: Vec<usize> = (0..batch.rows()).filter(first).collect();
+        for (place, (_, column)) in OF_HITS.into_iter().enumerate() {
+            if let (Values::Floats(to), Some(Column::F32(from))) =
+                (&mut self.channels[place].values, find(What::Hits, batch, column))
+            {
+                rows.iter().for_each(|&row| to[pixel(row)] = from[row]);
+            }
+        }
+        for (place, (_, column)) in (OF_HITS.len()..).zip(OF_THINGS) {
+            if let Values::Whole(to) = &mut self.channels[place].values {
+                let from = whole(What::Hits, batch, column);
+                rows.iter().for_each(|&row| to[pixel(row)] = from[row]);
+            }
+        }
+        let shadows = whole(What::Hits, batch, "shadows");
+        for light in 0..self.lights {
+            let place = OF_HITS.len() + OF_THINGS.len() + OF_SAMPLES.len() + light as usize;
+            if let Values::Whole(to) = &mut self.channels[place].values {
+                rows.iter().for_each(|&row| to[pixel(row)] = shadows[row] >> (2 * light) & 3);
+            }
+        }
+    }
+
+    /// Adds what the samples of pixels cost.
+    fn samples(&mut self, batch: &Batch) {
+        let (x, y) = (whole(What::Samples, batch, "x"), whole(What::Samples, batch, "y"));
+        let n = self.samples;
+        for (place, (_, column)) in (OF_HITS.len() + OF_THINGS.len()..).zip(OF_SAMPLES) {
+            if let Values::Whole(to) = &mut self.channels[place].values {
+                let from = whole(What::Samples, batch, column);
+                (0..batch.rows()).for_each(|row| to[(y[row] / n * self.width + x[row] / n) as usize] += from[row]);
+            }
+        }
+    }
+}
+
+fn find<'a>(what: What, batch: &'a Batch, name: &str) -> Option<&'a Column> {
+    let place = what.table().columns.iter().position(|column| column.name == name)?;
+    batch.columns.get(place)
+}
+
+/// A column of numbers that are declared as `u32`.
+fn whole<'a>(what: What, batch: &'a Batch, name: &str) -> &'a [u32] {
+    match find(what, batch, name) {
+        Some(Column::U32(values)) => values,
+        _ => &[],
+    }
+}

@@ -1,0 +1,98 @@
+//! A trace out of parts of others: fewer frames, tiles or columns, another codec, frames of several files.
+
+use std::ops::Range;
+use std::path::Path;
+
+use rayon::prelude::*;
+
+use super::codec::{Codec, Scratch};
+use super::edit::with_needed;
+use super::reader::Trace;
+use super::writer::TraceWriter;
+use crate::columns::paths::BvhTopology;
+use crate::container::{EncodedChunk, Finished};
+use crate::error::{Error, Result};
+use crate::id::ChunkId;
+use crate::scene::Meta;
+use crate::tile::Column;
+
+/// Tiles that are in memory at a time.
+const IN_FLIGHT: usize = 64;
+
+/// Frames of a trace.
+#[derive(Clone, Debug)]
+pub struct Part<'a> {
+    /// The trace.
+    pub trace: &'a Trace,
+    /// Which of its frames.
+    pub frames: Range<u32>,
+}
+
+/// What is kept of frames, and how it is coded.
+#[derive(Clone, Debug)]
+pub struct Keep {
+    /// Tile numbers, ascending; all if there is no list.
+    pub tiles: Option<Vec<u32>>,
+    /// Columns, with those that they need.
+    pub columns: Vec<Column>,
+    /// The codec of the tiles; as they are if there is none.
+    pub codec: Option<Codec>,
+    /// zstd level of metadata, tree and index.
+    pub level: i32,
+}
+
+/// Writes the frames of `parts`, which follow one another, as one trace. Its bytes are those of a capture of the same frames where all
+/// is kept. `progress` is told how many tiles are done, and ends the work when it returns false: the result is nothing then.
+///
+/// # Errors
+/// Parts that do not go together or whose frames do not follow one another; tiles that are not there or are damaged; a file that cannot
+/// be written, or has a `.partial` already.
+pub fn rewrite(
+    parts: &[Part<'_>],
+    keep: &Keep,
+    path: &Path,
+    mut progress: impl FnMut(u64) -> bool,
+) -> Result<Option<Finished>> {
+    let first = parts.first().ok_or_else(|| Error::usage("there is no trace to take frames of"))?;
+    let mut next = first.frames.start;
+    for part in parts {
+        first.trace.goes_with(part.trace)?;
+        let name = part.trace.reader().path().display();
+        if part.frames.start != next || part.frames.is_empty() {
+            let Range { start, end } = part.frames;
+            return Err(Error::usage(format!(
+                "frames {start}..{end} of {name} do not follow on frame {}; give frames that follow one another",
+                next.saturating_sub(1)
+            )));
+        }
+        next = part.frames.end;
+    }
+    let (meta, bvh) = (first.trace.meta(), first.trace.bvh());
+    let meta = Meta { first_frame: first.frames.start, frames: next - first.frames.start, ..meta.clone() };
+    let topology = BvhTopology::new(bvh);
+    let columns = with_needed(&keep.columns);
+    let mut writer = TraceWriter::create(path, &meta, bvh, keep.level)?;
+    let mut done = 0;
+    for Part { trace, frames } in parts {
+        for frame in frames.clone() {
+            writer.frame(frame, &trace.camera(frame)?)?;
+            let wanted = |tile: &u32| keep.tiles.as_ref().is_none_or(|tiles| tiles.binary_search(tile).is_ok());
+            let held = |tile: &u32| trace.reader().find(ChunkId::tile(frame, *tile)).is_some();
+            let tiles: Vec<u32> = (0..meta.tile_count()).filter(wanted).filter(held).collect();
+            for batch in tiles.chunks(IN_FLIGHT) {
+                let chunk = |scratch: &mut Scratch, &tile: &u32| match keep.codec {
+                    Some(codec) => trace.recode_tile((frame, tile), codec, &topology, scratch),
+                    None => trace.copy_tile(frame, tile, &columns),
+                };
+                // Collected before errors are looked at, so that the first tile's error is reported on any machine.
+                let made: Vec<Result<EncodedChunk>> = batch.par_iter().map_init(Scratch::default, chunk).collect();
+                made.into_iter().try_for_each(|chunk| writer.tile(&chunk?))?;
+                done += batch.len() as u64;
+                if !progress(done) {
+                    return Ok(None);
+                }
+            }
+        }
+    }
+    writer.finish().map(Some)
+}

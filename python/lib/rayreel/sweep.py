@@ -1,0 +1,36 @@
+"""Results of sweeps, as tables of Arrow and polars."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from ._native import Error
+
+if TYPE_CHECKING:
+    import polars
+    import pyarrow
+
+
+def _file(folder: str | os.PathLike[str]) -> Path:
+    path = Path(folder)
+    if path.is_dir():
+        path = path / "results.parquet"
+    if not path.is_file():
+        raise Error(f"{path} is not there; give the folder of a sweep that `rayreel sweep merge` was run on, or a Parquet file")
+    return path
+
+
+def read_results(folder: str | os.PathLike[str]) -> pyarrow.Table:
+    """The table of a sweep: of its folder, or of a Parquet file. Needs pyarrow. Units and meanings stand in the metadata."""
+    import pyarrow.parquet as pq
+
+    return pq.read_table(_file(folder))
+
+
+def open_results(folder: str | os.PathLike[str]) -> polars.DataFrame:
+    """The same as a data frame of polars; needs polars."""
+    import polars as pl
+
+    return pl.read_parquet(_file(folder))

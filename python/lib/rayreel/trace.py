@@ -1,0 +1,213 @@
+"""Traces: their tables, replays under a policy, simulations on a machine."""
+
+from __future__ import annotations
+
+import json
+import os
+from dataclasses import dataclass
+from enum import IntEnum
+from typing import Any, Iterator, Mapping, Sequence
+
+from . import _native
+from ._native import Frame
+from .policy import Policy
+from .table import Table, tables
+
+
+class State(IntEnum):
+    """What became of a sample: the values of `Frame.states`."""
+
+    #: Traced before any test.
+    REFERENCE = 0
+    #: Tested, and traced.
+    TRACED = 1
+    #: Tested; some of its rays were traced, and some hits interpolated.
+    PARTIAL = 2
+    #: Interpolated.
+    INTERPOLATED = 3
+
+
+@dataclass(frozen=True)
+class Result:
+    """What came of a replay or a simulation."""
+
+    #: What `rayreel replay --json` prints, but for the trace's name and digest and the command.
+    stats: dict[str, Any]
+    #: The frames, in order.
+    frames: list[Frame]
+
+    def __getitem__(self, name: str) -> Any:
+        """A figure of all frames together, such as `cycles`."""
+        return self.stats[name]
+
+    @property
+    def counters(self) -> dict[str, Any]:
+        """What the machine counted, by name; empty without a machine."""
+        return self.stats["counters"] or {}
+
+
+def _frames(frames: int | range | tuple[int, int] | None) -> tuple[int, int] | None:
+    if frames is None:
+        return None
+    if isinstance(frames, range):
+        if frames.step != 1 or not frames:
+            raise _native.Error(f"frames are a run of numbers, such as range(0, 60), not {frames}")
+        return frames.start, frames.stop
+    if isinstance(frames, tuple):
+        return frames
+    return frames, frames + 1
+
+
+def _overrides(overrides: Sequence[str] | Mapping[str, Any] | None) -> list[str]:
+    if overrides is None:
+        return []
+    if isinstance(overrides, str):
+        return [overrides]
+    if isinstance(overrides, Mapping):
+        text = {True: "true", False: "false"}
+        return [f"{key}={text[value] if isinstance(value, bool) else value}" for key, value in overrides.items()]
+    return list(overrides)
+
+
+def _name(name: str | os.PathLike[str] | None) -> str | None:
+    return None if name is None else os.fspath(name)
+
+
+class Trace:
+    """A trace file that is open."""
+
+    def __init__(self, path: str | os.PathLike[str]) -> None:
+        self.path = os.fspath(path)
+        self._native = _native.Trace(self.path)
+        self.meta: dict[str, Any] = self._native.meta()
+
+    def __repr__(self) -> str:
+        meta = self.meta
+        return f"<rayreel.Trace {meta['scene']}: {meta['frames']} frames of {meta['width']} x {meta['height']} pixels>"
+
+    @property
+    def fingerprint(self) -> str:
+        """What the trace holds, in 64 digits; the same in reports and in tables of sweeps."""
+        return self._native.fingerprint()
+
+    @property
+    def frame_numbers(self) -> range:
+        """The numbers of its frames."""
+        return range(*self._native.frame_numbers)
+
+    def table(
+        self,
+        what: str,
+        *,
+        columns: Sequence[str] | None = None,
+        frames: int | range | tuple[int, int] | None = None,
+        tiles: str | None = None,
+        policy: str | os.PathLike[str] | None = None,
+        machine: str | os.PathLike[str] | None = None,
+        set: Sequence[str] | Mapping[str, Any] | None = None,
+        interval: int = 1000,
+    ) -> Table:
+        """A table, all of it in memory: `rays`, `hits`, `steps`, `addresses`, `samples`, `nodes`, `triangles`, `lookups`,
+        `requests` or `counters`. The arguments are the options of `rayreel export`. Of columns that are not asked for nothing is
+        kept."""
+        asked = _asked(columns, frames, tiles, policy, machine, set, interval)
+        columns_by_name = self._native.table(what, asked)
+        return Table(tables()[what], columns_by_name)
+
+    def batches(
+        self,
+        what: str,
+        *,
+        columns: Sequence[str] | None = None,
+        frames: int | range | tuple[int, int] | None = None,
+        tiles: str | None = None,
+        policy: str | os.PathLike[str] | None = None,
+        machine: str | os.PathLike[str] | None = None,
+        set: Sequence[str] | Mapping[str, Any] | None = None,
+        interval: int = 1000,
+    ) -> Iterator[Table]:
+        """The same table in parts of some 100 000 rows, made in the background: memory does not depend on its length."""
+        batches = self._native.batches(what, _asked(columns, frames, tiles, policy, machine, set, interval))
+        info = tables()[what]
+        return (Table(info, batch) for batch in batches)
+
+    def replay(
+        self,
+        policy: str | os.PathLike[str] | Policy = "adaptive",
+        *,
+        set: Sequence[str] | Mapping[str, Any] | None = None,
+        frames: int | range | tuple[int, int] | None = None,
+        pictures: bool = True,
+        compare: bool = True,
+    ) -> Result:
+        """Replays frames under a policy, without a machine. The policy is a preset, a file, or an object of yours (`Policy`).
+        Without `compare` there is no reference and no quality; without `pictures` frames keep none."""
+        return self._replay(policy, None, set, frames, None, pictures, compare)
+
+    def simulate(
+        self,
+        policy: str | os.PathLike[str] | Policy = "adaptive",
+        machine: str | os.PathLike[str] = "sgrt-ti2",
+        *,
+        set: Sequence[str] | Mapping[str, Any] | None = None,
+        frames: int | range | tuple[int, int] | None = None,
+        detail: str | float = "full",
+        pictures: bool = True,
+        compare: bool = True,
+    ) -> Result:
+        """The same on a machine: a preset or a file. `detail` is that of `rayreel replay`: `full`, `all`, `counts`, a share of the
+        tiles, or `precision P`."""
+        return self._replay(policy, os.fspath(machine), set, frames, str(detail), pictures, compare)
+
+    def _replay(
+        self,
+        policy: str | os.PathLike[str] | Policy,
+        machine: str | None,
+        overrides: Sequence[str] | Mapping[str, Any] | None,
+        frames: int | range | tuple[int, int] | None,
+        detail: str | None,
+        pictures: bool,
+        compare: bool,
+    ) -> Result:
+        request = {
+            "policy": os.fspath(policy) if isinstance(policy, (str, os.PathLike)) else policy,
+            "machine": machine,
+            "overrides": _overrides(overrides),
+            "frames": _frames(frames),
+            "detail": detail,
+            "pictures": pictures,
+            "compare": compare,
+        }
+        stats, kept = self._native.replay(request)
+        return Result(json.loads(stats), kept)
+
+
+def _asked(
+    columns: Sequence[str] | None,
+    frames: int | range | tuple[int, int] | None,
+    tiles: str | None,
+    policy: str | os.PathLike[str] | None,
+    machine: str | os.PathLike[str] | None,
+    overrides: Sequence[str] | Mapping[str, Any] | None,
+    interval: int,
+) -> dict[str, Any]:
+    return {
+        "columns": None if columns is None else list(columns),
+        "frames": _frames(frames),
+        "tiles": tiles,
+        "policy": _name(policy),
+        "machine": _name(machine),
+        "overrides": _overrides(overrides),
+        "interval": interval,
+    }
+
+
+def open(path: str | os.PathLike[str]) -> Trace:
+    """Opens a trace file."""
+    return Trace(path)
+
+
+def presets() -> dict[str, list[str]]:
+    """The names of the built-in policies and machines."""
+    policies, machines = _native.presets()
+    return {"policies": policies, "machines": machines}

@@ -1,0 +1,35 @@
+//! The native part of the Python package `rayreel`: traces, columns, replays and simulations. What Python programs see of it is
+//! written in `rayreel/`, in Python.
+
+mod batches;
+mod columns;
+mod error;
+mod policy;
+mod replay;
+mod trace;
+mod view;
+mod wait;
+
+use pyo3::prelude::*;
+
+/// The native part of the package `rayreel`.
+#[pymodule(gil_used = true)]
+mod _native {
+    use super::*;
+    #[pymodule_export]
+    use crate::batches::Batches;
+    #[pymodule_export]
+    use crate::error::Error;
+    #[pymodule_export]
+    use crate::replay::Frame;
+    #[pymodule_export]
+    use crate::trace::{Trace, presets, tables};
+    #[pymodule_export]
+    use crate::view::TileView;
+
+    #[pymodule_init]
+    fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+        module.add("MODEL_VERSION", rayreel_study::point::version::MODEL_VERSION)
+    }
+}

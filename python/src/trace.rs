@@ -1,0 +1,213 @@
+//! A trace, and the tables that it has.
+
+use std::ops::Range;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyList};
+use rayreel_columns::{Batch, Data, Head, Selection, What};
+use rayreel_formats::{Limits, Trace as Recorded};
+use rayreel_machine::NamedMachine;
+use rayreel_machine::config::schema::is_machine_override;
+use rayreel_replay::{NamedPolicy, Stop};
+
+use crate::batches::Batches;
+use crate::columns::to_dict;
+use crate::error::{raise, refuse};
+use crate::replay::{Frame, Request, frames_of};
+use crate::wait::interruptible;
+
+/// A trace that is open.
+#[pyclass(frozen, module = "rayreel._native")]
+pub struct Trace {
+    recorded: Arc<Recorded>,
+}
+
+/// What of a table is wanted.
+#[derive(Clone)]
+pub struct Wanted {
+    what: What,
+    selection: Selection,
+    policy: Option<NamedPolicy>,
+    machine: Option<NamedMachine>,
+    interval: u64,
+    columns: Option<Vec<String>>,
+}
+
+/// How a table is asked for.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub struct Asked {
+    frames: Option<(u32, u32)>,
+    tiles: Option<String>,
+    policy: Option<String>,
+    machine: Option<String>,
+    overrides: Vec<String>,
+    interval: u64,
+    columns: Option<Vec<String>>,
+}
+
+impl Wanted {
+    fn new(trace: &Recorded, what: &str, asked: Asked) -> PyResult<Self> {
+        let all = || What::ALL.map(What::name).join(", ");
+        let what =
+            What::named(what).ok_or_else(|| refuse(format!("there is no table {what:?}; take one of {}", all())))?;
+        let mut selection = Selection::all(trace.meta());
+        if let Some((first, end)) = asked.frames {
+            selection = selection.frames(first..end).map_err(|e| raise(&e))?;
+        }
+        if let Some(tiles) = &asked.tiles {
+            selection = selection.tiles(tiles).map_err(|e| raise(&e))?;
+        }
+        let (policy, machine) = (asked.policy.as_deref(), asked.machine.as_deref());
+        let machine = machine.or(what.takes_machine().then_some("sgrt-ti2"));
+        let policy = policy.or(what.is_simulated().then_some("full"));
+        let (policy, machine) = settings(policy, machine, &asked.overrides)?;
+        let wanted = Self { what, selection, policy, machine, interval: asked.interval, columns: asked.columns };
+        wanted.head(trace)?;
+        Ok(wanted)
+    }
+
+    /// What there is to get.
+    pub fn data<'a>(&'a self, trace: &'a Recorded, stop: &Stop) -> Data<'a> {
+        Data {
+            trace,
+            what: self.what,
+            selection: self.selection.clone(),
+            policy: self.policy.as_ref(),
+            machine: self.machine.as_ref(),
+            interval: self.interval,
+            stop: stop.clone(),
+        }
+    }
+
+    /// The columns that are wanted.
+    pub fn head(&self, trace: &Recorded) -> PyResult<Head> {
+        let head = self.data(trace, &Stop::never()).head().map_err(|e| raise(&e))?;
+        match &self.columns {
+            Some(names) => head.only(names).map_err(|e| raise(&e)),
+            None => Ok(head),
+        }
+    }
+}
+
+/// Policy and machine by preset or file, with overrides for both.
+pub fn settings(
+    policy: Option<&str>,
+    machine: Option<&str>,
+    overrides: &[String],
+) -> PyResult<(Option<NamedPolicy>, Option<NamedMachine>)> {
+    let (of_machine, of_policy): (Vec<_>, Vec<_>) =
+        overrides.iter().cloned().partition(|text| is_machine_override(text));
+    for (kind, there, texts) in [("machine", machine, &of_machine), ("policy", policy, &of_policy)] {
+        if let (None, Some(text)) = (there, texts.first()) {
+            return Err(refuse(format!(
+                "override {text} is for a {kind}, and there is none; name one, or leave it out"
+            )));
+        }
+    }
+    let policy = policy.map(|name| NamedPolicy::load(name, &of_policy)).transpose().map_err(|e| raise(&e))?;
+    let machine = machine.map(|name| NamedMachine::load(name, &of_machine)).transpose().map_err(|e| raise(&e))?;
+    Ok((policy, machine))
+}
+
+#[pymethods]
+impl Trace {
+    /// Opens a trace file.
+    #[new]
+    fn new(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
+        let opened = py.detach(|| Recorded::open(&path, Limits::default()));
+        Ok(Self { recorded: Arc::new(opened.map_err(|e| raise(&e))?) })
+    }
+
+    /// What was captured, by name.
+    fn meta<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let (meta, bvh) = (self.recorded.meta(), self.recorded.bvh());
+        let dict = PyDict::new(py);
+        dict.set_item("scene", &meta.scene)?;
+        dict.set_item("tool", &meta.tool)?;
+        dict.set_item("width", meta.width)?;
+        dict.set_item("height", meta.height)?;
+        dict.set_item("samples", meta.samples)?;
+        dict.set_item("tile", meta.tile)?;
+        dict.set_item("tiles", meta.tile_count())?;
+        dict.set_item("first_frame", meta.first_frame)?;
+        dict.set_item("frames", meta.frames)?;
+        dict.set_item("max_depth", meta.max_depth)?;
+        dict.set_item("lights", meta.lights.len())?;
+        dict.set_item("nodes", bvh.nodes.len())?;
+        dict.set_item("triangles", bvh.triangles.len())?;
+        Ok(dict)
+    }
+
+    /// The fingerprint, as sweeps and reports name the trace.
+    fn fingerprint(&self) -> PyResult<String> {
+        Ok(self.recorded.fingerprint().map_err(|e| raise(&e))?.to_string())
+    }
+
+    /// A table, all of it.
+    fn table<'py>(&self, py: Python<'py>, what: &str, asked: Asked) -> PyResult<Bound<'py, PyDict>> {
+        let wanted = Wanted::new(&self.recorded, what, asked)?;
+        let head = wanted.head(&self.recorded)?;
+        let batch = interruptible(py, |stop| collect(&wanted, &self.recorded, &head, stop))?;
+        to_dict(py, &head, batch)
+    }
+
+    /// A table, batch by batch.
+    fn batches(&self, what: &str, asked: Asked) -> PyResult<Batches> {
+        let wanted = Wanted::new(&self.recorded, what, asked)?;
+        let head = wanted.head(&self.recorded)?;
+        Ok(Batches::new(Arc::clone(&self.recorded), wanted, head))
+    }
+
+    /// Replays frames, on a machine if one is named: the report as JSON, and the frames.
+    fn replay(&self, py: Python<'_>, request: Request) -> PyResult<(String, Vec<Frame>)> {
+        frames_of(py, &self.recorded, request)
+    }
+
+    /// The numbers of the frames.
+    #[getter]
+    fn frame_numbers(&self) -> (u32, u32) {
+        let Range { start, end } = self.recorded.meta().frame_numbers();
+        (start, end)
+    }
+}
+
+/// The rows of the wanted columns alone: others are dropped batch by batch.
+fn collect(wanted: &Wanted, trace: &Recorded, head: &Head, stop: &Stop) -> PyResult<Batch> {
+    let mut all: Option<Batch> = None;
+    let make = |batch: Batch| Ok(batch.select(&head.places));
+    let mut take = |batch: Batch, _| {
+        match &mut all {
+            Some(all) => all.columns.iter_mut().zip(batch.columns).for_each(|(to, from)| to.extend(from)),
+            None => all = Some(batch),
+        }
+        Ok(())
+    };
+    let data = wanted.data(trace, stop);
+    data.run(rayreel_columns::Use { make: &make, take: &mut take }).map_err(|e| raise(&e))?;
+    match all {
+        Some(all) => Ok(all),
+        // Without tiles, or of a trace without triangles.
+        None => Ok(data.collect().map_err(|e| raise(&e))?.select(&head.places)),
+    }
+}
+
+/// The tables: name, what a row is, and the columns: name, type, unit, meaning.
+#[pyfunction]
+pub fn tables(py: Python<'_>) -> PyResult<Bound<'_, PyList>> {
+    let tables = What::ALL.map(What::table).map(|table| {
+        let columns: Vec<_> =
+            table.columns.iter().map(|column| (column.name, column.kind.name(), column.unit, column.meaning)).collect();
+        (table.name, table.row, columns)
+    });
+    PyList::new(py, tables)
+}
+
+/// Names of the policies and of the machines.
+#[pyfunction]
+pub fn presets() -> (Vec<&'static str>, Vec<&'static str>) {
+    let names = |presets: &[(&'static str, &'static str)]| presets.iter().map(|preset| preset.0).collect();
+    (names(rayreel_replay::policy::PRESETS), names(rayreel_machine::config::schema::PRESETS))
+}

@@ -1,0 +1,151 @@
+"""Policies written in Python."""
+
+import numpy as np
+import pytest
+
+import rayreel
+from rayreel import TileView
+
+
+class Full:
+    """Traces every sample."""
+
+    def begin_tile(self, view: TileView) -> None:
+        view.trace_mask(np.ones((view.height, view.width), np.bool_))
+
+
+class Pairs:
+    """Every other sample of a row; the one behind it gets the same. As examples/custom_policy.rs."""
+
+    name = "pairs"
+
+    def begin_tile(self, view: TileView) -> None:
+        for x, y in view.samples().tolist():
+            if x % 2 == 0:
+                view.trace(x, y)
+            else:
+                view.copy(x, y, (x - 1, y))
+
+
+def test_what_traces_all_gives_the_reference(teapot: rayreel.Trace):
+    mine, full = teapot.simulate(Full()), teapot.simulate("full")
+    for a, b in zip(mine.frames, full.frames):
+        np.testing.assert_array_equal(a.image, a.reference)
+        assert a.counts["rays_traced"] == b.counts["rays_traced"] == b.counts["rays_full"]
+    assert mine["rays_machine"] == full["rays_machine"] and mine.stats["policy"] == "Full"
+    assert mine.stats["policy_config"] is None
+
+
+def test_the_same_policy_in_rust_gives_the_same(teapot: rayreel.Trace):
+    """The counts that `cargo run --example custom_policy` prints are those of Pairs."""
+    mine = teapot.replay(Pairs())
+    assert mine.stats["policy"] == "pairs"
+    for frame in mine.frames:
+        assert frame.counts["samples_traced"] * 2 == frame.states.size
+        np.testing.assert_array_equal(frame.states[:, ::2], rayreel.State.REFERENCE)
+        np.testing.assert_array_equal(frame.states[:, 1::2], rayreel.State.INTERPOLATED)
+    samples = teapot.table("samples", frames=30)
+    assert mine.frames[0].counts["rays_traced"] == int(samples["rays"][samples["x"] % 2 == 0].sum())
+    assert mine.stats == teapot.replay(Pairs()).stats, "whatever thread comes first"
+
+
+def test_a_view_shows_what_is_known(cornell: rayreel.Trace):
+    hits = cornell.table("hits")
+    primary = hits["ray"] == 0
+    depth = np.full((48, 80), np.nan, np.float32)
+    depth[hits["y"][primary], hits["x"][primary]] = hits["t"][primary]
+
+    class Look:
+        def begin_tile(self, view: TileView) -> None:
+            assert not view.known.any() and np.isnan(view.colours).all()
+            half = np.zeros((view.height, view.width), np.bool_)
+            half[::2] = True
+            view.trace_mask(half)
+            np.testing.assert_array_equal(view.known, half)
+            assert np.isnan(view.colours[1::2]).all() and np.isfinite(view.colours[::2]).all()
+            at = np.s_[view.y : view.y + view.height : 2, view.x : view.x + view.width]
+            np.testing.assert_array_equal(np.isnan(view.surfaces["depth"][::2]), np.isnan(depth[at]))
+            colours = view.colours
+            for x, y in view.samples().tolist():
+                if (y - view.y) % 2 == 1:
+                    view.interpolate(x, y, (x, y - 1), (x, y - 1) if y + 1 >= view.y + view.height else (x, y + 1))
+            last = view.colours
+            np.testing.assert_array_equal(last[::2], colours[::2])
+            if view.height > 2:
+                np.testing.assert_allclose(last[1], (colours[0] + colours[2]) / 2, atol=1e-6)
+
+    assert cornell.replay(Look())["samples_interpolated"] > 0
+
+
+def test_frames_are_told(teapot: rayreel.Trace):
+    class Learns(Full):
+        def __init__(self) -> None:
+            self.told: list = []
+
+        def begin_frame(self, frame: int) -> None:
+            self.told.append(frame)
+
+        def end_frame(self, tiles: list) -> None:
+            self.told.append(sum(tile["samples_traced"] for tile in tiles))
+
+    policy = Learns()
+    teapot.replay(policy)
+    size = teapot.meta["width"] * teapot.meta["height"] * teapot.meta["samples"] ** 2
+    assert policy.told == [30, size, 31, size]
+
+
+def test_paint(cornell: rayreel.Trace):
+    class Grey:
+        def begin_tile(self, view: TileView) -> None:
+            for x, y in view.samples().tolist():
+                view.paint(x, y, (0.5, 0.25, 0.125))
+
+    frame = cornell.replay(Grey()).frames[0]
+    np.testing.assert_array_equal(frame.image, np.broadcast_to(np.float32([0.5, 0.25, 0.125]), frame.image.shape))
+    assert frame.counts["rays_traced"] == 0
+
+
+@pytest.mark.parametrize(
+    ("decide", "says"),
+    [
+        (lambda view: view.trace(view.x, view.y), "undecided"),
+        (lambda view: [view.trace(view.x, view.y) for _ in "ab"], "decided already"),
+        (lambda view: view.trace(view.x + view.width, view.y), "is not in the tile"),
+        (lambda view: view.copy(view.x, view.y, (view.x + 1, view.y)), "is not known yet"),
+        (lambda view: view.trace_mask(np.ones((3, 3), np.bool_)), "the mask has shape"),
+        (lambda view: view.interpolate(view.x, view.y, (0, 0), (0, 0), share=2.0), "from 0 to 1"),
+    ],
+)
+def test_wrong_policies_are_told(cornell: rayreel.Trace, decide, says: str):
+    class Wrong:
+        def begin_tile(self, view: TileView) -> None:
+            decide(view)
+
+    with pytest.raises(rayreel.Error, match=says):
+        cornell.replay(Wrong())
+
+
+def test_what_a_policy_raises_comes_out(cornell: rayreel.Trace):
+    class Raises:
+        def begin_tile(self, view: TileView) -> None:
+            if view.index >= 3:
+                raise KeyError(f"tile {view.index}")
+            view.trace_mask(np.ones((view.height, view.width), np.bool_))
+
+    with pytest.raises(KeyError, match="tile 3"):
+        cornell.replay(Raises())
+
+
+def test_a_view_is_of_use_during_its_call_only(cornell: rayreel.Trace):
+    class Keeps(Full):
+        def __init__(self) -> None:
+            self.kept: list[TileView] = []
+
+        def begin_tile(self, view: TileView) -> None:
+            super().begin_tile(view)
+            self.kept.append(view)
+
+    policy = Keeps()
+    cornell.replay(policy)
+    with pytest.raises(RuntimeError, match="only during the call"):
+        policy.kept[0].trace(0, 0)

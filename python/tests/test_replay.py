@@ -1,0 +1,104 @@
+"""Replays and simulations: the same figures as the program's, pictures as arrays."""
+
+import json
+import os
+import signal
+import subprocess
+import threading
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import rayreel
+from rayreel import State
+
+#: What only the program knows.
+PROGRAM = ["program", "model_version", "command", "trace", "trace_fingerprint", "trace_digest"]
+
+
+def figures(stats: dict) -> dict:
+    return {key: value for key, value in stats.items() if key not in PROGRAM}
+
+
+@pytest.mark.parametrize("policy", ["adaptive", "multirate", "full"])
+def test_figures_equal_the_programs(path: Path, program: Path, policy: str):
+    command = [program, "replay", path, "--policy", policy, "--machine", "none", "--json", "-q"]
+    there = json.loads(subprocess.run(command, check=True, capture_output=True).stdout)
+    assert figures(rayreel.open(path).replay(policy).stats) == figures(there)
+
+
+@pytest.mark.parametrize("detail", ["full", "counts", 0.5])
+def test_simulations_equal_the_programs(path: Path, program: Path, detail):
+    options = ["--policy", "paper-ss", "--set", "ti.trv_l1.size=8KiB", "--set", "block=4", "--detail", str(detail)]
+    command = [program, "replay", path, *options, "--json", "-q"]
+    there = json.loads(subprocess.run(command, check=True, capture_output=True).stdout)
+    here = rayreel.open(path).simulate("paper-ss", set=["ti.trv_l1.size=8KiB", "block=4"], detail=detail)
+    assert figures(here.stats) == figures(there) and here.counters
+    by_name = rayreel.open(path).simulate("paper-ss", set={"ti.trv_l1.size": "8KiB", "block": 4}, detail=detail)
+    assert by_name.stats == here.stats
+
+
+def test_pictures(teapot: rayreel.Trace):
+    result = teapot.replay("adaptive")
+    assert [frame.number for frame in result.frames] == list(teapot.frame_numbers)
+    frame, meta = result.frames[0], teapot.meta
+    assert frame.image.shape == frame.reference.shape == (meta["height"], meta["width"], 3)
+    assert frame.image.dtype == np.float32 and frame.flip.shape == (meta["height"], meta["width"])
+    assert frame.quality["flip"] == pytest.approx(float(frame.flip.mean(dtype=np.float64)), abs=1e-6)
+    samples = meta["samples"]
+    assert frame.states.shape == frame.rounds.shape == (meta["height"] * samples, meta["width"] * samples)
+    assert (frame.states == State.INTERPOLATED).sum() == frame.counts["samples_interpolated"]
+    assert set(np.unique(teapot.replay("full").frames[0].states)) == {State.REFERENCE}
+
+
+def test_the_reference_is_the_mean_of_the_recorded_samples(teapot: rayreel.Trace):
+    meta = teapot.meta
+    samples = teapot.table("samples", frames=30)
+    n, height, width = meta["samples"], meta["height"], meta["width"]
+    grid = np.zeros((height * n, width * n, 3), np.float64)
+    grid[samples["y"], samples["x"]] = np.stack([samples[c] for c in "rgb"], axis=1)
+    pixels = grid.reshape(height, n, width, n, 3).mean(axis=(1, 3))
+    np.testing.assert_allclose(teapot.replay("adaptive", frames=30).frames[0].reference, pixels, rtol=1e-5, atol=1e-6)
+
+
+def test_what_is_not_wanted_is_not_there(cornell: rayreel.Trace):
+    frame = cornell.replay("adaptive", pictures=False).frames[0]
+    assert frame.image is None and frame.reference is None and frame.flip is None and frame.quality is not None
+    frame = cornell.replay("adaptive", compare=False).frames[0]
+    assert frame.image is not None and frame.reference is None and frame.quality is None
+
+
+@pytest.mark.parametrize(
+    ("asked", "says"),
+    [
+        ({"policy": "adaptiv"}, "did you mean adaptive"),
+        ({"policy": "full", "frames": 8}, "8"),
+        ({"policy": "full", "set": ["ti.trv_l1.size=8KiB"]}, "is for a machine"),
+        ({"policy": 3}, "an object with a method begin_tile"),
+    ],
+)
+def test_wrong_replays_are_refused(cornell: rayreel.Trace, asked: dict, says: str):
+    with pytest.raises(rayreel.Error, match=says):
+        cornell.replay(**asked)
+
+
+def test_wrong_machines_are_refused(cornell: rayreel.Trace):
+    with pytest.raises(rayreel.Error, match="sgrt-ti2"):
+        cornell.simulate(machine="sgrt-ti22")
+    with pytest.raises(rayreel.Error, match="is not a detail"):
+        cornell.simulate(detail="some")
+
+
+def test_ctrl_c_ends_a_simulation(cornell: rayreel.Trace):
+    class Slow:
+        def begin_tile(self, view: rayreel.TileView) -> None:
+            time.sleep(0.2)
+            view.trace_mask(np.ones((view.height, view.width), np.bool_))
+
+    threading.Timer(0.3, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
+    began = time.monotonic()
+    with pytest.raises(KeyboardInterrupt):
+        cornell.replay(Slow())
+    assert time.monotonic() - began < 2.5, "15 tiles of 0.2 s take longer"

@@ -1,0 +1,100 @@
+"""Tables as arrays: the same values as in the program's files."""
+
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import polars as pl
+import pyarrow as pa
+import pytest
+
+import rayreel
+
+SIMULATED = ["lookups", "requests", "counters"]
+
+
+def test_tables_are_declared():
+    tables = rayreel.tables()
+    assert list(tables)[:3] == ["rays", "hits", "steps"] and len(tables) == 10
+    t = next(column for column in tables["rays"].columns if column.name == "t")
+    assert (t.type, t.unit) == ("f32", "lengths of the direction") and "miss" in t.meaning
+
+
+@pytest.mark.parametrize("what", rayreel.tables())
+def test_files_equal_arrays(path: Path, what: str, program: Path, tmp_path: Path):
+    """What polars reads of the program's Parquet file is what Python has, value by value; so are the batches."""
+    policy = ["--policy", "adaptive"] if what in SIMULATED + ["samples"] else []
+    file = tmp_path / "table.parquet"
+    subprocess.run([program, "export", path, "--what", what, "-o", file, "-q", *policy], check=True, capture_output=True)
+    there = pl.read_parquet(file)
+    trace = rayreel.open(path)
+    here = trace.table(what, policy="adaptive" if policy else None)
+    assert len(here) == there.height > 0 and list(here) == there.columns
+    for name in here:
+        np.testing.assert_array_equal(here[name], there[name].to_numpy(), err_msg=name)
+    batches = list(trace.batches(what, policy="adaptive" if policy else None))
+    for name in here:
+        np.testing.assert_array_equal(np.concatenate([batch[name] for batch in batches]), here[name], err_msg=name)
+    frame = here.to_polars()
+    assert frame.shape == there.shape
+    assert frame.cast({pl.Categorical: pl.String}).equals(there.cast({pl.Categorical: pl.String}), null_equal=True)
+
+
+def test_numbers_are_not_copied(cornell: rayreel.Trace):
+    rays = cornell.table("rays")
+    assert rays["t"] is rays["t"] and not rays["t"].flags.owndata, "the array is over the memory of the rows"
+    arrow = rays.to_arrow()
+    assert arrow["t"].chunk(0).buffers()[1].address == rays["t"].ctypes.data
+    assert arrow.schema.field("t").metadata[b"unit"] == b"lengths of the direction"
+    assert pa.types.is_dictionary(arrow.schema.field("kind").type)
+
+
+def test_columns_frames_and_tiles(teapot: rayreel.Trace):
+    some = teapot.table("rays", columns=["t", "frame", "tile"], frames=31, tiles="0..2")
+    assert list(some) == ["t", "frame", "tile"]
+    assert set(some["frame"]) == {31} and set(some["tile"]) == {0, 1}
+    whole = teapot.table("rays")
+    assert len(some) == int(((whole["frame"] == 31) & (whole["tile"] < 2)).sum())
+    assert whole.vectors("origin").shape == (len(whole), 3)
+
+
+def test_words(cornell: rayreel.Trace):
+    rays = cornell.table("rays")
+    assert rays["kind"][0] == "primary" and rays.words("kind")[rays.codes("kind")[0]] == "primary"
+    with pytest.raises(TypeError, match="holds no words"):
+        rays.codes("t")
+
+
+@pytest.mark.parametrize(
+    ("asked", "says"),
+    [
+        ({"what": "rayz"}, "there is no table"),
+        ({"what": "rays", "columns": ["q"]}, "no column"),
+        ({"what": "rays", "columns": []}, "no column is asked for"),
+        ({"what": "rays", "policy": "full"}, "whatever a policy makes of it"),
+        ({"what": "rays", "machine": "sgrt-ti2"}, "the same for every machine"),
+        ({"what": "rays", "set": {"block": 4}}, "is for a policy"),
+        ({"what": "rays", "frames": 7}, "frame 7 is not in the trace"),
+        ({"what": "rays", "frames": range(0, 4, 2)}, "a run of numbers"),
+        ({"what": "rays", "tiles": "900"}, "tile 900 is not in the trace"),
+        ({"what": "counters", "interval": 0}, "never ends"),
+    ],
+)
+def test_wrong_questions_are_answered(cornell: rayreel.Trace, asked: dict, says: str):
+    for get in (cornell.table, cornell.batches):
+        with pytest.raises(rayreel.Error, match=says):
+            get(**asked)
+
+
+def test_batches_may_be_left(cornell: rayreel.Trace):
+    batches = cornell.batches("steps")
+    next(batches)
+    del batches
+
+
+def test_files_that_are_no_traces(tmp_path: Path):
+    with pytest.raises(rayreel.Error, match="cannot open"):
+        rayreel.open(tmp_path / "none.rtrace")
+    (tmp_path / "bad.rtrace").write_bytes(b"not a trace")
+    with pytest.raises(rayreel.Error):
+        rayreel.open(tmp_path / "bad.rtrace")

@@ -1,0 +1,112 @@
+//! `rayreel aov`: what a frame holds beside its colours, as layers of an EXR file.
+
+use std::path::PathBuf;
+
+use anyhow::{Result, bail};
+use rayreel_columns::{ColumnsError, aov};
+use rayreel_formats::trace::{Codec, Trace, digest};
+use rayreel_replay::NamedPolicy;
+use rayreel_replay::image::files::ExrNotes;
+use rayreel_replay::image::layers::write_layers;
+use rayreel_store::Location;
+use rayreel_study::cluster::shell::line;
+use rayreel_study::point::version::MODEL_VERSION;
+use rayreel_tracer::{CaptureOutcome, CaptureOutput, capture};
+use serde_json::json;
+
+use crate::common::{GridArgs, build, meta, open, print, tile_of};
+use crate::exit::Exit;
+use crate::progress;
+use crate::scene_args::SceneArgs;
+use crate::traces::CacheArgs;
+
+/// Write what a frame holds as layers of one EXR file: depth, position, normal, object, material, shadows, rays, node visits and
+/// triangle tests a pixel, and what a policy makes of it.
+///
+/// depth, position, normal, object, material and shadow are those of the primary hit of a pixel's upper left sample; rays and work are
+/// sums over its samples. policy is the picture of the policy with the share of samples that it traced, flip where a viewer sees the
+/// difference from full sampling, and R, G and B are the picture of full sampling. docs/export.md describes every channel.
+#[derive(Debug, clap::Args)]
+#[command(mut_arg("scene", |arg| arg.value_name("TRACE|SCENE").help("A trace (.rtrace, or a URL); or a built-in scene, scene file (.toml) or model (.obj, .gltf, .glb), which is traced first")))]
+pub struct Args {
+    #[command(flatten)]
+    scene: SceneArgs,
+    /// EXR file to write.
+    #[arg(short, long, value_name = "FILE")]
+    output: PathBuf,
+    /// The frame; the first of a trace, 0 of a scene if not given.
+    #[arg(long, value_name = "N")]
+    frame: Option<u32>,
+    /// Preset or policy file (.toml).
+    #[arg(long, default_value = "adaptive", value_name = "NAME|FILE")]
+    policy: String,
+    /// Override a value of the policy, such as block=4; may be given several times.
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    overrides: Vec<String>,
+    #[command(flatten)]
+    grid: GridArgs,
+    #[command(flatten)]
+    cache: CacheArgs,
+}
+
+pub fn run(args: &Args, quiet: bool) -> Result<Exit> {
+    if !args.output.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("exr")) {
+        bail!("{} is written as EXR; let its name end in .exr", args.output.display());
+    }
+    let policy = NamedPolicy::load(&args.policy, &args.overrides)?;
+    // Lives as long as the trace in it.
+    let folder = tempfile::tempdir()?;
+    let trace = match is_trace(&args.scene.scene) {
+        true => args.cache.open(&Location::from(args.scene.scene.as_str()))?,
+        false => traced(args, folder.path().join("scene.rtrace"))?,
+    };
+    let frame = args.frame.unwrap_or(trace.meta().first_frame);
+    let channels = aov::channels(&trace, &policy, frame, &progress::stop_on_signal()).map_err(plain)?;
+    let (width, height) = (trace.meta().width, trace.meta().height);
+    write_layers(&args.output, (width, height), &channels, &notes(args, &trace, &policy, frame)?)?;
+    if !quiet {
+        let (file, count) = (args.output.display(), channels.len());
+        print(&format!("{file}: frame {frame}, {count} channels of {width} x {height} pixels\n"))?;
+    }
+    Ok(Exit::Done)
+}
+
+/// Whether a trace is meant: by its name, for a scene may be a word.
+fn is_trace(text: &str) -> bool {
+    text.ends_with(".rtrace") || text.contains("://")
+}
+
+/// The frame of a scene, traced into a file that goes when the program ends.
+fn traced(args: &Args, path: PathBuf) -> Result<Trace> {
+    let frame = args.frame.unwrap_or(0);
+    let scene = args.scene.load(frame, 1)?;
+    let built = build(&scene)?;
+    let meta = meta(&scene, &args.grid, tile_of(args.grid.samples), frame, 1);
+    let stop = progress::stop_on_signal();
+    let output = CaptureOutput { path: path.clone(), codec: Codec::Context, level: 1, resume: false };
+    match capture::capture(&scene, &built, &meta, &output, |_| !stop.is_requested())? {
+        CaptureOutcome::Finished(_) => open(&path),
+        CaptureOutcome::Interrupted(_) => Err(rayreel_replay::ReplayError::Interrupted.into()),
+    }
+}
+
+fn plain(error: ColumnsError) -> anyhow::Error {
+    match error {
+        ColumnsError::Trace(error) => error.into(),
+        ColumnsError::Replay(error) => error.into(),
+        error => error.into(),
+    }
+}
+
+/// What the picture is of. Files are named without their folders: the same frame gives the same bytes wherever it is made.
+fn notes(args: &Args, trace: &Trace, policy: &NamedPolicy, frame: u32) -> Result<ExrNotes> {
+    let name = |text: &str| text.rsplit(['/', '\\']).next().unwrap_or(text).to_owned();
+    let mut words = vec!["rayreel".into(), "aov".into(), name(&args.scene.scene), "--frame".into(), frame.to_string()];
+    words.extend(["--policy".into(), name(&args.policy)]);
+    words.extend(args.overrides.iter().flat_map(|text| ["--set".to_owned(), text.clone()]));
+    let about = json!({
+        "model_version": MODEL_VERSION, "scene": trace.meta().scene, "trace_fingerprint": trace.fingerprint()?.to_string(),
+        "trace_digest": digest(trace)?.total().to_string(), "frame": frame, "policy": policy.name,
+    });
+    Ok(ExrNotes { comments: Some(line(&words)), about: Some(about.to_string()) })
+}

@@ -1,0 +1,70 @@
+//! What `trim`, `recompress` and `merge` share: a trace is written whole or not at all.
+
+use std::path::PathBuf;
+
+use anyhow::{Result, bail};
+use rayreel_formats::container::Writer;
+use rayreel_formats::trace::{Keep, Part, rewrite};
+
+use crate::common::{lacks, open, print};
+use crate::exit::Exit;
+use crate::progress::{self, Progress};
+
+/// The trace to write.
+#[derive(Clone, Debug, clap::Args)]
+pub struct OutputArgs {
+    /// Trace to write, by custom ending in .rtrace.
+    #[arg(short, long, value_name = "FILE")]
+    output: PathBuf,
+    /// Replace an existing file.
+    #[arg(long)]
+    force: bool,
+}
+
+impl OutputArgs {
+    /// Writes the trace and says what it holds.
+    pub fn write(&self, parts: &[Part<'_>], keep: &Keep, quiet: bool) -> Result<Exit> {
+        let name = self.output.display();
+        if self.output.is_dir() {
+            bail!("{name} is a folder; name a file in it");
+        }
+        if self.output.exists() && !self.force {
+            bail!("{name} already exists; give another name, or --force to replace it");
+        }
+        if self.force {
+            Writer::discard(&self.output)?;
+        }
+        let frames: u64 = parts.iter().map(|part| part.frames.len() as u64).sum();
+        let tiles = |part: &Part<'_>| u64::from(part.trace.meta().tile_count());
+        let each = keep.tiles.as_ref().map_or_else(|| parts.first().map_or(0, tiles), |tiles| tiles.len() as u64);
+        let stop = progress::stop_on_signal();
+        let mut bar = Progress::new("write", frames * each, quiet);
+        let written = rewrite(parts, keep, &self.output, |done| {
+            bar.set(done, || format!("tile {done}"));
+            !stop.is_requested()
+        });
+        match written {
+            Ok(Some(_)) => bar.finish(),
+            Ok(None) => {
+                Writer::discard(&self.output)?;
+                eprintln!("interrupted; nothing was written");
+                return Ok(Exit::Interrupted);
+            }
+            Err(error) => {
+                // What was begun is of no use; a `.partial` of somebody else's was refused before.
+                if !error.to_string().contains(".partial") {
+                    Writer::discard(&self.output)?;
+                }
+                return Err(error.into());
+            }
+        }
+        let trace = open(&self.output)?;
+        let (bytes, frames) = (trace.reader().len(), trace.meta().frame_numbers());
+        print(&format!("{name}: frames {}..{}, {bytes} bytes\n", frames.start, frames.end))?;
+        let lacks = lacks(&trace);
+        if !lacks.is_empty() {
+            print(&format!("it is not whole: {lacks}\n"))?;
+        }
+        Ok(Exit::Done)
+    }
+}

@@ -1,0 +1,24 @@
+//! The page of a replay: the folder that `rayreel replay --out` wrote, with its pictures over the frames.
+
+mod apng;
+mod folder;
+mod page;
+
+use std::path::Path;
+
+pub use apng::animate;
+pub use folder::is_of_replay;
+
+use crate::files::write_named;
+use crate::html::{ReportError, Written};
+
+/// Makes the page of the replay in `folder` and writes it to `file`.
+///
+/// # Errors
+/// When `stats.json` or a picture is missing or damaged, or `file` cannot be written.
+pub fn write(folder: &Path, file: &Path) -> crate::Result<Written, ReportError> {
+    let replay = folder::Folder::read(folder)?;
+    let html = page::page(&replay);
+    write_named(file, html.as_bytes()).map_err(|e| ReportError::Write { source: Box::new(e) })?;
+    Ok(Written { bytes: html.len(), picture_bytes: replay.bytes(), pictures: replay.pictures.len() })
+}

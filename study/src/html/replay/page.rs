@@ -1,0 +1,155 @@
+//! The page of a replay: figures of all frames, pictures with a slider, figures of each frame.
+
+use serde_json::{Value, json};
+
+use super::folder::Folder;
+use crate::html::parts::{Head, Section, how_to_read, table};
+use crate::html::shell::Shell;
+use crate::html::text::{base64, bytes, count, escape};
+use crate::point::wanted::Kind;
+
+const STYLE: &str = include_str!("player.css");
+
+/// Figures of a frame: key in the report, heading, places.
+const OF_FRAMES: &[(&str, &str, usize)] = &[
+    ("rays_traced", "Rays", 0),
+    ("samples_interpolated", "Interpolated samples", 0),
+    ("psnr_db", "PSNR, dB", 2),
+    ("ssim", "SSIM", 4),
+    ("flip", "FLIP", 4),
+    ("cycles", "Cycles", 0),
+    ("time_ms", "Time, ms", 3),
+];
+
+/// The whole page.
+pub fn page(replay: &Folder) -> String {
+    let sections: Vec<Section> =
+        [pictures(replay), frames(&replay.stats), figures(&replay.stats)].into_iter().flatten().collect();
+    let title = format!("{} · {}", text(&replay.stats, "scene"), text(&replay.stats, "policy"));
+    Shell {
+        title: &title,
+        head: &head(&title, replay),
+        sections: &sections,
+        foot: &format!(
+            "<footer><p>Written by rayreel {}. This file holds everything it shows, {} pictures of {} among it; it loads nothing.</p></footer>\n",
+            env!("CARGO_PKG_VERSION"),
+            replay.pictures.len(),
+            bytes(replay.bytes())
+        ),
+        style: STYLE,
+        data: Some(("player-data", &data(replay))),
+        scripts: &[include_str!("../script.js"), include_str!("player.js")],
+    }
+    .html()
+}
+
+fn text<'a>(stats: &'a Value, key: &str) -> &'a str {
+    stats[key].as_str().unwrap_or_default()
+}
+
+fn head(title: &str, replay: &Folder) -> String {
+    let stats = &replay.stats;
+    let machine = stats["machine"].as_str().unwrap_or("no machine");
+    let facts = [
+        text(stats, "trace").to_owned(),
+        format!("machine {machine}"),
+        format!("{} frames of {} x {} pixels", replay.frames.len(), stats["width"], stats["height"]),
+    ];
+    let facts: String =
+        facts.iter().filter(|fact| !fact.is_empty()).map(|fact| format!("<li>{}</li>", escape(fact))).collect();
+    let command = stats["command"].as_str().map(|command| {
+        format!("<p class=\"command\"><span>Repeat it:</span> <code tabindex=\"0\">{}</code></p>\n", escape(command))
+    });
+    format!(
+        "<header>\n<div><h1>{}</h1>\n<ul class=\"facts\">{facts}</ul>\n{}</div>\n\
+         <button type=\"button\" id=\"theme\" hidden>Theme: system</button>\n</header>\n",
+        escape(title),
+        command.unwrap_or_default()
+    )
+}
+
+/// A number as people read it; a dash where there is none.
+fn shown(value: &Value, places: usize) -> String {
+    match (value.as_u64(), value.as_f64()) {
+        (Some(whole), _) => count(whole),
+        (None, Some(number)) => format!("{number:.places$}"),
+        _ => "–".into(),
+    }
+}
+
+/// The figures of all frames together, with what they mean.
+fn figures(stats: &Value) -> Option<Section> {
+    let row = |(name, about): (&String, &Value)| {
+        let value = stats.get(name).filter(|value| value.is_number())?;
+        let (unit, meaning) = (text(about, "unit"), text(about, "description"));
+        let cells = vec![escape(name), shown(value, 4), escape(unit), escape(meaning)];
+        Some((String::new(), cells))
+    };
+    let rows: Vec<_> = stats["descriptions"].as_object()?.iter().filter_map(row).collect();
+    let columns = [Head::words("Figure"), Head::number("Value"), Head::words("Unit"), Head::words("Meaning")];
+    Section::new(
+        "figures",
+        "All frames",
+        if rows.is_empty() { String::new() } else { table("Figures of all frames", &columns, &rows) },
+    )
+}
+
+/// The figures of each frame.
+fn frames(stats: &Value) -> Option<Section> {
+    let all = stats["frames"].as_array()?;
+    let wanted: Vec<_> = OF_FRAMES.iter().filter(|(key, ..)| all.iter().any(|frame| frame[*key].is_number())).collect();
+    let columns: Vec<Head> =
+        std::iter::once(Head::number("Frame")).chain(wanted.iter().map(|(_, name, _)| Head::number(name))).collect();
+    let row = |frame: &Value| {
+        let figures = wanted.iter().map(|(key, _, places)| shown(&frame[*key], *places));
+        (String::new(), std::iter::once(frame["frame"].to_string()).chain(figures).collect())
+    };
+    let rows: Vec<_> = all.iter().map(row).collect();
+    Section::new("frames", "Frame by frame", table("Figures of each frame", &columns, &rows))
+}
+
+/// The pictures: those of the first frame as they are, and what the script needs to show the others.
+fn pictures(replay: &Folder) -> Option<Section> {
+    if replay.pictures.is_empty() {
+        return None;
+    }
+    let first = replay.frames[0];
+    let mut gallery = String::new();
+    for (place, kind) in Kind::ALL.iter().enumerate() {
+        let Some(picture) = replay.pictures.get(&(place, first)) else { continue };
+        let (source, name) = (base64(picture), kind.name());
+        gallery += &format!(
+            "<figure><img id=\"picture-{name}\" src=\"data:image/png;base64,{source}\" alt=\"{name}\" width=\"{}\" height=\"{}\">\
+             <figcaption>{name}</figcaption></figure>\n",
+            replay.stats["width"], replay.stats["height"]
+        );
+    }
+    let controls = if replay.frames.len() > 1 {
+        "<div id=\"player\" class=\"player\" hidden>\n<button type=\"button\" id=\"play\" aria-pressed=\"false\">Play</button>\n\
+         <label for=\"frame\">Frame <output id=\"frame-number\" for=\"frame\"></output></label>\n\
+         <input type=\"range\" id=\"frame\" min=\"0\" value=\"0\" step=\"1\">\n\
+         <label for=\"fps\">Frames a second</label>\n<select id=\"fps\"><option>4</option><option selected>12</option><option>24</option>\
+         <option>60</option></select>\n</div>\n"
+    } else {
+        ""
+    };
+    let html = format!("{controls}<div class=\"frames\">\n{gallery}</div>\n")
+        + &how_to_read(
+            "Result is the policy's picture, reference every sample traced; error is their difference times 8; flip is where a viewer \
+             sees it, from black to yellow. In similarity yellow was interpolated and blue was traced; rate is the share of traced \
+             samples in each tile, from dark blue (none) to light yellow (all).",
+        );
+    Section::new("pictures", "Pictures", html)
+}
+
+/// The pictures of all frames for the script.
+fn data(replay: &Folder) -> Value {
+    let of_kind = |(place, kind): (usize, &Kind)| {
+        let of_frame = |frame: &u64| replay.pictures.get(&(place, *frame)).map(|picture| base64(picture));
+        let all: Option<Vec<String>> = replay.frames.iter().map(of_frame).collect();
+        // One frame stands in the page already.
+        all.filter(|_| replay.frames.len() > 1).map(|all| (kind.name().to_owned(), json!(all)))
+    };
+    let pictures: serde_json::Map<String, Value> = Kind::ALL.iter().enumerate().filter_map(of_kind).collect();
+    json!({ "frames": replay.frames, "pictures": pictures })
+}

@@ -1,0 +1,79 @@
+//! `trim`, `recompress` and `merge`: traces out of traces have the bytes of captures.
+
+use std::fs;
+
+use crate::common::{capture, digest};
+use crate::rayreel;
+
+const OPTIONS: &str = "--size 48x32 --samples 1x1";
+
+#[test]
+fn parts_have_the_bytes_of_captures() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    let bytes = |name: &str| fs::read(at(name)).unwrap();
+    for (name, frames) in [("all", "0..3"), ("first", "0"), ("rest", "1..3")] {
+        capture("chess", &format!("{OPTIONS} --frames {frames}"), &at(name));
+    }
+    let ran = rayreel!["trim", "--quiet", &at("all"), "--frames", "1..3", "-o", &at("trimmed")].expect(0);
+    assert!(ran.out.contains("frames 1..3, "), "{ran:?}");
+    assert_eq!(bytes("trimmed"), bytes("rest"));
+    // In whatever order they are named.
+    rayreel!["merge", "--quiet", &at("rest"), &at("first"), "-o", &at("merged")].expect(0);
+    assert_eq!(bytes("merged"), bytes("all"));
+    // To the other codec and back.
+    capture("chess", &format!("{OPTIONS} --frames 0..3 --codec plain"), &at("plain"));
+    rayreel!["recompress", "--quiet", &at("all"), "--codec", "plain", "-o", &at("made plain")].expect(0);
+    assert_eq!(bytes("made plain"), bytes("plain"));
+    rayreel!["recompress", "--quiet", "--threads", "1", &at("plain"), "-o", &at("back")].expect(0);
+    assert_eq!(bytes("back"), bytes("all"));
+    assert_eq!(digest(&at("plain")), digest(&at("all")));
+    rayreel!["verify", "--quiet", &at("merged")].expect(0);
+}
+
+#[test]
+fn fewer_tiles_and_columns_are_said_and_still_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    capture("chess", OPTIONS, &at("all"));
+    let ran =
+        rayreel!["trim", "--quiet", &at("all"), "--tiles", "0..2", "--columns", "hits", "-o", &at("some")].expect(0);
+    assert!(ran.out.contains("it is not whole: "), "{ran:?}");
+    assert!(fs::metadata(at("some")).unwrap().len() < fs::metadata(at("all")).unwrap().len());
+    let info = rayreel!["info", "--json", &at("some")].expect(3).json();
+    assert_eq!(info["missing_columns"]["paths"], 2);
+    let rows = |name: &str| {
+        let args = ["--what", "hits", "--tiles", "0..2", "--columns", "tile,triangle,t", "--format", "csv", "-o", "-"];
+        let mut all: Vec<_> = ["export", "--quiet"].map(std::ffi::OsString::from).to_vec();
+        all.push(at(name).into());
+        all.extend(args.map(std::ffi::OsString::from));
+        crate::common::run(&all)
+    };
+    // Hits have colours, which went with their column; trees alone remain of what rays need.
+    assert_eq!(rows("all").code, 0);
+}
+
+#[test]
+fn what_cannot_be_done_is_said_and_leaves_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    capture("chess", &format!("{OPTIONS} --frames 0..3"), &at("a"));
+    capture("chess", &format!("{OPTIONS} --frames 4"), &at("later"));
+    capture("cornell", &format!("{OPTIONS} --frames 0"), &at("other"));
+    let refused = |ran: crate::common::Ran, says: &str| {
+        let ran = ran.expect(2);
+        assert!(ran.err.contains(says), "{ran:?}");
+        assert!(!at("out").exists() && !at("out.partial").exists(), "{ran:?}");
+    };
+    refused(rayreel!["trim", &at("a"), "-o", &at("out")], "nothing would be left out");
+    refused(rayreel!["trim", &at("a"), "--frames", "7", "-o", &at("out")], "frame 7 is not in the trace");
+    refused(rayreel!["trim", &at("a"), "--tiles", "99", "-o", &at("out")], "tile 99 is not in the trace");
+    refused(rayreel!["trim", &at("a"), "--columns", "path", "-o", &at("out")], "take some of tree");
+    refused(rayreel!["merge", &at("a"), &at("later"), "-o", &at("out")], "do not follow on frame 2");
+    refused(rayreel!["merge", &at("a"), &at("a"), "-o", &at("out")], "do not follow on frame 2");
+    refused(rayreel!["merge", &at("a"), &at("other"), "-o", &at("out")], "differ in the scene");
+    let ran = rayreel!["recompress", &at("a"), "-o", &at("later")].expect(2);
+    assert!(ran.err.contains("already exists"), "{ran:?}");
+    rayreel!["recompress", "--quiet", "--force", &at("a"), "-o", &at("later")].expect(0);
+    assert_eq!(fs::read(at("later")).unwrap(), fs::read(at("a")).unwrap());
+}
