@@ -21,7 +21,7 @@ use crate::exit::Exit;
 /// with a slider and play.
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// Folder with study.json and the pictures that it names; the folder of `rayreel replay --out`; or the results of a sweep: its
+    /// Folder with study.json and the pictures that it names; the folder of a replay, with stats.json; or the results of a sweep: its
     /// folder, or a Parquet file.
     #[arg(value_name = "RESULTS")]
     input: PathBuf,

@@ -99,5 +99,5 @@ fn wrong_requests_are_named() {
     }
     let ran = rayreel!["aov", &trace, "-o", &folder.path().join("a.png")].expect(2);
     assert!(ran.err.contains("let its name end in .exr"), "{ran:?}");
-    rayreel!["aov", &folder.path().join("no.rtrace"), "-o", &file].expect(65);
+    rayreel!["aov", &folder.path().join("no.rtrace"), "-o", &file].expect(2);
 }

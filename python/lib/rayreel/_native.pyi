@@ -8,7 +8,7 @@ import numpy.typing as npt
 _Array: TypeAlias = npt.NDArray[Any]
 _Floats: TypeAlias = npt.NDArray[np.float32]
 
-__all__: list[str]
+__all__ = ["Batches", "Error", "Frame", "MODEL_VERSION", "TileView", "Trace", "__version__", "presets", "tables"]
 __version__: str
 MODEL_VERSION: int
 
