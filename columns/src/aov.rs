@@ -26,8 +26,20 @@ pub fn channels(trace: &Trace, policy: &NamedPolicy, frame: u32, stop: &Stop) ->
         let data = Data::new(trace, what);
         Ok(Data { selection: data.selection.clone().frames(frame..frame + 1)?, stop: stop.clone(), ..data })
     };
-    data(What::Hits)?.run(Use { make: &Ok, take: &mut |batch, _| Ok(planes.hits(&batch)) })?;
-    data(What::Samples)?.run(Use { make: &Ok, take: &mut |batch, _| Ok(planes.samples(&batch)) })?;
+    data(What::Hits)?.run(Use {
+        make: &Ok,
+        take: &mut |batch, _| {
+            planes.hits(&batch);
+            Ok(())
+        },
+    })?;
+    data(What::Samples)?.run(Use {
+        make: &Ok,
+        take: &mut |batch, _| {
+            planes.samples(&batch);
+            Ok(())
+        },
+    })?;
     let options = Options { reference: true, perception: true };
     let replayed = Replayer::new(trace, &policy.policy, options)?.with_stop(stop.clone()).frame(frame)?;
     let mut all = Vec::new();
