@@ -49,7 +49,7 @@ pub struct Args {
     cache: CacheArgs,
 }
 
-pub fn run(args: &Args, quiet: bool) -> Result<Exit> {
+pub fn run(args: &Args) -> Result<Exit> {
     if !args.output.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("exr")) {
         bail!("{} is written as EXR; let its name end in .exr", args.output.display());
     }
@@ -64,10 +64,8 @@ pub fn run(args: &Args, quiet: bool) -> Result<Exit> {
     let channels = aov::channels(&trace, &policy, frame, &progress::stop_on_signal()).map_err(plain)?;
     let (width, height) = (trace.meta().width, trace.meta().height);
     write_layers(&args.output, (width, height), &channels, &notes(args, &trace, &policy, frame)?)?;
-    if !quiet {
-        let (file, count) = (args.output.display(), channels.len());
-        print(&format!("{file}: frame {frame}, {count} channels of {width} x {height} pixels\n"))?;
-    }
+    let (file, count) = (args.output.display(), channels.len());
+    print(&format!("{file}: frame {frame}, {count} channels of {width} x {height} pixels\n"))?;
     Ok(Exit::Done)
 }
 

@@ -111,7 +111,7 @@ fn main() -> ExitCode {
         Command::Compare(args) => compare::run(&args),
         Command::Presets(args) => presets::run(&args),
         Command::Export(args) => export::run(&args, quiet),
-        Command::Aov(args) => aov::run(&args, quiet),
+        Command::Aov(args) => aov::run(&args),
         Command::Info(args) => info::run(&args),
         Command::Verify(args) => verify::run(&args, quiet),
         Command::Digest(args) => digest::run(&args),

@@ -7,6 +7,7 @@ mod jobs;
 mod merge;
 mod order;
 mod plan;
+mod request;
 mod resume;
 mod run;
 mod slurm;

@@ -8,7 +8,7 @@ use rayreel_study::cluster::shell::{line, quote};
 use rayreel_study::cluster::slurm::arrays::{Array, running, split};
 use rayreel_study::cluster::slurm::limits::Limits;
 use rayreel_study::cluster::slurm::queue::Task;
-use rayreel_study::cluster::slurm::sbatch::{self, Common, Options, parts};
+use rayreel_study::cluster::slurm::sbatch::{self, Common, parts};
 use rayreel_study::cluster::slurm::script::{self, Job};
 use rayreel_study::cluster::submission::{self, Jobs, SLURM, Submission};
 use rayreel_study::files::write_whole;
@@ -17,6 +17,7 @@ use rayreel_study::sweep::plan::LAYOUT;
 use rayreel_study::sweep::status;
 
 use super::folder::absolute;
+pub use super::request::Submit;
 use super::{merge, plan, slurm, trust};
 use crate::common::print;
 use crate::exit::Exit;
@@ -30,18 +31,6 @@ pub struct SubmitArgs {
     /// Wait for the merge, and end with its code. Ctrl-C leaves the jobs alone.
     #[arg(long, conflicts_with = "dry_run")]
     pub wait: bool,
-}
-
-/// What is to be submitted.
-pub struct Submit {
-    /// Into how many shards the plan is split.
-    pub shards: usize,
-    /// Arguments of `sweep run`.
-    pub run: Vec<String>,
-    /// `--patience` of the merge.
-    pub patience: String,
-    /// Options of sbatch.
-    pub options: Options,
 }
 
 /// What else decides how it is submitted.

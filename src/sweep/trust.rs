@@ -14,7 +14,7 @@ use rayreel_study::cluster::submission::Submission;
 use rayreel_study::files::write_whole;
 use rayreel_study::sweep::folder::Folder;
 
-use super::order::Submit;
+use super::request::Submit;
 
 /// Options of sbatch that a stranger's record may hold. All others may load code, change where it runs, or write files.
 const HARMLESS: &[&str] = &[

@@ -18,23 +18,23 @@ use std::path::{Path, PathBuf};
 const ORDERS: [(&str, &str); 12] = [
     (
         "formats/src/lib.rs",
-        "math half oct scene tile bvh rays intersect durable id limits error payload columns container trace",
+        "math half oct scene tile bvh rays intersect durable id limits locks error payload columns container trace",
     ),
-    ("settings/src/lib.rs", "near units rule key declare source error schema family file chain loaded text"),
+    ("settings/src/lib.rs", "near units rule key declare source error files schema family file chain loaded text"),
     (
         "machine/src/lib.rs",
         "time component counters error config work link memory ti traversal srp stats functional energy area system run ports probes timeline",
     ),
     ("replay/src/lib.rs", "error stop image counts source policy work frame maps detail simulate windows sequence"),
-    ("columns/src/lib.rs", "error value schema select order rows simulated sink what data"),
-    ("store/src/lib.rs", "traffic cache location options remote open"),
+    ("columns/src/lib.rs", "error value schema select order rows simulated sink what data aov"),
+    ("store/src/lib.rs", "traffic cache location options unavailable remote open"),
     (
         "scenes/src/lib.rs",
         "names warnings error scene pictures options validate camera mesh defaults view overrides modelling obj builtin gltf_model file load",
     ),
     (
         "tracer/src/lib.rs",
-        "convert grid shading texture traverse verify accel materials waves trace against capture render",
+        "coincident convert grid shading texture traverse verify accel materials waves trace against capture render",
     ),
     (
         "study/src/lib.rs",
@@ -50,7 +50,7 @@ const ORDERS: [(&str, &str); 12] = [
     ),
     (
         "src/main.rs",
-        "exit progress common scene_args detail traces anchors capture compare completions diff digest export info presets paper render repair replay report scenes sweep verify",
+        "exit progress common scene_args detail traces edit anchors aov capture compare completions diff digest export info merge presets paper recompress render repair replay report scenes sweep trim verify",
     ),
 ];
 

@@ -75,7 +75,7 @@ fn errors_name_the_object() {
         ("s3://other/a.rtrace", 2, "no such bucket"),
         ("s3://bucket/cut", 3, "has no index"),
         ("s3://bucket/text", 65, "is not a trace"),
-        ("s3://bucket/empty", 2, "cannot open"),
+        ("s3://bucket/empty", 69, "cannot open"),
         ("s3://bucket/bad", 65, "byte "),
         ("s3://bucket/", 2, "names no object"),
         ("s3://", 2, "host or a bucket"),
@@ -87,7 +87,7 @@ fn errors_name_the_object() {
     }
     drop(moto);
     // The port of a server that has gone: nobody listens.
-    let ran = moto::run("info s3://bucket/a.rtrace", "http://127.0.0.1:9", "none").expect(2);
+    let ran = moto::run("info s3://bucket/a.rtrace", "http://127.0.0.1:9", "none").expect(69);
     ran.says(&["error: cannot open s3://bucket/a.rtrace", "refused"]);
     let ran = moto::run("info s3://bucket/a.rtrace", "http://127.0.0.1:9", "/dev/null/cache").expect(2);
     ran.says(&["cannot open s3://bucket/a.rtrace"]);

@@ -155,12 +155,12 @@ impl<'a> Workers<'a> {
         let wanted: Vec<_> = resolved.iter().zip(&planned).map(|(point, planned)| (point, &planned.key)).collect();
         let rows = compute_rows(&wanted, (&opened.source, &opened.tree), &self.settings.stop, tell);
         // A row carries the key of what was computed: no other point may take it for its own.
-        let own = |(row, planned): (Result<(Row, Vec<Column>)>, &&PointRef)| match row {
+        let checked = |(row, planned): (Result<(Row, Vec<Column>)>, &&PointRef)| match row {
             Ok((row, _)) if row.key != planned.key => {
                 Err(format!("the plan has key {} for it, and what was computed has {}", planned.key, row.key))
             }
             other => other.map_err(|e| chain(&e)),
         };
-        Ok(rows.into_iter().zip(&planned).map(own).collect())
+        Ok(rows.into_iter().zip(&planned).map(checked).collect())
     }
 }
