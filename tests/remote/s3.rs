@@ -89,7 +89,7 @@ fn errors_name_the_object() {
     // The port of a server that has gone: nobody listens.
     let ran = moto::run("info s3://bucket/a.rtrace", "http://127.0.0.1:9", "none").expect(69);
     ran.says(&["error: cannot open s3://bucket/a.rtrace", "refused"]);
-    let ran = moto::run("info s3://bucket/a.rtrace", "http://127.0.0.1:9", "/dev/null/cache").expect(2);
+    let ran = moto::run("info s3://bucket/a.rtrace", "http://127.0.0.1:9", "/dev/null/cache").expect(69);
     ran.says(&["cannot open s3://bucket/a.rtrace"]);
     rayreel!["info", "s3:/bucket/a"].expect(2).says(&["s3:/bucket/a", "No such file"]);
 }

@@ -1,0 +1,13 @@
+#!/usr/bin/env bash
+# What is no member of the workspace: the packages that users write beside the tree, and the Python package with its notebook. Their
+# dependencies are built once more, which takes minutes, so this is a check of its own.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+target="$(realpath -m "${CARGO_TARGET_DIR:-target}")"
+out_of_tree() { (cd examples/out_of_tree && CARGO_TARGET_DIR="$target" cargo run --locked --release --quiet --bin "$1"); }
+out_of_tree policy
+out_of_tree probe
+python3 -m venv "$target/python"
+CARGO_TARGET_DIR="$target" "$target/python/bin/pip" install --quiet './python[test,notebook]'
+CARGO_TARGET_DIR="$target" "$target/python/bin/python" -m pytest --quiet python/tests
