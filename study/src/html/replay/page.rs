@@ -49,10 +49,10 @@ fn text<'a>(stats: &'a Value, key: &str) -> &'a str {
 
 fn head(title: &str, replay: &Folder) -> String {
     let stats = &replay.stats;
-    let machine = stats["machine"].as_str().unwrap_or("no machine");
+    let machine = stats["machine"].as_str().map_or_else(|| "no machine".into(), |name| format!("machine {name}"));
     let facts = [
         text(stats, "trace").to_owned(),
-        format!("machine {machine}"),
+        machine,
         format!("{} frames of {} x {} pixels", replay.frames.len(), stats["width"], stats["height"]),
     ];
     let facts: String =
