@@ -1,6 +1,7 @@
 //! Points of two values that are both better when larger, with the frontier: what no other point beats in both.
 
 use crate::html::charts::WIDTH;
+use crate::html::charts::chart::{Chart, Data, cell};
 use crate::html::charts::scale::{Scale, extent};
 use crate::html::charts::svg::{Svg, marker, n, shortened, text_width};
 use crate::html::text::escape;
@@ -42,7 +43,7 @@ pub fn frontier(dots: &[Dot]) -> Vec<bool> {
 const HEIGHT: f64 = 270.0;
 
 /// Draws the points; `names` say what the axes show, `label` describes the chart.
-pub fn scatter(dots: &[Dot], names: [&str; 2], label: &str) -> String {
+pub fn scatter(dots: &[Dot], names: [&str; 2], label: &str) -> Chart {
     let best = frontier(dots);
     let identical = dots.iter().any(|d| d.x.is_none());
     let [left, top, bottom] = [36.0, 24.0, HEIGHT - 38.0];
@@ -69,7 +70,11 @@ pub fn scatter(dots: &[Dot], names: [&str; 2], label: &str) -> String {
         }
     }
     names_of(&mut svg, dots, &best, place, [left, WIDTH - 2.0, top - 12.0, bottom]);
-    svg.finish(label, "")
+    let mut data = Data::new(&["name", names[0], names[1], "frontier"]);
+    for (dot, on) in dots.iter().zip(&best) {
+        data.row(vec![dot.name.clone(), cell(Some(dot.x_or_infinity())), cell(Some(dot.y)), on.to_string()]);
+    }
+    Chart { svg: svg.finish(label, ""), data }
 }
 
 fn axes(svg: &mut Svg, x: &Scale, y: &Scale, identical: bool, [x_name, y_name]: [&str; 2]) {
@@ -161,7 +166,7 @@ mod tests {
     #[test]
     fn any_points_can_be_drawn() {
         for dots in [vec![], vec![dot(None, 1.0)], vec![dot(Some(f64::MAX), f64::MAX), dot(Some(f64::MIN), 0.0)]] {
-            let svg = scatter(&dots, ["x", "y"], "label");
+            let svg = scatter(&dots, ["x", "y"], "label").svg;
             assert!(!svg.contains("NaN") && !svg.contains("inf"), "{svg}");
         }
     }

@@ -1,0 +1,81 @@
+//! A chart as a file of its own: its style is in it, in light colours.
+
+use std::fs;
+use std::path::Path;
+
+use crate::files::write_named;
+use crate::html::ReportError;
+use crate::html::charts::gallery::Saved;
+use crate::html::text::escape;
+
+/// The rules for charts; pages have them too.
+pub const STYLE: &str = include_str!("chart.css");
+
+/// Names of colours: `--name: light-dark(LIGHT, DARK);`.
+const COLOURS: &str = include_str!("colours.css");
+
+/// Room around a chart: what it draws may stand out a little.
+const MARGIN: f64 = 12.0;
+
+/// What a file has beside the rules.
+const FONT: &str = ".chart{font-family:system-ui,\"Segoe UI\",Roboto,\"Noto Sans\",sans-serif}.page{fill:#fff}";
+
+/// A chart of a page as a document that needs no other file.
+pub fn alone(svg: &str, title: &str) -> String {
+    let [width, height] = size(svg);
+    let (x, y) = (-MARGIN, -MARGIN);
+    let (w, h) = (width + 2.0 * MARGIN, height + 2.0 * MARGIN);
+    let inside = svg.find('>').map_or("", |start| &svg[start + 1..]);
+    format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" class=\"chart\" viewBox=\"{x} {y} {w} {h}\" width=\"{w}\" height=\"{h}\">\
+         <title>{}</title>\n<style>{FONT}{}</style>\n<rect class=\"page\" x=\"{x}\" y=\"{y}\" width=\"{w}\" height=\"{h}\"/>{}",
+        escape(title),
+        in_light(STYLE),
+        inside.replace(" data-mark=\"\"", "")
+    )
+}
+
+/// The last two numbers of `viewBox`.
+fn size(svg: &str) -> [f64; 2] {
+    let numbers = svg.split("viewBox=\"").nth(1).and_then(|rest| rest.split('"').next()).unwrap_or_default();
+    let mut numbers = numbers.split(' ').skip(2).map(|number| number.parse().unwrap_or(1.0));
+    [numbers.next().unwrap_or(1.0), numbers.next().unwrap_or(1.0)]
+}
+
+/// The rules with the light value of each name in its place, for programs that know no names.
+fn in_light(style: &str) -> String {
+    let light = |line: &str| {
+        let (name, value) = line.trim().split_once(": light-dark(")?;
+        Some((format!("var({name})"), value.split(',').next()?.to_owned()))
+    };
+    COLOURS.lines().filter_map(light).fold(style.to_owned(), |style, (name, value)| style.replace(&name, &value))
+}
+
+/// Writes each chart into a folder as `NAME.svg` and `NAME.csv`; the folder is made.
+///
+/// # Errors
+/// When a file cannot be written.
+pub fn write(folder: &Path, charts: &[Saved]) -> Result<(), ReportError> {
+    fs::create_dir_all(folder).map_err(|source| ReportError::Io { path: folder.to_path_buf(), source })?;
+    for chart in charts {
+        for (ending, text) in [("svg", &chart.svg), ("csv", &chart.csv)] {
+            let file = folder.join(format!("{}.{ending}", chart.name));
+            write_named(&file, text.as_bytes()).map_err(|e| ReportError::Write { source: Box::new(e) })?;
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_has_its_colours_in_it() {
+        let svg =
+            alone("<svg class=\"chart\" viewBox=\"0 0 360 100\" role=\"img\"><rect class=\"p0\"/></svg>\n", "a < b");
+        assert!(svg.contains("viewBox=\"-12 -12 384 124\"") && svg.contains("<title>a &lt; b</title>"), "{svg}");
+        assert!(!svg.contains("var(") && svg.contains(".p0 { fill: #0072b2; stroke: #0072b2; }"), "{svg}");
+        assert!(svg.ends_with("<rect class=\"p0\"/></svg>\n"), "{svg}");
+    }
+}
