@@ -17,7 +17,7 @@ fn slider_and_play_go_through_the_frames() {
     let run = folder.path().join("run");
     let trace = repository("traces/v1_0_teapot.rtrace");
     let options = format!("--policy multirate --machine sgrt-ti2 --out {}", run.display());
-    let said = replay(&trace, &format!("{options} --json")).expect(0).json();
+    let said = replay(&trace, &options).expect(0).json();
     rayreel!["report", &run].expect(0);
     let page = Page(&browser);
     for (width, phone) in [(1280, false), (400, true)] {

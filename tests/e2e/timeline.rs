@@ -20,7 +20,7 @@ const OPTIONS: &str = "--machine sgrt-ti2 --policy multirate";
 fn timeline(folder: &Path) -> (PathBuf, Value) {
     let file = folder.join("timeline.json");
     let trace = repository("traces/v1_0_teapot.rtrace");
-    let said = replay(&trace, &format!("{OPTIONS} --json --timeline {}", file.display())).expect(0).json();
+    let said = replay(&trace, &format!("{OPTIONS} --timeline {}", file.display())).expect(0).json();
     (file, said)
 }
 

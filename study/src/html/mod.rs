@@ -18,7 +18,7 @@ mod view;
 
 use std::path::Path;
 
-use charts::gallery::Saved;
+use charts::file::Saved;
 pub use error::ReportError;
 pub use load::load;
 

@@ -1,6 +1,6 @@
 //! The page of a study: its head and foot around its sections.
 
-use crate::html::charts::gallery::Saved;
+use crate::html::charts::file::Saved;
 use crate::html::sections::{self, viewer::Pictures};
 use crate::html::shell::Shell;
 use crate::html::text::{bytes, escape};

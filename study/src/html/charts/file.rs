@@ -5,7 +5,6 @@ use std::path::Path;
 
 use crate::files::write_named;
 use crate::html::ReportError;
-use crate::html::charts::gallery::Saved;
 use crate::html::text::escape;
 
 /// The rules for charts; pages have them too.
@@ -19,6 +18,16 @@ const MARGIN: f64 = 12.0;
 
 /// What a file has beside the rules.
 const FONT: &str = ".chart{font-family:system-ui,\"Segoe UI\",Roboto,\"Noto Sans\",sans-serif}.page{fill:#fff}";
+
+/// A chart as two files.
+pub struct Saved {
+    /// Name of the files, without ending.
+    pub name: String,
+    /// The picture, in light colours.
+    pub svg: String,
+    /// What it shows.
+    pub csv: String,
+}
 
 /// A chart of a page as a document that needs no other file.
 pub fn alone(svg: &str, title: &str) -> String {

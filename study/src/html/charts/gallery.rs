@@ -3,18 +3,8 @@
 use std::cell::RefCell;
 
 use crate::html::charts::chart::{Chart, link};
-use crate::html::charts::file;
+use crate::html::charts::file::{Saved, alone};
 use crate::html::text::escape;
-
-/// A chart as two files.
-pub struct Saved {
-    /// Name of the files, without ending.
-    pub name: String,
-    /// The picture, in light colours.
-    pub svg: String,
-    /// What it shows.
-    pub csv: String,
-}
 
 /// The charts of a page in the order in which they were drawn.
 #[derive(Default)]
@@ -38,7 +28,7 @@ impl Gallery {
     /// Keeps a chart as files alone; gives their name.
     pub fn keep(&self, words: &[&str], title: &str, chart: &Chart) -> String {
         let name = self.free(words);
-        let (svg, csv) = (file::alone(&chart.svg, title), chart.data.csv());
+        let (svg, csv) = (alone(&chart.svg, title), chart.data.csv());
         self.saved.borrow_mut().push(Saved { name: name.clone(), svg, csv });
         name
     }

@@ -11,7 +11,7 @@ pub use apng::animate;
 pub use folder::is_of_replay;
 
 use crate::files::write_named;
-use crate::html::charts::gallery::Saved;
+use crate::html::charts::file::Saved;
 use crate::html::{ReportError, Written};
 
 /// Makes the page of the replay in `folder` and writes it to `file`.

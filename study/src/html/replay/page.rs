@@ -4,7 +4,8 @@ use serde_json::{Value, json};
 
 use super::charts;
 use super::folder::Folder;
-use crate::html::charts::gallery::{Gallery, Saved};
+use crate::html::charts::file::Saved;
+use crate::html::charts::gallery::Gallery;
 use crate::html::parts::{Head, Section, how_to_read, table};
 use crate::html::shell::Shell;
 use crate::html::text::{base64, bytes, count, escape};

@@ -168,9 +168,9 @@ impl Timeline {
     /// A track for each slot of a core: its tiles.
     fn tile_slices(&self, events: &mut Vec<String>) {
         let stays = self.tiles.done();
-        for own in stays.chunk_by(|a, b| a.place == b.place) {
-            let (core, slot) = own[0].place;
-            let slices: Vec<_> = own.iter().map(|s| (s.begin, s.end, format!("tile {}", s.tile))).collect();
+        for in_slot in stays.chunk_by(|a, b| a.place == b.place) {
+            let (core, slot) = in_slot[0].place;
+            let slices: Vec<_> = in_slot.iter().map(|s| (s.begin, s.end, format!("tile {}", s.tile))).collect();
             self.thread(core, TILES_TID + slot, &format!("tiles in slot {slot}"), &slices, events);
         }
     }
@@ -179,17 +179,17 @@ impl Timeline {
     fn state_slices(&self, events: &mut Vec<String>) {
         let times: Vec<TiCycle> = self.looks.iter().map(|look| look.at).collect();
         let mut first = 0;
-        for own in self.tracks.chunk_by(|a, b| (a.core, a.kind) == (b.core, b.kind)) {
-            let places = first..first + own.len();
+        for of_unit in self.tracks.chunk_by(|a, b| (a.core, a.kind) == (b.core, b.kind)) {
+            let places = first..first + of_unit.len();
             first = places.end;
-            let (Kind::State(unit), Some(core)) = (own[0].kind, own[0].core) else { continue };
+            let (Kind::State(unit), Some(core)) = (of_unit[0].kind, of_unit[0].core) else { continue };
             let grown = self.looks.windows(2).map(|pair| {
                 places.clone().map(|i| pair[1].values[i].saturating_sub(pair[0].values[i])).collect::<Vec<u64>>()
             });
-            let state = |i: usize| own[i].name.split_once(": ").map_or("", |(_, state)| state).to_owned();
+            let state = |i: usize| of_unit[i].name.split_once(": ").map_or("", |(_, state)| state).to_owned();
             let slices: Vec<_> =
                 runs(&times, grown).into_iter().map(|(begin, end, i)| (begin, end, state(i))).collect();
-            let name = own[0].name.split_once(": ").map_or("", |(unit, _)| unit);
+            let name = of_unit[0].name.split_once(": ").map_or("", |(unit, _)| unit);
             self.thread(core, STATES_TID + unit, name, &slices, events);
         }
     }
@@ -254,8 +254,8 @@ impl Timeline {
         add(None, "DRAM".into(), self.dram, bytes);
         for (i, core) in cores.iter().enumerate() {
             let states = of_core(core, now);
-            for (unit, own) in states.chunk_by(|a, b| a.unit == b.unit).enumerate() {
-                for state in own {
+            for (unit, of_unit) in states.chunk_by(|a, b| a.unit == b.unit).enumerate() {
+                for state in of_unit {
                     add(Some(i), format!("{}: {}", state.unit, state.state), Kind::State(unit), state.cycles);
                 }
             }
