@@ -178,7 +178,7 @@
   // A chart as a file: its style goes with it, as it shows now.
   const STYLES = ["fill", "fill-opacity", "stroke", "stroke-width", "stroke-dasharray", "stroke-linejoin", "stroke-linecap", "opacity", "paint-order",
     "text-anchor", "font-size", "font-weight", "visibility"];
-  const SVG = "http://www.w3.org/2000/svg";
+  const SVG = Object.assign(document.createElement("div"), { innerHTML: "<svg></svg>" }).firstChild.namespaceURI;
   const element = (name, attributes, text) => {
     const made = document.createElementNS(SVG, name);
     for (const [key, value] of Object.entries(attributes)) made.setAttribute(key, value);

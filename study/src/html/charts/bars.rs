@@ -1,7 +1,7 @@
 //! Bars: groups of vertical ones (the paper's Figure 7), and rows of horizontal ones (a value for each policy).
 
 use crate::html::charts::WIDTH;
-use crate::html::charts::chart::{Chart, Data, cell};
+use crate::html::charts::chart::{Chart, Data, Key, cell, once};
 use crate::html::charts::scale::{Scale, extent};
 use crate::html::charts::svg::{Svg, n, shortened, text_width};
 use crate::html::text::factor;
@@ -52,7 +52,9 @@ pub fn grouped(groups: &[Group], label: &str) -> Chart {
         upright(&mut svg, group, [left + slot * i as f64, slot], &y, bottom);
     }
     svg.line([left, bottom], [right, bottom], "axis");
-    Chart { svg: svg.finish(label, ""), data: of_groups(groups) }
+    let bars = groups.iter().flat_map(|group| &group.bars);
+    let keys = once(bars.map(|bar| Key::new(bar.class, bar.name)));
+    Chart { svg: svg.finish(label, ""), data: of_groups(groups), keys }
 }
 
 fn of_groups(groups: &[Group]) -> Data {
@@ -155,7 +157,7 @@ pub fn rows(rows: &[HorizontalBar], most: f64, zone: Option<(f64, Option<f64>)>,
         let (least, end) = (zone.map(|zone| zone.0), zone.and_then(|zone| zone.1));
         data.row(vec![row.name.clone(), cell(Some(row.value)), row.text.clone(), cell(least), cell(end)]);
     }
-    Chart { svg: svg.finish(label, ""), data }
+    Chart { svg: svg.finish(label, ""), data, keys: Vec::new() }
 }
 
 /// Most characters of a name beside a bar.

@@ -8,6 +8,37 @@ pub struct Chart {
     pub svg: String,
     /// What it shows.
     pub data: Data,
+    /// What its colours mean, for those who have no page around it.
+    pub keys: Vec<Key>,
+}
+
+/// A colour of a chart, and what it stands for.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Key {
+    /// Colour class.
+    pub class: String,
+    /// Shade of the colour, 0 to 1.
+    pub opacity: f64,
+    /// What it stands for.
+    pub name: String,
+}
+
+impl Key {
+    /// A key in the full colour.
+    pub fn new(class: &str, name: &str) -> Self {
+        Self { class: class.into(), opacity: 1.0, name: name.into() }
+    }
+}
+
+/// Each key once, in the order in which they first come.
+pub fn once(keys: impl IntoIterator<Item = Key>) -> Vec<Key> {
+    let mut found: Vec<Key> = Vec::new();
+    for key in keys {
+        if !found.contains(&key) {
+            found.push(key);
+        }
+    }
+    found
 }
 
 /// What a chart shows: a table.

@@ -5,16 +5,21 @@ use std::path::Path;
 
 use crate::files::write_named;
 use crate::html::ReportError;
+use crate::html::charts::chart::{Chart, Key};
+use crate::html::charts::svg::{n, text_width};
 use crate::html::text::escape;
 
 /// The rules for charts; pages have them too.
-pub const STYLE: &str = include_str!("chart.css");
+const STYLE: &str = include_str!("chart.css");
 
 /// Names of colours: `--name: light-dark(LIGHT, DARK);`.
 const COLOURS: &str = include_str!("colours.css");
 
 /// Room around a chart: what it draws may stand out a little.
 const MARGIN: f64 = 12.0;
+
+/// Height of a row of the legend.
+const KEY_ROW: f64 = 18.0;
 
 /// What a file has beside the rules.
 const FONT: &str = ".chart{font-family:system-ui,\"Segoe UI\",Roboto,\"Noto Sans\",sans-serif}.page{fill:#fff}";
@@ -30,18 +35,43 @@ pub struct Saved {
 }
 
 /// A chart of a page as a document that needs no other file.
-pub fn alone(svg: &str, title: &str) -> String {
-    let [width, height] = size(svg);
+pub fn alone(chart: &Chart, title: &str) -> String {
+    let [width, height] = size(&chart.svg);
+    let (legend, below) = legend(&chart.keys, [width, height + MARGIN]);
     let (x, y) = (-MARGIN, -MARGIN);
-    let (w, h) = (width + 2.0 * MARGIN, height + 2.0 * MARGIN);
-    let inside = svg.find('>').map_or("", |start| &svg[start + 1..]);
+    let (w, h) = (width + 2.0 * MARGIN, height + below + 2.0 * MARGIN);
+    let inside = chart.svg.find('>').map_or("", |start| &chart.svg[start + 1..]).trim_end().trim_end_matches("</svg>");
     format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" class=\"chart\" viewBox=\"{x} {y} {w} {h}\" width=\"{w}\" height=\"{h}\">\
-         <title>{}</title>\n<style>{FONT}{}</style>\n<rect class=\"page\" x=\"{x}\" y=\"{y}\" width=\"{w}\" height=\"{h}\"/>{}",
+         <title>{}</title>\n<style>{FONT}{}</style>\n<rect class=\"page\" x=\"{x}\" y=\"{y}\" width=\"{w}\" height=\"{h}\"/>{}{legend}</svg>\n",
         escape(title),
         in_light(STYLE),
-        inside.replace(" data-mark=\"\"", "")
+        inside
     )
+}
+
+/// What the colours mean, in rows from a place on that are so wide; and how high they are.
+fn legend(keys: &[Key], [width, top]: [f64; 2]) -> (String, f64) {
+    let (mut drawn, mut x, mut row) = (String::new(), 0.0, 0.0);
+    for key in keys {
+        let room = 30.0 + text_width(&key.name);
+        if x > 0.0 && x + room > width {
+            (x, row) = (0.0, row + 1.0);
+        }
+        let y = top + row * KEY_ROW;
+        drawn += &format!(
+            "<rect x=\"{}\" y=\"{}\" width=\"10\" height=\"10\" data-mark=\"\" class=\"{}\" fill-opacity=\"{}\"/><text x=\"{}\" y=\"{}\">{}</text>",
+            n(x),
+            n(y),
+            escape(&key.class),
+            n(key.opacity),
+            n(x + 15.0),
+            n(y + 9.0),
+            escape(&key.name)
+        );
+        x += room;
+    }
+    (drawn, if keys.is_empty() { 0.0 } else { (row + 1.0) * KEY_ROW + MARGIN })
 }
 
 /// The last two numbers of `viewBox`.
@@ -78,6 +108,7 @@ pub fn write(folder: &Path, charts: &[Saved]) -> Result<(), ReportError> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::html::charts::chart::Data;
 
     #[test]
     fn a_file_has_its_colours_in_it() {
@@ -85,6 +116,5 @@ mod tests {
             alone("<svg class=\"chart\" viewBox=\"0 0 360 100\" role=\"img\"><rect class=\"p0\"/></svg>\n", "a < b");
         assert!(svg.contains("viewBox=\"-12 -12 384 124\"") && svg.contains("<title>a &lt; b</title>"), "{svg}");
         assert!(!svg.contains("var(") && svg.contains(".p0 { fill: #0072b2; stroke: #0072b2; }"), "{svg}");
-        assert!(svg.ends_with("<rect class=\"p0\"/></svg>\n"), "{svg}");
     }
 }

@@ -28,7 +28,7 @@ impl Gallery {
     /// Keeps a chart as files alone; gives their name.
     pub fn keep(&self, words: &[&str], title: &str, chart: &Chart) -> String {
         let name = self.free(words);
-        let (svg, csv) = (alone(&chart.svg, title), chart.data.csv());
+        let (svg, csv) = (alone(chart, title), chart.data.csv());
         self.saved.borrow_mut().push(Saved { name: name.clone(), svg, csv });
         name
     }
@@ -62,8 +62,11 @@ mod tests {
     #[test]
     fn names_are_of_letters_and_of_one_chart_each() {
         let gallery = Gallery::default();
-        let chart =
-            || Chart { svg: "<svg class=\"chart\" viewBox=\"0 0 1 2\"></svg>\n".into(), data: Data::new(&["x"]) };
+        let chart = || Chart {
+            svg: "<svg class=\"chart\" viewBox=\"0 0 1 2\"></svg>\n".into(),
+            data: Data::new(&["x"]),
+            keys: Vec::new(),
+        };
         for words in [["energy", "../a b"], ["energy", "A/B"], ["energy", "\u{e9}"], ["energy", ""]] {
             gallery.card(&words, "t", &chart(), "");
         }

@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use crate::html::charts::WIDTH;
-use crate::html::charts::chart::{Chart, Data, cell};
+use crate::html::charts::chart::{Chart, Data, Key, cell};
 use crate::html::charts::scale::{Scale, extent};
 use crate::html::charts::svg::{Svg, n};
 use crate::html::text::{escape, fixed};
@@ -72,7 +72,9 @@ impl Lines<'_> {
             ends.1,
             escape(self.unit)
         );
-        Chart { svg: svg.finish(label, &plot), data: self.data() }
+        let keys = self.lines.iter().map(|line| Key::new(&line.class, &line.name));
+        let keys = if self.lines.len() > 1 { keys.collect() } else { Vec::new() };
+        Chart { svg: svg.finish(label, &plot), data: self.data(), keys }
     }
 
     fn data(&self) -> Data {

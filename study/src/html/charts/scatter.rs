@@ -1,7 +1,7 @@
 //! Points of two values that are both better when larger, with the frontier: what no other point beats in both.
 
 use crate::html::charts::WIDTH;
-use crate::html::charts::chart::{Chart, Data, cell};
+use crate::html::charts::chart::{Chart, Data, Key, cell, once};
 use crate::html::charts::scale::{Scale, extent};
 use crate::html::charts::svg::{Svg, marker, n, shortened, text_width};
 use crate::html::text::escape;
@@ -39,6 +39,9 @@ pub fn frontier(dots: &[Dot]) -> Vec<bool> {
     dots.iter().map(|dot| !dots.iter().any(|other| other.beats(dot))).collect()
 }
 
+/// More names than this are no legend.
+const KEYS_MAX: usize = 24;
+
 /// Height of the chart.
 const HEIGHT: f64 = 270.0;
 
@@ -74,7 +77,10 @@ pub fn scatter(dots: &[Dot], names: [&str; 2], label: &str) -> Chart {
     for (dot, on) in dots.iter().zip(&best) {
         data.row(vec![dot.name.clone(), cell(Some(dot.x_or_infinity())), cell(Some(dot.y)), on.to_string()]);
     }
-    Chart { svg: svg.finish(label, ""), data }
+    let keys = once(dots.iter().map(|dot| Key::new(&dot.class, &dot.name)));
+    // Of many points only those on the frontier have their names in the picture.
+    let keys = if keys.len() <= KEYS_MAX { keys } else { Vec::new() };
+    Chart { svg: svg.finish(label, ""), data, keys }
 }
 
 fn axes(svg: &mut Svg, x: &Scale, y: &Scale, identical: bool, [x_name, y_name]: [&str; 2]) {

@@ -2,7 +2,7 @@
 
 use crate::html::charts::WIDTH;
 use crate::html::charts::bars::{NAME_MAX, name_width};
-use crate::html::charts::chart::{Chart, Data, cell};
+use crate::html::charts::chart::{Chart, Data, Key, cell, once};
 use crate::html::charts::scale::Scale;
 use crate::html::charts::svg::{Svg, shortened, text_width};
 
@@ -68,7 +68,10 @@ pub fn stacked(rows: &[StackedRow], most: f64, tick: impl Fn(&Scale, f64) -> Str
         }
     }
     svg.line([left, 2.0], [left, bottom], "axis");
-    Chart { svg: svg.finish(label, ""), data: of_parts(rows) }
+    let parts = rows.iter().flat_map(|row| if let StackedRow::Bar { parts, .. } = row { &parts[..] } else { &[] });
+    let key = |part: &Part| Key { class: part.class.clone(), opacity: part.opacity, name: part.name.clone() };
+    let keys = once(parts.filter(|part| part.value > 0.0).map(key));
+    Chart { svg: svg.finish(label, ""), data: of_parts(rows), keys }
 }
 
 fn of_parts(rows: &[StackedRow]) -> Data {

@@ -7,7 +7,7 @@ use crate::analysis::effects::Effect;
 use crate::analysis::goals::goal;
 use crate::analysis::pareto::front;
 use crate::html::charts::WIDTH;
-use crate::html::charts::chart::{Chart, Data, cell};
+use crate::html::charts::chart::{Chart, Data, Key, cell};
 use crate::html::charts::scale::{Scale, extent};
 use crate::html::charts::svg::{Svg, marker, n, shortened};
 use crate::html::sweep::number::{number, signed_percent};
@@ -20,6 +20,10 @@ const ROW: f64 = 20.0;
 
 /// Most values of an axis that a map has room for, as on the page.
 const VALUES_MAX: usize = 64;
+
+/// Colours that values take in turn, and most of them in a legend.
+const COLOURS: usize = 7;
+const KEYS_MAX: usize = 24;
 
 /// Draws them.
 pub fn keep(view: &SweepView<'_>) {
@@ -46,7 +50,7 @@ fn named(field: &Field) -> String {
 /// Points of two results, and of each group those that no other beats in both.
 fn pareto(view: &SweepView<'_>, fields: [&Field; 2]) -> Chart {
     let value = |row: usize| {
-        let [x, y] = fields.map(|field| field.cells.number(row));
+        let [x, y] = fields.map(|field| number_of(view, field, row));
         Some([x?, y?]).filter(|_| view.error(row).is_none())
     };
     let points: Vec<Option<[f64; 2]>> = (0..view.results.rows()).map(value).collect();
@@ -85,20 +89,28 @@ fn pareto(view: &SweepView<'_>, fields: [&Field; 2]) -> Chart {
         svg.raw(&format!(
             "<path d=\"{}\" class=\"dot p{}{dim}\"><title>{}</title></path>",
             marker(look, x.at(point[0]), y.at(point[1])),
-            look % 7,
+            look % COLOURS,
             escape(&view.describe(row, None))
         ));
         let values = view.dimensions.iter().map(|d| d.of[row].map(|value| d.values[value].clone()).unwrap_or_default());
         let ends = [cell(Some(point[0])), cell(Some(point[1])), on.contains(&row).to_string()];
         data.row([view.number(row)].into_iter().chain(values).chain(ends).collect());
     }
-    Chart { svg: svg.finish("Points of two results; lines join those that no other beats", ""), data }
+    let names = colour.into_iter().flat_map(|dimension| dimension.values.iter().enumerate());
+    let keys = names.take(KEYS_MAX).map(|(value, name)| Key::new(&format!("p{}", value % COLOURS), name)).collect();
+    Chart { svg: svg.finish("Points of two results; lines join those that no other beats", ""), data, keys }
+}
+
+/// The value of a result; the PSNR of an identical picture is infinite.
+fn number_of(view: &SweepView<'_>, field: &Field, row: usize) -> Option<f64> {
+    let identical = view.results.field("identical").and_then(|field| field.cells.number(row)) == Some(1.0);
+    field.cells.number(row).or_else(|| (identical && field.name == "psnr_db").then_some(f64::INFINITY))
 }
 
 /// The rows of a group that no other of it beats, along the first result.
 fn best(points: &[Option<[f64; 2]>], rows: &[usize], goals: [crate::analysis::goals::Goal; 2]) -> Vec<usize> {
-    let own: Vec<Option<[f64; 2]>> = rows.iter().map(|row| points[*row]).collect();
-    let mut on: Vec<usize> = rows.iter().zip(front(&own, goals)).filter(|(_, on)| *on).map(|(row, _)| *row).collect();
+    let here: Vec<Option<[f64; 2]>> = rows.iter().map(|row| points[*row]).collect();
+    let mut on: Vec<usize> = rows.iter().zip(front(&here, goals)).filter(|(_, on)| *on).map(|(row, _)| *row).collect();
     let key = |row: &usize| points[*row].unwrap_or_default();
     on.sort_by(|a, b| key(a)[0].total_cmp(&key(b)[0]).then(key(a)[1].total_cmp(&key(b)[1])));
     on
@@ -159,7 +171,7 @@ fn map(field: &Field, [down, across]: [&Dimension; 2], means: &[Vec<Option<f64>>
             }
         }
     }
-    Chart { svg: svg.finish("Mean of a result over two axes", ""), data }
+    Chart { svg: svg.finish("Mean of a result over two axes", ""), data, keys: Vec::new() }
 }
 
 /// For each axis how far the means of a result at its values lie from the mean of all.
@@ -167,11 +179,11 @@ fn ranges(field: &Field, effects: &[(&Dimension, Effect)]) -> Chart {
     let (left, right, top) = (110.0, WIDTH - 56.0, 6.0);
     let bottom = top + ROW * effects.len() as f64;
     let ends = effects.iter().flat_map(|(_, effect)| [effect.end(0), effect.end(1), 0.0]);
-    let x = Scale::nice(extent(ends).unwrap_or([-0.1, 0.1]), 4, [left, right]);
+    let x = Scale::nice(extent(ends).unwrap_or([-0.1, 0.1]), 3, [left, right]);
     let mut svg = Svg::new(WIDTH, bottom + 22.0);
     for tick in x.ticks() {
         svg.line([x.at(tick), top], [x.at(tick), bottom], "grid");
-        svg.text(x.at(tick), bottom + 15.0, "tick m", &signed_percent(tick));
+        svg.text(x.at(tick), bottom + 15.0, "tick m", &signed_percent(tick).replace(".0", ""));
     }
     let mut data = Data::new(&["axis", "value", &field.name]);
     for (i, (dimension, effect)) in effects.iter().enumerate() {
@@ -186,5 +198,9 @@ fn ranges(field: &Field, effects: &[(&Dimension, Effect)]) -> Chart {
         }
     }
     svg.line([x.at(0.0), top], [x.at(0.0), bottom], "axis");
-    Chart { svg: svg.finish("Main effects: from the least to the most mean, from the mean of all", ""), data }
+    Chart {
+        svg: svg.finish("Main effects: from the least to the most mean, from the mean of all", ""),
+        data,
+        keys: Vec::new(),
+    }
 }

@@ -2,7 +2,7 @@
 
 use crate::analysis::order::{OrderRow, PolicyOrder};
 use crate::html::charts::WIDTH;
-use crate::html::charts::chart::{Chart, Data, cell};
+use crate::html::charts::chart::{Chart, Data, Key, cell};
 use crate::html::charts::scale::{Scale, extent};
 use crate::html::charts::svg::{Svg, marker, shortened};
 use crate::html::parts::{Head, Section, how_to_read, legend, symbol, table};
@@ -110,5 +110,6 @@ fn chart(order: &PolicyOrder) -> Chart {
             data.row(vec![row.name.clone(), name.clone(), cell(row.mean(policy))]);
         }
     }
-    Chart { svg: svg.finish("Gain of each policy over full, a line for each combination of values", ""), data }
+    let keys = order.policies.iter().enumerate().map(|(policy, name)| Key::new(&class(policy), name)).collect();
+    Chart { svg: svg.finish("Gain of each policy over full, a line for each combination of values", ""), data, keys }
 }
