@@ -70,7 +70,7 @@ pub enum ReportError {
         name: String,
     },
     /// There is nothing to draw.
-    #[error("{} has no charts: nothing in it is simulated, or nothing varies", path.display())]
+    #[error("{} has no charts: they show what is simulated and varies, and of a replay several frames", path.display())]
     NoCharts {
         /// The results.
         path: PathBuf,

@@ -1,6 +1,6 @@
 //! A chart that is drawn, and what it is drawn from.
 
-use crate::html::text::escape;
+use percent_encoding::{AsciiSet, NON_ALPHANUMERIC, utf8_percent_encode};
 
 /// A chart.
 pub struct Chart {
@@ -61,8 +61,13 @@ impl Data {
 
     /// As a file: a line of names, then the rows (RFC 4180).
     pub fn csv(&self) -> String {
-        let line = |cells: &Vec<String>| cells.iter().map(|cell| field(cell)).collect::<Vec<_>>().join(",") + "\r\n";
-        std::iter::once(&self.columns).chain(&self.rows).map(line).collect()
+        let mut writer = csv::WriterBuilder::new().terminator(csv::Terminator::CRLF).from_writer(Vec::new());
+        for cells in std::iter::once(&self.columns).chain(&self.rows) {
+            // All rows have as many cells as there are columns, and memory takes what it is given.
+            writer.write_record(cells).unwrap_or_else(|e| unreachable!("{e}"));
+        }
+        let bytes = writer.into_inner().unwrap_or_else(|e| unreachable!("{e}"));
+        String::from_utf8_lossy(&bytes).into_owned()
     }
 }
 
@@ -71,21 +76,13 @@ pub fn cell(value: Option<f64>) -> String {
     value.map(|value| value.to_string()).unwrap_or_default()
 }
 
-fn field(text: &str) -> String {
-    if text.contains([',', '"', '\n', '\r']) { format!("\"{}\"", text.replace('"', "\"\"")) } else { text.to_owned() }
-}
+/// What stands in a data URI as it is.
+const PLAIN: &AsciiSet =
+    &NON_ALPHANUMERIC.remove(b',').remove(b'.').remove(b'-').remove(b'_').remove(b':').remove(b'/');
 
 /// Text as a URI that a link can save.
 pub fn link(text: &str) -> String {
-    let mut uri = String::from("data:text/csv;charset=utf-8,");
-    for byte in text.bytes() {
-        if byte.is_ascii_alphanumeric() || b",.-_:/()".contains(&byte) {
-            uri.push(char::from(byte));
-        } else {
-            uri += &format!("%{byte:02X}");
-        }
-    }
-    escape(&uri)
+    format!("data:text/csv;charset=utf-8,{}", utf8_percent_encode(text, PLAIN))
 }
 
 #[cfg(test)]
