@@ -11,10 +11,11 @@ use rayreel_replay::image::layers::write_layers;
 use rayreel_store::Location;
 use rayreel_study::cluster::shell::line;
 use rayreel_study::point::version::MODEL_VERSION;
+use rayreel_tracer::TraceSettings;
 use rayreel_tracer::{CaptureOutcome, CaptureOutput, capture};
 use serde_json::json;
 
-use crate::common::{GridArgs, build, meta, open, print, tile_of};
+use crate::common::{GridArgs, build, meta, open, print, samples, size, tile_of};
 use crate::exit::Exit;
 use crate::progress;
 use crate::scene_args::SceneArgs;
@@ -43,8 +44,15 @@ pub struct Args {
     /// Override a value of the policy, such as block=4; may be given several times.
     #[arg(long = "set", value_name = "KEY=VALUE")]
     overrides: Vec<String>,
-    #[command(flatten)]
-    grid: GridArgs,
+    /// Image size in pixels of a scene; 1024x512 if not given.
+    #[arg(long, value_name = "WxH", value_parser = size)]
+    size: Option<(u32, u32)>,
+    /// Samples per pixel of a scene: 1x1 (pixel centres), or sub-pixels: 2x2 to 8x8; 2x2 if not given.
+    #[arg(long, value_name = "NxN", value_parser = samples)]
+    samples: Option<u32>,
+    /// Secondary bounces allowed in a scene; 0 is primary and shadow rays only. As `rayreel capture` has it if not given.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=14))]
+    depth: Option<u32>,
     #[command(flatten)]
     cache: CacheArgs,
 }
@@ -56,6 +64,12 @@ pub fn run(args: &Args) -> Result<Exit> {
     let policy = NamedPolicy::load(&args.policy, &args.overrides)?;
     // Lives as long as the trace in it.
     let folder = tempfile::tempdir()?;
+    if let (true, Some(flag)) = (is_trace(&args.scene.scene), scene_flag(args)) {
+        let trace = &args.scene.scene;
+        bail!(
+            "{flag} is for a scene, and {trace} is a trace, which stays as it was captured; leave {flag} out, or capture anew"
+        );
+    }
     let trace = match is_trace(&args.scene.scene) {
         true => args.cache.open(&Location::from(args.scene.scene.as_str()))?,
         false => traced(args, folder.path().join("scene.rtrace"))?,
@@ -74,12 +88,24 @@ fn is_trace(text: &str) -> bool {
     text.ends_with(".rtrace") || text.contains("://")
 }
 
+/// A flag that was given and is for a scene alone.
+fn scene_flag(args: &Args) -> Option<&'static str> {
+    let grid =
+        [("--size", args.size.is_some()), ("--samples", args.samples.is_some()), ("--depth", args.depth.is_some())];
+    grid.into_iter().find(|(_, given)| *given).map(|(flag, _)| flag).or_else(|| args.scene.first_flag())
+}
+
 /// The frame of a scene, traced into a file that goes when the program ends.
 fn traced(args: &Args, path: PathBuf) -> Result<Trace> {
     let frame = args.frame.unwrap_or(0);
     let scene = args.scene.load(frame, 1)?;
     let built = build(&scene)?;
-    let meta = meta(&scene, &args.grid, tile_of(args.grid.samples), frame, 1);
+    let grid = GridArgs {
+        size: args.size.unwrap_or(GridArgs::SIZE),
+        samples: args.samples.unwrap_or(GridArgs::SAMPLES),
+        depth: args.depth.unwrap_or(TraceSettings::default().max_depth),
+    };
+    let meta = meta(&scene, &grid, tile_of(grid.samples), frame, 1);
     let stop = progress::stop_on_signal();
     let output = CaptureOutput { path: path.clone(), codec: Codec::Context, level: 1, resume: false };
     match capture::capture(&scene, &built, &meta, &output, |_| !stop.is_requested())? {

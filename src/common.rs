@@ -29,6 +29,13 @@ pub struct GridArgs {
     pub depth: u32,
 }
 
+impl GridArgs {
+    /// The size if none is given.
+    pub const SIZE: (u32, u32) = (1024, 512);
+    /// The samples in a row of a pixel if none are given.
+    pub const SAMPLES: u32 = 2;
+}
+
 /// Most pixels of a picture: 1.6 GB of them as floats, which a render or a replay holds at once.
 const PIXELS_MAX: u64 = 1 << 27;
 
@@ -47,7 +54,7 @@ pub fn size(text: &str) -> Result<(u32, u32), String> {
 const SAMPLES_MAX: u32 = 8;
 
 /// Parses `NxN`.
-fn samples(text: &str) -> Result<u32, String> {
+pub fn samples(text: &str) -> Result<u32, String> {
     let known = (1..=SAMPLES_MAX).find(|n| text == format!("{n}x{n}"));
     known.ok_or_else(|| {
         format!("give as many samples across as down, from 1x1 to {SAMPLES_MAX}x{SAMPLES_MAX}, such as 2x2")

@@ -3,7 +3,8 @@
 use std::path::PathBuf;
 
 use anyhow::{Result, bail};
-use rayreel_formats::container::Writer;
+use rayreel_formats::Error;
+use rayreel_formats::container::{Writer, partial_path};
 use rayreel_formats::trace::{Keep, Part, rewrite};
 
 use crate::common::{lacks, open, print};
@@ -51,8 +52,9 @@ impl OutputArgs {
                 return Ok(Exit::Interrupted);
             }
             Err(error) => {
-                // What was begun is of no use; a `.partial` of somebody else's was refused before.
-                if !error.to_string().contains(".partial") {
+                // What was begun is of no use; a file of somebody else's, which was refused before, is left alone.
+                let partial = partial_path(&self.output)?;
+                if !matches!(&error, Error::Occupied { path, .. } if *path == partial) {
                     Writer::discard(&self.output)?;
                 }
                 return Err(error.into());

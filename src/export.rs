@@ -18,14 +18,14 @@ use crate::traces::TraceArgs;
 ///
 /// rays, hits, steps, samples, nodes and triangles are what was recorded. addresses is what each ray reads, in its order, where a
 /// machine keeps it. lookups, requests and counters come from a simulation under a policy: what each unit asks for and when, before
-/// its cache and behind it, and what the units count over time. docs/export.md describes every column.
+/// its cache and behind it, what the units count over time, and when which tile was where. docs/export.md describes every column.
 ///
 /// The file is whole or absent, and the same for any number of threads; memory does not depend on its length.
 #[derive(Debug, clap::Args)]
 pub struct Args {
     #[command(flatten)]
     trace: TraceArgs,
-    /// Table: rays, hits, steps, addresses, samples, nodes, triangles, lookups, requests or counters.
+    /// Table: rays, hits, steps, addresses, samples, nodes, triangles, lookups, requests, counters or tiles.
     #[arg(long, value_name = "TABLE", value_parser = what)]
     what: What,
     /// File to write; - writes csv or jsonl to standard output.
@@ -43,11 +43,11 @@ pub struct Args {
     /// Tiles of each frame: numbers and ranges, such as 0..8,17; all if not given.
     #[arg(long, value_name = "TILES")]
     tiles: Option<String>,
-    /// Preset or policy file (.toml): of samples, whose states are recorded if none is given, and of lookups, requests and counters,
+    /// Preset or policy file (.toml): of samples, whose states are recorded if none is given, and of lookups, requests, counters and tiles,
     /// which take full then.
     #[arg(long, value_name = "NAME|FILE")]
     policy: Option<String>,
-    /// Preset or machine file (.toml) of addresses, lookups, requests and counters; sgrt-ti2 if not given.
+    /// Preset or machine file (.toml) of addresses, lookups, requests, counters and tiles; sgrt-ti2 if not given.
     #[arg(long, value_name = "NAME|FILE")]
     machine: Option<String>,
     /// Override a value of the machine or the policy, as rayreel replay does; may be given several times.

@@ -65,7 +65,8 @@ pub struct Args {
     warm: bool,
     #[command(flatten)]
     detail: DetailArgs,
-    /// Write how busy each unit was over time, as a Chrome trace: open it in ui.perfetto.dev. Needs --detail full.
+    /// Write how busy each unit was over time, why it stood still, which kernels ran and which tiles were under way, as a Chrome trace:
+    /// open it in ui.perfetto.dev. Needs --detail full.
     #[arg(long, value_name = "FILE")]
     timeline: Option<PathBuf>,
     /// Print JSON: the bytes depend on trace, policy, machine, detail and how they were asked for.

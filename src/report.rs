@@ -1,6 +1,6 @@
 //! `rayreel report`: a study, a replay or the results of a sweep as one page.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use anyhow::{Result, bail};
 use rayreel_study::analysis::load;
@@ -19,6 +19,8 @@ use crate::exit::Exit;
 /// Of a sweep it shows the Pareto front of any two results, a heat map of any two axes, which axis moves which result, the best
 /// points with their configuration, and a table to sort and filter. Of a replay it shows the figures of each frame, and its pictures
 /// with a slider and play.
+///
+/// Every chart of a page can be saved from it, as SVG and as CSV; --charts writes them without a browser.
 #[derive(Debug, clap::Args)]
 pub struct Args {
     /// Folder with study.json and the pictures that it names; the folder of a replay, with stats.json; or the results of a sweep: its
@@ -32,6 +34,9 @@ pub struct Args {
     /// page: KIND.apng in its folder if no --output is given.
     #[arg(long, value_name = "KIND", value_parser = kind)]
     animate: Option<Kind>,
+    /// Write every chart as NAME.svg and what it is drawn from as NAME.csv into this folder, instead of a page.
+    #[arg(long, value_name = "FOLDER", conflicts_with_all = ["animate", "output"])]
+    charts: Option<PathBuf>,
     /// Frames a second of the animation.
     #[arg(long, value_name = "N", default_value_t = 12, requires = "animate", value_parser = clap::value_parser!(u16).range(1..=1000))]
     fps: u16,
@@ -51,6 +56,9 @@ pub fn run(args: &Args) -> Result<Exit> {
     if let Some(kind) = args.animate {
         return animate(args, kind);
     }
+    if let Some(folder) = &args.charts {
+        return charts(args, folder);
+    }
     if html::is_of_sweep(&args.input) { sweep(args) } else { study(args) }
 }
 
@@ -67,6 +75,21 @@ fn sweep(args: &Args) -> Result<Exit> {
         }))?;
     } else {
         print(&format!("{}: {}, {} points\n", file.display(), megabytes(&written), results.rows()))?;
+    }
+    Ok(Exit::Done)
+}
+
+/// The charts as files.
+fn charts(args: &Args, folder: &Path) -> Result<Exit> {
+    let names = if html::is_of_sweep(&args.input) {
+        html::sweep::write_charts(&load::load(&args.input)?.0, &args.input, folder)?
+    } else {
+        html::write_charts(&args.input, folder)?
+    };
+    if args.json {
+        print_json(&json!({ "folder": folder.display().to_string(), "charts": names }))?;
+    } else {
+        print(&format!("{}: {} charts, each as SVG and as CSV\n", folder.display(), names.len()))?;
     }
     Ok(Exit::Done)
 }

@@ -42,6 +42,20 @@ impl SceneArgs {
         Ok(scene)
     }
 
+    /// A flag that was given and is for a scene.
+    pub fn first_flag(&self) -> Option<&'static str> {
+        let given = [
+            ("--eye", self.eye.is_some()),
+            ("--target", self.target.is_some()),
+            ("--up", self.up.is_some()),
+            ("--fov", self.fov.is_some()),
+            ("--light", !self.light.is_empty()),
+            ("--sky", self.sky.is_some()),
+            ("--fps", self.fps.is_some()),
+        ];
+        given.into_iter().find(|(_, given)| *given).map(|(flag, _)| flag)
+    }
+
     fn overrides(&self) -> Overrides {
         Overrides {
             eye: self.eye.map(Into::into),

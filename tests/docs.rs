@@ -1,6 +1,7 @@
 //! The documents say what the program prints: commands that are cheap are run as they stand there, and their output is compared.
 //!
-//! A block is run if `<!-- run -->` stands on the line before it. Blocks of one document share a folder and are run in order. A line
+//! A block is run if `<!-- run -->` stands on the line before it; before one whose commands end with another code than 0 stands
+//! `<!-- run 2 -->`, and what they print as errors is compared too. Blocks of one document share a folder and are run in order. A line
 //! `...` stands for any lines; a figure that depends on the clock stands for any other. Links between documents are followed too.
 
 use std::fs;
@@ -25,26 +26,35 @@ fn documents() -> Vec<PathBuf> {
 struct Example {
     line: usize,
     command: String,
+    code: i32,
     expected: Vec<String>,
+}
+
+/// The code that commands end with below this line, if they are run.
+fn code(line: &str) -> Option<i32> {
+    let inside = line.strip_prefix("<!-- run")?.strip_suffix("-->")?.trim();
+    if inside.is_empty() { Some(0) } else { inside.parse().ok() }
 }
 
 /// The examples of a document that are to be run.
 fn examples(text: &str) -> Vec<Example> {
     let mut found: Vec<Example> = Vec::new();
-    let (mut marked, mut inside) = (false, false);
+    let (mut marked, mut inside) = (None, false);
     for (number, line) in (1..).zip(text.lines()) {
         if inside {
             if line == "```" {
-                inside = false;
+                (inside, marked) = (false, None);
             } else if let Some(command) = line.strip_prefix("$ ") {
                 let command = command.split(" #").next().unwrap_or_default().trim().to_owned();
-                found.push(Example { line: number, command, expected: Vec::new() });
+                found.push(Example { line: number, command, code: marked.unwrap_or(0), expected: Vec::new() });
             } else {
                 found.last_mut().expect("output stands below a command").expected.push(line.trim_end().to_owned());
             }
         } else {
-            inside = marked && line == "```console";
-            marked = line == "<!-- run -->";
+            inside = marked.is_some() && line == "```console";
+            if !inside {
+                marked = code(line);
+            }
         }
     }
     found
@@ -86,7 +96,7 @@ fn difference(expected: &[String], actual: &[String]) -> Option<String> {
 fn check(document: &Path) -> usize {
     let folder = tempfile::tempdir().unwrap();
     let all = examples(&fs::read_to_string(document).unwrap());
-    for Example { line, command, expected } in &all {
+    for Example { line, command, code, expected } in &all {
         let place = format!("{}:{line}: {command}", document.display());
         let arguments = command.strip_prefix("rayreel ").unwrap_or_else(|| panic!("{place}: not a command of rayreel"));
         let output = Command::new(env!("CARGO_BIN_EXE_rayreel"))
@@ -95,9 +105,10 @@ fn check(document: &Path) -> usize {
             .current_dir(folder.path())
             .output()
             .unwrap();
-        assert!(output.status.success(), "{place}: {}", String::from_utf8_lossy(&output.stderr));
+        assert_eq!(output.status.code(), Some(*code), "{place}: {}", String::from_utf8_lossy(&output.stderr));
+        let said = if *code == 0 { output.stdout } else { [output.stdout, output.stderr].concat() };
         let printed: Vec<String> =
-            String::from_utf8(output.stdout).unwrap().lines().map(|line| line.trim_end().to_owned()).collect();
+            String::from_utf8(said).unwrap().lines().map(|line| line.trim_end().to_owned()).collect();
         if let Some(difference) = difference(expected, &printed) {
             panic!("{place}: {difference}");
         }

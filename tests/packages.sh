@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# What is no member of the workspace: the packages that users write beside the tree, and the Python package with its notebook. Their
-# dependencies are built once more, which takes minutes, so this is a check of its own.
+# Packages as users have them: those that they write beside the tree, and the Python package as `pip install ./python` sets it up.
+# Dependencies are built once more with other features, which takes minutes, so this is a check of its own; the Python package's
+# tests also run with all others, on what cargo built.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 

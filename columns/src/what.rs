@@ -2,7 +2,7 @@
 
 use crate::rows::{AddressRows, HitRows, NodeRows, RayRows, SampleRows, StepRows, TriangleRows};
 use crate::schema::Table;
-use crate::simulated::{CounterRows, LookupRows, RequestRows};
+use crate::simulated::{CounterRows, LookupRows, RequestRows, TileTimeRows};
 
 /// What can be had of a trace.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -27,11 +27,13 @@ pub enum What {
     Requests,
     /// What a machine's units count over time.
     Counters,
+    /// When a machine worked on which tile, and what it was.
+    Tiles,
 }
 
 impl What {
     /// All of them, in the order in which documents list them.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 11] = [
         Self::Rays,
         Self::Hits,
         Self::Steps,
@@ -42,6 +44,7 @@ impl What {
         Self::Lookups,
         Self::Requests,
         Self::Counters,
+        Self::Tiles,
     ];
 
     /// The table.
@@ -57,6 +60,7 @@ impl What {
             Self::Lookups => &LookupRows::TABLE,
             Self::Requests => &RequestRows::TABLE,
             Self::Counters => &CounterRows::TABLE,
+            Self::Tiles => &TileTimeRows::TABLE,
         }
     }
 
@@ -72,7 +76,7 @@ impl What {
 
     /// Whether a machine simulates it.
     pub fn is_simulated(self) -> bool {
-        matches!(self, Self::Lookups | Self::Requests | Self::Counters)
+        matches!(self, Self::Lookups | Self::Requests | Self::Counters | Self::Tiles)
     }
 
     /// Whether it depends on a machine.

@@ -126,6 +126,34 @@ fn requests_are_the_misses_of_the_caches_and_the_bytes_at_the_dram() {
 }
 
 #[test]
+fn every_tile_is_somewhere_for_a_while() {
+    let trace = trace("cornell");
+    for (machine_name, policy) in [("sgrt-ti2", "full"), ("sgrt-ti2", "multirate"), ("mimd-trax", "full")] {
+        let (policy, machine) = (NamedPolicy::load(policy, &[]).unwrap(), machine(machine_name, &[]));
+        let data = Data { machine: Some(&machine), policy: Some(&policy), ..Data::new(&trace, What::Tiles) };
+        let (rows, counted) = (Rows::of(&data), stats(&trace, &policy, &machine));
+        let mut tiles = rows.integers("tile");
+        tiles.sort_unstable();
+        assert_eq!(tiles, (0..i64::from(trace.meta().tile_count())).collect::<Vec<_>>());
+        let (begin, end) = (rows.integers("begin"), rows.integers("end"));
+        assert!((0..rows.len()).all(|i| begin[i] < end[i]) && end.is_sorted());
+        let last = counted.cycles as i64 - end[rows.len() - 1];
+        assert!((0..=1).contains(&last), "the frame ends {last} cycles after the last tile");
+        let sum = |name: &str| rows.integers(name).iter().sum::<i64>() as u64;
+        if machine_name == "sgrt-ti2" {
+            assert_eq!(sum("rays"), counted.rays());
+            assert_eq!(sum("triangle_tests"), counted.ist().map(|unit| unit.events.triangle_tests).sum::<u64>());
+        }
+        // No slot holds two at a time.
+        let (core, slot) = (rows.integers("core"), rows.integers("slot"));
+        for i in 0..rows.len() {
+            let earlier = (0..i).filter(|j| (core[*j], slot[*j]) == (core[i], slot[i]));
+            assert!(earlier.map(|j| end[j]).max().is_none_or(|before| before <= begin[i]));
+        }
+    }
+}
+
+#[test]
 fn intervals_add_up_to_the_run() {
     let (trace, policy) = (trace("cornell"), NamedPolicy::load("full", &[]).unwrap());
     let machine = machine("sgrt-ti2", &[]);
@@ -156,7 +184,7 @@ fn what_does_not_fit_is_said() {
     let (full, machine) = (NamedPolicy::load("full", &[]).unwrap(), machine("sgrt-ti2", &[]));
     let error = |data: Data<'_>| data.head().unwrap_err().to_string();
     let with_policy = Data { policy: Some(&full), ..Data::new(&trace, What::Rays) };
-    assert!(error(with_policy).contains("take samples, lookups, requests, counters"));
+    assert!(error(with_policy).contains("take samples, lookups, requests, counters, tiles"));
     let with_machine = Data { machine: Some(&machine), ..Data::new(&trace, What::Steps) };
     assert!(error(with_machine).contains("the same for every machine"));
     assert!(error(Data::new(&trace, What::Addresses)).contains("depends on a machine; name one"));

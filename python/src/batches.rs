@@ -13,7 +13,7 @@ use rayreel_replay::{ReplayError, Stop};
 
 use crate::columns::to_dict;
 use crate::error::raise;
-use crate::trace::Wanted;
+use crate::wanted::Wanted;
 
 /// Batches that wait for Python.
 const AHEAD: usize = 2;

@@ -9,6 +9,7 @@ mod replay;
 mod trace;
 mod view;
 mod wait;
+mod wanted;
 
 use pyo3::prelude::*;
 

@@ -15,8 +15,8 @@ use serde_json::Value;
 use crate::columns::{picture, plane};
 use crate::error::{raise, refuse};
 use crate::policy::InPython;
-use crate::trace::settings;
 use crate::wait::interruptible;
+use crate::wanted::settings;
 
 /// What is to be replayed, and how.
 #[derive(FromPyObject)]

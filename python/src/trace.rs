@@ -6,110 +6,21 @@ use std::sync::Arc;
 
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
-use rayreel_columns::{Batch, Data, Head, Selection, What};
+use rayreel_columns::{Batch, Head, What};
 use rayreel_formats::{Limits, Trace as Recorded};
-use rayreel_machine::NamedMachine;
-use rayreel_machine::config::schema::is_machine_override;
-use rayreel_replay::{NamedPolicy, Stop};
+use rayreel_replay::Stop;
 
 use crate::batches::Batches;
 use crate::columns::to_dict;
-use crate::error::{raise, refuse};
+use crate::error::raise;
 use crate::replay::{Frame, Request, frames_of};
 use crate::wait::interruptible;
+use crate::wanted::{Asked, Wanted};
 
 /// A trace that is open.
 #[pyclass(frozen, module = "rayreel._native")]
 pub struct Trace {
     recorded: Arc<Recorded>,
-}
-
-/// What of a table is wanted.
-#[derive(Clone)]
-pub struct Wanted {
-    what: What,
-    selection: Selection,
-    policy: Option<NamedPolicy>,
-    machine: Option<NamedMachine>,
-    interval: u64,
-    columns: Option<Vec<String>>,
-}
-
-/// How a table is asked for.
-#[derive(FromPyObject)]
-#[pyo3(from_item_all)]
-pub struct Asked {
-    frames: Option<(u32, u32)>,
-    tiles: Option<String>,
-    policy: Option<String>,
-    machine: Option<String>,
-    overrides: Vec<String>,
-    interval: u64,
-    columns: Option<Vec<String>>,
-}
-
-impl Wanted {
-    fn new(trace: &Recorded, what: &str, asked: Asked) -> PyResult<Self> {
-        let all = || What::ALL.map(What::name).join(", ");
-        let what =
-            What::named(what).ok_or_else(|| refuse(format!("there is no table {what:?}; take one of {}", all())))?;
-        let mut selection = Selection::all(trace.meta());
-        if let Some((first, end)) = asked.frames {
-            selection = selection.frames(first..end).map_err(|e| raise(&e))?;
-        }
-        if let Some(tiles) = &asked.tiles {
-            selection = selection.tiles(tiles).map_err(|e| raise(&e))?;
-        }
-        let (policy, machine) = (asked.policy.as_deref(), asked.machine.as_deref());
-        let machine = machine.or(what.takes_machine().then_some("sgrt-ti2"));
-        let policy = policy.or(what.is_simulated().then_some("full"));
-        let (policy, machine) = settings(policy, machine, &asked.overrides)?;
-        let wanted = Self { what, selection, policy, machine, interval: asked.interval, columns: asked.columns };
-        wanted.head(trace)?;
-        Ok(wanted)
-    }
-
-    /// What there is to get.
-    pub fn data<'a>(&'a self, trace: &'a Recorded, stop: &Stop) -> Data<'a> {
-        Data {
-            trace,
-            what: self.what,
-            selection: self.selection.clone(),
-            policy: self.policy.as_ref(),
-            machine: self.machine.as_ref(),
-            interval: self.interval,
-            stop: stop.clone(),
-        }
-    }
-
-    /// The columns that are wanted.
-    pub fn head(&self, trace: &Recorded) -> PyResult<Head> {
-        let head = self.data(trace, &Stop::never()).head().map_err(|e| raise(&e))?;
-        match &self.columns {
-            Some(names) => head.only(names).map_err(|e| raise(&e)),
-            None => Ok(head),
-        }
-    }
-}
-
-/// Policy and machine by preset or file, with overrides for both.
-pub fn settings(
-    policy: Option<&str>,
-    machine: Option<&str>,
-    overrides: &[String],
-) -> PyResult<(Option<NamedPolicy>, Option<NamedMachine>)> {
-    let (of_machine, of_policy): (Vec<_>, Vec<_>) =
-        overrides.iter().cloned().partition(|text| is_machine_override(text));
-    for (kind, there, texts) in [("machine", machine, &of_machine), ("policy", policy, &of_policy)] {
-        if let (None, Some(text)) = (there, texts.first()) {
-            return Err(refuse(format!(
-                "override {text} is for a {kind}, and there is none; name one, or leave it out"
-            )));
-        }
-    }
-    let policy = policy.map(|name| NamedPolicy::load(name, &of_policy)).transpose().map_err(|e| raise(&e))?;
-    let machine = machine.map(|name| NamedMachine::load(name, &of_machine)).transpose().map_err(|e| raise(&e))?;
-    Ok((policy, machine))
 }
 
 #[pymethods]

@@ -10,12 +10,12 @@ import pytest
 
 import rayreel
 
-SIMULATED = ["lookups", "requests", "counters"]
+SIMULATED = ["lookups", "requests", "counters", "tiles"]
 
 
 def test_tables_are_declared():
     tables = rayreel.tables()
-    assert list(tables)[:3] == ["rays", "hits", "steps"] and len(tables) == 10
+    assert list(tables)[:3] == ["rays", "hits", "steps"] and len(tables) == 11
     t = next(column for column in tables["rays"].columns if column.name == "t")
     assert (t.type, t.unit) == ("f32", "lengths of the direction") and "miss" in t.meaning
 

@@ -90,6 +90,10 @@ fn wrong_requests_are_named() {
         (vec!["--frame", "9"], 2, "frame 9 is not in the trace"),
         (vec!["--policy", "adaptiv"], 2, "did you mean adaptive"),
         (vec!["--set", "blok=4"], 2, "blok"),
+        (vec!["--size", "64x32"], 2, "--size is for a scene"),
+        (vec!["--samples", "1x1"], 2, "--samples is for a scene"),
+        (vec!["--depth", "2"], 2, "--depth is for a scene"),
+        (vec!["--fov", "30"], 2, "--fov is for a scene"),
     ] {
         let mut all = vec!["aov".into(), trace.clone().into_os_string(), "-o".into(), file.clone().into_os_string()];
         all.extend(args.iter().map(std::ffi::OsString::from));

@@ -98,7 +98,13 @@ impl Browser {
     /// Opens a file.
     #[track_caller]
     pub fn open(&self, file: &Path) {
-        self.post("/url", json!({ "url": format!("file://{}", file.display()) }));
+        self.open_url(&format!("file://{}", file.display()));
+    }
+
+    /// Opens an address.
+    #[track_caller]
+    pub fn open_url(&self, url: &str) {
+        self.post("/url", json!({ "url": url }));
     }
 
     /// Runs a script; what it returns.

@@ -72,6 +72,14 @@ fn what_cannot_be_done_is_said_and_leaves_nothing() {
     refused(rayreel!["merge", &at("a"), &at("later"), "-o", &at("out")], "do not follow on frame 2");
     refused(rayreel!["merge", &at("a"), &at("a"), "-o", &at("out")], "do not follow on frame 2");
     refused(rayreel!["merge", &at("a"), &at("other"), "-o", &at("out")], "differ in the scene");
+    // What another command left is not ours to delete, whatever the folder is called; what we began is.
+    let odd = at("odd.partial");
+    fs::create_dir(&odd).unwrap();
+    fs::write(odd.join("out.partial"), "theirs").unwrap();
+    rayreel!["trim", "--frames", "0", &at("a"), "-o", &odd.join("out")].expect(2);
+    assert_eq!(fs::read(odd.join("out.partial")).unwrap(), b"theirs");
+    refused(rayreel!["merge", &at("a"), &at("other"), "-o", &odd.join("new")], "differ in the scene");
+    assert!(!odd.join("new.partial").exists());
     let ran = rayreel!["recompress", &at("a"), "-o", &at("later")].expect(2);
     assert!(ran.err.contains("already exists"), "{ran:?}");
     rayreel!["recompress", "--quiet", "--force", &at("a"), "-o", &at("later")].expect(0);

@@ -11,6 +11,7 @@ mod made_up;
 mod anchors;
 mod aov;
 mod browser;
+mod charts;
 #[cfg(unix)]
 mod cluster;
 mod columns;
@@ -38,8 +39,11 @@ mod presets;
 mod readers;
 mod repair;
 mod replay_json;
+mod replay_page;
 mod report;
 mod stand_in;
 mod sweep;
 mod sweep_page;
 mod tamper;
+#[cfg(unix)]
+mod timeline;

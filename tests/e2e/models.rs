@@ -173,3 +173,37 @@ fn flags_that_place_no_camera_are_wrong_usage() {
     let args: Vec<_> = ["render".into(), "cornell".into(), "-o".into(), out.into()].into_iter().chain(many).collect();
     crate::common::run(&args).expect(2).says(&["17 lights are too many"]);
 }
+
+/// The glTF files below a folder.
+fn models_in(folder: &Path) -> Vec<std::path::PathBuf> {
+    let (mut todo, mut found) = (vec![folder.to_path_buf()], Vec::new());
+    while let Some(path) = todo.pop() {
+        if path.is_dir() {
+            todo.extend(path.read_dir().unwrap().map(|entry| entry.unwrap().path()));
+        } else if path.extension().is_some_and(|ending| ending == "gltf" || ending == "glb") {
+            found.push(path);
+        }
+    }
+    found.sort();
+    found
+}
+
+/// Skipped, saying so, unless `RAYREEL_MODELS` names a folder, such as that of Debian's `assimp-testmodels`.
+#[test]
+fn models_of_others_give_a_picture_or_one_error() {
+    let Some(folder) = std::env::var_os("RAYREEL_MODELS") else {
+        return eprintln!("skipped: RAYREEL_MODELS names no folder of models");
+    };
+    let models = models_in(Path::new(&folder));
+    assert!(!models.is_empty(), "no .gltf and no .glb below {folder:?}");
+    let out = tempfile::tempdir().unwrap();
+    for model in models {
+        let picture = out.path().join("a.png");
+        let ran = rayreel!["render", &model, "-o", &picture, "--size", "32x24", "--samples", "1x1"];
+        let errors = ran.err.lines().filter(|line| line.starts_with("error: ")).count();
+        eprintln!("{}: code {}, {}", model.display(), ran.code, if errors == 0 { "a picture" } else { ran.err.trim() });
+        assert!((ran.code == 0 && errors == 0) || (ran.code == 65 && errors == 1), "{ran:?}");
+        assert_eq!(picture.exists(), errors == 0, "{ran:?}");
+        let _ = fs::remove_file(picture);
+    }
+}

@@ -1,7 +1,9 @@
-//! The tables that a simulation makes: who asked memory for what and when, and what units counted over time.
+//! The tables that a simulation makes: who asked memory for what and when, what units counted over time, and when tiles were under way.
 
 mod counters;
 mod issue;
+mod tiles;
 
 pub use counters::{CounterRows, Intervals, names as counter_names};
 pub use issue::{Issue, LookupRows, RequestRows, RouteWord};
+pub use tiles::{TileTimeRows, TileTimes};

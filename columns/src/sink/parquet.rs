@@ -3,7 +3,7 @@
 //!
 //! A batch is encoded where it was made, in any thread; the groups are put one behind the other. So the bytes depend on the batches
 //! alone. Whole numbers are stored as differences, floats split by byte, words by number: smaller and faster than what the library
-//! would choose.
+//! would choose. Least and most of a group stand beside whole numbers alone, which readers skip groups by: frame, tile, cycle.
 
 use std::io::Write;
 use std::sync::Arc;
@@ -20,7 +20,7 @@ use parquet::schema::types::{ColumnPath, SchemaDescriptor, Type as Schema, TypeP
 
 use crate::error::{ColumnsError, Result};
 use crate::schema::{Batch, Head};
-use crate::value::{Column, Type};
+use crate::value::{Column, Names, Type};
 
 /// The metadata key.
 pub const KEY: &str = "rayreel";
@@ -139,9 +139,13 @@ fn properties(head: &Head) -> Result<WriterProperties, ParquetError> {
     for (column, _) in head.columns() {
         let path = ColumnPath::from(column.name);
         all = match column.kind {
-            Type::Word => all.set_column_dictionary_enabled(path, true),
+            Type::Word => all
+                .set_column_statistics_enabled(path.clone(), EnabledStatistics::None)
+                .set_column_dictionary_enabled(path, true),
             Type::Bool => all,
-            Type::F32 => all.set_column_encoding(path, Encoding::BYTE_STREAM_SPLIT),
+            Type::F32 => all
+                .set_column_statistics_enabled(path.clone(), EnabledStatistics::None)
+                .set_column_encoding(path, Encoding::BYTE_STREAM_SPLIT),
             _ => all.set_column_encoding(path, Encoding::DELTA_BINARY_PACKED),
         };
     }
@@ -175,13 +179,21 @@ fn write(column: &Column, writer: &mut ColumnWriter<'_>) -> Result<(), ParquetEr
         (Column::F32(values), ColumnWriter::FloatColumnWriter(to)) => to.write_batch(values, None, None),
         (Column::Bool(values), ColumnWriter::BoolColumnWriter(to)) => to.write_batch(values, None, None),
         (Column::Word(words), ColumnWriter::ByteArrayColumnWriter(to)) => {
-            let names: Vec<ByteArray> = words.names.iter().map(|name| name.as_bytes().to_vec().into()).collect();
+            let names = byte_arrays(&words.names);
             let values: Vec<ByteArray> = words.codes.iter().map(|&code| names[code as usize].clone()).collect();
             to.write_batch(&values, None, None)
         }
         _ => return Err(ParquetError::General("a column is of another type than its table says".into())),
     }?;
     Ok(())
+}
+
+/// The words of a list. Copies of those that the program holds cost nothing.
+fn byte_arrays(names: &Names) -> Vec<ByteArray> {
+    match names {
+        Names::Fixed(names) => names.iter().map(|name| Bytes::from_static(name.as_bytes()).into()).collect(),
+        names => names.iter().map(|name| name.as_bytes().to_vec().into()).collect(),
+    }
 }
 
 fn wide<T: Copy + Into<i32>>(values: &[T]) -> Vec<i32> {

@@ -134,6 +134,12 @@ impl Srp {
         self.tiles.work(slot)
     }
 
+    /// The slots that hold a tile, with its number.
+    pub fn held(&self) -> impl Iterator<Item = (usize, u32)> {
+        let slots = self.tiles.all().iter().enumerate();
+        slots.filter(|(_, slot)| !slot.is_free()).map(|(id, slot)| (id, slot.work.tile))
+    }
+
     /// The first slot whose tile need not wait any longer: `is_open` tells which neighbours are not far enough.
     #[inline]
     pub fn released(&self, is_open: impl Fn(Neighbour) -> bool) -> Option<u8> {

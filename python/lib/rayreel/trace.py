@@ -108,7 +108,7 @@ class Trace:
         interval: int = 1000,
     ) -> Table:
         """A table, all of it in memory: `rays`, `hits`, `steps`, `addresses`, `samples`, `nodes`, `triangles`, `lookups`,
-        `requests` or `counters`. The arguments are the options of `rayreel export`. Of columns that are not asked for nothing is
+        `requests`, `counters` or `tiles`. The arguments are the options of `rayreel export`. Of columns that are not asked for nothing is
         kept."""
         asked = _asked(columns, frames, tiles, policy, machine, set, interval)
         columns_by_name = self._native.table(what, asked)

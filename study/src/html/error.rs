@@ -69,6 +69,12 @@ pub enum ReportError {
         /// The picture.
         name: String,
     },
+    /// There is nothing to draw.
+    #[error("{} has no charts: they show what is simulated and varies, and of a replay several frames", path.display())]
+    NoCharts {
+        /// The results.
+        path: PathBuf,
+    },
     /// A picture cannot be embedded.
     #[error("picture {name:?} of {}: {detail}; run the command that made the folder again", path.display())]
     BadPicture {

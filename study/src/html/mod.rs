@@ -18,6 +18,7 @@ mod view;
 
 use std::path::Path;
 
+use charts::file::Saved;
 pub use error::ReportError;
 pub use load::load;
 
@@ -60,7 +61,32 @@ pub fn write_study(study: &Study, folder: &Path, file: &Path) -> crate::Result<W
     let pictures = sections::viewer::Pictures::load(study, |name| load::picture(folder, name))?;
     // A study may be a stranger's: whatever its numbers are, there is a page or one error.
     let odd = |why| ReportError::Odd { path: folder.join(FILE), why };
-    let html = guarded(|| page::page(study, &pictures)).map_err(odd)?;
+    let (html, _) = guarded(|| page::page(study, &pictures)).map_err(odd)?;
     write_named(file, html.as_bytes()).map_err(|e| ReportError::Write { source: Box::new(e) })?;
     Ok(Written { bytes: html.len(), picture_bytes: pictures.bytes(), pictures: pictures.len() })
+}
+
+/// Writes every chart of the page of a study or of a replay into `to`, as `NAME.svg` and `NAME.csv`. Gives their names.
+///
+/// # Errors
+/// When the results cannot be read, have no charts, or a file cannot be written.
+pub fn write_charts(input: &Path, to: &Path) -> crate::Result<Vec<String>, ReportError> {
+    let odd = |why| ReportError::Odd { path: input.to_path_buf(), why };
+    let saved = if replay::is_of_replay(input) {
+        replay::charts(input)?
+    } else {
+        let study = load(input)?;
+        let pictures = sections::viewer::Pictures::load(&study, |name| load::picture(input, name))?;
+        guarded(|| page::page(&study, &pictures)).map_err(odd)?.1
+    };
+    keep(saved, input, to)
+}
+
+/// Writes charts; gives their names.
+fn keep(saved: Vec<Saved>, input: &Path, to: &Path) -> crate::Result<Vec<String>, ReportError> {
+    if saved.is_empty() {
+        return Err(ReportError::NoCharts { path: input.to_path_buf() });
+    }
+    charts::file::write(to, &saved)?;
+    Ok(saved.into_iter().map(|chart| chart.name).collect())
 }

@@ -1,5 +1,6 @@
 //! The page of a study: its head and foot around its sections.
 
+use crate::html::charts::file::Saved;
 use crate::html::sections::{self, viewer::Pictures};
 use crate::html::shell::Shell;
 use crate::html::text::{bytes, escape};
@@ -9,12 +10,12 @@ use crate::schema::Study;
 const SCRIPT: &str = include_str!("script.js");
 const VIEWER: &str = include_str!("viewer.js");
 
-/// The whole page.
-pub fn page(study: &Study, pictures: &Pictures) -> String {
+/// The whole page, and its charts.
+pub fn page(study: &Study, pictures: &Pictures) -> (String, Vec<Saved>) {
     let view = StudyView::new(study);
     let sections = sections::all(&view, pictures);
     let title = if study.title.is_empty() { "Rayreel report" } else { &study.title };
-    Shell {
+    let html = Shell {
         title,
         head: &head(study, title),
         sections: &sections,
@@ -23,7 +24,8 @@ pub fn page(study: &Study, pictures: &Pictures) -> String {
         data: None,
         scripts: &[SCRIPT, VIEWER],
     }
-    .html()
+    .html();
+    (html, view.charts.into_saved())
 }
 
 fn head(study: &Study, title: &str) -> String {

@@ -19,13 +19,6 @@ impl Section {
     }
 }
 
-/// A chart with its name above and a sentence below that says how to read it.
-pub fn card(title: &str, html: &str, caption: &str) -> String {
-    let caption = if caption.is_empty() { String::new() } else { format!("<p>{}</p>", escape(caption)) };
-    let caption = format!("<figcaption><strong>{}</strong>{caption}</figcaption>", escape(title));
-    format!("<figure class=\"card\">{caption}{html}</figure>\n")
-}
-
 /// A paragraph that says how to read what stands above it.
 pub fn how_to_read(text: &str) -> String {
     format!("<p class=\"read\">{}</p>\n", escape(text))

@@ -175,6 +175,92 @@
     });
   }
 
+  // A chart as a file: its style goes with it, as it shows now.
+  const STYLES = ["fill", "fill-opacity", "stroke", "stroke-width", "stroke-dasharray", "stroke-linejoin", "stroke-linecap", "opacity", "paint-order",
+    "text-anchor", "font-size", "font-weight", "visibility"];
+  const SVG = Object.assign(document.createElement("div"), { innerHTML: "<svg></svg>" }).firstChild.namespaceURI;
+  const element = (name, attributes, text) => {
+    const made = document.createElementNS(SVG, name);
+    for (const [key, value] of Object.entries(attributes)) made.setAttribute(key, value);
+    if (text !== undefined) made.textContent = text;
+    return made;
+  };
+  // Other programs know no mixed colours: as a pixel shows it.
+  const pen = document.createElement("canvas").getContext("2d", { willReadFrequently: true });
+  const plain = (colour) => {
+    if (!/^(ok|color|lab|lch)/.test(colour)) return colour;
+    pen.clearRect(0, 0, 1, 1);
+    pen.fillStyle = colour;
+    pen.fillRect(0, 0, 1, 1);
+    return `rgb(${[...pen.getImageData(0, 0, 1, 1).data].slice(0, 3).join(", ")})`;
+  };
+  const font = () => getComputedStyle(document.body).fontFamily;
+  const sheet = (made, figure, width, height) => {
+    const [w, h] = [width + 24, height + 24];
+    for (const [key, value] of Object.entries({ viewBox: `-12 -12 ${w} ${h}`, width: w, height: h, "font-family": font() })) made.setAttribute(key, value);
+    made.prepend(element("rect", { x: -12, y: -12, width: w, height: h, fill: getComputedStyle(figure).backgroundColor }));
+    return new XMLSerializer().serializeToString(made);
+  };
+  const ofChart = (chart) => {
+    const copy = chart.cloneNode(true);
+    const [from, to] = [chart, copy].map((own) => [own, ...own.querySelectorAll("*")]);
+    from.forEach((part, i) => {
+      const own = getComputedStyle(part);
+      for (const key of STYLES) to[i].setAttribute(key, plain(own.getPropertyValue(key)));
+      for (const key of ["class", "style", "tabindex", "data-mark", "data-v", "data-tip"]) to[i].removeAttribute(key);
+      if (part.dataset.tip) to[i].append(element("title", {}, part.dataset.tip));
+    });
+    const { width, height } = chart.viewBox.baseVal;
+    return sheet(copy, chart.closest("figure"), width, height);
+  };
+  // A chart made of boxes: their backgrounds, and each word where it stands.
+  const ofBoxes = (box) => {
+    const frame = box.getBoundingClientRect();
+    const made = element("svg", {});
+    for (const part of [box, ...box.querySelectorAll("*:not(.unseen)")]) {
+      const [own, at] = [getComputedStyle(part), part.getBoundingClientRect()];
+      const [x, y] = [at.left - frame.left, at.top - frame.top];
+      if (at.width > 0 && own.backgroundColor !== "rgba(0, 0, 0, 0)") made.append(element("rect", { x, y, width: at.width, height: at.height, fill: plain(own.backgroundColor) }));
+      for (const node of [...part.childNodes].filter((child) => child.nodeType === Node.TEXT_NODE)) {
+        for (const { 0: word, index } of node.data.matchAll(/\S+/g)) {
+          const range = document.createRange();
+          range.setStart(node, index);
+          range.setEnd(node, index + word.length);
+          const place = range.getBoundingClientRect();
+          const size = parseFloat(own.fontSize);
+          made.append(element("text", { x: place.left - frame.left, y: place.top - frame.top + place.height / 2 + size * 0.35, "font-size": size, "font-weight": own.fontWeight, fill: plain(own.color) }, word));
+        }
+      }
+    }
+    return sheet(made, box.closest("figure"), frame.width, frame.height);
+  };
+  const alone = (figure) => {
+    const chart = figure.querySelector("svg.chart");
+    return chart ? ofChart(chart) : ofBoxes(figure.querySelector("table, .bars"));
+  };
+  const save = (name, type, text) => {
+    const url = URL.createObjectURL(new Blob([text], { type }));
+    Object.assign(document.createElement("a"), { href: url, download: name }).click();
+    setTimeout(() => URL.revokeObjectURL(url), 10000);
+  };
+  const button = (text, label, onclick) => {
+    const made = Object.assign(document.createElement("button"), { type: "button", textContent: text, onclick });
+    made.setAttribute("aria-label", label);
+    return made;
+  };
+  const quoted = (cell) => (/[",\r\n]/.test(cell) ? `"${cell.replaceAll('"', '""')}"` : cell);
+  const csv = (rows) => rows.map((row) => `${row.map((cell) => quoted(String(cell ?? ""))).join(",")}\r\n`).join("");
+  const name = (figure) => figure.dataset.chart ?? "chart";
+  const svgButton = (figure) => button("SVG", `Save ${name(figure)} as SVG`, () => save(`${name(figure)}.svg`, "image/svg+xml", alone(figure)));
+  for (const figure of document.querySelectorAll("figure[data-chart]")) figure.querySelector(".save")?.prepend(svgButton(figure));
+  /** For charts that other scripts draw: `rows` gives the table, names first. */
+  const offer = (figure, rows) => {
+    const made = Object.assign(document.createElement("p"), { className: "save" });
+    made.append(svgButton(figure), button("CSV", `Save ${name(figure)} as CSV`, () => save(`${name(figure)}.csv`, "text/csv", csv(rows()))));
+    figure.append(made);
+  };
+  Object.assign(window.rayreel, { alone, csv, offer });
+
   // The section in sight, in the contents.
   const links = new Map([...document.querySelectorAll("nav a")].map((link) => [link.hash.slice(1), link]));
   const seen = new Set();

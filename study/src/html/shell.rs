@@ -5,7 +5,9 @@ use serde_json::Value;
 use crate::html::parts::Section;
 use crate::html::text::{escape, script_json};
 
-const STYLE: &str = include_str!("style.css");
+/// Colours by name, rules for charts, and the rest.
+const STYLE: &str =
+    concat!(include_str!("charts/colours.css"), include_str!("charts/chart.css"), include_str!("style.css"));
 
 /// Nothing is loaded from anywhere, whatever the data may hold.
 const POLICY: &str = "default-src 'none'; img-src data:; style-src 'unsafe-inline'; script-src 'unsafe-inline'; \

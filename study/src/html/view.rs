@@ -1,5 +1,6 @@
 //! The study as the sections see it: looked up by scene, mode and policy. A policy looks the same on the whole page.
 
+use crate::html::charts::gallery::Gallery;
 use crate::html::charts::svg::marker;
 use crate::html::parts::{legend, symbol};
 use crate::schema::{GainBand, Point, Study};
@@ -15,6 +16,8 @@ pub struct StudyView<'a> {
     pub points: Vec<&'a Point>,
     /// The policy that the summary speaks of.
     pub headline: Option<&'a str>,
+    /// The charts that the sections drew.
+    pub charts: Gallery,
 }
 
 /// How a policy looks: colour class and shape of its marker.
@@ -43,7 +46,7 @@ impl<'a> StudyView<'a> {
     pub fn new(study: &'a Study) -> Self {
         let of_machine: Vec<&Point> = study.points.iter().filter(|p| p.machine == study.machine).collect();
         let points = if of_machine.is_empty() { study.points.iter().collect() } else { of_machine };
-        let mut view = Self { study, points, headline: None };
+        let mut view = Self { study, points, headline: None, charts: Gallery::default() };
         view.headline = study.headline_policy.as_deref().or_else(|| view.best());
         view
     }

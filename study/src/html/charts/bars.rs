@@ -1,12 +1,15 @@
 //! Bars: groups of vertical ones (the paper's Figure 7), and rows of horizontal ones (a value for each policy).
 
 use crate::html::charts::WIDTH;
+use crate::html::charts::chart::{Chart, Data, Key, cell, once};
 use crate::html::charts::scale::{Scale, extent};
 use crate::html::charts::svg::{Svg, n, shortened, text_width};
 use crate::html::text::factor;
 
-/// An vertical bar of a group.
+/// A vertical bar of a group.
 pub struct Bar {
+    /// What it is.
+    pub name: &'static str,
     /// Its height; nothing leaves a gap.
     pub value: Option<f64>,
     /// Colour class.
@@ -29,7 +32,7 @@ pub struct Group {
 const HEIGHT: f64 = 250.0;
 
 /// Groups of vertical bars over a common axis of factors. A line marks 1, the reference.
-pub fn grouped(groups: &[Group], label: &str) -> String {
+pub fn grouped(groups: &[Group], label: &str) -> Chart {
     let [left, right, top, bottom] = [34.0, WIDTH - 4.0, 14.0, HEIGHT - 26.0];
     let values = groups.iter().flat_map(|g| {
         let (least, most) = g.band.unwrap_or((0.0, None));
@@ -49,7 +52,21 @@ pub fn grouped(groups: &[Group], label: &str) -> String {
         upright(&mut svg, group, [left + slot * i as f64, slot], &y, bottom);
     }
     svg.line([left, bottom], [right, bottom], "axis");
-    svg.finish(label, "")
+    let bars = groups.iter().flat_map(|group| &group.bars);
+    let keys = once(bars.map(|bar| Key::new(bar.class, bar.name)));
+    Chart { svg: svg.finish(label, ""), data: of_groups(groups), keys }
+}
+
+fn of_groups(groups: &[Group]) -> Data {
+    let mut data = Data::new(&["group", "bar", "factor", "paper_least", "paper_most"]);
+    for group in groups {
+        for (i, bar) in group.bars.iter().enumerate() {
+            let band = group.band.filter(|_| i + 1 == group.bars.len());
+            let (least, most) = (band.map(|band| band.0), band.and_then(|band| band.1));
+            data.row(vec![group.name.clone(), bar.name.into(), cell(bar.value), cell(least), cell(most)]);
+        }
+    }
+    data
 }
 
 fn factor_tick(scale: &Scale, tick: f64) -> String {
@@ -108,7 +125,7 @@ pub struct HorizontalBar {
 const ROW: f64 = 22.0;
 
 /// Horizontal bars over an axis of factors that reaches `most`; the zone is what the paper states.
-pub fn rows(rows: &[HorizontalBar], most: f64, zone: Option<(f64, Option<f64>)>, label: &str) -> String {
+pub fn rows(rows: &[HorizontalBar], most: f64, zone: Option<(f64, Option<f64>)>, label: &str) -> Chart {
     let top = if zone.is_some() { 20.0 } else { 6.0 };
     let (height, left) = (top + ROW * rows.len() as f64 + 22.0, name_width(rows.iter().map(|r| r.name.as_str())));
     let bottom = height - 22.0;
@@ -135,7 +152,12 @@ pub fn rows(rows: &[HorizontalBar], most: f64, zone: Option<(f64, Option<f64>)>,
     }
     svg.line([x.at(1.0), top - 4.0], [x.at(1.0), bottom], "one");
     svg.line([left, top - 4.0], [left, bottom], "axis");
-    svg.finish(label, "")
+    let mut data = Data::new(&["name", "factor", "text", "paper_least", "paper_most"]);
+    for row in rows {
+        let (least, end) = (zone.map(|zone| zone.0), zone.and_then(|zone| zone.1));
+        data.row(vec![row.name.clone(), cell(Some(row.value)), row.text.clone(), cell(least), cell(end)]);
+    }
+    Chart { svg: svg.finish(label, ""), data, keys: Vec::new() }
 }
 
 /// Most characters of a name beside a bar.

@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 
 use crate::html::charts::WIDTH;
+use crate::html::charts::chart::{Chart, Data, Key, cell};
 use crate::html::charts::scale::{Scale, extent};
 use crate::html::charts::svg::{Svg, n};
 use crate::html::text::{escape, fixed};
@@ -36,7 +37,7 @@ const HEIGHT: f64 = 200.0;
 
 impl Lines<'_> {
     /// The chart; `label` describes it.
-    pub fn draw(&self, label: &str) -> String {
+    pub fn draw(&self, label: &str) -> Chart {
         let [left, right, top, bottom] = [44.0, WIDTH - 8.0, 10.0, HEIGHT - 36.0];
         let [mut low, high] =
             extent(self.lines.iter().flat_map(|l| l.values.iter().flatten().copied())).unwrap_or([0.0, 1.0]);
@@ -71,7 +72,20 @@ impl Lines<'_> {
             ends.1,
             escape(self.unit)
         );
-        svg.finish(label, &plot)
+        let keys = self.lines.iter().map(|line| Key::new(&line.class, &line.name));
+        let keys = if self.lines.len() > 1 { keys.collect() } else { Vec::new() };
+        Chart { svg: svg.finish(label, &plot), data: self.data(), keys }
+    }
+
+    fn data(&self) -> Data {
+        let names: Vec<&str> =
+            std::iter::once("frame").chain(self.lines.iter().map(|line| line.name.as_str())).collect();
+        let mut data = Data::new(&names);
+        for (i, frame) in self.frames.iter().enumerate() {
+            let values = self.lines.iter().map(|line| cell(line.values.get(i).copied().flatten()));
+            data.row(std::iter::once(frame.to_string()).chain(values).collect());
+        }
+        data
     }
 
     fn line(&self, svg: &mut Svg, line: &Line, x: &Scale, y: &Scale) {

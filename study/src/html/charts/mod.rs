@@ -2,6 +2,9 @@
 //! reads without a script. Colours are classes, so that light, dark and print each choose their own.
 
 pub mod bars;
+pub mod chart;
+pub mod file;
+pub mod gallery;
 pub mod lines;
 pub mod scale;
 pub mod scatter;

@@ -1,6 +1,7 @@
 //! Points of two values that are both better when larger, with the frontier: what no other point beats in both.
 
 use crate::html::charts::WIDTH;
+use crate::html::charts::chart::{Chart, Data, Key, cell, once};
 use crate::html::charts::scale::{Scale, extent};
 use crate::html::charts::svg::{Svg, marker, n, shortened, text_width};
 use crate::html::text::escape;
@@ -38,11 +39,14 @@ pub fn frontier(dots: &[Dot]) -> Vec<bool> {
     dots.iter().map(|dot| !dots.iter().any(|other| other.beats(dot))).collect()
 }
 
+/// More names than this are no legend.
+const KEYS_MAX: usize = 24;
+
 /// Height of the chart.
 const HEIGHT: f64 = 270.0;
 
 /// Draws the points; `names` say what the axes show, `label` describes the chart.
-pub fn scatter(dots: &[Dot], names: [&str; 2], label: &str) -> String {
+pub fn scatter(dots: &[Dot], names: [&str; 2], label: &str) -> Chart {
     let best = frontier(dots);
     let identical = dots.iter().any(|d| d.x.is_none());
     let [left, top, bottom] = [36.0, 24.0, HEIGHT - 38.0];
@@ -69,7 +73,14 @@ pub fn scatter(dots: &[Dot], names: [&str; 2], label: &str) -> String {
         }
     }
     names_of(&mut svg, dots, &best, place, [left, WIDTH - 2.0, top - 12.0, bottom]);
-    svg.finish(label, "")
+    let mut data = Data::new(&["name", names[0], names[1], "frontier"]);
+    for (dot, on) in dots.iter().zip(&best) {
+        data.row(vec![dot.name.clone(), cell(Some(dot.x_or_infinity())), cell(Some(dot.y)), on.to_string()]);
+    }
+    let keys = once(dots.iter().map(|dot| Key::new(&dot.class, &dot.name)));
+    // Of many points only those on the frontier have their names in the picture.
+    let keys = if keys.len() <= KEYS_MAX { keys } else { Vec::new() };
+    Chart { svg: svg.finish(label, ""), data, keys }
 }
 
 fn axes(svg: &mut Svg, x: &Scale, y: &Scale, identical: bool, [x_name, y_name]: [&str; 2]) {
@@ -161,7 +172,7 @@ mod tests {
     #[test]
     fn any_points_can_be_drawn() {
         for dots in [vec![], vec![dot(None, 1.0)], vec![dot(Some(f64::MAX), f64::MAX), dot(Some(f64::MIN), 0.0)]] {
-            let svg = scatter(&dots, ["x", "y"], "label");
+            let svg = scatter(&dots, ["x", "y"], "label").svg;
             assert!(!svg.contains("NaN") && !svg.contains("inf"), "{svg}");
         }
     }

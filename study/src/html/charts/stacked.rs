@@ -2,11 +2,14 @@
 
 use crate::html::charts::WIDTH;
 use crate::html::charts::bars::{NAME_MAX, name_width};
+use crate::html::charts::chart::{Chart, Data, Key, cell, once};
 use crate::html::charts::scale::Scale;
 use crate::html::charts::svg::{Svg, shortened, text_width};
 
 /// A part of a bar.
 pub struct Part {
+    /// What it is.
+    pub name: String,
     /// Its length.
     pub value: f64,
     /// Colour class.
@@ -36,7 +39,7 @@ pub enum StackedRow {
 const ROW: f64 = 21.0;
 
 /// Draws the bars. The axis reaches `most`; `tick` writes a value along it.
-pub fn stacked(rows: &[StackedRow], most: f64, tick: impl Fn(&Scale, f64) -> String, label: &str) -> String {
+pub fn stacked(rows: &[StackedRow], most: f64, tick: impl Fn(&Scale, f64) -> String, label: &str) -> Chart {
     let names =
         rows.iter().filter_map(|row| if let StackedRow::Bar { name, .. } = row { Some(name.as_str()) } else { None });
     let texts = rows.iter().map(|row| if let StackedRow::Bar { text, .. } = row { text_width(text) } else { 0.0 });
@@ -65,5 +68,24 @@ pub fn stacked(rows: &[StackedRow], most: f64, tick: impl Fn(&Scale, f64) -> Str
         }
     }
     svg.line([left, 2.0], [left, bottom], "axis");
-    svg.finish(label, "")
+    let parts = rows.iter().flat_map(|row| if let StackedRow::Bar { parts, .. } = row { &parts[..] } else { &[] });
+    let key = |part: &Part| Key { class: part.class.clone(), opacity: part.opacity, name: part.name.clone() };
+    let keys = once(parts.filter(|part| part.value > 0.0).map(key));
+    Chart { svg: svg.finish(label, ""), data: of_parts(rows), keys }
+}
+
+fn of_parts(rows: &[StackedRow]) -> Data {
+    let mut data = Data::new(&["of", "bar", "part", "value"]);
+    let mut head = "";
+    for row in rows {
+        match row {
+            StackedRow::Head(text) => head = text,
+            StackedRow::Bar { name, parts, .. } => {
+                for part in parts {
+                    data.row(vec![head.into(), name.clone(), part.name.clone(), cell(Some(part.value))]);
+                }
+            }
+        }
+    }
+    data
 }

@@ -1,6 +1,7 @@
 //! The page of a replay: the folder that `rayreel replay --out` wrote, with its pictures over the frames.
 
 mod apng;
+mod charts;
 mod folder;
 mod page;
 
@@ -10,6 +11,7 @@ pub use apng::animate;
 pub use folder::is_of_replay;
 
 use crate::files::write_named;
+use crate::html::charts::file::Saved;
 use crate::html::{ReportError, Written};
 
 /// Makes the page of the replay in `folder` and writes it to `file`.
@@ -18,7 +20,12 @@ use crate::html::{ReportError, Written};
 /// When `stats.json` or a picture is missing or damaged, or `file` cannot be written.
 pub fn write(folder: &Path, file: &Path) -> crate::Result<Written, ReportError> {
     let replay = folder::Folder::read(folder)?;
-    let html = page::page(&replay);
+    let (html, _) = page::page(&replay);
     write_named(file, html.as_bytes()).map_err(|e| ReportError::Write { source: Box::new(e) })?;
     Ok(Written { bytes: html.len(), picture_bytes: replay.bytes(), pictures: replay.pictures.len() })
+}
+
+/// The charts of the page of a replay.
+pub(super) fn charts(folder: &Path) -> crate::Result<Vec<Saved>, ReportError> {
+    Ok(page::page(&folder::Folder::read(folder)?).1)
 }

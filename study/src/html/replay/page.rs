@@ -2,7 +2,10 @@
 
 use serde_json::{Value, json};
 
+use super::charts;
 use super::folder::Folder;
+use crate::html::charts::file::Saved;
+use crate::html::charts::gallery::Gallery;
 use crate::html::parts::{Head, Section, how_to_read, table};
 use crate::html::shell::Shell;
 use crate::html::text::{base64, bytes, count, escape};
@@ -11,7 +14,7 @@ use crate::point::wanted::Kind;
 const STYLE: &str = include_str!("player.css");
 
 /// Figures of a frame: key in the report, heading, places.
-const OF_FRAMES: &[(&str, &str, usize)] = &[
+const OF_FRAMES: &[charts::Figure] = &[
     ("rays_traced", "Rays", 0),
     ("samples_interpolated", "Interpolated samples", 0),
     ("psnr_db", "PSNR, dB", 2),
@@ -22,11 +25,13 @@ const OF_FRAMES: &[(&str, &str, usize)] = &[
 ];
 
 /// The whole page.
-pub fn page(replay: &Folder) -> String {
+pub fn page(replay: &Folder) -> (String, Vec<Saved>) {
+    let drawn = Gallery::default();
+    let lines = Section::new("lines", "Over the frames", charts::over_frames(&replay.stats, OF_FRAMES, &drawn));
     let sections: Vec<Section> =
-        [pictures(replay), frames(&replay.stats), figures(&replay.stats)].into_iter().flatten().collect();
+        [pictures(replay), lines, frames(&replay.stats), figures(&replay.stats)].into_iter().flatten().collect();
     let title = format!("{} · {}", text(&replay.stats, "scene"), text(&replay.stats, "policy"));
-    Shell {
+    let html = Shell {
         title: &title,
         head: &head(&title, replay),
         sections: &sections,
@@ -40,7 +45,8 @@ pub fn page(replay: &Folder) -> String {
         data: Some(("player-data", &data(replay))),
         scripts: &[include_str!("../script.js"), include_str!("player.js")],
     }
-    .html()
+    .html();
+    (html, drawn.into_saved())
 }
 
 fn text<'a>(stats: &'a Value, key: &str) -> &'a str {

@@ -2,7 +2,7 @@
 
 use crate::html::charts::lines::{Line, Lines};
 use crate::html::modes::mode_name;
-use crate::html::parts::{Head, Section, card, grid, how_to_read, table};
+use crate::html::parts::{Head, Section, grid, how_to_read, table};
 use crate::html::text::{escape, fixed, or_dash, percent, plus_minus, psnr};
 use crate::html::view::StudyView;
 use crate::schema::{Track, TrackFrame};
@@ -71,7 +71,8 @@ fn chart(view: &StudyView<'_>, scene: &str, tracks: &[&Track], (title, unit, val
         format!("{} {}", l.name, fixed(known.iter().sum::<f64>() / known.len() as f64, 3))
     });
     let label = format!("Line chart, {scene}: {title} over frames. Means: {}.", means.collect::<Vec<_>>().join(", "));
-    card(title, &Lines { unit, frames: &frames, lines, zero: *zero }.draw(&label), "")
+    let drawn = Lines { unit, frames: &frames, lines, zero: *zero }.draw(&label);
+    view.charts.card(&["animation", &tracks[0].mode, scene, title], title, &drawn, "")
 }
 
 fn totals(scene: &str, tracks: &[&Track]) -> String {

@@ -2,7 +2,7 @@
 
 use crate::html::charts::stacked::{Part, StackedRow, stacked};
 use crate::html::modes::{by_mode, mode_name};
-use crate::html::parts::{Head, Section, card, details, grid, how_to_read, key, legend, table};
+use crate::html::parts::{Head, Section, details, grid, how_to_read, key, legend, table};
 use crate::html::text::{digits, escape, fixed, or_dash, percent};
 use crate::html::view::StudyView;
 use crate::schema::{Component, Point};
@@ -46,7 +46,12 @@ fn chart(view: &StudyView<'_>, scene: &str, mode: &str) -> String {
     let text: Vec<String> = points.iter().map(|p| format!("{} {} mJ", p.policy, digits(total(p)))).collect();
     let label = format!("Stacked bars, {scene}: energy by component. {}.", text.join("; "));
     let rows: Vec<StackedRow> = points.iter().map(row).collect();
-    card(scene, &stacked(&rows, most, |scale, tick| scale.label(tick), &label), "")
+    view.charts.card(
+        &["energy", mode, scene],
+        scene,
+        &stacked(&rows, most, |scale, tick| scale.label(tick), &label),
+        "",
+    )
 }
 
 fn parts(point: &Point) -> Vec<Part> {
@@ -55,6 +60,7 @@ fn parts(point: &Point) -> Vec<Part> {
     let mut add = |components: Vec<&Component>, group: &str, class: &str| {
         for (i, component) in components.iter().enumerate() {
             parts.push(Part {
+                name: component.component.clone(),
                 value: component.mj,
                 class: class.into(),
                 opacity: (1.0 - 0.13 * i as f64).max(0.3),

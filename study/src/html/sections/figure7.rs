@@ -2,7 +2,7 @@
 
 use crate::html::charts::bars::{Bar, Group, grouped};
 use crate::html::modes::{by_mode, mode_name, mode_reference};
-use crate::html::parts::{Head, Section, card, details, how_to_read, key, legend, symbol, table};
+use crate::html::parts::{Head, Section, details, how_to_read, key, legend, symbol, table};
 use crate::html::text::{escape, factor, or_dash, plus_minus};
 use crate::html::view::{StudyView, geometric_mean, mean_interval};
 use crate::schema::{Gain, Point};
@@ -59,7 +59,7 @@ fn chart(view: &StudyView<'_>, mode: &str, policy: &str) -> String {
         let bar = |i: usize| {
             let ((what, class), value) = (BARS[i], values[i]);
             let tip = format!("{name}\n{policy}, {alone}\n{what} {}{}", or_dash(value, factor), plus_minus(within[i]));
-            Bar { value, class, tip }
+            Bar { name: what, value, class, tip }
         };
         Group { name: name.to_owned(), bars: (0..BARS.len()).map(bar).collect(), band }
     };
@@ -76,7 +76,8 @@ fn chart(view: &StudyView<'_>, mode: &str, policy: &str) -> String {
     }
     let name = format!("{}: {policy} against {}", mode_name(mode), mode_reference(mode));
     let label = format!("Bar chart. {name}, {alone}; performance per watt: {}.", text.join(", "));
-    card(&name, &grouped(&groups, &label), &format!("{alone}; geometric mean at the right."))
+    let words = ["figure7", mode, policy];
+    view.charts.card(&words, &name, &grouped(&groups, &label), &format!("{alone}; geometric mean at the right."))
 }
 
 fn numbers(view: &StudyView<'_>, mode: &str) -> String {

@@ -3,7 +3,7 @@
 use crate::html::charts::bars::{HorizontalBar, rows};
 use crate::html::charts::scatter::{Dot, frontier, scatter};
 use crate::html::modes::{by_mode, mode_name};
-use crate::html::parts::{Head, Section, card, details, grid, how_to_read, table};
+use crate::html::parts::{Head, Section, details, grid, how_to_read, table};
 use crate::html::text::{amount, count, decibels, escape, factor, fixed, or_dash, percent, plus_minus, psnr};
 use crate::html::view::{StudyView, gain, gain_interval, geometric_mean};
 use crate::schema::{Cost, CostInterval, Point};
@@ -64,12 +64,12 @@ fn pareto(view: &StudyView<'_>, mode: &str) -> String {
     let mut html = overall(view, mode);
     for scene in view.scenes(mode) {
         let dots: Vec<Dot> = view.of(scene, mode).into_iter().filter_map(|point| dot(view, point)).collect();
-        html += &chart(scene, &dots, "performance per watt");
+        html += &chart(view, &["policies", mode, scene], scene, &dots, "performance per watt");
     }
     html
 }
 
-fn chart(title: &str, dots: &[Dot], y_name: &str) -> String {
+fn chart(view: &StudyView<'_>, words: &[&str], title: &str, dots: &[Dot], y_name: &str) -> String {
     if dots.len() < 2 {
         return String::new();
     }
@@ -81,7 +81,7 @@ fn chart(title: &str, dots: &[Dot], y_name: &str) -> String {
         .map(|(d, _)| format!("{} {} at {}", d.name, factor(d.y), psnr(d.x)))
         .collect();
     let label = format!("Scatter chart, {title}: {y_name} against PSNR. Not beaten: {}.", on.join("; "));
-    card(title, &scatter(dots, ["PSNR, dB", y_name], &label), "")
+    view.charts.card(words, title, &scatter(dots, ["PSNR, dB", y_name], &label), "")
 }
 
 /// All scenes in one chart: the mean gain and the worst picture.
@@ -101,7 +101,7 @@ fn overall(view: &StudyView<'_>, mode: &str) -> String {
         dots.push(Dot { name: policy.to_owned(), x, y: mean, class: look.class(), shape: look.shape, tip });
     }
     let title = format!("All {scenes} scenes: geometric mean, and worst PSNR");
-    chart(&title, &dots, "performance per watt, mean")
+    chart(view, &["policies", mode, "all scenes"], &title, &dots, "performance per watt, mean")
 }
 
 fn bars(view: &StudyView<'_>, mode: &str) -> String {
@@ -126,7 +126,8 @@ fn bars(view: &StudyView<'_>, mode: &str) -> String {
         }
         let text: Vec<String> = all.iter().map(|r| format!("{} {}", r.name, r.text)).collect();
         let label = format!("Bar chart, {scene}: performance per watt and PSNR. {}.", text.join("; "));
-        html += &card(scene, &rows(&all, most, view.band(scene).map(|b| (b.least, b.most)), &label), "");
+        let chart = rows(&all, most, view.band(scene).map(|b| (b.least, b.most)), &label);
+        html += &view.charts.card(&["gains", mode, scene], scene, &chart, "");
     }
     html
 }

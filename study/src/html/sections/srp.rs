@@ -2,7 +2,7 @@
 
 use crate::html::charts::stacked::{Part, StackedRow, stacked};
 use crate::html::modes::by_mode;
-use crate::html::parts::{Section, card, grid, how_to_read, key, legend};
+use crate::html::parts::{Section, grid, how_to_read, key, legend};
 use crate::html::text::{count, percent};
 use crate::html::view::StudyView;
 use crate::schema::{Kernel, Point};
@@ -69,7 +69,12 @@ fn chart(view: &StudyView<'_>, scene: &str, mode: &str) -> String {
         });
     }
     let label = format!("Stacked bars, {scene}: SRP cycles by kernel. Added by sampling: {}.", text.join("; "));
-    card(scene, &stacked(&rows, 1.0, |_, tick| percent(tick).replace(".0", ""), &label), "")
+    view.charts.card(
+        &["srp", mode, scene],
+        scene,
+        &stacked(&rows, 1.0, |_, tick| percent(tick).replace(".0", ""), &label),
+        "",
+    )
 }
 
 fn parts(name: &str, kernels: &[Kernel]) -> Vec<Part> {
@@ -83,6 +88,7 @@ fn parts(name: &str, kernels: &[Kernel]) -> Vec<Part> {
         greys += usize::from(colour.is_none());
         let cycles = if kernel.cycles > 0 { format!(", {} cycles", count(kernel.cycles)) } else { String::new() };
         Part {
+            name: kernel.kernel.clone(),
             value: kernel.share,
             class: colour.unwrap_or("k2").into(),
             opacity: if colour.is_some() { 1.0 } else { (1.0 - 0.18 * greys.saturating_sub(1) as f64).max(0.25) },

@@ -2,7 +2,7 @@
 
 use crate::analysis::systems::{CONCLUSIONS, Pair, Systems};
 use crate::html::charts::scatter::{Dot, scatter};
-use crate::html::parts::{Head, Section, card, grid, how_to_read, table};
+use crate::html::parts::{Head, Section, grid, how_to_read, table};
 use crate::html::text::{decibels, escape, factor, fixed, or_dash, plus_minus};
 use crate::html::view::StudyView;
 
@@ -56,11 +56,8 @@ fn everything(view: &StudyView<'_>, systems: &Systems<'_>, pairs: &[Pair]) -> St
         .map(|pair| format!("{} on {}", systems.policies[pair.policy], systems.machines[pair.machine]))
         .collect();
     let caption = format!("Beaten by nothing: {}.", names.join(", "));
-    card(
-        "All machines",
-        &scatter(&dots, ["mean PSNR, dB", "performance per watt"], "All policies on all machines"),
-        &caption,
-    )
+    let chart = scatter(&dots, ["mean PSNR, dB", "performance per watt"], "All policies on all machines");
+    view.charts.card(&["systems", "all"], "All machines", &chart, &caption)
 }
 
 fn by_machine(view: &StudyView<'_>, systems: &Systems<'_>, pairs: &[Pair]) -> String {
@@ -70,22 +67,23 @@ fn by_machine(view: &StudyView<'_>, systems: &Systems<'_>, pairs: &[Pair]) -> St
         let dots: Vec<Dot> = of_machine
             .map(|pair| dot(view, systems, pair, systems.policies[pair.policy].to_owned(), pair.gain))
             .collect();
-        html += &chart(&dots, name, "whole GPU");
+        html += &chart(view, &dots, name, "whole GPU");
         let alone = pairs
             .iter()
             .filter(|pair| pair.machine == machine)
             .filter_map(|pair| Some(dot(view, systems, pair, systems.policies[pair.policy].to_owned(), pair.ti_gain?)));
-        html += &chart(&alone.collect::<Vec<_>>(), name, "T&I units alone");
+        html += &chart(view, &alone.collect::<Vec<_>>(), name, "T&I units alone");
     }
     html
 }
 
-fn chart(dots: &[Dot], machine: &str, part: &str) -> String {
+fn chart(view: &StudyView<'_>, dots: &[Dot], machine: &str, part: &str) -> String {
     if dots.len() < 2 {
         return String::new();
     }
     let title = format!("{machine}, {part}");
-    card(&title, &scatter(dots, ["mean PSNR, dB", "performance per watt over full"], &title), "")
+    let chart = scatter(dots, ["mean PSNR, dB", "performance per watt over full"], &title);
+    view.charts.card(&["systems", machine, part], &title, &chart, "")
 }
 
 fn gains(systems: &Systems<'_>, pairs: &[Pair]) -> String {

@@ -2,7 +2,7 @@
 
 use crate::html::charts::stacked::{Part, StackedRow, stacked};
 use crate::html::modes::by_mode;
-use crate::html::parts::{Section, card, grid, how_to_read, key, key_shade, legend};
+use crate::html::parts::{Section, grid, how_to_read, key, key_shade, legend};
 use crate::html::text::percent;
 use crate::html::view::StudyView;
 use crate::schema::{Point, StateShare, Unit};
@@ -106,7 +106,12 @@ fn chart(view: &StudyView<'_>, scene: &str, mode: &str) -> String {
         return String::new();
     }
     let label = format!("Stacked bars, {scene}: cycles by state. Busy: {}.", text.join("; "));
-    card(scene, &stacked(&rows, 1.0, |_, tick| percent(tick).replace(".0", ""), &label), "")
+    view.charts.card(
+        &["utilisation", mode, scene],
+        scene,
+        &stacked(&rows, 1.0, |_, tick| percent(tick).replace(".0", ""), &label),
+        "",
+    )
 }
 
 fn parts(unit: &Unit, policy: &str) -> Vec<Part> {
@@ -118,7 +123,7 @@ fn parts(unit: &Unit, policy: &str) -> Vec<Part> {
             (class, opacity, meaning) = ("s0", shade, ": works".into());
         }
         let tip = format!("{}\n{policy}\n{} {}{meaning}", unit.unit, share.state, percent(share.share));
-        Part { value: share.share, class: class.into(), opacity, tip }
+        Part { name: share.state.clone(), value: share.share, class: class.into(), opacity, tip }
     };
     unit.shares.iter().map(part).collect()
 }
@@ -132,7 +137,7 @@ mod tests {
     fn no_two_classes_look_the_same() {
         let classes: BTreeSet<&str> = STATES.iter().map(|(_, class, _)| *class).collect();
         assert_eq!(classes.len(), STATES.len());
-        let style = include_str!("../style.css");
+        let style = include_str!("../charts/chart.css");
         let fill = |class: &str| {
             let rule = style
                 .split('}')

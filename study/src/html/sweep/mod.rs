@@ -6,6 +6,7 @@
 mod best;
 mod columns;
 mod data;
+mod drawn;
 mod effects;
 mod explore;
 mod number;
@@ -17,7 +18,7 @@ mod view;
 use std::path::Path;
 
 use crate::files::write_named;
-use crate::html::{ReportError, Written};
+use crate::html::{ReportError, Written, keep};
 use crate::table::Results;
 use crate::table::guard::guarded;
 
@@ -30,6 +31,23 @@ pub fn write(results: &Results, file: &Path) -> crate::Result<Written, ReportErr
     let html = guarded(|| page::page(results)).map_err(odd)?;
     write_named(file, html.as_bytes()).map_err(|e| ReportError::Write { source: Box::new(e) })?;
     Ok(Written { bytes: html.len(), picture_bytes: 0, pictures: 0 })
+}
+
+/// Writes the charts of the page of the results in `input` into `to`, as they first show; those that its script draws are among
+/// them. Gives their names.
+///
+/// # Errors
+/// When there are no charts, or a file cannot be written.
+pub fn write_charts(results: &Results, input: &Path, to: &Path) -> crate::Result<Vec<String>, ReportError> {
+    let odd = |why| ReportError::Odd { path: input.into(), why };
+    let drawn = guarded(|| {
+        let view = view::SweepView::new(results);
+        // What the sections draw is kept; their text is not asked for.
+        let _ = order::section(&view);
+        drawn::keep(&view);
+        view.charts.into_saved()
+    });
+    keep(drawn.map_err(odd)?, input, to)
 }
 
 #[cfg(test)]

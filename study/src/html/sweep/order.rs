@@ -2,9 +2,10 @@
 
 use crate::analysis::order::{OrderRow, PolicyOrder};
 use crate::html::charts::WIDTH;
+use crate::html::charts::chart::{Chart, Data, Key, cell};
 use crate::html::charts::scale::{Scale, extent};
 use crate::html::charts::svg::{Svg, marker, shortened};
-use crate::html::parts::{Head, Section, card, how_to_read, legend, symbol, table};
+use crate::html::parts::{Head, Section, how_to_read, legend, symbol, table};
 use crate::html::sweep::view::SweepView;
 use crate::html::text::{escape, fixed, or_dash};
 
@@ -36,7 +37,7 @@ pub fn section(view: &SweepView<'_>) -> Option<Section> {
     let html = format!(
         "<p>{}</p>\n{}{}{}",
         escape(&verdict),
-        card("Gain over full", &(chart(&order) + &legend(&keys(&order))), ""),
+        view.charts.card(&["order"], "Gain over full", &chart(&order), "") + &legend(&keys(&order)),
         rows(&order),
         how_to_read(&read)
     );
@@ -79,9 +80,9 @@ fn class(policy: usize) -> String {
 }
 
 /// A line a row, a marker a policy.
-fn chart(order: &PolicyOrder) -> String {
+fn chart(order: &PolicyOrder) -> Chart {
     let gains = |row: &OrderRow| (0..order.policies.len()).filter_map(|policy| row.mean(policy)).collect::<Vec<_>>();
-    let Some(ends) = extent(order.rows.iter().flat_map(gains)) else { return String::new() };
+    let ends = extent(order.rows.iter().flat_map(gains)).unwrap_or([0.0, 1.0]);
     let (left, top) = (WIDTH * 0.42, 8.0);
     let bottom = top + ROW * order.rows.len() as f64;
     let x = Scale::nice(ends, 5, [left, WIDTH - 12.0]);
@@ -103,5 +104,12 @@ fn chart(order: &PolicyOrder) -> String {
             ));
         }
     }
-    svg.finish("Gain of each policy over full, a line for each combination of values", "")
+    let mut data = Data::new(&["varied", "policy", "gain over full"]);
+    for row in &order.rows {
+        for (policy, name) in order.policies.iter().enumerate() {
+            data.row(vec![row.name.clone(), name.clone(), cell(row.mean(policy))]);
+        }
+    }
+    let keys = order.policies.iter().enumerate().map(|(policy, name)| Key::new(&class(policy), name)).collect();
+    Chart { svg: svg.finish("Gain of each policy over full, a line for each combination of values", ""), data, keys }
 }

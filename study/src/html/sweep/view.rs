@@ -6,6 +6,7 @@ use crate::analysis::configs::{Config, Configs, Half};
 use crate::analysis::dims::{Dimension, dimensions, label};
 use crate::analysis::effects::Effect;
 use crate::analysis::goals::{first_pair, headlines, varies_within};
+use crate::html::charts::gallery::Gallery;
 use crate::table::{Field, Results};
 
 /// Results with what several sections look up in them.
@@ -26,6 +27,8 @@ pub struct SweepView<'a> {
     pub configs: [Configs; 2],
     /// For each half the values of the presets that the results name; none for a name that is no preset.
     presets: [BTreeMap<String, Option<Config>>; 2],
+    /// The charts that were drawn.
+    pub charts: Gallery,
 }
 
 /// What a point changes of a preset.
@@ -60,7 +63,7 @@ impl<'a> SweepView<'a> {
         let each = dimensions.iter().position(|dimension| dimension.name == "trace");
         let headlines = headlines(results).into_iter().filter_map(|name| results.field(name)).collect();
         let presets = Half::ALL.map(|half| presets(results, half));
-        Self { results, dimensions, headlines, pair, objective, each, configs, presets }
+        Self { results, dimensions, headlines, pair, objective, each, configs, presets, charts: Gallery::default() }
     }
 
     /// How many points could not be computed.

@@ -40,8 +40,10 @@
         html("span", { class: "bar-value" }, text.percent(own.size)));
     };
     const mean = list.length > 0 ? `mean ${text.number(list[0].overall)} ${result.unit}`.trim() : "";
-    return html("figure", { class: "card", "data-result": result.name }, html("figcaption", {}, html("strong", {}, result.name), " ", html("small", {}, mean), html("p", {}, result.text)),
+    const figure = html("figure", { class: "card", "data-result": result.name, "data-chart": `effects-${result.name}` }, html("figcaption", {}, html("strong", {}, result.name), " ", html("small", {}, mean), html("p", {}, result.text)),
       list.length > 0 ? html("ul", { class: "bars" }, ...list.map(bar)) : html("p", {}, "These points differ in no axis."));
+    if (list.length > 0) window.rayreel.offer(figure, () => [["axis", "value", result.name], ...list.flatMap((own) => own.means.map(({ value, mean }) => [own.dimension.name, value, mean]))]);
+    return figure;
   };
 
   const headlines = sweep.raw.headlines.map((name) => sweep.column(name)).filter((own) => own?.varies);

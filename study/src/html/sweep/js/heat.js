@@ -24,7 +24,9 @@
   $("heat-fixed").append(...[...fixed.values()].map((own) => own.label));
 
   const MOST = 64;
+  let rowsOf = () => [];
   const draw = () => {
+    rowsOf = () => [];
     const result = sweep.column($("heat-result").value);
     const [down, across] = [sweep.column($("heat-row").value), sweep.column($("heat-column").value)];
     const others = sweep.dimensions.filter((own) => own !== down && own !== across);
@@ -70,6 +72,10 @@
       $("heat-legend").replaceChildren();
       return;
     }
+    rowsOf = () => [[down.name, across.name, result.name, "points"], ...rows.flatMap((a) => columns.map((b) => {
+      const cell = cells.get(JSON.stringify([a, b]));
+      return [a, b, cell ? valueOf(cell) : null, cell?.count ?? 0];
+    }))];
     // Values stand in the cells as long as there is room for them.
     const values = columns.length <= 24;
     const head = html("tr", {}, html("th", { scope: "col" }, html("span", { class: "corner" }, `${down.name} ↓ ${across.name} →`)), ...columns.map((own) => html("th", { scope: "col" }, text.value(across, own))));
@@ -86,6 +92,7 @@
       html("table", { class: "heat-table" }, html("thead", {}, head), html("tbody", {}, ...body))));
     $("heat-legend").replaceChildren(html("span", {}, text.withUnit(result, low)), html("span", { class: "ramp-bar", "aria-hidden": "true" }), html("span", {}, text.withUnit(result, high)));
   };
+  window.rayreel.offer($("heat-map").closest("figure"), () => rowsOf());
   on(["heat-result", "heat-row", "heat-column", "heat-how"], draw);
   sweep.filter.listen(draw);
 })();

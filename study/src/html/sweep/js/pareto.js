@@ -195,6 +195,12 @@
     showTip(about(walk[at]), frame.left + own.px * zoom, frame.top + own.py * zoom);
   });
 
+  window.rayreel.offer(box.closest("figure"), () => {
+    const [x, y] = [sweep.column($("pareto-x").value), sweep.column($("pareto-y").value)];
+    const on = new Set(walk);
+    return [["point", ...sweep.dimensions.map((own) => own.name), x.name, y.name, "front"],
+      ...places.map(({ row }) => [sweep.number(row), ...sweep.dimensions.map((own) => own.values[row]), x.values[row], y.values[row], on.has(row)])];
+  });
   on(["pareto-x"], () => setGoal("x"));
   on(["pareto-y"], () => setGoal("y"));
   on(["pareto-x", "pareto-y", "pareto-x-goal", "pareto-y-goal", "pareto-colour", "pareto-each"], draw);

@@ -6,7 +6,11 @@
 //! command is sent, so over a short distance a value can come out above 100 %.
 //!
 //! Frames follow one another in time. Of each core there is a counter for every issue stage, in percent of its cycles, and the
-//! number of rays in its T&I unit; the DRAM's is in percent of its peak bandwidth.
+//! number of rays in its T&I unit; the DRAM's is in percent of its peak bandwidth. Slices show which tile each slot of a core held
+//! (right to the first distance), and for each unit what it mostly did between two looks: the kernel of an SRP, or why it stood still.
+
+mod states;
+mod tiles;
 
 use std::fmt::Write as _;
 
@@ -15,11 +19,16 @@ use crate::counters::StageBusy;
 use crate::link::RayUnit;
 use crate::system::{Core, Probe};
 use crate::time::{TiCycle, When};
+use states::{of_core, runs};
+use tiles::Stays;
 
 /// Looks kept at most; half of them remain after thinning. Even, so that the last look stays.
 const LOOKS_MAX: usize = 2048;
 /// First distance of looks, cycles.
 const DISTANCE_CYCLES: u64 = 128;
+/// Numbers of the tracks of a core's tiles, and of its units' states; they stand in this order.
+const TILES_TID: usize = 1;
+const STATES_TID: usize = 1000;
 
 /// How a value changes, and so how it is shown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -28,6 +37,8 @@ enum Kind {
     Grows(u64, u64),
     /// It goes up and down: shown as it is.
     Level,
+    /// Cycles in a state of the unit with this number in its core: the state that grows most is shown.
+    State(usize),
 }
 
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -59,12 +70,15 @@ pub struct Timeline {
     dram: Kind,
     distance_cycles: u64,
     due: When,
+    /// When the values are looked at again; tiles are looked at each time.
+    due_values: TiCycle,
     tracks: Vec<Track>,
     looks: Vec<Look>,
     /// The last look of the frame before, which this frame goes on from.
     before: Option<Look>,
     /// When each frame began.
     frames: Vec<FrameBegin>,
+    tiles: Stays,
 }
 
 impl Timeline {
@@ -78,10 +92,12 @@ impl Timeline {
             dram: Kind::Grows(bytes, u64::from(dram.tccd) * clock_mhz),
             distance_cycles: DISTANCE_CYCLES,
             due: When::at(TiCycle(0)),
+            due_values: TiCycle(0),
             tracks: Vec::new(),
             looks: Vec::new(),
             before: None,
             frames: Vec::new(),
+            tiles: Stays::new(),
         }
     }
 
@@ -89,9 +105,11 @@ impl Timeline {
     pub fn to_json(&self) -> String {
         let mut events = self.names();
         events.extend(self.slices());
-        for i in 0..self.tracks.len() {
+        for i in (0..self.tracks.len()).filter(|i| !matches!(self.tracks[*i].kind, Kind::State(_))) {
             self.counter(i, &mut events);
         }
+        self.tile_slices(&mut events);
+        self.state_slices(&mut events);
         format!("{{\"displayTimeUnit\":\"ns\",\"traceEvents\":[\n{}\n]}}\n", events.join(",\n"))
     }
 
@@ -126,6 +144,56 @@ impl Timeline {
         self.frames.iter().zip(ends).map(event).collect()
     }
 
+    /// A track of slices, under its name.
+    fn thread(
+        &self,
+        pid: usize,
+        tid: usize,
+        name: &str,
+        slices: &[(TiCycle, TiCycle, String)],
+        events: &mut Vec<String>,
+    ) {
+        if slices.is_empty() {
+            return;
+        }
+        let head = format!("\"pid\":{pid},\"tid\":{tid},\"name\":");
+        events.push(format!("{{\"ph\":\"M\",{head}\"thread_name\",\"args\":{{\"name\":\"{name}\"}}}}"));
+        events.push(format!("{{\"ph\":\"M\",{head}\"thread_sort_index\",\"args\":{{\"sort_index\":{tid}}}}}"));
+        for (begin, end, text) in slices {
+            let (ts, dur) = (self.microseconds(begin.0), self.nanoseconds(end.0) - self.nanoseconds(begin.0));
+            events.push(format!("{{\"ph\":\"X\",{head}\"{text}\",\"ts\":{ts},\"dur\":{}}}", thousandths(dur)));
+        }
+    }
+
+    /// A track for each slot of a core: its tiles.
+    fn tile_slices(&self, events: &mut Vec<String>) {
+        let stays = self.tiles.done();
+        for in_slot in stays.chunk_by(|a, b| a.place == b.place) {
+            let (core, slot) = in_slot[0].place;
+            let slices: Vec<_> = in_slot.iter().map(|s| (s.begin, s.end, format!("tile {}", s.tile))).collect();
+            self.thread(core, TILES_TID + slot, &format!("tiles in slot {slot}"), &slices, events);
+        }
+    }
+
+    /// A track for each unit of a core: its states.
+    fn state_slices(&self, events: &mut Vec<String>) {
+        let times: Vec<TiCycle> = self.looks.iter().map(|look| look.at).collect();
+        let mut first = 0;
+        for of_unit in self.tracks.chunk_by(|a, b| (a.core, a.kind) == (b.core, b.kind)) {
+            let places = first..first + of_unit.len();
+            first = places.end;
+            let (Kind::State(unit), Some(core)) = (of_unit[0].kind, of_unit[0].core) else { continue };
+            let grown = self.looks.windows(2).map(|pair| {
+                places.clone().map(|i| pair[1].values[i].saturating_sub(pair[0].values[i])).collect::<Vec<u64>>()
+            });
+            let state = |i: usize| of_unit[i].name.split_once(": ").map_or("", |(_, state)| state).to_owned();
+            let slices: Vec<_> =
+                runs(&times, grown).into_iter().map(|(begin, end, i)| (begin, end, state(i))).collect();
+            let name = of_unit[0].name.split_once(": ").map_or("", |(unit, _)| unit);
+            self.thread(core, STATES_TID + unit, name, &slices, events);
+        }
+    }
+
     /// One event wherever the value changes: a counter keeps its value until its next event.
     fn counter(&self, i: usize, events: &mut Vec<String>) {
         let track = &self.tracks[i];
@@ -152,8 +220,11 @@ impl Timeline {
 
     /// Cycles as microseconds with three digits.
     fn microseconds(&self, cycles: u64) -> String {
-        let nanoseconds = cycles * 1000 / self.clock_mhz;
-        format!("{}.{:03}", nanoseconds / 1000, nanoseconds % 1000)
+        thousandths(self.nanoseconds(cycles))
+    }
+
+    fn nanoseconds(&self, cycles: u64) -> u64 {
+        cycles * 1000 / self.clock_mhz
     }
 
     /// Keeps every second look.
@@ -166,7 +237,7 @@ impl Timeline {
         self.distance_cycles *= 2;
     }
 
-    fn read(&self, cores: &[Core], bytes: u64) -> (Vec<Track>, Vec<u64>) {
+    fn read(&self, now: TiCycle, cores: &[Core], bytes: u64) -> (Vec<Track>, Vec<u64>) {
         let (mut tracks, mut values) = (Vec::new(), Vec::new());
         let mut add = |core, name: String, kind, value| {
             tracks.push(Track { core, name, kind });
@@ -181,8 +252,42 @@ impl Timeline {
             add(Some(i), "rays in T&I".into(), Kind::Level, core.ti.rays_inside() as u64);
         }
         add(None, "DRAM".into(), self.dram, bytes);
+        for (i, core) in cores.iter().enumerate() {
+            let states = of_core(core, now);
+            for (unit, of_unit) in states.chunk_by(|a, b| a.unit == b.unit).enumerate() {
+                for state in of_unit {
+                    add(Some(i), format!("{}: {}", state.unit, state.state), Kind::State(unit), state.cycles);
+                }
+            }
+        }
         (tracks, values)
     }
+}
+
+impl Timeline {
+    fn look_at_values(&mut self, now: TiCycle, at: TiCycle, cores: &[Core], bytes: u64) {
+        let (tracks, mut values) = self.read(now, cores, bytes);
+        if let Some(before) = &self.before {
+            for ((track, value), old) in tracks.iter().zip(&mut values).zip(&before.values) {
+                *value += if track.kind == Kind::Level { 0 } else { *old };
+            }
+        }
+        self.tracks = tracks;
+        // A frame begins where the one before has ended.
+        if self.looks.last().is_some_and(|last| last.at >= at) {
+            return;
+        }
+        self.looks.push(Look { at, values });
+        if self.looks.len() > LOOKS_MAX {
+            self.thin();
+            self.due_values = now + self.distance_cycles;
+        }
+    }
+}
+
+/// A number of thousandths with three digits.
+fn thousandths(number: u64) -> String {
+    format!("{}.{:03}", number / 1000, number % 1000)
 }
 
 /// A value over some cycles, as text: in hundredths of a percent, rounded, so that it is the same everywhere.
@@ -197,7 +302,7 @@ fn shown(kind: Kind, cycles: u64, before: u64, after: u64) -> String {
 impl Probe for Timeline {
     fn begin(&mut self, frame: u32) {
         self.before = self.looks.last().cloned();
-        self.due = When::at(TiCycle(0));
+        (self.due, self.due_values) = (When::at(TiCycle(0)), TiCycle(0));
         self.frames.push(FrameBegin { frame, at: self.end() });
     }
 
@@ -206,24 +311,16 @@ impl Probe for Timeline {
     }
 
     fn look(&mut self, now: TiCycle, cores: &[Core], bytes: u64) {
-        let (tracks, mut values) = self.read(cores, bytes);
-        let mut at = now;
-        if let Some(before) = &self.before {
-            at += before.at.0;
-            for ((track, value), old) in tracks.iter().zip(&mut values).zip(&before.values) {
-                *value += if track.kind == Kind::Level { 0 } else { *old };
-            }
-        }
-        self.tracks = tracks;
-        self.due = When::at(now + self.distance_cycles);
-        // A frame begins where the one before has ended.
-        if self.looks.last().is_some_and(|last| last.at >= at) {
-            return;
-        }
-        self.looks.push(Look { at, values });
-        if self.looks.len() > LOOKS_MAX {
-            self.thin();
-            self.due = When::at(now + self.distance_cycles);
+        let begin = self.before.as_ref().map_or(0, |before| before.at.0);
+        let at = now + begin;
+        let held =
+            cores.iter().enumerate().flat_map(|(i, core)| core.srp.held().map(move |(slot, tile)| ((i, slot), tile)));
+        self.tiles.look(at, held);
+        self.due = When::at(now + DISTANCE_CYCLES);
+        let over = cores.iter().all(|core| core.srp.is_done());
+        if now >= self.due_values || over {
+            self.due_values = now + self.distance_cycles;
+            self.look_at_values(now, at, cores, bytes);
         }
     }
 }

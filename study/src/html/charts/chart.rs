@@ -1,0 +1,100 @@
+//! A chart that is drawn, and what it is drawn from.
+
+use percent_encoding::{AsciiSet, NON_ALPHANUMERIC, utf8_percent_encode};
+
+/// A chart.
+pub struct Chart {
+    /// The picture, to stand in a page.
+    pub svg: String,
+    /// What it shows.
+    pub data: Data,
+    /// What its colours mean, for those who have no page around it.
+    pub keys: Vec<Key>,
+}
+
+/// A colour of a chart, and what it stands for.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Key {
+    /// Colour class.
+    pub class: String,
+    /// Shade of the colour, 0 to 1.
+    pub opacity: f64,
+    /// What it stands for.
+    pub name: String,
+}
+
+impl Key {
+    /// A key in the full colour.
+    pub fn new(class: &str, name: &str) -> Self {
+        Self { class: class.into(), opacity: 1.0, name: name.into() }
+    }
+}
+
+/// Each key once, in the order in which they first come.
+pub fn once(keys: impl IntoIterator<Item = Key>) -> Vec<Key> {
+    let mut found: Vec<Key> = Vec::new();
+    for key in keys {
+        if !found.contains(&key) {
+            found.push(key);
+        }
+    }
+    found
+}
+
+/// What a chart shows: a table.
+pub struct Data {
+    columns: Vec<String>,
+    rows: Vec<Vec<String>>,
+}
+
+impl Data {
+    /// A table of these columns.
+    pub fn new(columns: &[&str]) -> Self {
+        Self { columns: columns.iter().map(|name| (*name).to_owned()).collect(), rows: Vec::new() }
+    }
+
+    /// One more row.
+    pub fn row(&mut self, cells: Vec<String>) {
+        debug_assert_eq!(cells.len(), self.columns.len());
+        self.rows.push(cells);
+    }
+
+    /// As a file: a line of names, then the rows (RFC 4180).
+    pub fn csv(&self) -> String {
+        let mut writer = csv::WriterBuilder::new().terminator(csv::Terminator::CRLF).from_writer(Vec::new());
+        for cells in std::iter::once(&self.columns).chain(&self.rows) {
+            // All rows have as many cells as there are columns, and memory takes what it is given.
+            writer.write_record(cells).unwrap_or_else(|e| unreachable!("{e}"));
+        }
+        let bytes = writer.into_inner().unwrap_or_else(|e| unreachable!("{e}"));
+        String::from_utf8_lossy(&bytes).into_owned()
+    }
+}
+
+/// A number of a chart: the shortest text that reads back the same; nothing where there is none.
+pub fn cell(value: Option<f64>) -> String {
+    value.map(|value| value.to_string()).unwrap_or_default()
+}
+
+/// What stands in a data URI as it is.
+const PLAIN: &AsciiSet =
+    &NON_ALPHANUMERIC.remove(b',').remove(b'.').remove(b'-').remove(b'_').remove(b':').remove(b'/');
+
+/// Text as a URI that a link can save.
+pub fn link(text: &str) -> String {
+    format!("data:text/csv;charset=utf-8,{}", utf8_percent_encode(text, PLAIN))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cells_are_quoted_where_they_must_be() {
+        let mut data = Data::new(&["a", "b, c"]);
+        data.row(vec!["say \"x\"".into(), cell(Some(0.1))]);
+        data.row(vec!["two\nlines".into(), cell(None)]);
+        assert_eq!(data.csv(), "a,\"b, c\"\r\n\"say \"\"x\"\"\",0.1\r\n\"two\nlines\",\r\n");
+        assert_eq!(link("a,b\r\n%&"), "data:text/csv;charset=utf-8,a,b%0D%0A%25%26");
+    }
+}

@@ -1,0 +1,36 @@
+//! Figures of a replay over its frames, as lines.
+
+use serde_json::Value;
+
+use crate::html::charts::gallery::Gallery;
+use crate::html::charts::lines::{Line, Lines};
+use crate::html::parts::grid;
+
+/// A figure of a frame: key in the report, heading, places.
+pub type Figure = (&'static str, &'static str, usize);
+
+/// A chart for each figure that frames have; none of a single frame.
+pub fn over_frames(stats: &Value, figures: &[Figure], drawn: &Gallery) -> String {
+    let all = stats["frames"].as_array().map_or(&[][..], Vec::as_slice);
+    let number = |frame: &Value| frame["frame"].as_u64().and_then(|number| u32::try_from(number).ok());
+    let mut frames: Vec<(u32, &Value)> = all.iter().filter_map(|frame| Some((number(frame)?, frame))).collect();
+    frames.sort_by_key(|(number, _)| *number);
+    frames.dedup_by_key(|(number, _)| *number);
+    if frames.len() < 2 {
+        return String::new();
+    }
+    let numbers: Vec<u32> = frames.iter().map(|(number, _)| *number).collect();
+    let chart = |(key, name, _): &Figure| {
+        let values: Vec<Option<f64>> = frames.iter().map(|(_, frame)| frame[*key].as_f64()).collect();
+        if values.iter().all(Option::is_none) {
+            return String::new();
+        }
+        let line = Line { name: (*name).into(), values, class: "p0".into(), dash: "" };
+        // Of a picture's likeness a few hundredths count: its axis does not begin at zero.
+        let zero = !matches!(*key, "psnr_db" | "ssim");
+        let lines = Lines { unit: "", frames: &numbers, lines: vec![line], zero };
+        drawn.card(&["frames", key], name, &lines.draw(&format!("Line chart: {name} over frames")), "")
+    };
+    let charts: String = figures.iter().map(chart).collect();
+    if charts.is_empty() { charts } else { grid(&charts) }
+}

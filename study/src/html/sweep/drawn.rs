@@ -1,0 +1,206 @@
+//! The charts that the page's script draws, as they first are: for files, which nobody can choose in.
+
+use std::collections::BTreeSet;
+
+use crate::analysis::dims::Dimension;
+use crate::analysis::effects::Effect;
+use crate::analysis::goals::goal;
+use crate::analysis::pareto::front;
+use crate::html::charts::WIDTH;
+use crate::html::charts::chart::{Chart, Data, Key, cell};
+use crate::html::charts::scale::{Scale, extent};
+use crate::html::charts::svg::{Svg, marker, n, shortened};
+use crate::html::sweep::number::{number, signed_percent};
+use crate::html::sweep::view::SweepView;
+use crate::html::text::escape;
+use crate::table::Field;
+
+/// Height of a row.
+const ROW: f64 = 20.0;
+
+/// Most values of an axis that a map has room for, as on the page.
+const VALUES_MAX: usize = 64;
+
+/// Colours that values take in turn, and most of them in a legend.
+const COLOURS: usize = 7;
+const KEYS_MAX: usize = 24;
+
+/// Draws them.
+pub fn keep(view: &SweepView<'_>) {
+    if let Some([x, y]) = view.pair.and_then(|[x, y]| Some([view.results.field(x)?, view.results.field(y)?])) {
+        let title = format!("{} against {}", y.name, x.name);
+        view.charts.keep(&["pareto"], &title, &pareto(view, [x, y]));
+        if let Some((title, chart)) = heat(view, y) {
+            view.charts.keep(&["heat"], &title, &chart);
+        }
+    }
+    for field in &view.headlines {
+        let effects = view.effects(field);
+        if !effects.is_empty() {
+            let title = format!("What moves {}", field.name);
+            view.charts.keep(&["effects", &field.name], &title, &ranges(field, &effects));
+        }
+    }
+}
+
+fn named(field: &Field) -> String {
+    if matches!(field.unit.as_str(), "" | "1") { field.name.clone() } else { format!("{}, {}", field.name, field.unit) }
+}
+
+/// Points of two results, and of each group those that no other beats in both.
+fn pareto(view: &SweepView<'_>, fields: [&Field; 2]) -> Chart {
+    let value = |row: usize| {
+        let [x, y] = fields.map(|field| number_of(view, field, row));
+        Some([x?, y?]).filter(|_| view.error(row).is_none())
+    };
+    let points: Vec<Option<[f64; 2]>> = (0..view.results.rows()).map(value).collect();
+    let goals = fields.map(|field| goal(&field.name));
+    let fronts: Vec<Vec<usize>> = view.groups().into_iter().map(|(_, rows)| best(&points, &rows, goals)).collect();
+    let [left, right, top, bottom] = [52.0, WIDTH - 12.0, 24.0, 240.0];
+    // What is infinite, as the PSNR of the same picture, stands at the end of its axis.
+    let finite = |axis: usize| points.iter().flatten().map(move |point| point[axis]).filter(|value| value.is_finite());
+    let x = Scale::nice(extent(finite(0)).unwrap_or([0.0, 1.0]), 5, [left, right]);
+    let y = Scale::nice(extent(finite(1)).unwrap_or([0.0, 1.0]), 5, [bottom, top]);
+    let mut svg = Svg::new(WIDTH, bottom + 38.0);
+    for tick in y.ticks() {
+        svg.line([left, y.at(tick)], [right, y.at(tick)], "grid");
+        svg.text(left - 5.0, y.at(tick) + 4.0, "tick e", &y.label(tick));
+    }
+    for tick in x.ticks() {
+        svg.line([x.at(tick), top], [x.at(tick), bottom], "grid");
+        svg.text(x.at(tick), bottom + 15.0, "tick m", &x.label(tick));
+    }
+    svg.line([left, bottom], [right, bottom], "axis");
+    svg.text(0.0, 11.0, "note s", &named(fields[1]));
+    svg.text(right, bottom + 32.0, "note e", &named(fields[0]));
+    for front in &fronts {
+        let corner = |row: &usize| points[*row].map(|[a, b]| format!("{} {}", n(x.at(a)), n(y.at(b))));
+        svg.path(&format!("M{}", front.iter().filter_map(corner).collect::<Vec<_>>().join("L")), "frontier", "");
+    }
+    let on: BTreeSet<usize> = fronts.into_iter().flatten().collect();
+    let colour = view.colour().and_then(|name| view.dimensions.iter().find(|dimension| dimension.name == name));
+    let names = [fields[0].name.as_str(), &fields[1].name];
+    let columns: Vec<&str> =
+        ["point"].into_iter().chain(view.dimensions.iter().map(|d| d.name.as_str())).chain(names).collect();
+    let mut data = Data::new(&[columns.as_slice(), &["front"]].concat());
+    for (row, point) in points.iter().enumerate().filter_map(|(row, point)| Some((row, (*point)?))) {
+        let look = colour.and_then(|dimension| dimension.of[row]).unwrap_or(0);
+        let dim = if on.contains(&row) { "" } else { " dim" };
+        svg.raw(&format!(
+            "<path d=\"{}\" class=\"dot p{}{dim}\"><title>{}</title></path>",
+            marker(look, x.at(point[0]), y.at(point[1])),
+            look % COLOURS,
+            escape(&view.describe(row, None))
+        ));
+        let values = view.dimensions.iter().map(|d| d.of[row].map(|value| d.values[value].clone()).unwrap_or_default());
+        let ends = [cell(Some(point[0])), cell(Some(point[1])), on.contains(&row).to_string()];
+        data.row([view.number(row)].into_iter().chain(values).chain(ends).collect());
+    }
+    let names = colour.into_iter().flat_map(|dimension| dimension.values.iter().enumerate());
+    let keys = names.take(KEYS_MAX).map(|(value, name)| Key::new(&format!("p{}", value % COLOURS), name)).collect();
+    Chart { svg: svg.finish("Points of two results; lines join those that no other beats", ""), data, keys }
+}
+
+/// The value of a result; the PSNR of an identical picture is infinite.
+fn number_of(view: &SweepView<'_>, field: &Field, row: usize) -> Option<f64> {
+    let identical = view.results.field("identical").and_then(|field| field.cells.number(row)) == Some(1.0);
+    field.cells.number(row).or_else(|| (identical && field.name == "psnr_db").then_some(f64::INFINITY))
+}
+
+/// The rows of a group that no other of it beats, along the first result.
+fn best(points: &[Option<[f64; 2]>], rows: &[usize], goals: [crate::analysis::goals::Goal; 2]) -> Vec<usize> {
+    let here: Vec<Option<[f64; 2]>> = rows.iter().map(|row| points[*row]).collect();
+    let mut on: Vec<usize> = rows.iter().zip(front(&here, goals)).filter(|(_, on)| *on).map(|(row, _)| *row).collect();
+    let key = |row: &usize| points[*row].unwrap_or_default();
+    on.sort_by(|a, b| key(a)[0].total_cmp(&key(b)[0]).then(key(a)[1].total_cmp(&key(b)[1])));
+    on
+}
+
+/// The mean of a result over the two axes that move it most.
+fn heat(view: &SweepView<'_>, field: &Field) -> Option<(String, Chart)> {
+    let strongest = view.strongest();
+    let others = view.dimensions.iter().map(|dimension| dimension.name.as_str());
+    let mut names: Vec<&str> = Vec::new();
+    for name in strongest.into_iter().chain(others) {
+        if !names.contains(&name) {
+            names.push(name);
+        }
+    }
+    let dimension = |name: &&str| view.dimensions.iter().find(|dimension| dimension.name == **name);
+    let (down, across) = (names.first().and_then(dimension)?, names.get(1).and_then(dimension)?);
+    if down.values.len().max(across.values.len()) > VALUES_MAX {
+        return None;
+    }
+    let mut sums = vec![vec![(0.0, 0_u32); across.values.len()]; down.values.len()];
+    for row in 0..view.results.rows() {
+        let (Some(a), Some(b), Some(value)) = (down.of[row], across.of[row], field.cells.number(row)) else { continue };
+        if value.is_finite() && view.error(row).is_none() {
+            sums[a][b].0 += value;
+            sums[a][b].1 += 1;
+        }
+    }
+    let mean = |(sum, count): &(f64, u32)| (*count > 0).then(|| sum / f64::from(*count));
+    let means: Vec<Vec<Option<f64>>> = sums.iter().map(|row| row.iter().map(mean).collect()).collect();
+    let title = format!("{} by {} and {}", named(field), down.name, across.name);
+    Some((title, map(field, [down, across], &means)))
+}
+
+fn map(field: &Field, [down, across]: [&Dimension; 2], means: &[Vec<Option<f64>>]) -> Chart {
+    let ends = extent(means.iter().flatten().flatten().copied()).unwrap_or([0.0, 1.0]);
+    let (left, top) = (96.0, 40.0);
+    let width = (WIDTH - left) / across.values.len().max(1) as f64;
+    let mut svg = Svg::new(WIDTH, top + ROW * means.len() as f64 + 4.0);
+    svg.text(0.0, 11.0, "note s", &format!("{} down, {} across", down.name, across.name));
+    for (i, value) in across.values.iter().enumerate() {
+        let room = ((width / 6.2) as usize).max(1);
+        svg.text(left + width * (i as f64 + 0.5), top - 8.0, "tick m", &shortened(value, room));
+    }
+    let mut data = Data::new(&[&down.name, &across.name, &field.name]);
+    for (i, (value, row)) in down.values.iter().zip(means).enumerate() {
+        let y = top + ROW * i as f64;
+        svg.text(left - 6.0, y + 14.0, "tick e", &shortened(value, 14));
+        for (j, mean) in row.iter().enumerate() {
+            data.row(vec![value.clone(), across.values[j].clone(), cell(*mean)]);
+            let Some(mean) = mean else { continue };
+            let share = if ends[1] > ends[0] { (mean - ends[0]) / (ends[1] - ends[0]) } else { 0.0 };
+            let x = left + width * j as f64;
+            let tip = format!("{} {value}, {} {}\n{}", down.name, across.name, across.values[j], number(*mean));
+            svg.mark([x, y, width - 1.0, ROW - 1.0], "b2", 0.08 + 0.72 * share, &tip);
+            if width >= 34.0 {
+                svg.text(x + width / 2.0, y + 14.0, "value m", &number(*mean));
+            }
+        }
+    }
+    Chart { svg: svg.finish("Mean of a result over two axes", ""), data, keys: Vec::new() }
+}
+
+/// For each axis how far the means of a result at its values lie from the mean of all.
+fn ranges(field: &Field, effects: &[(&Dimension, Effect)]) -> Chart {
+    let (left, right, top) = (110.0, WIDTH - 56.0, 6.0);
+    let bottom = top + ROW * effects.len() as f64;
+    let ends = effects.iter().flat_map(|(_, effect)| [effect.end(0), effect.end(1), 0.0]);
+    let x = Scale::nice(extent(ends).unwrap_or([-0.1, 0.1]), 3, [left, right]);
+    let mut svg = Svg::new(WIDTH, bottom + 22.0);
+    for tick in x.ticks() {
+        svg.line([x.at(tick), top], [x.at(tick), bottom], "grid");
+        svg.text(x.at(tick), bottom + 15.0, "tick m", &signed_percent(tick).replace(".0", ""));
+    }
+    let mut data = Data::new(&["axis", "value", &field.name]);
+    for (i, (dimension, effect)) in effects.iter().enumerate() {
+        let y = top + ROW * i as f64;
+        let (a, b) = (x.at(effect.end(0)), x.at(effect.end(1)));
+        svg.text(left - 6.0, y + 13.0, "label e", &shortened(&dimension.name, 16));
+        let tip = format!("{} to {}", dimension.values[effect.ends[0]], dimension.values[effect.ends[1]]);
+        svg.mark([a, y + 3.0, (b - a).max(1.0), ROW - 7.0], "b2", 1.0, &tip);
+        svg.text(right + 6.0, y + 13.0, "value s", &signed_percent(effect.share()).replace('+', ""));
+        for (value, mean) in dimension.values.iter().zip(&effect.means) {
+            data.row(vec![dimension.name.clone(), value.clone(), cell(*mean)]);
+        }
+    }
+    svg.line([x.at(0.0), top], [x.at(0.0), bottom], "axis");
+    Chart {
+        svg: svg.finish("Main effects: from the least to the most mean, from the mean of all", ""),
+        data,
+        keys: Vec::new(),
+    }
+}
