@@ -55,7 +55,7 @@ impl CacheArgs {
             Location::Local(_) => None,
             Location::Remote(_) => CacheFolder::choose(self.trace_cache.as_deref()).map_err(anyhow::Error::msg)?,
         };
-        let options = Options { limits: Limits::default(), cache, traffic: Arc::clone(&TRAFFIC) };
+        let options = Options { limits: Limits::default(), cache, traffic: Arc::clone(&TRAFFIC), ..Options::default() };
         Ok(rayreel_store::open(location, &options)?)
     }
 }

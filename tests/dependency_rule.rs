@@ -88,7 +88,7 @@ impl Graph {
 }
 
 /// Every member and the members that it may depend on. What is not listed here is refused.
-const SIBLINGS: [(&str, &[&str]); 11] = [
+const SIBLINGS: [(&str, &[&str]); 12] = [
     ("formats", &[]),
     ("settings", &[]),
     ("scenes", &["settings"]),
@@ -100,6 +100,7 @@ const SIBLINGS: [(&str, &[&str]); 11] = [
     ("study", &["formats", "machine", "replay", "settings", "store"]),
     ("paper", &["formats", "machine", "replay", "scenes", "settings", "store", "study", "tracer"]),
     ("testkit", &["formats", "replay"]),
+    ("fuzz", &["formats", "machine", "replay", "scenes", "settings", "store", "study", "tracer"]),
 ];
 
 /// What only tracing needs.

@@ -15,7 +15,7 @@ mod tokens;
 use std::path::{Path, PathBuf};
 
 /// The modules at the top of each crate, lowest first: a module may use those before it.
-const ORDERS: [(&str, &str); 12] = [
+const ORDERS: [(&str, &str); 13] = [
     (
         "formats/src/lib.rs",
         "math half oct scene tile bvh rays intersect durable id limits locks error payload columns container trace",
@@ -48,6 +48,7 @@ const ORDERS: [(&str, &str); 12] = [
         "testkit/src/lib.rs",
         "random golden policies switches trees synthetic rules recorded shade past reference same cells poison",
     ),
+    ("fuzz/src/lib.rs", "random memory coverage place mutate seeds traces targets kept runner"),
     (
         "src/main.rs",
         "exit progress common scene_args detail traces edit anchors aov capture compare completions diff digest export info merge presets paper recompress render repair replay report scenes sweep trim verify",
