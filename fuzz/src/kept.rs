@@ -1,6 +1,6 @@
 //! The inputs from which others are made: the first ones, and those that led to something new.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
 use crate::coverage::Seen;
 use crate::mutate::{change, words};
@@ -47,18 +47,18 @@ impl Kept {
         bytes
     }
 
-    /// Takes in what became of an input. Whether it led to something new.
-    pub fn learn(&mut self, bytes: &[u8], said: &str) -> bool {
+    /// Takes in what became of an input. If it led to something new it is kept; where there are too many, in place of another.
+    pub fn learn(&mut self, bytes: &[u8], said: &str, random: &mut Random) {
         let new_code = self.seen.take();
-        let at = self.inputs.len();
         let signature = signature(said);
-        let shorter = self.said.get(&signature).is_none_or(|known| self.inputs.get(*known).is_none_or(|k| bytes.len() < k.len() / 2));
-        if (new_code || shorter) && at < KEPT_MAX {
-            self.inputs.push(bytes.to_vec());
-            self.said.insert(signature, at);
-            return true;
+        let shorter = |known: &usize| bytes.len() < self.inputs[*known].len() / 2;
+        if !new_code && !self.said.get(&signature).is_none_or(shorter) {
+            return;
         }
-        false
+        let at = if self.inputs.len() < KEPT_MAX { self.inputs.len() } else { random.below(KEPT_MAX) };
+        self.inputs.resize(self.inputs.len().max(at + 1), Vec::new());
+        self.inputs[at] = bytes.to_vec();
+        self.said.insert(signature, at);
     }
 
     /// The shortest inputs of different messages, at most so many and so long each.
@@ -73,27 +73,26 @@ impl Kept {
 
     /// How many different things were said.
     pub fn messages(&self) -> usize {
-        self.said.keys().collect::<BTreeSet<_>>().len()
+        self.said.len()
     }
 }
 
-/// A message without what depends on the input: numbers, and what stands in quotes.
+/// A message without what depends on the input: numbers, names, and what stands in quotes. Of the rest the beginning.
 fn signature(said: &str) -> u64 {
     let mut hash = 0xcbf2_9ce4_8422_2325_u64;
     let mut quoted = None;
-    for c in said.chars().take(400) {
+    let mut letters = 0;
+    for c in said.chars().take(2000) {
         match quoted {
-            Some(end) => {
-                if c == end {
-                    quoted = None;
-                }
-                continue;
-            }
+            Some(end) if c == end => quoted = None,
+            Some(_) => {}
             None if matches!(c, '`' | '"') => quoted = Some(c),
-            None if c.is_ascii_digit() => continue,
+            None if c.is_ascii_alphabetic() && letters < 120 => {
+                letters += 1;
+                hash = (hash ^ u64::from(c)).wrapping_mul(0x0100_0000_01b3);
+            }
             None => {}
         }
-        hash = (hash ^ u64::from(c)).wrapping_mul(0x0100_0000_01b3);
     }
     hash
 }

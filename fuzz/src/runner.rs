@@ -123,7 +123,7 @@ pub fn run(target: &Target, task: &Task, mut tell: impl FnMut(&Summary)) -> Summ
         summary.slowest_ms = summary.slowest_ms.max(begun.elapsed().as_millis() as u64);
         summary.peak = summary.peak.max(memory::peak().saturating_sub(before));
         match said {
-            Ok(said) => drop(kept.learn(&bytes, &said)),
+            Ok(said) => kept.learn(&bytes, &said, &mut random),
             Err(why) if known.insert(why.clone()) && known.len() <= 20 => {
                 let file = save(target, &task.failures, &bytes);
                 summary.failures.push(format!("{}: {why} ({file})", target.name));

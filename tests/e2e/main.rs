@@ -25,6 +25,8 @@ mod exit_codes;
 mod export;
 mod fence;
 mod goldens;
+#[cfg(unix)]
+mod guards;
 mod help;
 mod history;
 mod hostile;

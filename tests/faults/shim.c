@@ -32,7 +32,6 @@
 
 static const char *under, *kind, *log_file, *disk;
 static long at, count;
-static int in_shim_of_fork;
 static __thread int inside; // the shim's own requests
 static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
 

@@ -18,7 +18,7 @@ use std::path::{Path, PathBuf};
 const ORDERS: [(&str, &str); 13] = [
     (
         "formats/src/lib.rs",
-        "math half oct scene tile bvh rays intersect durable id limits locks error payload columns container trace",
+        "math half oct scene tile bvh rays intersect durable id locks budget error limits payload columns container trace",
     ),
     ("settings/src/lib.rs", "near units rule key declare source error files schema family file chain loaded text"),
     (
@@ -51,7 +51,7 @@ const ORDERS: [(&str, &str); 13] = [
     ("fuzz/src/lib.rs", "random memory coverage place mutate seeds traces targets kept runner"),
     (
         "src/main.rs",
-        "exit progress common scene_args detail traces edit anchors aov capture compare completions diff digest export info merge presets paper recompress render repair replay report scenes sweep trim verify",
+        "exit memory progress common scene_args detail traces edit anchors aov capture compare completions diff digest export info merge presets paper recompress render repair replay report scenes sweep trim verify",
     ),
 ];
 

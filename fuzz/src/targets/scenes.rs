@@ -13,7 +13,7 @@ pub fn targets() -> Vec<Target> {
     vec![
         target("scene", || vec![seeds::SCENE.into()], |bytes| load("s.toml", "s.toml", bytes)),
         target("obj", || vec![seeds::OBJ.into()], |bytes| load("m.obj", "m.obj", bytes)),
-        target("mtl", || vec![seeds::MTL.into()], |bytes| load("m.mtl", "m.obj", bytes)),
+        target("mtl", || vec![seeds::MTL.into()], |bytes| load("m.mtl", "s.toml", bytes)),
         target("gltf", || vec![seeds::GLTF.into()], |bytes| load("m.gltf", "m.gltf", bytes)),
         Target {
             name: "glb",
@@ -22,7 +22,7 @@ pub fn targets() -> Vec<Target> {
             change: None,
             mend: Some(mend_glb),
         },
-        target("texture", pictures, |bytes| load("t.png", "m.obj", bytes)),
+        target("texture", pictures, |bytes| load("t.png", "s.toml", bytes)),
         target("camera-path", || vec![seeds::PATH.into()], |bytes| {
             place::with(|place| told(&read_path(&place.put("path.csv", bytes))))
         }),
@@ -82,10 +82,11 @@ fn load(name: &str, opened: &str, bytes: &[u8]) -> String {
 /// Puts what a scene needs beside `name`: what is not there yet, and what the last input replaced.
 fn complete(place: &Place, name: &str) {
     let replaced = std::fs::read_to_string(place.path("replaced")).unwrap_or_default();
-    let sound: [(&str, fn() -> Vec<u8>); 3] = [
+    let sound: [(&str, fn() -> Vec<u8>); 4] = [
         ("t.png", || seeds::picture(ImageFormat::Png).expect("a picture")),
         ("m.mtl", || seeds::MTL.into()),
         ("m.obj", || seeds::OBJ.into()),
+        ("s.toml", || seeds::SCENE.into()),
     ];
     for (other, bytes) in sound {
         if other != name && (other == replaced || !place.path(other).exists()) {

@@ -1,7 +1,10 @@
 //! Machines, policies, overrides.
 
-use rayreel_machine::config::NamedMachine;
-use rayreel_replay::policy::NamedPolicy;
+use std::sync::LazyLock;
+
+use rayreel_machine::config::{MACHINES, NamedMachine};
+use rayreel_replay::policy::{NamedPolicy, POLICIES};
+use rayreel_settings::Loaded;
 
 use super::{Target, text, told};
 
@@ -29,9 +32,16 @@ pub fn targets() -> Vec<Target> {
             told(&loaded)
         }),
         target("override", overrides, |bytes| {
-            let text = text(bytes);
-            let all: Vec<String> = text.lines().map(str::to_owned).collect();
-            format!("{} {}", told(&NamedMachine::load("sgrt-ti2", &all)), told(&NamedPolicy::load("adaptive", &all)))
+            static PRESETS: LazyLock<[Loaded; 2]> = LazyLock::new(|| {
+                [MACHINES.load("sgrt-ti2").expect("a preset"), POLICIES.load("adaptive").expect("a preset")]
+            });
+            let mut said = String::new();
+            for mut loaded in PRESETS.iter().cloned() {
+                for line in text(bytes).lines().take(20) {
+                    said = said + &told(&loaded.set(line)) + " ";
+                }
+            }
+            said
         }),
     ]
 }
