@@ -39,7 +39,7 @@ fn read_stored(bytes: &[u8]) -> String {
     if let Ok(plan) = &plan {
         for (at, point) in plan.points.iter().enumerate().take(20) {
             assert!(!plan.describe(at).is_empty());
-            plan.resolve(point).expect("a plan that loads can be resolved");
+            drop(told(&plan.resolve(point)));
         }
     }
     told(&plan)

@@ -14,7 +14,6 @@
 //! Rows lie by *buckets* of consecutive points and not by shards: so every way of splitting the plan finds what any other way
 //! has finished. Every file is complete or absent.
 
-use std::fs;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
