@@ -4,13 +4,14 @@ use std::io::Write;
 use std::path::Path;
 
 use anyhow::{Context, Result};
-use rayreel_formats::Limits;
 use rayreel_formats::scene::Meta;
 use rayreel_formats::trace::Trace;
 use rayreel_replay::image::Image;
 use rayreel_replay::image::resolve::Resolver;
 use rayreel_scenes::Scene;
 use rayreel_tracer::{Built, SampleGrid, TraceSettings};
+
+use crate::memory;
 
 /// The program's name and version, as traces record it.
 pub const TOOL: &str = concat!("rayreel ", env!("CARGO_PKG_VERSION"));
@@ -121,9 +122,9 @@ pub fn meta(scene: &Scene, grid: &GridArgs, tile: u32, first_frame: u32, frames:
     samples.meta(scene, settings, TOOL)
 }
 
-/// Opens a trace with the default limits.
+/// Opens a trace.
 pub fn open(path: &Path) -> Result<Trace> {
-    Ok(Trace::open(path, Limits::default())?)
+    Ok(Trace::open(path, memory::limits())?)
 }
 
 /// Writes to standard output; the caller decides what a closed pipe means.

@@ -39,8 +39,28 @@ impl From<Exit> for ExitCode {
     }
 }
 
+/// An error whose causes are told as text: they decide its code.
+#[derive(Debug)]
+struct Blamed(Exit, StudyError);
+
+impl std::fmt::Display for Blamed {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        self.1.fmt(f)
+    }
+}
+
+impl std::error::Error for Blamed {}
+
+/// The same error with a code that its causes have decided.
+pub fn blaming(exit: Exit, error: StudyError) -> anyhow::Error {
+    Blamed(exit, error).into()
+}
+
 /// The exit code of an error.
 pub fn of(error: &anyhow::Error) -> Exit {
+    if let Some(Blamed(exit, _)) = error.downcast_ref() {
+        return *exit;
+    }
     // A replay's error may stand on a trace's: the innermost one that says who must act decides.
     if let Some(error) = error.chain().find_map(trace_error) {
         return of_trace(error);

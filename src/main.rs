@@ -13,6 +13,7 @@ mod edit;
 mod exit;
 mod export;
 mod info;
+mod memory;
 mod merge;
 mod paper;
 mod presets;
@@ -53,6 +54,9 @@ struct Cli {
     /// Worker threads; 0 takes one per core. No result depends on it.
     #[arg(long, global = true, default_value_t = 0, value_name = "N", value_parser = clap::value_parser!(u16).range(0..=1024))]
     threads: u16,
+    /// Memory for what is being decoded of traces, by all threads together; of a sweep also for what its points share. MiB.
+    #[arg(long, global = true, default_value_t = memory::DEFAULT_MIB, value_name = "MIB", value_parser = clap::value_parser!(u32).range(1..))]
+    memory: u32,
     /// Print no progress.
     #[arg(long, short, global = true)]
     quiet: bool,
@@ -98,6 +102,7 @@ fn main() -> ExitCode {
         eprintln!("error: cannot start {} threads: {error}", cli.threads);
         return Exit::Usage.into();
     }
+    memory::set(cli.memory);
     let quiet = cli.quiet;
     let result = match cli.command {
         Command::Scenes(args) => scenes::run(&args),
@@ -131,7 +136,7 @@ fn main() -> ExitCode {
         // Whoever reads our output has seen enough (`rayreel scenes list | head -1`).
         Err(error) if exit::is_broken_pipe(&error) => Exit::Done.into(),
         Err(error) => {
-            eprintln!("error: {error:#}");
+            eprintln!("error: {error:#}{}", memory::hint(&error));
             exit::of(&error).into()
         }
     }

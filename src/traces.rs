@@ -5,9 +5,10 @@ use std::ffi::OsString;
 use std::sync::{Arc, LazyLock, Mutex, PoisonError};
 
 use anyhow::Result;
-use rayreel_formats::Limits;
 use rayreel_formats::trace::Trace;
 use rayreel_store::{CacheFolder, Location, Options, Traffic};
+
+use crate::memory;
 
 /// What this process fetched from far away.
 static TRAFFIC: LazyLock<Arc<Traffic>> = LazyLock::new(Arc::default);
@@ -55,7 +56,7 @@ impl CacheArgs {
             Location::Local(_) => None,
             Location::Remote(_) => CacheFolder::choose(self.trace_cache.as_deref()).map_err(anyhow::Error::msg)?,
         };
-        let options = Options { limits: Limits::default(), cache, traffic: Arc::clone(&TRAFFIC) };
+        let options = Options { limits: memory::limits(), cache, traffic: Arc::clone(&TRAFFIC), ..Options::default() };
         Ok(rayreel_store::open(location, &options)?)
     }
 }

@@ -88,7 +88,7 @@ impl Graph {
 }
 
 /// Every member and the members that it may depend on. What is not listed here is refused.
-const SIBLINGS: [(&str, &[&str]); 12] = [
+const SIBLINGS: [(&str, &[&str]); 13] = [
     ("formats", &[]),
     ("settings", &[]),
     ("scenes", &["settings"]),
@@ -101,6 +101,7 @@ const SIBLINGS: [(&str, &[&str]); 12] = [
     ("paper", &["formats", "machine", "replay", "scenes", "settings", "store", "study", "tracer"]),
     ("testkit", &["formats", "replay"]),
     ("python", &["columns", "formats", "machine", "replay", "study"]),
+    ("fuzz", &["formats", "machine", "replay", "scenes", "settings", "store", "study", "tracer"]),
 ];
 
 /// What only tracing needs.

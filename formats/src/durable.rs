@@ -123,6 +123,19 @@ fn create_temporary(path: &Path) -> io::Result<(File, PathBuf)> {
     }
 }
 
+/// Makes a folder and those above it that are missing, as [`fs::create_dir_all`] does. Their names are on the disk when this returns:
+/// what is written into them is not lost with a folder that a power cut takes away.
+///
+/// # Errors
+/// Those of the system.
+pub fn create_folders(path: &Path) -> io::Result<()> {
+    let missing: Vec<&Path> =
+        path.ancestors().take_while(|folder| !folder.as_os_str().is_empty() && !folder.exists()).collect();
+    fs::create_dir_all(path)?;
+    // From the top: a name is worth nothing before those above it.
+    missing.iter().rev().try_for_each(|folder| sync_folder_of(folder))
+}
+
 /// Forces the names in the folder of `path` to the disk. Does nothing where a folder cannot be opened or forced.
 ///
 /// # Errors
@@ -220,6 +233,17 @@ mod tests {
         assert!(names(folder.path()).is_empty());
         let error = write_whole(&folder.path().join(".."), &[b"x"]).unwrap_err();
         assert_eq!(error.kind(), io::ErrorKind::InvalidInput);
+    }
+
+    #[test]
+    fn folders_are_made_with_those_above() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a/b/c");
+        create_folders(&path).unwrap();
+        assert!(path.is_dir());
+        create_folders(&path).unwrap();
+        fs::write(path.join("x"), "x").unwrap();
+        assert!(create_folders(&path.join("x")).is_err());
     }
 
     /// What a killed process left under the very name is neither used nor touched.

@@ -33,6 +33,7 @@
 //! # Ok::<(), rayreel_formats::Error>(())
 //! ```
 
+pub mod budget;
 pub mod bvh;
 mod columns;
 pub mod container;

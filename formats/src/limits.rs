@@ -4,6 +4,14 @@
 //! is allocated, and even then memory grows only as data really arrives. The fields on disk are wider than these
 //! limits: a limit can be raised without a change of format.
 
+use std::sync::Arc;
+
+use crate::budget::{Budget, Share};
+use crate::error::{Error, Result};
+
+/// What an error says of [`Limits::memory`].
+pub const MEMORY: &str = "memory to decode a column, in bytes,";
+
 /// Upper bounds on what a file may ask for; a file that asks for more gives
 /// [`Error::LimitExceeded`](crate::Error::LimitExceeded).
 ///
@@ -31,6 +39,9 @@ pub struct Limits {
     pub max_triangles: u64,
     /// Most bytes that decoding one metadata chunk may allocate. Default 64 MiB.
     pub max_metadata_bytes: u64,
+    /// What tiles and trees being decoded at a time may take, of all traces that are opened with these limits and with clones of them.
+    /// Default 1 GiB. What was decoded is its holder's.
+    pub memory: Arc<Budget>,
 }
 
 impl Default for Limits {
@@ -46,6 +57,7 @@ impl Default for Limits {
             max_bvh_nodes: 1 << 28,
             max_triangles: 1 << 28,
             max_metadata_bytes: 1 << 26,
+            memory: Arc::new(Budget::new(1 << 30)),
         }
     }
 }
@@ -70,9 +82,16 @@ impl Limits {
         self.max_nodes_per_tile.min((2_u64 << 20).saturating_add((bytes as u64).saturating_mul(64)))
     }
 
-    /// Most path steps of a tile whose paths take so many bytes.
-    pub(crate) fn path_steps_max(&self, bytes: usize) -> u64 {
-        self.max_path_steps_per_tile.min((4_u64 << 20).saturating_add((bytes as u64).saturating_mul(1024)))
+    /// Most path steps of a tile of so many rays whose paths take so many bytes. Paths that are like a neighbour's cost nothing, so a
+    /// uniform tile stays far below.
+    pub(crate) fn path_steps_max(&self, bytes: usize, rays: u64) -> u64 {
+        let earned = (bytes as u64).saturating_mul(1024).saturating_add(rays.saturating_mul(16));
+        self.max_path_steps_per_tile.min((16_u64 << 20).saturating_add(earned))
+    }
+
+    /// A share of the memory for something that says that it needs so many bytes.
+    pub(crate) fn reserve(&self, bytes: u64) -> Result<Share<'_>> {
+        self.memory.take(bytes).ok_or_else(|| Error::limit(MEMORY, bytes, self.memory.total()))
     }
 
     /// Most tiles of a trace that holds so many chunks: others may be missing, but not without end.
@@ -86,6 +105,28 @@ mod tests {
     use super::Limits;
 
     /// The index keeps positions of chunks as `u32`, and a directory counts its columns in a `u8`.
+    /// A tile of 1024 x 1024 samples, each with a ray and a shadow ray, has as many steps as the format allows if nothing is alike.
+    #[test]
+    fn what_bytes_and_rays_earn() {
+        let limits = Limits::default();
+        assert_eq!(limits.path_steps_max(0, 0), 16 << 20);
+        assert_eq!(limits.path_steps_max(1000, 1 << 21), (16 << 20) + 1_024_000 + (32 << 20));
+        assert_eq!(limits.path_steps_max(usize::MAX, 1), limits.max_path_steps_per_tile, "never more than that");
+        assert_eq!((limits.nodes_max(0), limits.nodes_max(1000)), (2 << 20, (2 << 20) + 64_000));
+        assert_eq!((Limits::tiles_max(10), Limits::unpacked_max(1)), ((4 << 20) + 640, (16 << 20) + 256));
+        assert!(limits.nodes_max(12_000) * 40 < 1 << 30, "12 KB earn less than a gigabyte");
+    }
+
+    /// The second call would wait for ever if the first share were not given back.
+    #[test]
+    fn a_share_is_given_back_and_too_much_is_refused() {
+        let limits = Limits { memory: std::sync::Arc::new(super::Budget::new(100)), ..Limits::default() };
+        drop(limits.reserve(80).unwrap());
+        drop(limits.clone().reserve(80).unwrap());
+        let error = limits.reserve(101).unwrap_err().to_string();
+        assert!(error.contains("memory to decode a column, in bytes, is 101, over the limit of 100"), "{error}");
+    }
+
     #[test]
     fn defaults_fit_the_fields_that_hold_them() {
         let limits = Limits::default();

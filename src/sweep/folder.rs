@@ -1,5 +1,6 @@
 //! Plan files and the folders that are made of them.
 
+use std::cell::Cell;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
@@ -12,6 +13,7 @@ use rayreel_study::sweep::plan::Plan;
 use rayreel_study::sweep::plan::locate::Text;
 
 use crate::detail::DetailArgs;
+use crate::exit::{self, Exit};
 use crate::traces::CacheArgs;
 
 /// Where the folder of a sweep is, and what a plan file does not say.
@@ -58,15 +60,26 @@ pub fn read(file: &Path, place: &FolderArgs, traces: Option<&str>, cache: &Cache
         files::read_text(file, files::TEXT_MAX).with_context(|| format!("cannot read the plan {}", file.display()))?;
     let name = file.display().to_string();
     let folder = file.parent().unwrap_or(Path::new(""));
+    // A plan's error tells only in words why a trace cannot be opened. That a server or a disk fails is no fault of the plan.
+    let failed = Cell::new(None);
+    let open = |location: &str| {
+        cache.open(&Location::from(location)).map_err(|error| {
+            failed.set(failed.get().or(Some(exit::of(&error))));
+            format!("{error:#}")
+        })
+    };
     let sources = rayreel_study::sweep::plan::Sources {
         text: Text { name: &name, text: &text },
         folder,
         traces,
         detail: place.detail.asked(),
         stem: &stem(file),
-        open: &opener(cache, None),
+        open: &open,
     };
-    Ok(Plan::new(&sources)?)
+    Plan::new(&sources).map_err(|error| match failed.get() {
+        Some(code @ (Exit::Unavailable | Exit::Io)) => exit::blaming(code, error),
+        _ => error.into(),
+    })
 }
 
 /// What to do with a folder that stands where a plan file is asked for.

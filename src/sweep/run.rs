@@ -15,6 +15,7 @@ use serde_json::json;
 use super::folder::{FolderArgs, find, opener};
 use super::plan::duration;
 use crate::exit::Exit;
+use crate::memory;
 use crate::progress::{self, Progress};
 use crate::traces::CacheArgs;
 
@@ -46,9 +47,6 @@ pub struct RunArgs {
     pub traces: Option<String>,
     #[command(flatten)]
     pub cache: CacheArgs,
-    /// Memory for decoded tiles and paths that points share, MiB.
-    #[arg(long, default_value_t = 1024, value_name = "MIB")]
-    pub memory: usize,
     /// Least time between two segment files; on a shared file system 30s keeps their number small.
     #[arg(long, default_value = "0s", value_name = "TIME", value_parser = duration)]
     pub flush: f64,
@@ -99,7 +97,7 @@ pub fn here(folder: &Folder, args: &RunArgs, shard: Shard, quiet: bool) -> Resul
     let settings = Settings {
         shard,
         threads: rayon::current_num_threads(),
-        memory: args.memory << 20,
+        memory: memory::mib() << 20,
         flush: Duration::from_secs_f64(args.flush),
         writer: writer.clone(),
         stop,

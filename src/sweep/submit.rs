@@ -19,6 +19,7 @@ use super::run::{self, RunArgs};
 use super::{merge, slurm};
 use crate::common::print;
 use crate::exit::Exit;
+use crate::memory;
 use crate::traces::CacheArgs;
 
 /// Submit a sweep to a cluster: arrays of shards, and a merge behind them.
@@ -46,9 +47,6 @@ pub struct Args {
     /// Least time between two segment files of a task; what a killed node costs.
     #[arg(long, default_value = "30s", value_name = "TIME", value_parser = checked)]
     flush: String,
-    /// Memory of a task for decoded tiles that points share, MiB.
-    #[arg(long, default_value_t = 1024, value_name = "MIB")]
-    memory: usize,
     /// Merge looks again for so long before points are called missing: a shared file system may show files late.
     #[arg(long, default_value = "90s", value_name = "TIME", value_parser = checked)]
     patience: String,
@@ -138,7 +136,7 @@ pub fn run(args: &Args, quiet: bool) -> Result<Exit> {
         );
     }
     let traces = args.traces.as_deref().map(anywhere).transpose()?;
-    let mut run = ["--flush", &args.flush, "--memory", &args.memory.to_string()].map(String::from).to_vec();
+    let mut run = ["--flush", &args.flush, "--memory", &memory::mib().to_string()].map(String::from).to_vec();
     run.extend(traces.clone().into_iter().flat_map(|traces| ["--traces".to_owned(), traces]));
     run.extend(args.cache.words());
     let order = Submit {
@@ -186,7 +184,7 @@ fn local(folder: &Folder, args: &Args, quiet: bool) -> Result<Exit> {
         return Ok(Exit::Done);
     }
     let (traces, cache) = (args.traces.clone(), args.cache.clone());
-    let args = RunArgs { traces, cache, memory: args.memory, flush: 0.0, reuse: Vec::new() };
+    let args = RunArgs { traces, cache, flush: 0.0, reuse: Vec::new() };
     match run::here(folder, &args, Shard::WHOLE, quiet)? {
         Exit::Done => merge::all(folder, 0.0),
         exit => Ok(exit),

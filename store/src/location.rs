@@ -64,7 +64,10 @@ impl Location {
 pub fn in_folder(folder: &str, name: &str) -> String {
     let query = if is_remote(folder) { folder.find(['?', '#']) } else { None };
     let (path, query) = folder.split_at(query.unwrap_or(folder.len()));
-    format!("{}/{name}{query}", path.trim_end_matches('/'))
+    // The slashes of `s3://` are no slashes at the end of a folder.
+    let kept = if is_remote(folder) { path.find("://").map_or(0, |at| at + 3) } else { 0 };
+    let (scheme, path) = path.split_at(kept);
+    format!("{scheme}{}/{name}{query}", path.trim_end_matches('/'))
 }
 
 impl fmt::Display for Location {
@@ -129,6 +132,7 @@ mod tests {
         assert_eq!(location.file_name(), "b.rtrace");
         assert!(location.has_secret() && !Location::from("https://host:8/a/b.rtrace").has_secret());
         assert_eq!(in_folder("https://h/a/?sig=x", "t"), "https://h/a/t?sig=x");
+        assert_eq!((in_folder("s3://", "t"), in_folder("/", "t")), ("s3:///t".into(), "/t".into()));
         assert_eq!((in_folder("/a?b/", "t"), in_folder("s3://b", "t")), ("/a?b/t".into(), "s3://b/t".into()));
         assert_eq!(Location::from("s3://bucket/f/t.rtrace").to_string(), "s3://bucket/f/t.rtrace");
         assert_eq!(Location::from("f/t.rtrace").file_name(), "t.rtrace");

@@ -1,6 +1,5 @@
 //! Files that are complete or absent.
 
-use std::fs;
 use std::path::Path;
 
 use rayreel_formats::durable;
@@ -21,6 +20,6 @@ pub fn write_named(path: &Path, bytes: &[u8]) -> Result<()> {
 /// When it cannot be written.
 pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<()> {
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
-    folder.map_or(Ok(()), fs::create_dir_all).map_err(|source| StudyError::io(path, "write", source))?;
+    folder.map_or(Ok(()), durable::create_folders).map_err(|source| StudyError::io(path, "write", source))?;
     write_named(path, bytes)
 }

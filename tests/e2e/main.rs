@@ -26,6 +26,8 @@ mod exit_codes;
 mod export;
 mod fence;
 mod goldens;
+#[cfg(unix)]
+mod guards;
 mod help;
 mod history;
 mod hostile;

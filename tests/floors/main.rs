@@ -15,10 +15,10 @@ mod tokens;
 use std::path::{Path, PathBuf};
 
 /// The modules at the top of each crate, lowest first: a module may use those before it.
-const ORDERS: [(&str, &str); 13] = [
+const ORDERS: [(&str, &str); 14] = [
     (
         "formats/src/lib.rs",
-        "math half oct scene tile bvh rays intersect durable id limits locks error payload columns container trace",
+        "math half oct scene tile bvh rays intersect durable id locks budget error limits payload columns container trace",
     ),
     ("settings/src/lib.rs", "near units rule key declare source error files schema family file chain loaded text"),
     (
@@ -49,9 +49,10 @@ const ORDERS: [(&str, &str); 13] = [
         "random golden policies switches trees synthetic rules recorded shade past reference same cells poison",
     ),
     ("python/src/lib.rs", "error columns wait wanted batches view policy replay trace"),
+    ("fuzz/src/lib.rs", "random memory coverage place mutate seeds traces targets kept runner"),
     (
         "src/main.rs",
-        "exit progress common scene_args detail traces edit anchors aov capture compare completions diff digest export info merge presets paper recompress render repair replay report scenes sweep trim verify",
+        "exit memory progress common scene_args detail traces edit anchors aov capture compare completions diff digest export info merge presets paper recompress render repair replay report scenes sweep trim verify",
     ),
 ];
 

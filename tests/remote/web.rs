@@ -36,6 +36,12 @@ fn faults_of_a_server_are_explained() {
     fails(&shown, "no such object", 2);
     server.state.lock().unwrap().whole_only = true;
     fails(&server.url(), "parts of files", 69);
+    // That a server fails is no fault of the plan that names it.
+    let plan = folder.path().join("p.toml");
+    fs::write(&plan, format!("traces = [\"{}\"]\nmachines = [\"none\"]\npolicies = [\"full\"]\n", server.url())).unwrap();
+    let sweep = format!("sweep plan {} -o {}", plan.display(), folder.path().join("s").display());
+    let ran = rayreel(&sweep).expect(69).says(&["p.toml:1:", "parts of files"]);
+    assert!(!ran.err.contains("secret"), "{}", ran.err);
     server.state.lock().unwrap().whole_only = false;
     server.state.lock().unwrap().failures = 2;
     rayreel(&format!("info {}", server.url())).expect(0);

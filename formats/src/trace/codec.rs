@@ -1,5 +1,6 @@
 //! Tiles to columns and back, by either codec.
 
+use crate::budget::Share;
 use crate::bvh::Bvh;
 use crate::columns::classes::CodingOrder;
 use crate::columns::paths::{BvhTopology, PathScratch, PathSink, SharedPaths};
@@ -178,9 +179,13 @@ impl TileCodec<'_> {
     pub fn decode_tree(&self, rect: Rect, packed: &PackedColumn) -> Result<Tree> {
         check_limit("samples per tile", rect.len() as u64, self.limits.max_samples_per_tile)?;
         let depth = self.meta.max_depth;
+        let _share = self.reserve(Column::Tree, packed)?;
+        // A node takes a canonical byte at least, so none beyond that number is decoded.
+        let nodes = self.limits.max_nodes_per_tile.min(packed.raw_len);
+        let limits = Limits { max_nodes_per_tile: nodes, ..self.limits.clone() };
         let decoded = decode(
             packed,
-            |bytes| tree::decode(bytes, rect, self.lights(), depth, self.limits),
+            |bytes| tree::decode(bytes, rect, self.lights(), depth, &limits),
             |bytes| canonical::parse_tree(bytes, rect.len(), self.lights(), depth),
             canonical::tree_length,
         );
@@ -198,6 +203,7 @@ impl TileCodec<'_> {
         order: &CodingOrder<'_>,
         packed: &PackedColumn,
     ) -> Result<(Vec<Hit>, RayRebuilder<'_>)> {
+        let _share = self.reserve(Column::Hits, packed)?;
         let decoded = decode(
             packed,
             |bytes| {
@@ -224,6 +230,7 @@ impl TileCodec<'_> {
         (hits, rays): (&[Hit], &RayRebuilder<'_>),
         packed: &PackedColumn,
     ) -> Result<Vec<Radiance>> {
+        let _share = self.reserve(Column::Radiance, packed)?;
         let decoded = decode(
             packed,
             |bytes| radiance::decode(bytes, order, hits, rays),
@@ -239,6 +246,7 @@ impl TileCodec<'_> {
     /// When it is damaged or over a limit.
     pub fn decode_paths(&self, tile: &Tile, packed: &PackedColumn, scratch: &mut Scratch) -> Result<Paths> {
         let (tree, rect, lights) = (&tile.tree, tile.rect, self.lights());
+        let _share = self.reserve(Column::Paths, packed)?;
         let scratch = &mut scratch.paths;
         let decoded = decode(
             packed,
@@ -253,6 +261,19 @@ impl TileCodec<'_> {
 }
 
 impl TileCodec<'_> {
+    /// A share of the memory for decoding a column: what its canonical bytes come to in memory. More than that is not decoded, and a
+    /// column that has fewer is refused.
+    fn reserve(&self, column: Column, packed: &PackedColumn) -> Result<Share<'_>> {
+        let times = match column {
+            Column::Tree => 12,
+            Column::Hits => 6,
+            Column::Radiance => 3,
+            Column::Paths => 2,
+        };
+        let bytes = packed.raw_len.saturating_mul(times).saturating_add(packed.bytes.len() as u64);
+        self.limits.reserve(bytes)
+    }
+
     /// As [`TileCodec::decode_paths`], but the paths go to `sink`, each once. Only paths by the column codec are known to
     /// lead through the tree; others go to no sink.
     ///
@@ -265,6 +286,7 @@ impl TileCodec<'_> {
         scratch: &mut Scratch,
         sink: &mut S,
     ) -> Result<SharedPaths> {
+        let _share = self.reserve(Column::Paths, packed)?;
         let (order, lights, scratch) = (CodingOrder::new(&tile.tree, tile.rect), self.lights(), &mut scratch.paths);
         let decoded = decode(
             packed,

@@ -15,7 +15,7 @@ use super::fault;
 
 /// The store that a URL points into, and the object's path in it. Credentials and endpoint come from the environment,
 /// under the names that the provider's tools use.
-pub(super) fn of(url: &str) -> io::Result<(Arc<dyn ObjectStore>, Path)> {
+pub(super) fn of(url: &str, retries: usize) -> io::Result<(Arc<dyn ObjectStore>, Path)> {
     let wrong = |detail: &str| io::Error::new(io::ErrorKind::InvalidInput, detail.to_string());
     let parsed = Url::parse(url).map_err(|e| wrong(&format!("this is no URL: {e}")))?;
     let host =
@@ -27,11 +27,11 @@ pub(super) fn of(url: &str) -> io::Result<(Arc<dyn ObjectStore>, Path)> {
     choose_cryptography();
     let store: object_store::Result<Arc<dyn ObjectStore>> = match parsed.scheme() {
         "s3" | "s3a" => {
-            let builder = AmazonS3Builder::from_env().with_bucket_name(host).with_retry(retry());
+            let builder = AmazonS3Builder::from_env().with_bucket_name(host).with_retry(retry(retries));
             builder.build().map(|store| Arc::new(store) as _)
         }
         "gs" => {
-            let builder = GoogleCloudStorageBuilder::from_env().with_bucket_name(host).with_retry(retry());
+            let builder = GoogleCloudStorageBuilder::from_env().with_bucket_name(host).with_retry(retry(retries));
             builder.build().map(|store| Arc::new(store) as _)
         }
         "http" | "https" => {
@@ -40,7 +40,7 @@ pub(super) fn of(url: &str) -> io::Result<(Arc<dyn ObjectStore>, Path)> {
             base.set_fragment(None);
             // Who writes http:// asks for a connection that is not encrypted.
             let client = ClientOptions::new().with_allow_http(parsed.scheme() == "http");
-            let builder = HttpBuilder::new().with_url(base).with_client_options(client).with_retry(retry());
+            let builder = HttpBuilder::new().with_url(base).with_client_options(client).with_retry(retry(retries));
             builder.build().map(|store| Arc::new(store) as _)
         }
         scheme => return Err(wrong(&format!("{scheme}:// is not known; s3://, gs://, http:// and https:// are"))),
@@ -49,9 +49,9 @@ pub(super) fn of(url: &str) -> io::Result<(Arc<dyn ObjectStore>, Path)> {
 }
 
 /// Gives up after some seconds: a server that is not there is more often a wrong name than a passing fault.
-fn retry() -> RetryConfig {
+fn retry(max_retries: usize) -> RetryConfig {
     let backoff = BackoffConfig { max_backoff: Duration::from_secs(5), ..BackoffConfig::default() };
-    RetryConfig { backoff, max_retries: 6, retry_timeout: Duration::from_secs(60) }
+    RetryConfig { backoff, max_retries, retry_timeout: Duration::from_secs(60) }
 }
 
 /// Connections by TLS need a provider of cryptography, chosen once in a process.

@@ -16,7 +16,7 @@ const END_LEN: u64 = 64 << 10;
 
 /// Opens an object: one request that asks for its end, and so for its length and version, too.
 pub(crate) fn connect(url: &str, location: &Location, options: &Options) -> io::Result<Box<dyn Source>> {
-    let (object, end) = Object::open(url, END_LEN, Arc::clone(&options.traffic))?;
+    let (object, end) = Object::open(url, END_LEN, options)?;
     let disk = match (&options.cache, object.version()) {
         (Some(folder), Some(version)) => Some(DiskCache::open(folder, &location.to_string(), &version)?),
         _ => None,

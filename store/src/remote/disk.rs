@@ -16,7 +16,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant, SystemTime};
 
-use rayreel_formats::durable::write_whole;
+use rayreel_formats::durable::{create_folders, write_whole};
 
 use super::memory::{contains, overlaps};
 use crate::cache::CacheFolder;
@@ -65,7 +65,7 @@ impl DiskCache {
         let key = blake3::hash(label.as_bytes());
         let folder = cache.path.join(&key.to_hex().as_str()[..KEY_LEN]);
         let make = || -> io::Result<()> {
-            fs::create_dir_all(&folder)?;
+            create_folders(&folder)?;
             write_whole(&folder.join(LABEL), &[label.as_bytes()])
         };
         make().map_err(|error| {

@@ -10,6 +10,7 @@ use tokio::runtime::{Builder, Runtime};
 
 use super::fetch::Fetch;
 use super::{client, fault};
+use crate::options::Options;
 use crate::traffic::Traffic;
 use crate::unavailable::Unavailable;
 
@@ -27,14 +28,15 @@ pub(super) struct Object {
 
 impl Object {
     /// Asks for the last `end_len` bytes, or all of a shorter object; gives them too.
-    pub(super) fn open(url: &str, end_len: u64, traffic: Arc<Traffic>) -> io::Result<(Self, Vec<u8>)> {
-        let (store, path) = client::of(url)?;
+    pub(super) fn open(url: &str, end_len: u64, options: &Options) -> io::Result<(Self, Vec<u8>)> {
+        let (store, path) = client::of(url, options.retries)?;
         let runtime = Builder::new_multi_thread().worker_threads(1).thread_name("objects").enable_all().build()?;
         let (meta, end) = runtime.block_on(async {
             let answer = get(&*store, &path, GetRange::Suffix(end_len)).await?;
             let (meta, range) = (answer.meta.clone(), answer.range.clone());
             Ok::<_, io::Error>((meta, body(answer, range).await?))
         })?;
+        let traffic = Arc::clone(&options.traffic);
         traffic.count_request(end.len() as u64);
         Ok((Self { runtime, store, path, meta, traffic }, end))
     }

@@ -1,5 +1,6 @@
 //! Reading results from the folder of a sweep or from a Parquet file.
 
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use crate::error::{Result, StudyError};
@@ -33,7 +34,12 @@ pub fn load(path: &Path) -> Result<(Results, PathBuf)> {
         };
         return Err(missing(path, detail));
     }
-    let bytes = files::read(&file, RESULTS_MAX).map_err(|e| missing(&file, format!("cannot read it: {e}")))?;
+    let bytes = files::read(&file, RESULTS_MAX).map_err(|e| match e.kind() {
+        ErrorKind::NotFound | ErrorKind::NotADirectory | ErrorKind::InvalidInput | ErrorKind::InvalidData => {
+            missing(&file, format!("cannot read it: {e}"))
+        }
+        _ => StudyError::io(&file, "read", e),
+    })?;
     Ok((decode(bytes, &file)?, file))
 }
 

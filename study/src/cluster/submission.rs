@@ -14,6 +14,8 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
+use rayreel_formats::durable;
+
 use crate::cluster::slurm::queue::Task;
 use crate::cluster::slurm::sbatch::{Options, parts};
 use crate::error::{Result, StudyError};
@@ -148,7 +150,7 @@ pub fn scripts(folder: &Folder, number: u32) -> PathBuf {
 /// # Errors
 /// When the folder cannot be written.
 pub fn claim(folder: &Folder) -> Result<u32> {
-    fs::create_dir_all(records(folder)).map_err(|e| StudyError::io(&records(folder), "create", e))?;
+    durable::create_folders(&records(folder)).map_err(|e| StudyError::io(&records(folder), "create", e))?;
     let mut number = next(folder)?;
     loop {
         let path = scripts(folder, number);

@@ -8,6 +8,7 @@ use crate::point::wanted::{Figures, Wanted};
 use rayreel_machine::config::NamedMachine;
 use rayreel_replay::Detail;
 use rayreel_replay::policy::NamedPolicy;
+use rayreel_settings::Sourced;
 
 /// A key: 128 bits of BLAKE3, as 32 hexadecimal digits.
 pub type Key = String;
@@ -92,7 +93,12 @@ impl Point {
 /// Every value of a machine as JSON by key, as results keep it: equal for equal machines, whatever they are called and however they
 /// were put together.
 pub fn machine_json(machine: &NamedMachine) -> String {
-    let values: BTreeMap<_, _> = machine.values.iter().map(|sourced| (sourced.key, &sourced.value)).collect();
+    values_json(&machine.values)
+}
+
+/// The same of the values themselves.
+pub(crate) fn values_json(values: &[Sourced]) -> String {
+    let values: BTreeMap<_, _> = values.iter().map(|sourced| (sourced.key, &sourced.value)).collect();
     // Keys are words and numbers finite: this cannot fail.
     serde_json::to_string(&values).unwrap_or_default()
 }

@@ -14,6 +14,8 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use rayreel_formats::durable;
+
 use crate::error::{Result, StudyError};
 use crate::files::write_whole;
 use crate::point::columns::{listing, read_columns, write_columns};
@@ -40,7 +42,7 @@ impl Store {
     /// # Errors
     /// When the folder cannot be made.
     pub fn open(folder: &Path) -> Result<Self> {
-        fs::create_dir_all(folder).map_err(|e| StudyError::io(folder, "create folder", e))?;
+        durable::create_folders(folder).map_err(|e| StudyError::io(folder, "create folder", e))?;
         Ok(Self { folder: folder.into() })
     }
 

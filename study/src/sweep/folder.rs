@@ -14,12 +14,13 @@
 //! Rows lie by *buckets* of consecutive points and not by shards: so every way of splitting the plan finds what any other way
 //! has finished. Every file is complete or absent.
 
-use std::fs;
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use crate::error::{Result, StudyError};
 use crate::files::write_whole;
 use crate::sweep::plan::{BUCKET, Plan};
+use rayreel_formats::durable;
 use rayreel_settings::files;
 
 /// The folder with its plan.
@@ -66,7 +67,7 @@ impl Folder {
             );
             return Err(StudyError::input(path, detail));
         }
-        fs::create_dir_all(path).map_err(|e| StudyError::io(path, "create", e))?;
+        durable::create_folders(path).map_err(|e| StudyError::io(path, "create", e))?;
         write_whole(&file, &plan.to_json()?)?;
         Ok((Self { path: path.into(), plan, id }, Created::New))
     }
@@ -77,8 +78,11 @@ impl Folder {
     /// No plan in it, one that this program cannot carry out, or one that was changed or damaged.
     pub fn open(path: &Path) -> Result<Self> {
         let file = path.join(PLAN);
-        let bytes = files::read(&file, PLAN_MAX).map_err(|e| {
-            StudyError::input(&file, format!("{e}; is this the folder of a sweep? `rayreel sweep plan` makes one"))
+        let bytes = files::read(&file, PLAN_MAX).map_err(|e| match e.kind() {
+            ErrorKind::NotFound | ErrorKind::NotADirectory | ErrorKind::InvalidInput | ErrorKind::InvalidData => {
+                StudyError::input(&file, format!("{e}; is this the folder of a sweep? `rayreel sweep plan` makes one"))
+            }
+            _ => StudyError::io(&file, "read", e),
         })?;
         let plan = Plan::from_json(&bytes).map_err(|detail| StudyError::Corrupt { path: file.clone(), detail })?;
         let id = plan.id();

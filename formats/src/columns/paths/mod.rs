@@ -66,14 +66,16 @@ pub fn encode(
 ) -> Result<Vec<u8>, String> {
     let runs: [RunEncoder; RUNS] = Default::default();
     let mut coder = PathCoder::new(Encoder::default(), runs, topology, scratch, u64::MAX);
+    let mut coded = 0;
     for rays in streams(order, &order.tree.ray_index(), lights) {
         coder.scratch.rows.restart(order.rect);
         for place in rays {
             let (ray, given) = (place.ray, paths.ray(place.ray as usize));
             let equals = |other: u32| paths.ray(other as usize) == given;
-            coder
+            let fits = coder
                 .ray(place, given, equals, &mut ())
                 .map_err(|why| format!("the path of ray {ray} does not fit the tree: {why}"))?;
+            coded += if let Coded::Steps(steps) = fits { u64::from(steps) } else { 0 };
         }
     }
     let mut out = Vec::new();
@@ -83,6 +85,11 @@ pub fn encode(
         out.extend_from_slice(&bytes);
     }
     out.extend_from_slice(&coder.code.coder.finish());
+    // What a reader would refuse is not written.
+    let most = Limits::default().path_steps_max(out.len(), paths.spans.len() as u64);
+    if coded > most {
+        return Err(format!("{coded} path steps in {} bytes are more than a reader takes; use smaller tiles", out.len()));
+    }
     Ok(out)
 }
 
@@ -126,7 +133,9 @@ pub fn decode_to<S: PathSink>(
     scratch: &mut PathScratch,
     sink: &mut S,
 ) -> Result<SharedPaths, String> {
-    let (mut runs, most) = (Vec::with_capacity(RUNS), limits.path_steps_max(bytes.len()));
+    let index = order.tree.ray_index();
+    let rays = index.last().map_or(0, |&rays| rays as usize);
+    let (mut runs, most) = (Vec::with_capacity(RUNS), limits.path_steps_max(bytes.len(), rays as u64));
     for _ in 0..RUNS {
         let (length, rest) = bytes.split_first_chunk::<4>().ok_or("the paths end within a length")?;
         let length = u32::from_le_bytes(*length) as usize;
@@ -136,8 +145,7 @@ pub fn decode_to<S: PathSink>(
     }
     let runs: [RunDecoder<'_>; RUNS] = runs.try_into().map_err(|_| "the paths lack a run")?;
     let mut coder = PathCoder::new(Decoder::new(bytes), runs, topology, scratch, most);
-    let index = order.tree.ray_index();
-    let mut out = SharedPaths { rays: vec![0; index.last().map_or(0, |&rays| rays as usize)], steps: Vec::new() };
+    let mut out = SharedPaths { rays: vec![0; rays], steps: Vec::new() };
     for rays in streams(order, &index, lights) {
         coder.scratch.rows.restart(order.rect);
         for place in rays {

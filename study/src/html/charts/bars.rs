@@ -167,3 +167,24 @@ pub const NAME_MAX: usize = 15;
 pub fn name_width<'a>(names: impl Iterator<Item = &'a str>) -> f64 {
     names.map(|name| text_width(&shortened(name, NAME_MAX))).fold(30.0, f64::max) + 8.0
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A study may state anything: a note that is wider than the chart made the least place of its middle greater than the most.
+    #[test]
+    fn a_note_wider_than_the_chart_is_drawn() {
+        let bar = |value| HorizontalBar {
+            name: "a".into(),
+            value,
+            text: "1.0".into(),
+            class: "c1".into(),
+            tip: String::new(),
+        };
+        for (least, most) in [(1e300, Some(1e301)), (f64::MIN_POSITIVE, None), (2.0, Some(1.0)), (0.0, Some(f64::MAX))] {
+            let chart = rows(&[bar(1.0), bar(least)], 1.0, Some((least, most)), "label");
+            assert!(chart.starts_with("<svg") && chart.ends_with("</svg>"), "{chart}");
+        }
+    }
+}

@@ -6,7 +6,7 @@ use std::collections::btree_map::Entry;
 use toml::Spanned;
 
 use crate::error::{Result, StudyError};
-use crate::point::key::{Key, key};
+use crate::point::key::{Key, key, policy_json};
 use crate::point::version::MODEL_VERSION;
 use crate::sweep::plan::axes::{check_axes, check_only};
 use crate::sweep::plan::axis::Axis;
@@ -15,9 +15,10 @@ use crate::sweep::plan::detail::details;
 use crate::sweep::plan::file::{At, PlanFile};
 use crate::sweep::plan::filter::{Filters, environment};
 use crate::sweep::plan::locate::Text;
+use crate::sweep::plan::machines::{Machines, Variant};
 use crate::sweep::plan::scalar::Scalar;
 use crate::sweep::plan::sources::{Sources, machines, policies, traces};
-use crate::sweep::plan::{LAYOUT, Plan, PointRef, TraceRef};
+use crate::sweep::plan::{LAYOUT, Plan, PointRef, TraceRef, is_machine_override};
 
 /// Most points of a plan; more is likelier a slip in a range than a wish.
 const POINTS_MAX: usize = 1_000_000;
@@ -52,11 +53,12 @@ impl Plan {
     }
 }
 
-/// Machine, policy and values of the axes.
-type Variant = (usize, usize, Vec<Option<usize>>);
-
-/// Every value of machine and policy.
-type Configs = (String, String);
+/// Machines and policies that are resolved, as keys have them.
+struct Known<'a> {
+    machines: Machines<'a>,
+    jsons: BTreeMap<Variant, String>,
+    policies: BTreeMap<Variant, String>,
+}
 
 /// Makes the points.
 struct Expander<'a> {
@@ -69,7 +71,7 @@ impl Expander<'_> {
     fn points(&self) -> Result<Vec<PointRef>> {
         let (plan, environment) = (self.plan, environment());
         let filters = Filters::new(&environment, &self.file.exclude, self.text)?;
-        let mut keys = BTreeMap::new();
+        let mut known = Known { machines: Machines::new(plan), jsons: BTreeMap::new(), policies: BTreeMap::new() };
         let mut points = Vec::new();
         for (t, trace) in plan.traces.iter().enumerate() {
             for frames in self.frames(trace)? {
@@ -79,7 +81,7 @@ impl Expander<'_> {
                             let key = String::new();
                             let point = PointRef { trace: t, machine: m, policy: p, frames, detail, values, key };
                             if !filters.excludes(&self.variables(trace, &point))? {
-                                points.push(PointRef { key: self.key(&point, &mut keys)?, ..point });
+                                points.push(PointRef { key: self.key(&point, &mut known)?, ..point });
                             }
                         }
                     }
@@ -93,17 +95,26 @@ impl Expander<'_> {
     }
 
     /// The key of a point. Machines and policies are resolved once each, not once a point.
-    fn key(&self, point: &PointRef, known: &mut BTreeMap<Variant, Configs>) -> Result<Key> {
-        let name = (point.machine, point.policy, point.values.clone());
-        let configs = match known.entry(name) {
+    fn key(&self, point: &PointRef, known: &mut Known<'_>) -> Result<Key> {
+        let overrides = self.plan.overrides(&point.values);
+        let (machine, policy): (Vec<_>, Vec<_>) = overrides.into_iter().partition(|text| is_machine_override(text));
+        let refuse = |e: StudyError| self.refuse(point, &e);
+        let machine = match known.jsons.entry((point.machine, machine)) {
             Entry::Occupied(resolved) => resolved.into_mut(),
             Entry::Vacant(slot) => {
-                let resolved = self.plan.resolve(point).map_err(|e| self.refuse(point, &e))?;
-                slot.insert((resolved.machine_config(), resolved.policy_config()))
+                let json = known.machines.checked_json(slot.key()).map_err(refuse)?;
+                slot.insert(json)
+            }
+        };
+        let policy = match known.policies.entry((point.policy, policy)) {
+            Entry::Occupied(resolved) => resolved.into_mut(),
+            Entry::Vacant(slot) => {
+                let policy = self.plan.policy(point.policy, &slot.key().1).map_err(refuse)?;
+                slot.insert(policy_json(&policy))
             }
         };
         let fingerprint = &self.plan.traces[point.trace].fingerprint;
-        Ok(key(fingerprint, point.frames, &configs.0, &configs.1, self.plan.detail(point)?))
+        Ok(key(fingerprint, point.frames, machine, policy, self.plan.detail(point)?))
     }
 
     /// The error of a point that cannot be resolved, at the place in the plan that is to blame.

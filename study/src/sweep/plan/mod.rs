@@ -11,6 +11,7 @@ mod expand;
 pub mod file;
 pub mod filter;
 pub mod locate;
+mod machines;
 mod quantity;
 mod range;
 mod scalar;

@@ -7,14 +7,15 @@
 //! The checksum finds what a disk or an editor did. It is no signature, so the key of every point is computed again from the
 //! configuration that the plan holds: a plan cannot put the results of one configuration under the name of another.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::collections::btree_map::Entry;
 
 use serde::Deserialize;
 
+use super::machines::{Machines, Variant};
 use super::{LAYOUT, Plan, PointRef, is_machine_override};
 use crate::error::{Result, StudyError};
-use crate::point::key::{key, machine_json, policy_json};
+use crate::point::key::{key, policy_json};
 use crate::point::version::MODEL_VERSION;
 use rayreel_replay::Detail;
 
@@ -95,28 +96,28 @@ impl Plan {
         }
     }
 
-    /// Refuses a point whose key is not that of its configuration. Each machine and each policy is resolved once.
+    /// Refuses a point whose key is not that of its configuration. Each machine and each policy is put together once. Whether a machine
+    /// can be built shows when a point of it is computed.
     fn check_keys(&self) -> Result<(), String> {
-        let (mut machines, mut policies) = (BTreeMap::new(), BTreeMap::new());
-        for (at, point) in self.points.iter().enumerate() {
-            let (of_machine, of_policy): (Vec<_>, Vec<_>) =
-                self.overrides(&point.values).into_iter().partition(|text| is_machine_override(text));
-            let unusable = |e: StudyError| format!("point {at} of the plan cannot be resolved: {e}; {AGAIN}");
-            let machine: &mut String = match machines.entry((point.machine, of_machine)) {
+        let of = |point: &PointRef| {
+            let (machine, policy) = self.overrides(&point.values).into_iter().partition(|text| is_machine_override(text));
+            ((point.machine, machine), (point.policy, policy))
+        };
+        let variants: Vec<(Variant, Variant)> = self.points.iter().map(of).collect();
+        let distinct: BTreeSet<&Variant> = variants.iter().map(|(machine, _)| machine).collect();
+        let machines = Machines::new(self).all(distinct.into_iter().cloned().collect());
+        let mut policies: BTreeMap<&Variant, String> = BTreeMap::new();
+        for (at, (point, (machine, policy))) in self.points.iter().zip(&variants).enumerate() {
+            let unusable = |e: &StudyError| format!("point {at} of the plan cannot be resolved: {e}; {AGAIN}");
+            let machine = machines[machine].as_ref().map_err(unusable)?;
+            let policy: &mut String = match policies.entry(policy) {
                 Entry::Occupied(known) => known.into_mut(),
                 Entry::Vacant(slot) => {
-                    let machine = self.machine(point.machine, &slot.key().1).map_err(unusable)?;
-                    slot.insert(machine.as_ref().map(machine_json).unwrap_or_default())
+                    let found = self.policy(policy.0, &policy.1).map_err(|e| unusable(&e))?;
+                    slot.insert(policy_json(&found))
                 }
             };
-            let policy: &mut String = match policies.entry((point.policy, of_policy)) {
-                Entry::Occupied(known) => known.into_mut(),
-                Entry::Vacant(slot) => {
-                    let policy = self.policy(point.policy, &slot.key().1).map_err(unusable)?;
-                    slot.insert(policy_json(&policy))
-                }
-            };
-            let detail = self.detail(point).map_err(unusable)?;
+            let detail = self.detail(point).map_err(|e| unusable(&e))?;
             let right = key(&self.traces[point.trace].fingerprint, point.frames, machine, policy, detail);
             if right != point.key {
                 return Err(format!(

@@ -1,0 +1,74 @@
+//! Which code ran, where the build counts it: `fuzz/coverage.sh` has LLVM count each edge in a byte (`sancov-module`, inline 8-bit
+//! counters), with the stable toolchain. Elsewhere there are no counters and only messages tell inputs apart.
+
+use std::ops::Range;
+use std::sync::Mutex;
+
+/// Where the counters of the parts of this program lie.
+static COUNTERS: Mutex<Vec<Range<usize>>> = Mutex::new(Vec::new());
+
+#[expect(unsafe_code, reason = "the instrumented code calls it by this name")]
+// SAFETY: nobody else has this name; LLVM reserves it for the one runtime that a program has.
+#[unsafe(no_mangle)]
+extern "C" fn __sanitizer_cov_8bit_counters_init(start: *mut u8, end: *mut u8) {
+    let range = start as usize..end as usize;
+    let mut all = COUNTERS.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+    if !range.is_empty() && !all.contains(&range) {
+        all.push(range);
+    }
+}
+
+/// What has been seen of each counter: a bit for each power of two.
+#[derive(Debug, Default)]
+pub struct Seen {
+    parts: Vec<Range<usize>>,
+    bits: Vec<Vec<u8>>,
+    /// Counters that were ever above 0.
+    pub edges: usize,
+}
+
+impl Seen {
+    /// Nothing so far.
+    pub fn new() -> Self {
+        let parts = COUNTERS.lock().unwrap_or_else(std::sync::PoisonError::into_inner).clone();
+        let bits = parts.iter().map(|part| vec![0; part.len()]).collect();
+        Self { parts, bits, edges: 0 }
+    }
+
+    /// How many counters there are.
+    pub fn counters(&self) -> usize {
+        self.parts.iter().map(Range::len).sum()
+    }
+
+    /// Sets all counters to 0.
+    pub fn clear(&self) {
+        self.parts.iter().for_each(|part| counters(part).fill(0));
+    }
+
+    /// Takes in what ran since [`Seen::clear`]. Whether anything of it is new.
+    pub fn take(&mut self) -> bool {
+        let mut new = false;
+        for (part, bits) in self.parts.iter().zip(&mut self.bits) {
+            for (words, bits) in counters(part).chunks(64).zip(bits.chunks_mut(64)) {
+                if words.iter().fold(0, |any, count| any | count) == 0 {
+                    continue;
+                }
+                for (count, seen) in words.iter().zip(bits).filter(|(count, _)| **count > 0) {
+                    let bit = 1 << (7 - count.leading_zeros());
+                    self.edges += usize::from(*seen == 0);
+                    new |= *seen & bit == 0;
+                    *seen |= bit;
+                }
+            }
+        }
+        new
+    }
+}
+
+#[expect(unsafe_code, reason = "the counters are bytes of the program that no variable of it names")]
+#[expect(clippy::mut_from_ref, reason = "the range only names the place")]
+fn counters(part: &Range<usize>) -> &mut [u8] {
+    // SAFETY: the instrumented code gave this range as its counters, which live as long as the program. They are plain bytes that
+    // it adds to without atomics by design; inputs are read on this thread, and a count that another thread spoils is only a hint.
+    unsafe { std::slice::from_raw_parts_mut(part.start as *mut u8, part.len()) }
+}
