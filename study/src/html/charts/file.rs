@@ -112,9 +112,13 @@ mod tests {
 
     #[test]
     fn a_file_has_its_colours_in_it() {
-        let svg =
-            alone("<svg class=\"chart\" viewBox=\"0 0 360 100\" role=\"img\"><rect class=\"p0\"/></svg>\n", "a < b");
-        assert!(svg.contains("viewBox=\"-12 -12 384 124\"") && svg.contains("<title>a &lt; b</title>"), "{svg}");
+        let svg = "<svg class=\"chart\" viewBox=\"0 0 360 100\" role=\"img\"><rect class=\"p0\"/></svg>\n".to_owned();
+        let names = ["one", "a name that is as long as half of it", "two & more"];
+        let keys = names.iter().map(|name| Key::new("p0", name)).collect();
+        let svg = alone(&Chart { svg, data: Data::new(&["x"]), keys }, "a < b");
+        // The legend takes two rows: the first is full.
+        assert!(svg.contains("viewBox=\"-12 -12 384 172\"") && svg.contains("<title>a &lt; b</title>"), "{svg}");
         assert!(!svg.contains("var(") && svg.contains(".p0 { fill: #0072b2; stroke: #0072b2; }"), "{svg}");
+        assert!(svg.contains("<rect class=\"p0\"/><rect") && svg.ends_with(">two &amp; more</text></svg>\n"), "{svg}");
     }
 }
