@@ -29,8 +29,6 @@ pub fn mib() -> usize {
 
 /// What helps against an error about memory.
 pub fn hint(error: &anyhow::Error) -> &'static str {
-    let too_little = |cause: &(dyn std::error::Error + 'static)| {
-        matches!(cause.downcast_ref(), Some(Error::LimitExceeded { what, .. }) if *what == MEMORY)
-    };
+    let too_little = |cause: &(dyn std::error::Error + 'static)| matches!(cause.downcast_ref(), Some(Error::LimitExceeded { what, .. }) if *what == MEMORY);
     if error.chain().any(too_little) { " (--memory MIB)" } else { "" }
 }

@@ -76,8 +76,11 @@ fn main() -> Result<ExitCode> {
     if let Some((name, files)) = args.read.split_first() {
         return read(find(name)?, files);
     }
-    let chosen: Vec<&Target> =
-        if args.target.is_empty() { targets.iter().collect() } else { args.target.iter().map(find).collect::<Result<_>>()? };
+    let chosen: Vec<&Target> = if args.target.is_empty() {
+        targets.iter().collect()
+    } else {
+        args.target.iter().map(find).collect::<Result<_>>()?
+    };
     match &args.worker {
         Some(current) => work(&args, chosen[0], current),
         None => whole(&args, &chosen),
@@ -184,7 +187,9 @@ fn supervise(args: &Args, target: &Target, seconds: f64) -> Result<Summary> {
             return Ok(sum);
         }
         let bytes = fs::read(&current)?;
-        let Some((length, input)) = bytes.split_first_chunk::<8>() else { bail!("its process ended before the first input") };
+        let Some((length, input)) = bytes.split_first_chunk::<8>() else {
+            bail!("its process ended before the first input")
+        };
         let input = &input[..input.len().min(u64::from_le_bytes(*length) as usize)];
         let why = match code {
             Some(TOO_LONG) => format!("took longer than {} ms", args.limit_ms),
@@ -197,7 +202,14 @@ fn supervise(args: &Args, target: &Target, seconds: f64) -> Result<Summary> {
 }
 
 /// One process: the last that it said, and how it ended.
-fn process(args: &Args, target: &Target, seconds: f64, more: u64, current: &Path, most: u64) -> Result<(Summary, Option<i32>)> {
+fn process(
+    args: &Args,
+    target: &Target,
+    seconds: f64,
+    more: u64,
+    current: &Path,
+    most: u64,
+) -> Result<(Summary, Option<i32>)> {
     let mut command = Command::new(std::env::current_exe()?);
     command.args(["--target", target.name, "--seconds", &seconds.to_string(), "--executions", &most.to_string()]);
     command.args(["--seed", &(args.seed + more).to_string(), "--limit-ms", &args.limit_ms.to_string()]);

@@ -47,7 +47,8 @@ pub const PLAN: &str = "name = \"small\"\ntraces = [\"a.rtrace\"]\nmachines = [\
     key = \"ti.trv\"\nvalues = [2, 4]\n";
 
 /// The same, of few points and no machine, to be carried out.
-const FEW: &str = "name = \"few\"\ntraces = [\"a.rtrace\"]\nmachines = [\"none\"]\npolicies = [\"full\", \"adaptive\"]\n";
+const FEW: &str =
+    "name = \"few\"\ntraces = [\"a.rtrace\"]\nmachines = [\"none\"]\npolicies = [\"full\", \"adaptive\"]\n";
 
 /// The bytes of a picture of 4 x 4 pixels, by the extension of its format.
 ///
@@ -123,8 +124,16 @@ pub fn swept() -> &'static Swept {
         let writer = Writer { attempt: "fuzz".into(), host: "here".into() };
         let (reused, flush) = (ReusedRows::default(), Duration::ZERO);
         let stop = Stop::never();
-        let settings =
-            Settings { shard: Shard::WHOLE, threads: 1, memory: 1 << 24, flush, writer, stop, open: &open, reused: &reused };
+        let settings = Settings {
+            shard: Shard::WHOLE,
+            threads: 1,
+            memory: 1 << 24,
+            flush,
+            writer,
+            stop,
+            open: &open,
+            reused: &reused,
+        };
         run(&folder, &settings, |_| {})?;
         let results = table::parquet::encode(&merge(&folder)?.results)?;
         let sealed = rayreel_study::sweep::segment::read(&folder, 0)?;

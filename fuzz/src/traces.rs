@@ -52,8 +52,7 @@ fn changed(bytes: &[u8], parts: Parts, random: &mut Random) -> Result<Vec<u8>> {
         return put_together(&chunks);
     }
     let tiles = |chunk: &Chunk| matches!(chunk, Chunk::Tile(..));
-    let choice: Vec<usize> =
-        (0..chunks.len()).filter(|at| parts == Parts::All || tiles(&chunks[*at])).collect();
+    let choice: Vec<usize> = (0..chunks.len()).filter(|at| parts == Parts::All || tiles(&chunks[*at])).collect();
     if choice.is_empty() {
         return Err(anyhow!("no tile"));
     }

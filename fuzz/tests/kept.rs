@@ -31,7 +31,12 @@ fn every_kept_input_is_read_in_its_time_and_memory() {
             let (held, begun) = (memory::restart(), Instant::now());
             runner::read(target, bytes).unwrap_or_else(|why| panic!("{} input {number}: {why}", target.name));
             assert!(begun.elapsed() < Duration::from_secs(10), "{} input {number}", target.name);
-            assert!(memory::peak() - held < 200 << 20, "{} input {number}: {} bytes", target.name, memory::peak() - held);
+            assert!(
+                memory::peak() - held < 200 << 20,
+                "{} input {number}: {} bytes",
+                target.name,
+                memory::peak() - held
+            );
             read += 1;
         }
         assert!(seeds > 0, "{} has no input", target.name);
@@ -50,7 +55,8 @@ fn every_kept_input_is_read_in_its_time_and_memory() {
 fn sound_inputs_are_read_well() {
     for target in all() {
         let said: Vec<String> = (target.seeds)().iter().map(|bytes| (target.read)(bytes)).collect();
-        let well = said.iter().any(|said| ["well", "rows", "opened", "true", "false"].iter().any(|word| said.contains(word)));
+        let well =
+            said.iter().any(|said| ["well", "rows", "opened", "true", "false"].iter().any(|word| said.contains(word)));
         assert!(well, "{}: {said:?}", target.name);
     }
 }

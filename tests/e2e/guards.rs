@@ -59,7 +59,8 @@ fn a_strangers_submission_is_not_submitted_again() {
     let folder = folder.path();
     slurm(folder);
     capture("cornell", "--size 16x16 --samples 1x1", &folder.join("a.rtrace"));
-    fs::write(folder.join("p.toml"), "traces = [\"a.rtrace\"]\nmachines = [\"none\"]\npolicies = [\"full\"]\n").unwrap();
+    fs::write(folder.join("p.toml"), "traces = [\"a.rtrace\"]\nmachines = [\"none\"]\npolicies = [\"full\"]\n")
+        .unwrap();
     run(&args("sweep plan --no-estimate {}/p.toml -o {}/s", folder)).expect(0);
     let path = format!("{}:{}", folder.join("bin").display(), std::env::var("PATH").unwrap());
     let ran = |line: &str, user: &str, code: i32| {

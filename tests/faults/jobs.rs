@@ -60,7 +60,10 @@ pub fn jobs(system: &System) -> Vec<Job> {
         ends: false,
         leaves: false,
     };
-    let (capture, resume) = (format!("capture cornell {SIZE} -o {{}}/a.rtrace"), format!("capture cornell {SIZE} -o {{}}/a.rtrace --resume"));
+    let (capture, resume) = (
+        format!("capture cornell {SIZE} -o {{}}/a.rtrace"),
+        format!("capture cornell {SIZE} -o {{}}/a.rtrace --resume"),
+    );
     let table: &[&str] = &["s/results.parquet", "s/results.csv"];
     let fetched = format!("digest {} --json --trace-cache {{}}/cache", server.url());
     vec![
@@ -72,4 +75,3 @@ pub fn jobs(system: &System) -> Vec<Job> {
         Job { prints: true, ..job("cache", &empty, &fetched, "", &[]) },
     ]
 }
-

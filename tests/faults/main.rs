@@ -60,7 +60,8 @@ fn spoil(system: &System, job: &Job) -> Count {
             if kind.is_cut() {
                 system.cut(kind);
             } else if !kind.kills() {
-                let (failed, undone) = (kind == Kind::Fail && ran.code == 74, kind == Kind::Fail && ran.code == 3 && job.leaves);
+                let (failed, undone) =
+                    (kind == Kind::Fail && ran.code == 74, kind == Kind::Fail && ran.code == 3 && job.leaves);
                 assert!(ran.code == 0 || failed || undone, "{what}: code {}\n{}", ran.code, ran.err);
                 let said = if undone { "not done: " } else { "error: " };
                 assert!(ran.code == 0 || ran.err.contains(said), "{what}: {}", ran.err);

@@ -38,7 +38,8 @@ fn faults_of_a_server_are_explained() {
     fails(&server.url(), "parts of files", 69);
     // That a server fails is no fault of the plan that names it.
     let plan = folder.path().join("p.toml");
-    fs::write(&plan, format!("traces = [\"{}\"]\nmachines = [\"none\"]\npolicies = [\"full\"]\n", server.url())).unwrap();
+    fs::write(&plan, format!("traces = [\"{}\"]\nmachines = [\"none\"]\npolicies = [\"full\"]\n", server.url()))
+        .unwrap();
     let sweep = format!("sweep plan {} -o {}", plan.display(), folder.path().join("s").display());
     let ran = rayreel(&sweep).expect(69).says(&["p.toml:1:", "parts of files"]);
     assert!(!ran.err.contains("secret"), "{}", ran.err);

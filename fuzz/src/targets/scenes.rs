@@ -23,9 +23,11 @@ pub fn targets() -> Vec<Target> {
             mend: Some(mend_glb),
         },
         target("texture", pictures, |bytes| load("t.png", "s.toml", bytes)),
-        target("camera-path", || vec![seeds::PATH.into()], |bytes| {
-            place::with(|place| told(&read_path(&place.put("path.csv", bytes))))
-        }),
+        target(
+            "camera-path",
+            || vec![seeds::PATH.into()],
+            |bytes| place::with(|place| told(&read_path(&place.put("path.csv", bytes)))),
+        ),
     ]
 }
 
@@ -36,7 +38,8 @@ fn pictures() -> Vec<Vec<u8>> {
 /// The model with its buffer outside of the text.
 fn binary_json() -> Vec<u8> {
     let text = seeds::GLTF;
-    let (from, to) = (text.find(",\"uri\"").expect("it is there"), text.find("}],\"animations\"").expect("it is there"));
+    let (from, to) =
+        (text.find(",\"uri\"").expect("it is there"), text.find("}],\"animations\"").expect("it is there"));
     [&text[..from], &text[to..]].concat().into_bytes()
 }
 

@@ -60,7 +60,12 @@ fn answers() -> Vec<Vec<u8>> {
             &body,
         ),
         answer("HTTP/1.1 404 Not Found\r\nContent-Length: 0".into(), &[]),
-        answer(format!("HTTP/1.1 206 Partial Content\r\nContent-Range: bytes 0-{last}/{size}\r\nTransfer-Encoding: chunked"), b"2\r\nab\r\n0\r\n\r\n"),
+        answer(
+            format!(
+                "HTTP/1.1 206 Partial Content\r\nContent-Range: bytes 0-{last}/{size}\r\nTransfer-Encoding: chunked"
+            ),
+            b"2\r\nab\r\n0\r\n\r\n",
+        ),
         answer("HTTP/1.1 302 Found\r\nLocation: /elsewhere\r\nContent-Length: 0".into(), &[]),
     ]
 }

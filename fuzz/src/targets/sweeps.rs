@@ -64,7 +64,8 @@ fn read_segment(bytes: &[u8]) -> String {
 /// The checksum and the number of rows.
 fn mend_segment(bytes: &mut Vec<u8>) {
     let Some(end) = bytes.iter().position(|byte| *byte == b'\n') else { return };
-    let (rows, crc) = (bytes[end + 1..].split_inclusive(|byte| *byte == b'\n').count(), crc32fast::hash(&bytes[end + 1..]));
+    let (rows, crc) =
+        (bytes[end + 1..].split_inclusive(|byte| *byte == b'\n').count(), crc32fast::hash(&bytes[end + 1..]));
     let mut head: serde_json::Value = serde_json::from_slice(&bytes[..end]).unwrap_or_default();
     if let Some(head) = head.as_object_mut() {
         head.insert("rows".into(), rows.into());

@@ -88,7 +88,10 @@ pub fn encode(
     // What a reader would refuse is not written.
     let most = Limits::default().path_steps_max(out.len(), paths.spans.len() as u64);
     if coded > most {
-        return Err(format!("{coded} path steps in {} bytes are more than a reader takes; use smaller tiles", out.len()));
+        return Err(format!(
+            "{coded} path steps in {} bytes are more than a reader takes; use smaller tiles",
+            out.len()
+        ));
     }
     Ok(out)
 }

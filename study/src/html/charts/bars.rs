@@ -160,7 +160,8 @@ mod tests {
             class: "c1".into(),
             tip: String::new(),
         };
-        for (least, most) in [(1e300, Some(1e301)), (f64::MIN_POSITIVE, None), (2.0, Some(1.0)), (0.0, Some(f64::MAX))] {
+        for (least, most) in [(1e300, Some(1e301)), (f64::MIN_POSITIVE, None), (2.0, Some(1.0)), (0.0, Some(f64::MAX))]
+        {
             let chart = rows(&[bar(1.0), bar(least)], 1.0, Some((least, most)), "label");
             assert!(chart.starts_with("<svg") && chart.ends_with("</svg>"), "{chart}");
         }

@@ -7,8 +7,8 @@
 //! The checksum finds what a disk or an editor did. It is no signature, so the key of every point is computed again from the
 //! configuration that the plan holds: a plan cannot put the results of one configuration under the name of another.
 
-use std::collections::{BTreeMap, BTreeSet};
 use std::collections::btree_map::Entry;
+use std::collections::{BTreeMap, BTreeSet};
 
 use serde::Deserialize;
 
@@ -100,7 +100,8 @@ impl Plan {
     /// can be built shows when a point of it is computed.
     fn check_keys(&self) -> Result<(), String> {
         let of = |point: &PointRef| {
-            let (machine, policy) = self.overrides(&point.values).into_iter().partition(|text| is_machine_override(text));
+            let (machine, policy) =
+                self.overrides(&point.values).into_iter().partition(|text| is_machine_override(text));
             ((point.machine, machine), (point.policy, policy))
         };
         let variants: Vec<(Variant, Variant)> = self.points.iter().map(of).collect();
