@@ -48,7 +48,7 @@ const ORDERS: [(&str, &str); 13] = [
         "testkit/src/lib.rs",
         "random golden policies switches trees synthetic rules recorded shade past reference same cells poison",
     ),
-    ("fuzz/src/lib.rs", "random memory coverage place mutate seeds traces targets kept runner"),
+    ("fuzz/src/lib.rs", "random memory coverage place mutate seeds traces target targets kept runner"),
     (
         "src/main.rs",
         "exit memory progress common scene_args detail traces edit anchors aov capture compare completions diff digest export info merge presets paper recompress render repair replay report scenes sweep trim verify",

@@ -4,9 +4,9 @@ use image::ImageFormat;
 use rayreel_scenes::Scene;
 use rayreel_scenes::camera::read_path;
 
-use super::{Target, told};
 use crate::place::{self, Place};
 use crate::seeds;
+use crate::target::{Target, told};
 
 pub fn targets() -> Vec<Target> {
     let target = |name, seeds, read| Target { name, seeds, read, change: None, mend: None };

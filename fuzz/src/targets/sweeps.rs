@@ -5,9 +5,9 @@ use std::path::Path;
 use rayreel_study::point::segment::{Belonging, decode};
 use rayreel_study::{Plan, html, table};
 
-use super::{Target, text, told};
 use crate::place;
 use crate::seeds;
+use crate::target::{Target, text, told};
 
 /// A study of one scene, two policies and a machine, cut down to a few points.
 const STUDY: &[u8] = include_bytes!("../../corpus/study/small.json");
