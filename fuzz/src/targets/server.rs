@@ -25,7 +25,7 @@ fn answers() -> Vec<Vec<u8>> {
         answer(
             format!(
                 "HTTP/1.1 206 Partial Content\r\nContent-Range: bytes 0-{last}/{size}\r\nETag: \"a\"\r\nLast-Modified: Wed, 21 Oct \
-                 2025 07:28:00 GMT\r\nContent-Length: {size}"
+                 2015 07:28:00 GMT\r\nContent-Length: {size}"
             ),
             &body,
         ),
@@ -75,6 +75,8 @@ fn read_answer(bytes: &[u8]) -> String {
         *server.answer.lock().unwrap_or_else(std::sync::PoisonError::into_inner) = bytes.to_vec();
         let options = Options { retries: 0, ..Options::default() };
         let opened = open(format!("http://127.0.0.1:{}/a.rtrace", server.port).as_str(), &options);
-        told(&opened.map(|trace| trace.tile(0, 0, &rayreel_formats::tile::Column::ALL).is_ok()))
+        let said = told(&opened.as_ref().map(|trace| trace.tile(0, 0, &rayreel_formats::tile::Column::ALL).is_ok()));
+        let cause = opened.as_ref().err().and_then(std::error::Error::source);
+        cause.map_or(said.clone(), |cause| format!("{said}: {cause}"))
     })
 }
