@@ -40,6 +40,7 @@ fn small() -> Limits {
         max_bvh_nodes: 1 << 12,
         max_triangles: 1 << 12,
         max_metadata_bytes: 1 << 16,
+        ..Limits::default()
     }
 }
 

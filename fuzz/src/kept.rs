@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use crate::coverage::Seen;
 use crate::mutate::{change, words};
 use crate::random::Random;
-use crate::targets::Target;
+use crate::target::Target;
 
 /// Most inputs that are kept.
 const KEPT_MAX: usize = 3000;
@@ -35,7 +35,7 @@ impl Kept {
         let at = if random.once_in(2) { count - 1 - random.below(count.min(32)) } else { random.below(count) };
         let mut bytes = self.inputs[at].clone();
         match target.change {
-            Some(own) => own(&mut bytes, random),
+            Some(lie) => lie(&mut bytes, random),
             None => {
                 let other = &self.inputs[random.below(count)][..];
                 change(&mut bytes, &[other], &self.words, random);

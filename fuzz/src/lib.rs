@@ -18,7 +18,9 @@ pub mod place;
 pub mod random;
 pub mod runner;
 pub mod seeds;
+pub mod target;
 pub mod targets;
 pub mod traces;
 
-pub use targets::{Target, all};
+pub use target::Target;
+pub use targets::all;

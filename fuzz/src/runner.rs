@@ -15,7 +15,7 @@ use serde::{Deserialize, Serialize};
 use crate::kept::Kept;
 use crate::memory;
 use crate::random::Random;
-use crate::targets::Target;
+use crate::target::Target;
 
 /// Exit code of a process in which an input took too long.
 pub const TOO_LONG: i32 = 97;
@@ -138,7 +138,7 @@ pub fn run(target: &Target, task: &Task, mut tell: impl FnMut(&Summary)) -> Summ
     }
     fill(&mut summary, &kept);
     if let Some(folder) = &task.keep {
-        kept.best(12, 3000).into_iter().for_each(|bytes| drop(save(target, &folder.join(target.name), bytes)));
+        kept.best(6, 1500).into_iter().for_each(|bytes| drop(save(target, &folder.join(target.name), bytes)));
     }
     summary
 }

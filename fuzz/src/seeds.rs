@@ -37,8 +37,8 @@ pub const GLTF: &str = r#"{"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes
 {"POSITION":0},"indices":1,"material":0}]}],"materials":[{"pbrMetallicRoughness":{"baseColorFactor":[1,0.5,0.2,1],
 "metallicFactor":0.5}}],"accessors":[{"bufferView":0,"componentType":5126,"count":4,"type":"VEC3","min":[0,0,0],"max":[1,1,0]},
 {"bufferView":1,"componentType":5123,"count":6,"type":"SCALAR"}],"bufferViews":[{"buffer":0,"byteLength":48},{"buffer":0,
-"byteOffset":48,"byteLength":12}],"buffers":[{"byteLength":60,"uri":"data:application/octet-stream;base64,
-AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAACAPwAAgD8AAAAAAAAAAAAAgD8AAAAAAAABAAIAAAACAAMA"}],"animations":[]}"#;
+"byteOffset":48,"byteLength":12}],"buffers":[{"byteLength":60,"uri":
+"data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAACAPwAAgD8AAAAAAAAAAAAAgD8AAAAAAAABAAIAAAACAAMA"}],"animations":[]}"#;
 
 /// A plan file over the trace of [`trace`].
 pub const PLAN: &str = "name = \"small\"\ntraces = [\"a.rtrace\"]\nmachines = [\"sgrt-ti2\", \"none\"]\npolicies = [\"full\", \"adaptive\"]\n\

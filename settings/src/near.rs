@@ -2,8 +2,14 @@
 
 use strsim::levenshtein;
 
+/// Longest name that is compared with others, in bytes: the time grows with the length, and nothing is near to a longer one.
+const LONGEST: usize = 200;
+
 /// The names nearest to `name`, in their order; none if all of them are other words.
 pub fn nearest<'a>(name: &str, names: &[&'a str]) -> Vec<&'a str> {
+    if name.len() > LONGEST {
+        return Vec::new();
+    }
     let last = |s: &str| s.rsplit('.').next().unwrap_or_default().to_owned();
     let distance = |other: &str| levenshtein(name, other).min(levenshtein(&last(name), &last(other)));
     let best = names.iter().map(|n| distance(n)).min().unwrap_or(usize::MAX);
@@ -50,6 +56,8 @@ mod tests {
         assert!(nearest("colour", &names).is_empty());
         assert_eq!(near("colour", &names), "there are ti.trv, ti.ist, l2.ways");
         assert!(nearest("", &[]).is_empty());
+        let long = "ti.".repeat(1 << 20);
+        assert!(nearest(&long, &[&long, "ti.trv"]).is_empty(), "at once");
     }
 
     #[test]

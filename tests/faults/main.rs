@@ -44,12 +44,15 @@ fn spoil(system: &System, job: &Job) -> Count {
         assert!(system.state(job, &ran.out) == undisturbed, "{}: {kind:?} after the end", job.name);
     }
     system.fresh(job);
-    let requests = system.count(&job.command);
+    let requests = system.count(&job.command, "count");
+    system.fresh(job);
+    let large = system.count(&job.command, "count-memory");
     let mut count = Count { requests, ..Count::default() };
     assert!(requests > 5, "{}: {requests} requests", job.name);
     let every = std::env::var_os("RAYREEL_LONG").is_some();
-    let step = if every { 1 } else { requests.div_ceil(SOME) };
     for (number, kind) in Kind::ALL.into_iter().enumerate() {
+        let requests = if kind == Kind::NoMemory { large } else { requests };
+        let step = if every { 1 } else { requests.div_ceil(SOME).max(1) };
         for at in (1 + number % step..=requests).step_by(step) {
             system.fresh(job);
             let ran = system.run(&job.command, Some((kind, at)));

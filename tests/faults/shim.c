@@ -8,6 +8,7 @@
 //                again   a read or write is interrupted once: EINTR
 //                torn    a write does half, and the process is killed
 //                kill    the process is killed before the request
+//                memory  a request for 64 KiB of memory or more gets none; count-memory counts those
 //   FAULT_AT     which request, from 1
 //   FAULT_LOG    a file that gets the number of requests, or the one that was spoilt
 //   FAULT_DISK   a folder that gets what a power cut would leave: data/INODE as it was last synced, dirs/INODE with the names that
@@ -32,6 +33,7 @@
 
 static const char *under, *kind, *log_file, *disk;
 static long at, count;
+static int of_memory;
 static __thread int inside; // the shim's own requests
 static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
 
@@ -58,10 +60,11 @@ __attribute__((constructor)) static void begin(void) {
     disk = getenv("FAULT_DISK");
     at = getenv("FAULT_AT") ? atol(getenv("FAULT_AT")) : 0;
     if (!kind) under = NULL;
+    of_memory = under && strstr(kind, "memory");
 }
 
 __attribute__((destructor)) static void end(void) {
-    if (under && !strcmp(kind, "count")) tell("requests", "");
+    if (under && !strncmp(kind, "count", 5)) tell("requests", "");
 }
 
 static int is_under(const char *path) {
@@ -79,6 +82,7 @@ static int path_of(int fd, char *path) {
 // What becomes of a request: 0 it passes, 1 it fails, 2 half of it is done, 3 it is interrupted, 4 half of it, then the end.
 enum { PASS, FAIL, HALF, AGAIN, TORN };
 static int fate(const char *what, const char *path, int has_bytes, int is_write) {
+    if (of_memory) return PASS;
     pthread_mutex_lock(&lock);
     int mine = ++count == at;
     pthread_mutex_unlock(&lock);
@@ -187,6 +191,18 @@ int open(const char *path, int flags, ...) { MODE return opened("open", AT_FDCWD
 int open64(const char *path, int flags, ...) { MODE return opened("open", AT_FDCWD, path, flags, mode); }
 int openat(int folder, const char *path, int flags, ...) { MODE return opened("open", folder, path, flags, mode); }
 int openat64(int folder, const char *path, int flags, ...) { MODE return opened("open", folder, path, flags, mode); }
+
+// Memory. Below 64 KiB it is given always: what a file asks for is what may be too much.
+void *__libc_malloc(size_t), *__libc_calloc(size_t, size_t), *__libc_realloc(void *, size_t);
+static int refused(size_t bytes) {
+    if (!of_memory || bytes < 65536) return 0;
+    int mine = __atomic_add_fetch(&count, 1, __ATOMIC_SEQ_CST) == at && !strcmp(kind, "memory");
+    if (mine) tell("memory", "");
+    return mine;
+}
+void *malloc(size_t bytes) { return refused(bytes) ? NULL : __libc_malloc(bytes); }
+void *calloc(size_t many, size_t bytes) { return refused(many * bytes) ? NULL : __libc_calloc(many, bytes); }
+void *realloc(void *block, size_t bytes) { return refused(bytes) ? NULL : __libc_realloc(block, bytes); }
 
 // Copies a file's bytes, or a folder's names, to the disk.
 static void keep(int fd) {

@@ -26,11 +26,13 @@ pub enum Kind {
     Cut,
     /// The power goes: names are there, bytes that were not synced are gone.
     CutOfBytes,
+    /// There is no memory for something large.
+    NoMemory,
 }
 
 impl Kind {
-    pub const ALL: [Self; 7] =
-        [Self::Fail, Self::Short, Self::Again, Self::Torn, Self::Killed, Self::Cut, Self::CutOfBytes];
+    pub const ALL: [Self; 8] =
+        [Self::Fail, Self::Short, Self::Again, Self::Torn, Self::Killed, Self::Cut, Self::CutOfBytes, Self::NoMemory];
 
     pub fn is_cut(self) -> bool {
         matches!(self, Self::Cut | Self::CutOfBytes)
@@ -38,7 +40,7 @@ impl Kind {
 
     /// Whether the process dies of it.
     pub fn kills(self) -> bool {
-        self.is_cut() || matches!(self, Self::Torn | Self::Killed)
+        self.is_cut() || matches!(self, Self::Torn | Self::Killed | Self::NoMemory)
     }
 
     fn word(self) -> &'static str {
@@ -47,6 +49,7 @@ impl Kind {
             Self::Short => "short",
             Self::Again => "again",
             Self::Torn => "torn",
+            Self::NoMemory => "memory",
             Self::Killed | Self::Cut | Self::CutOfBytes => "kill",
         }
     }
@@ -100,9 +103,9 @@ impl System {
         self.call(args, fault.map(|(kind, at)| (kind.word(), at, kind.is_cut())))
     }
 
-    /// How many requests a command makes.
-    pub fn count(&self, args: &[OsString]) -> usize {
-        assert_eq!(self.call(args, Some(("count", 0, false))).code, 0);
+    /// How many requests a command makes, of files or of memory.
+    pub fn count(&self, args: &[OsString], of: &str) -> usize {
+        assert_eq!(self.call(args, Some((of, 0, false))).code, 0);
         let log = fs::read_to_string(self.log()).unwrap();
         log.split(' ').next().unwrap().parse().unwrap()
     }
@@ -110,6 +113,7 @@ impl System {
     fn call(&self, args: &[OsString], fault: Option<(&str, usize, bool)>) -> Ran {
         let mut command = Command::new(env!("CARGO_BIN_EXE_rayreel"));
         command.args(args).args(["--quiet", "--threads", "1"]).stdin(Stdio::null()).env("RAYREEL_TRACE_CACHE_GB", "1");
+        command.env("RUST_BACKTRACE", "0");
         if let Some((kind, at, cut)) = fault {
             command.env("LD_PRELOAD", &self.shim).env("FAULT_UNDER", &self.folder).env("FAULT_LOG", self.log());
             command.env("FAULT_KIND", kind).env("FAULT_AT", at.to_string());

@@ -49,7 +49,7 @@ const ORDERS: [(&str, &str); 14] = [
         "random golden policies switches trees synthetic rules recorded shade past reference same cells poison",
     ),
     ("python/src/lib.rs", "error columns wait wanted batches view policy replay trace"),
-    ("fuzz/src/lib.rs", "random memory coverage place mutate seeds traces targets kept runner"),
+    ("fuzz/src/lib.rs", "random memory coverage place mutate seeds traces target targets kept runner"),
     (
         "src/main.rs",
         "exit memory progress common scene_args detail traces edit anchors aov capture compare completions diff digest export info merge presets paper recompress render repair replay report scenes sweep trim verify",

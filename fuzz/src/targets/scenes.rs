@@ -4,9 +4,9 @@ use image::ImageFormat;
 use rayreel_scenes::Scene;
 use rayreel_scenes::camera::read_path;
 
-use super::{Target, told};
 use crate::place::{self, Place};
 use crate::seeds;
+use crate::target::{Target, told};
 
 pub fn targets() -> Vec<Target> {
     let target = |name, seeds, read| Target { name, seeds, read, change: None, mend: None };
@@ -20,7 +20,7 @@ pub fn targets() -> Vec<Target> {
             seeds: || vec![glb(seeds::GLTF.as_bytes(), &[]), glb(&binary_json(), &[0; 60])],
             read: |bytes| load("m.glb", "m.glb", bytes),
             change: None,
-            mend: Some(mend_glb),
+            mend: Some(|bytes| mend_glb(bytes)),
         },
         target("texture", pictures, |bytes| load("t.png", "s.toml", bytes)),
         target(
@@ -57,7 +57,7 @@ fn glb(json: &[u8], binary: &[u8]) -> Vec<u8> {
 }
 
 /// The length of the file and of its first part.
-fn mend_glb(bytes: &mut Vec<u8>) {
+fn mend_glb(bytes: &mut [u8]) {
     let length = bytes.len() as u32;
     if let Some(field) = bytes.get_mut(8..12) {
         field.copy_from_slice(&length.to_le_bytes());
@@ -82,10 +82,13 @@ fn load(name: &str, opened: &str, bytes: &[u8]) -> String {
     })
 }
 
+/// A file by name, and how its bytes are made.
+type Sound = (&'static str, fn() -> Vec<u8>);
+
 /// Puts what a scene needs beside `name`: what is not there yet, and what the last input replaced.
 fn complete(place: &Place, name: &str) {
     let replaced = std::fs::read_to_string(place.path("replaced")).unwrap_or_default();
-    let sound: [(&str, fn() -> Vec<u8>); 4] = [
+    let sound: [Sound; 4] = [
         ("t.png", || seeds::picture(ImageFormat::Png).expect("a picture")),
         ("m.mtl", || seeds::MTL.into()),
         ("m.obj", || seeds::OBJ.into()),

@@ -6,7 +6,7 @@ use rayreel_machine::config::{MACHINES, NamedMachine};
 use rayreel_replay::policy::{NamedPolicy, POLICIES};
 use rayreel_settings::Loaded;
 
-use super::{Target, text, told};
+use crate::target::{Target, text, told};
 
 /// A machine that changes some of a preset.
 const MACHINE: &str = "extends = \"sgrt-ti2\"\n[gpu]\ncores = 2\n[ti]\ntrv = 3\ntrv_l1 = { size = \"8KiB\", ways = 2 }\n\

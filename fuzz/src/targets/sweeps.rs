@@ -5,9 +5,9 @@ use std::path::Path;
 use rayreel_study::point::segment::{Belonging, decode};
 use rayreel_study::{Plan, html, table};
 
-use super::{Target, text, told};
 use crate::place;
 use crate::seeds;
+use crate::target::{Target, text, told};
 
 /// A study of one scene, two policies and a machine, cut down to a few points.
 const STUDY: &[u8] = include_bytes!("../../corpus/study/small.json");
@@ -16,7 +16,12 @@ pub fn targets() -> Vec<Target> {
     let target = |name, seeds, read, mend| Target { name, seeds, read, change: None, mend };
     vec![
         target("plan", || vec![seeds::PLAN.into()], read_plan, None),
-        target("plan-json", || vec![seeds::swept().plan.clone()], read_stored, Some(mend_plan as fn(&mut Vec<u8>))),
+        target(
+            "plan-json",
+            || vec![seeds::swept().plan.clone()],
+            read_stored,
+            Some(|bytes: &mut Vec<u8>| mend_plan(bytes)),
+        ),
         target("segment", || vec![seeds::swept().segment.clone()], read_segment, Some(mend_segment)),
         target("results", || vec![seeds::swept().results.clone()], read_results, None),
         target("study", || vec![STUDY.to_vec()], read_study, None),
@@ -46,7 +51,7 @@ fn read_stored(bytes: &[u8]) -> String {
 }
 
 /// The checksum of a plan.
-fn mend_plan(bytes: &mut Vec<u8>) {
+fn mend_plan(bytes: &mut [u8]) {
     let at = "{\"checksum\":\"".len();
     if bytes.len() > at + 34 {
         let sum = blake3::hash(&bytes[at + 34..]).to_hex();

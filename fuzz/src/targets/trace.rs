@@ -7,9 +7,9 @@ use rayreel_formats::tile::Column;
 use rayreel_formats::trace::{Codec, Scratch};
 use rayreel_formats::{Limits, Trace};
 
-use super::{Target, told};
 use crate::random::Random;
 use crate::seeds;
+use crate::target::{Target, told};
 use crate::traces::{Parts, change_trace};
 
 pub fn targets() -> Vec<Target> {

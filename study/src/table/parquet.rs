@@ -18,6 +18,7 @@ use parquet::schema::types::Type;
 use serde::{Deserialize, Serialize};
 
 use crate::error::{Result, StudyError};
+use crate::table::footer;
 use crate::table::guard::guarded;
 use crate::table::{Cells, Field, Heading, Results, Role};
 
@@ -56,6 +57,10 @@ pub fn encode(results: &Results) -> Result<Vec<u8>> {
 /// # Errors
 /// Not Parquet, or not ours.
 pub fn decode(bytes: Vec<u8>, path: &Path) -> Result<Results> {
+    if !footer::is_bounded(&bytes) {
+        let detail = "not a sound Parquet file: its footer is damaged; `rayreel sweep merge` makes it again".into();
+        return Err(StudyError::Corrupt { path: path.into(), detail });
+    }
     // The reader panics on files that no writer makes: a page of a dictionary that is not there, lengths below 0.
     guarded(|| decode_trusted(bytes, path)).unwrap_or_else(|why| {
         let detail = format!("not a sound Parquet file: {why}; `rayreel sweep merge` makes it again");
