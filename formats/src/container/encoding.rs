@@ -67,7 +67,13 @@ pub(crate) fn decompress(packed: &[u8], raw_len: u64) -> Result<Vec<u8>, String>
         decoder.by_ref().take(raw_len.saturating_add(1)).read_to_end(&mut raw)?;
         Ok(decoder.finish().is_empty())
     };
-    let all_used = unpack().map_err(|error| format!("zstd frame: {error}"))?;
+    let all_used = unpack().map_err(|error| {
+        // No fault of the file: what is said of a file may be kept, as a row that cannot be computed is.
+        if is_of_memory(&error) {
+            std::alloc::handle_alloc_error(std::alloc::Layout::new::<[u8; STEP]>());
+        }
+        format!("zstd frame: {error}")
+    })?;
     if raw.len() as u64 != raw_len {
         return Err(format!("zstd frame does not give the {raw_len} bytes that the header promises"));
     }
@@ -77,9 +83,26 @@ pub(crate) fn decompress(packed: &[u8], raw_len: u64) -> Result<Vec<u8>, String>
     Ok(raw)
 }
 
+/// Whether there was no memory. What zstd refuses of a frame, it calls memory that is required and not allocated.
+fn is_of_memory(error: &io::Error) -> bool {
+    error.kind() == io::ErrorKind::OutOfMemory || error.to_string().to_lowercase().contains("alloc")
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_lack_of_memory_is_told_from_a_bad_frame() {
+        assert!(is_of_memory(&io::ErrorKind::OutOfMemory.into()));
+        assert!(is_of_memory(&io::Error::other("zstd could not allocate a decompression context")));
+        assert!(is_of_memory(&io::Error::other("Allocation error : not enough memory")));
+        let frame = compress(&[7; 1000], 3).unwrap();
+        for text in [decompress(&frame[..9], 1000), decompress(b"no frame", 1000)].map(Result::unwrap_err) {
+            assert!(!is_of_memory(&io::Error::other(text)));
+        }
+        assert!(!is_of_memory(&io::Error::other("Frame requires too much memory for decoding")));
+    }
 
     #[test]
     fn every_level_gives_the_bytes_back_and_the_same_frame_twice() {
