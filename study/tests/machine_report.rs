@@ -292,7 +292,9 @@ fn the_timeline_loses_no_busy_cycle() {
         let bytes: u64 = bursts.map(|dram| (dram.reads + dram.writes) * 32).sum();
         check(runs[0].stats.cores.len(), "DRAM", bytes as f64 / 25_600.0 * 100.0);
         // Frames follow one another.
-        let frames: Vec<_> = timeline["traceEvents"].as_array().unwrap().iter().filter(|e| e["ph"] == "X").collect();
+        // Tracks of tiles, kernels and states stand with the cores.
+        let is_frame = |event: &&Value| event["ph"] == "X" && event["pid"] == runs[0].stats.cores.len();
+        let frames: Vec<_> = timeline["traceEvents"].as_array().unwrap().iter().filter(is_frame).collect();
         assert_eq!(frames.len(), times);
         let mut end = 0.0;
         for frame in frames {
