@@ -13,7 +13,7 @@ use crate::error::{Error, Result};
 pub const MEMORY: &str = "memory to decode a column, in bytes,";
 
 /// Upper bounds on what a file may ask for; a file that asks for more gives
-/// [`Error::LimitExceeded`](crate::Error::LimitExceeded).
+/// [`Error::LimitExceeded`].
 ///
 /// The defaults hold every trace that Rayreel writes, with room to spare. Raise a field for an unusual trace, lower
 /// them for untrusted input on a small machine.
