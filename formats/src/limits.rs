@@ -104,8 +104,7 @@ impl Limits {
 mod tests {
     use super::Limits;
 
-    /// The index keeps positions of chunks as `u32`, and a directory counts its columns in a `u8`.
-    /// A tile of 1024 x 1024 samples, each with a ray and a shadow ray, has as many steps as the format allows if nothing is alike.
+    /// What a tile of no bytes may have, what bytes and rays add, and where it ends.
     #[test]
     fn what_bytes_and_rays_earn() {
         let limits = Limits::default();
@@ -127,6 +126,7 @@ mod tests {
         assert!(error.contains("memory to decode a column, in bytes, is 101, over the limit of 100"), "{error}");
     }
 
+    /// The index keeps positions of chunks as `u32`, and a directory counts its columns in a `u8`.
     #[test]
     fn defaults_fit_the_fields_that_hold_them() {
         let limits = Limits::default();

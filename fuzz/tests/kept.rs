@@ -1,8 +1,8 @@
-//! Inputs that were trouble once, and the kept ones: they are read in no time, and nothing panics.
+//! Inputs that were trouble once, and the kept ones: nothing panics, and one that is read without end never lets the test end. The
+//! runner limits the time of each; a test asserts none.
 
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::time::{Duration, Instant};
 
 use rayreel_fuzz::memory::{self, Counting};
 use rayreel_fuzz::{all, runner};
@@ -19,7 +19,7 @@ fn files(folder: &Path) -> Vec<PathBuf> {
 
 /// One test and not several: the count of memory is that of the process.
 #[test]
-fn every_kept_input_is_read_in_its_time_and_memory() {
+fn every_kept_input_is_read_in_little_memory() {
     let home = Path::new(env!("CARGO_MANIFEST_DIR"));
     let targets = all();
     let mut read = 0;
@@ -28,9 +28,8 @@ fn every_kept_input_is_read_in_its_time_and_memory() {
         let seeds = inputs.len();
         inputs.extend(files(&home.join("regressions").join(target.name)).iter().map(|file| fs::read(file).unwrap()));
         for (number, bytes) in inputs.iter().enumerate() {
-            let (held, begun) = (memory::restart(), Instant::now());
+            let held = memory::restart();
             runner::read(target, bytes).unwrap_or_else(|why| panic!("{} input {number}: {why}", target.name));
-            assert!(begun.elapsed() < Duration::from_secs(10), "{} input {number}", target.name);
             assert!(
                 memory::peak() - held < 200 << 20,
                 "{} input {number}: {} bytes",
