@@ -21,7 +21,7 @@ use crate::rows::{
 };
 use crate::schema::{Batch, Head};
 use crate::select::Selection;
-use crate::simulated::{Intervals, Issue, TileTimeRows, TileTimes};
+use crate::simulated::{Intervals, Issue, TableProbe, TileTimes};
 use crate::what::What;
 
 /// Nothing is replayed for its picture.
@@ -83,8 +83,8 @@ impl<'a> Data<'a> {
             What::Triangles => triangles(bvh, triangle_words(bvh), 0..0).batch(),
             What::Lookups => Issue::new(self.config()?).lookups().batch(),
             What::Requests => Issue::new(self.config()?).requests().batch(),
-            What::Counters => Intervals::new(self.config()?, self.interval).take().batch(),
-            What::Tiles => TileTimeRows::default().batch(),
+            What::Counters => Intervals::new(self.config()?, self.interval).batch(),
+            What::Tiles => TileTimes::default().batch(),
         })
     }
 
@@ -165,8 +165,8 @@ impl<'a> Data<'a> {
                 chunks(to, bvh.triangles.len(), |range| triangles(bvh, words.clone(), range).batch())
             }
             What::Lookups | What::Requests => self.issue(to),
-            What::Counters => self.counters(to),
-            What::Tiles => self.tile_times(to),
+            What::Counters => self.probed(Intervals::new(self.config()?, self.interval), to),
+            What::Tiles => self.probed(TileTimes::default(), to),
         }
     }
 
@@ -276,42 +276,22 @@ impl<'a> Data<'a> {
         gathered.flush()
     }
 
-    /// Counters over time.
-    fn counters<T: Send>(&self, Use { make, take }: Use<'_, T>) -> Result<()> {
-        let (machine, mut probe) = (self.named()?, Intervals::new(self.config()?, self.interval));
-        let fed = Cell::new(0);
+    /// A table that a probe makes while a machine works.
+    fn probed<T: Send>(&self, mut probe: impl TableProbe, Use { make, take }: Use<'_, T>) -> Result<()> {
+        let (machine, fed) = (self.named()?, Cell::new(0));
         let mut take = |made| take(made, fed.get());
         let mut gathered = Gathered::new(make, &mut take);
         self.each_frame(|replayer, frame, tree| {
             simulate_in_front_of(replayer, (frame, tree), machine, (|memory| memory, &mut probe), |_, probe| {
                 if probe.rows() >= ROWS {
-                    gathered.add(probe.take().batch())?;
+                    gathered.add(probe.batch())?;
                 }
                 fed.set(fed.get() + 1);
                 Ok::<_, ColumnsError>(())
             })?;
             Ok(())
         })?;
-        gathered.add(probe.take().batch())?;
-        gathered.flush()
-    }
-
-    /// Tiles on a machine.
-    fn tile_times<T: Send>(&self, Use { make, take }: Use<'_, T>) -> Result<()> {
-        let (machine, mut probe, fed) = (self.named()?, TileTimes::default(), Cell::new(0));
-        let mut take = |made| take(made, fed.get());
-        let mut gathered = Gathered::new(make, &mut take);
-        self.each_frame(|replayer, frame, tree| {
-            simulate_in_front_of(replayer, (frame, tree), machine, (|memory| memory, &mut probe), |_, probe| {
-                if probe.rows() >= ROWS {
-                    gathered.add(probe.take().batch())?;
-                }
-                fed.set(fed.get() + 1);
-                Ok::<_, ColumnsError>(())
-            })?;
-            Ok(())
-        })?;
-        gathered.add(probe.take().batch())?;
+        gathered.add(probe.batch())?;
         gathered.flush()
     }
 }

@@ -7,7 +7,8 @@ use rayreel_machine::stats::{CoreStats, Stats};
 use rayreel_machine::system::{Core, Probe};
 use rayreel_machine::time::{TiCycle, When};
 
-use crate::schema::table;
+use super::table_probe::TableProbe;
+use crate::schema::{Batch, table};
 use crate::value::{Names, Words};
 
 table! {
@@ -127,13 +128,8 @@ impl Intervals {
         probe
     }
 
-    /// How many rows there are since the last call.
-    pub fn rows(&self) -> usize {
-        self.rows.frame.len()
-    }
-
     /// The rows since the last call.
-    pub fn take(&mut self) -> CounterRows {
+    fn take(&mut self) -> CounterRows {
         let [unit, counter] = self.names.clone().map(|names| Words { codes: Vec::new(), names });
         std::mem::replace(&mut self.rows, CounterRows { unit, counter, ..CounterRows::default() })
     }
@@ -148,6 +144,16 @@ impl Intervals {
             self.rows.counter.codes.push(counter);
             self.rows.change.push(change);
         }
+    }
+}
+
+impl TableProbe for Intervals {
+    fn rows(&self) -> usize {
+        self.rows.frame.len()
+    }
+
+    fn batch(&mut self) -> Batch {
+        self.take().batch()
     }
 }
 

@@ -8,7 +8,8 @@ use rayreel_machine::time::{TiCycle, When};
 use rayreel_machine::work::TileWork;
 use rayreel_machine::work::ops::OpKind;
 
-use crate::schema::table;
+use super::table_probe::TableProbe;
+use crate::schema::{Batch, table};
 
 table! {
     /// Tiles on a machine.
@@ -75,16 +76,6 @@ pub struct TileTimes {
 }
 
 impl TileTimes {
-    /// How many rows there are since the last call.
-    pub fn rows(&self) -> usize {
-        self.rows.frame.len()
-    }
-
-    /// The rows since the last call.
-    pub fn take(&mut self) -> TileTimeRows {
-        std::mem::take(&mut self.rows)
-    }
-
     fn close(&mut self, (core, slot): (u16, u16), sums: Sums, end: TiCycle) {
         let rows = &mut self.rows;
         rows.frame.push(self.frame);
@@ -100,6 +91,16 @@ impl TileTimes {
         rows.rounds.push(sums.rounds);
         rows.interpolated.push(sums.interpolated);
         rows.similarity_tests.push(sums.similarity_tests);
+    }
+}
+
+impl TableProbe for TileTimes {
+    fn rows(&self) -> usize {
+        self.rows.frame.len()
+    }
+
+    fn batch(&mut self) -> Batch {
+        std::mem::take(&mut self.rows).batch()
     }
 }
 
