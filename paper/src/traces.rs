@@ -49,11 +49,11 @@ pub fn make(
 /// Whether there is a partial capture to go on with; one of other settings is dropped, since the cache is ours.
 fn is_resumable(path: &Path, wanted: &Meta) -> Result<bool> {
     let Some(resumed) = Writer::resume(path, &Limits::default())? else { return Ok(false) };
-    let record = resumed.writer.chunks().iter().find(|c| c.id == ChunkId::META).copied();
+    let record = resumed.chunks().iter().find(|c| c.id == ChunkId::META).copied();
     let same = record
         .and_then(|r| resumed.read(&r).ok())
         .and_then(|bytes| Meta::from_payload(&bytes, &Limits::default()).ok());
-    drop(resumed.writer);
+    drop(resumed);
     if same.as_ref() == Some(wanted) {
         return Ok(true);
     }

@@ -13,23 +13,59 @@ use super::reader::read_file_header;
 use super::tile::TileDirectory;
 use super::walk::{Verdict, judge};
 use super::writer::{BUFFER_LEN, Writer, is_still, lock, partial_path};
-use crate::error::{Error, Fault, Place, Result, Unknown, check_limit};
+use crate::error::{Error, Fault, Result, Unknown, check_limit};
 use crate::id::{ChunkId, ChunkKind, FormatVersion};
 use crate::limits::Limits;
 
 /// An unfinished file that can be read and continued.
 ///
-/// Whether it is the same capture is for the caller to say: compare the `META` payload before writing on.
+/// Whether it is the same capture is for the caller to say: compare the `META` payload before writing on. Until
+/// [`Resumed::go_on`] not a byte of the file changes.
 #[derive(Debug)]
 pub struct Resumed {
-    /// Continues the file after its last whole chunk; [`Writer::chunks`] lists what is there already.
-    pub writer: Writer,
-    /// Bytes that were cut off because they were no whole chunk, or an index that is written anew.
-    pub dropped_bytes: u64,
+    /// Open for writing, and locked.
+    out: File,
+    partial: PathBuf,
+    path: PathBuf,
+    /// Its whole chunks.
+    index: Index,
+    ids: HashSet<ChunkId>,
+    /// Where they end; 0 if not even the file header is whole.
+    end: u64,
     file: ChunkFile,
 }
 
 impl Resumed {
+    /// The whole chunks, in file order.
+    pub fn chunks(&self) -> &[ChunkRecord] {
+        &self.index.chunks
+    }
+
+    /// Bytes of the file header and the whole chunks.
+    pub fn kept_bytes(&self) -> u64 {
+        self.end
+    }
+
+    /// Bytes behind them, which are no whole chunk or an index that is written anew: [`Resumed::go_on`] cuts them off.
+    pub fn dropped_bytes(&self) -> u64 {
+        self.file.len() - self.end
+    }
+
+    /// Continues the file after its last whole chunk.
+    ///
+    /// # Errors
+    /// [`Error::Io`].
+    pub fn go_on(self) -> Result<Writer> {
+        let Self { out, partial, path, index, ids, end: offset, .. } = self;
+        out.set_len(offset).map_err(|error| Error::io(&partial, "truncate", error))?;
+        if offset == 0 {
+            return Writer::start(out, partial, path, FormatVersion::CURRENT);
+        }
+        let mut out = BufWriter::with_capacity(BUFFER_LEN, out);
+        out.seek(SeekFrom::Start(offset)).map_err(|error| Error::io(&partial, "seek in", error))?;
+        Ok(Writer { out, partial, path, offset, index, ids, broken: false })
+    }
+
     /// The payload of a chunk that was there already, as [`Reader::read`](super::Reader::read).
     ///
     /// # Errors
@@ -64,8 +100,8 @@ impl Resumed {
 }
 
 impl Writer {
-    /// Continues `NAME.partial`, if there is one. The first byte that belongs to no whole chunk, and all that follow
-    /// it, are cut off: a killed process leaves only its last chunks torn. (After worse damage,
+    /// Opens `NAME.partial` to continue it, if there is one. The first byte that belongs to no whole chunk, and all that
+    /// follow it, will be cut off: a killed process leaves only its last chunks torn. (After worse damage,
     /// [`repair`](super::repair()) saves more.)
     ///
     /// The chunks written next give the same file, byte for byte, as if nothing had happened.
@@ -75,39 +111,29 @@ impl Writer {
     /// [`Error::Unsupported`] if it is no trace or a newer version began it; [`Error::LimitExceeded`]; [`Error::Io`].
     pub fn resume(path: &Path, limits: &Limits) -> Result<Option<Resumed>> {
         let partial = partial_path(path)?;
-        let file = match OpenOptions::new().read(true).write(true).open(&partial) {
+        let out = match OpenOptions::new().read(true).write(true).open(&partial) {
             Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
             other => other.map_err(|error| Error::io(&partial, "open", error))?,
         };
-        lock(&file, &partial)?;
-        if !is_still(&file, &partial) {
+        lock(&out, &partial)?;
+        if !is_still(&out, &partial) {
             return Ok(None);
         }
-        let found = ChunkFile::open(&partial, limits.clone())?;
-        if header_is_torn(&found)? {
-            file.set_len(0).map_err(|error| Error::io(&partial, "truncate", error))?;
-            let dropped_bytes = found.len();
-            let writer = Self::start(file, partial, path.to_path_buf(), FormatVersion::CURRENT)?;
-            return Ok(Some(Resumed { writer, dropped_bytes, file: found }));
-        }
-        Self::continued(file, found, partial, path).map(Some)
+        let file = ChunkFile::open(&partial, limits.clone())?;
+        let (index, ids, end) =
+            if header_is_torn(&file)? { Default::default() } else { whole_chunks(&file, whole_header(&file)?)? };
+        Ok(Some(Resumed { out, partial, path: path.to_path_buf(), index, ids, end, file }))
     }
+}
 
-    /// A writer behind the last whole chunk of `file`, which is read through `found`.
-    fn continued(file: File, found: ChunkFile, partial: PathBuf, path: &Path) -> Result<Resumed> {
-        let header = read_file_header(&found)?;
-        let known = FormatVersion::CURRENT;
-        if header.version > known {
-            return Err(Error::unknown(Place::new(&partial, 0), Unknown::Version { found: header.version, known }));
-        }
-        let (index, ids, offset) = whole_chunks(&found, header.len)?;
-        let dropped_bytes = found.len() - offset;
-        let mut out = BufWriter::with_capacity(BUFFER_LEN, file);
-        out.get_ref().set_len(offset).map_err(|error| Error::io(&partial, "truncate", error))?;
-        out.seek(SeekFrom::Start(offset)).map_err(|error| Error::io(&partial, "seek in", error))?;
-        let writer = Self { out, partial, path: path.to_path_buf(), offset, index, ids, broken: false };
-        Ok(Resumed { writer, dropped_bytes, file: found })
+/// Length of a file header that this version can continue.
+fn whole_header(file: &ChunkFile) -> Result<u64> {
+    let header = read_file_header(file)?;
+    let known = FormatVersion::CURRENT;
+    if header.version > known {
+        return Err(Error::unknown(file.place(0), Unknown::Version { found: header.version, known }));
     }
+    Ok(header.len)
 }
 
 /// Whether the process was killed before the whole file header was written: the file is a beginning of it.

@@ -43,7 +43,8 @@ impl TraceWriter {
     /// Goes on with `NAME.partial`; starts anew where there is none, or none with metadata and BVH.
     ///
     /// # Errors
-    /// When the partial file is of another capture or its tiles are coded otherwise, or it cannot be read or written.
+    /// When the partial file is of another capture or its tiles are coded otherwise: it stays as it is. When it cannot be read
+    /// or written.
     pub fn resume(path: &Path, meta: &Meta, tree: &Bvh, level: i32, codec: Codec, limits: &Limits) -> Result<Started> {
         let fresh = |dropped_bytes| {
             let writer = Self::create(path, meta, tree, level)?;
@@ -52,14 +53,14 @@ impl TraceWriter {
         let Some(resumed) = Writer::resume(path, limits)? else {
             return fresh(0);
         };
-        let found = |id| resumed.writer.chunks().iter().find(|record| record.id == id).copied();
+        let found = |id| resumed.chunks().iter().find(|record| record.id == id).copied();
         let (Some(old_meta), Some(old_bvh)) = (found(ChunkId::META), found(ChunkId::BVH)) else {
-            let dropped = resumed.writer.bytes_written();
+            let dropped = resumed.kept_bytes();
             drop(resumed);
             Writer::discard(path)?;
             return fresh(dropped);
         };
-        let first_tile = resumed.writer.chunks().iter().find(|record| record.id.kind == ChunkKind::TILE).copied();
+        let first_tile = resumed.chunks().iter().find(|record| record.id.kind == ChunkKind::TILE).copied();
         let same_codec = match first_tile {
             Some(record) => resumed.tile_directory(&record)?.columns().iter().all(|c| c.codec == codec.code()),
             None => true,
@@ -74,9 +75,9 @@ impl TraceWriter {
                 partial_path(path)?.display()
             )));
         }
-        let resumed_bytes = resumed.writer.bytes_written();
-        let writer = Self { writer: resumed.writer, encoding: Encoding::Zstd(level) };
-        Ok(Started { writer, resumed_bytes, dropped_bytes: resumed.dropped_bytes })
+        let (resumed_bytes, dropped_bytes) = (resumed.kept_bytes(), resumed.dropped_bytes());
+        let writer = Self { writer: resumed.go_on()?, encoding: Encoding::Zstd(level) };
+        Ok(Started { writer, resumed_bytes, dropped_bytes })
     }
 
     /// True when the trace has this tile already.

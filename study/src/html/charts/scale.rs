@@ -1,5 +1,6 @@
 //! Axes: from values to places, and the round numbers that are written along them.
 
+use super::svg::text_width;
 use crate::html::text::fixed;
 
 /// A linear axis.
@@ -41,6 +42,15 @@ impl Scale {
         let first = (low / self.step - 1e-9).ceil();
         let count = ((high / self.step + 1e-9).floor() - first).clamp(0.0, 20.0) as u32;
         (0..=count).map(|i| (first + f64::from(i)) * self.step).collect()
+    }
+
+    /// The ticks of a horizontal axis with their texts, so few of them that no text runs into the next.
+    pub fn named_ticks(&self, text: impl Fn(f64) -> String) -> Vec<(f64, String)> {
+        let named: Vec<_> = self.ticks().into_iter().map(|tick| (tick, text(tick))).collect();
+        let widest = named.iter().map(|(_, text)| text_width(text)).fold(0.0, f64::max) + 4.0;
+        let apart = named.windows(2).map(|pair| (self.at(pair[1].0) - self.at(pair[0].0)).abs()).fold(widest, f64::min);
+        let every = if apart > 0.0 { (widest / apart).ceil() as usize } else { named.len() };
+        named.into_iter().step_by(every.max(1)).collect()
     }
 
     /// A tick as text, with the places that tell it from its neighbours.
@@ -105,6 +115,27 @@ mod tests {
         let millions = Scale::nice([0.0, 9.1e6], 4, [0.0, 1.0]);
         let labels: Vec<String> = millions.ticks().into_iter().map(|tick| millions.label(tick)).collect();
         assert_eq!(labels, ["0", "5M", "10M"]);
+    }
+
+    #[test]
+    fn texts_of_ticks_do_not_run_into_one_another() {
+        for (domain, range) in
+            [([0.951, 0.978], [151.0, 348.0]), ([0.0, 3.0], [151.0, 348.0]), ([5.0, 5.0], [0.0, 30.0])]
+        {
+            let scale = Scale::nice(domain, 5, range);
+            let named = scale.named_ticks(|tick| scale.label(tick) + "×");
+            let free = |pair: &[(f64, String)]| {
+                scale.at(pair[1].0) - scale.at(pair[0].0) - (text_width(&pair[0].1) + text_width(&pair[1].1)) / 2.0
+            };
+            assert!(named.windows(2).all(|pair| free(pair) > 0.0), "{named:?}");
+            assert!(!named.is_empty() && named.len() <= scale.ticks().len());
+        }
+        let roomy = Scale::nice([0.0, 3.0], 4, [0.0, 300.0]);
+        assert_eq!(
+            roomy.named_ticks(|tick| roomy.label(tick)).len(),
+            roomy.ticks().len(),
+            "none is left out without need"
+        );
     }
 
     #[test]

@@ -18,6 +18,9 @@ use crate::table::Field;
 /// Height of a row.
 const ROW: f64 = 20.0;
 
+/// Breadth of the strip for what is infinite.
+const STRIP: f64 = 34.0;
+
 /// Most values of an axis that a map has room for, as on the page.
 const VALUES_MAX: usize = 64;
 
@@ -56,25 +59,40 @@ fn pareto(view: &SweepView<'_>, fields: [&Field; 2]) -> Chart {
     let points: Vec<Option<[f64; 2]>> = (0..view.results.rows()).map(value).collect();
     let goals = fields.map(|field| goal(&field.name));
     let fronts: Vec<Vec<usize>> = view.groups().into_iter().map(|(_, rows)| best(&points, &rows, goals)).collect();
-    let [left, right, top, bottom] = [52.0, WIDTH - 12.0, 24.0, 240.0];
-    // What is infinite, as the PSNR of the same picture, stands at the end of its axis.
+    // What is infinite, as the PSNR of the same picture, stands in a strip of its own behind the end of its axis.
+    let apart = [0, 1].map(|axis| points.iter().flatten().any(|point| point[axis].is_infinite()));
+    let [left, bottom] = [52.0, 240.0];
+    let right = WIDTH - if apart[0] { 12.0 + STRIP + 4.0 } else { 12.0 };
+    let top = 24.0 + if apart[1] { STRIP + 4.0 } else { 0.0 };
     let finite = |axis: usize| points.iter().flatten().map(move |point| point[axis]).filter(|value| value.is_finite());
     let x = Scale::nice(extent(finite(0)).unwrap_or([0.0, 1.0]), 5, [left, right]);
     let y = Scale::nice(extent(finite(1)).unwrap_or([0.0, 1.0]), 5, [bottom, top]);
+    let place = |[a, b]: [f64; 2]| {
+        let across = if a.is_infinite() { right + 4.0 + STRIP / 2.0 } else { x.at(a) };
+        [across, if b.is_infinite() { top - 4.0 - STRIP / 2.0 } else { y.at(b) }]
+    };
     let mut svg = Svg::new(WIDTH, bottom + 38.0);
     for tick in y.ticks() {
         svg.line([left, y.at(tick)], [right, y.at(tick)], "grid");
         svg.text(left - 5.0, y.at(tick) + 4.0, "tick e", &y.label(tick));
     }
-    for tick in x.ticks() {
+    for (tick, text) in x.named_ticks(|tick| x.label(tick)) {
         svg.line([x.at(tick), top], [x.at(tick), bottom], "grid");
-        svg.text(x.at(tick), bottom + 15.0, "tick m", &x.label(tick));
+        svg.text(x.at(tick), bottom + 15.0, "tick m", &text);
+    }
+    if apart[0] {
+        svg.rect([right + 4.0, top, STRIP, bottom - top], "apart");
+        svg.text(right + 4.0 + STRIP / 2.0, top - 5.0, "tick m", "same");
+    }
+    if apart[1] {
+        svg.rect([left, top - 4.0 - STRIP, right - left, STRIP], "apart");
+        svg.text(left - 5.0, top - STRIP / 2.0, "tick e", "same");
     }
     svg.line([left, bottom], [right, bottom], "axis");
     svg.text(0.0, 11.0, "note s", &named(fields[1]));
     svg.text(right, bottom + 32.0, "note e", &named(fields[0]));
     for front in &fronts {
-        let corner = |row: &usize| points[*row].map(|[a, b]| format!("{} {}", n(x.at(a)), n(y.at(b))));
+        let corner = |row: &usize| points[*row].map(place).map(|[a, b]| format!("{} {}", n(a), n(b)));
         svg.path(&format!("M{}", front.iter().filter_map(corner).collect::<Vec<_>>().join("L")), "frontier", "");
     }
     let on: BTreeSet<usize> = fronts.into_iter().flatten().collect();
@@ -85,10 +103,10 @@ fn pareto(view: &SweepView<'_>, fields: [&Field; 2]) -> Chart {
     let mut data = Data::new(&[columns.as_slice(), &["front"]].concat());
     for (row, point) in points.iter().enumerate().filter_map(|(row, point)| Some((row, (*point)?))) {
         let look = colour.and_then(|dimension| dimension.of[row]).unwrap_or(0);
-        let dim = if on.contains(&row) { "" } else { " dim" };
+        let (dim, [across, up]) = (if on.contains(&row) { "" } else { " dim" }, place(point));
         svg.raw(&format!(
             "<path d=\"{}\" class=\"dot p{}{dim}\"><title>{}</title></path>",
-            marker(look, x.at(point[0]), y.at(point[1])),
+            marker(look, across, up),
             look % COLOURS,
             escape(&view.describe(row, None))
         ));

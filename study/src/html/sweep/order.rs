@@ -87,9 +87,9 @@ fn chart(order: &PolicyOrder) -> Chart {
     let bottom = top + ROW * order.rows.len() as f64;
     let x = Scale::nice(ends, 5, [left, WIDTH - 12.0]);
     let mut svg = Svg::new(WIDTH, bottom + 24.0);
-    for tick in x.ticks() {
+    for (tick, text) in x.named_ticks(|tick| x.label(tick) + "×") {
         svg.line([x.at(tick), top], [x.at(tick), bottom], "grid");
-        svg.text(x.at(tick), bottom + 15.0, "tick m", &(x.label(tick) + "×"));
+        svg.text(x.at(tick), bottom + 15.0, "tick m", &text);
     }
     for (i, row) in order.rows.iter().enumerate() {
         let y = top + ROW * (i as f64 + 0.5);
