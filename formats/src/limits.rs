@@ -10,7 +10,7 @@ use crate::budget::{Budget, Share};
 use crate::error::{Error, Result};
 
 /// What an error says of [`Limits::memory`].
-pub const MEMORY: &str = "memory to decode a column, in bytes,";
+pub const MEMORY: &str = "memory for decoding, in bytes,";
 
 /// Upper bounds on what a file may ask for; a file that asks for more gives
 /// [`Error::LimitExceeded`].
@@ -123,7 +123,7 @@ mod tests {
         drop(limits.reserve(80).unwrap());
         drop(limits.clone().reserve(80).unwrap());
         let error = limits.reserve(101).unwrap_err().to_string();
-        assert!(error.contains("memory to decode a column, in bytes, is 101, over the limit of 100"), "{error}");
+        assert!(error.contains("memory for decoding, in bytes, is 101, over the limit of 100"), "{error}");
     }
 
     /// The index keeps positions of chunks as `u32`, and a directory counts its columns in a `u8`.

@@ -2,6 +2,9 @@
 
 mod trace_support;
 
+use std::sync::Arc;
+
+use rayreel_formats::budget::Budget;
 use rayreel_formats::bvh::{Bvh, MAX_TREE_DEPTH, Shape, Triangle, Vertex};
 use rayreel_formats::math::vec3;
 use rayreel_formats::oct::Oct;
@@ -118,6 +121,7 @@ fn tree_payloads_that_lie_are_refused() {
     let over = |limits| matches!(Bvh::from_payload(&bytes, &limits), Err(Error::LimitExceeded { .. }));
     assert!(over(Limits { max_triangles: 49, ..Limits::default() }));
     assert!(over(Limits { max_bvh_nodes: 3, ..Limits::default() }));
+    assert!(over(Limits { memory: Arc::new(Budget::new(bytes.len() as u64 + 2000)), ..Limits::default() }));
 }
 
 fn meta() -> Meta {

@@ -3,7 +3,7 @@
 //! Numbers are written as differences and split into byte planes, which zstd then packs well: neighbours in leaf order
 //! are neighbours in space.
 
-use crate::bvh::{Bvh, Shape, Triangle, Vertex};
+use crate::bvh::{Bvh, Child, Node, Shape, Triangle, Vertex};
 use crate::error::{Error, Result, check_limit};
 use crate::limits::Limits;
 use crate::math::Vec3;
@@ -19,6 +19,14 @@ struct Tables {
     /// Pairs of object and material that triangles have, in the order in which they first appear.
     surfaces: Vec<(u32, u32)>,
 }
+
+/// Memory that decoding takes beside the payload, in bytes a node, a triangle and a vertex: what is made of them and the numbers on
+/// the way there. Two bytes of the payload are a node, so a small payload may be a large tree.
+const DECODING_BYTES: [u64; 3] = [
+    (size_of::<Node>() + size_of::<[Child; 2]>() + size_of::<[Shape; 2]>()) as u64,
+    (size_of::<Triangle>() + 4 * size_of::<u32>()) as u64,
+    (size_of::<Vertex>() + 5 * size_of::<u32>()) as u64,
+];
 
 impl Bvh {
     /// The payload of a `BVH ` chunk.
@@ -46,7 +54,7 @@ impl Bvh {
         Ok(out)
     }
 
-    /// Decodes the payload of a `BVH ` chunk and puts the tree's boxes on.
+    /// Decodes the payload of a `BVH ` chunk and puts the tree's boxes on. What that takes comes out of [`Limits::memory`].
     ///
     /// # Errors
     /// When the payload is not one, or over a limit.
@@ -61,6 +69,9 @@ impl Bvh {
         if need != input.0.len() as u64 {
             return Err(corrupt("the payload's length does not fit its counts"));
         }
+        let [node, triangle, vertex] = DECODING_BYTES;
+        let _share =
+            limits.reserve(need + node * nodes as u64 + triangle * triangles as u64 + vertex * vertices as u64)?;
         let tables: Tables = metadata::decode("bvh tables", input.take(tables).ok_or_else(cut)?, limits)?;
         let shape = input.take(2 * nodes).ok_or_else(cut)?.chunks_exact(2).map(|c| [side(c[0]), side(c[1])]);
         let shape: Vec<[Shape; 2]> = shape.collect();

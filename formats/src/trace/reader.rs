@@ -66,7 +66,7 @@ impl Trace {
         let tiles = u64::from(meta.tile_count()).saturating_mul(u64::from(meta.frames));
         check_limit("number of tiles", tiles, Limits::tiles_max(reader.chunks().len() as u64))
             .map_err(|error| error.at(&Place::new(reader.path(), 0)))?;
-        let bvh = Bvh::from_payload(&reader.read(reader.require(ChunkId::BVH)?)?, &limits)?;
+        let bvh = read_bvh(&reader, &limits)?;
         let topology = BvhTopology::new(&bvh);
         let frames = reader.chunks().iter().filter(|record| record.id.kind == ChunkKind::FRAM);
         let mut frames: Vec<FrameEntry> =
@@ -308,6 +308,16 @@ impl Trace {
             }
         }
     }
+}
+
+/// The tree. Unpacking it and decoding it take shares of the memory, one after the other.
+fn read_bvh(reader: &Reader, limits: &Limits) -> Result<Bvh> {
+    let record = reader.require(ChunkId::BVH)?;
+    let at = |error: Error| error.at(&Place::new(reader.path(), record.offset).of(record.id));
+    let share = limits.reserve(record.raw_len).map_err(at)?;
+    let payload = reader.read(record)?;
+    drop(share);
+    Bvh::from_payload(&payload, limits).map_err(at)
 }
 
 /// Columns that fewer tiles have than there are.

@@ -1,8 +1,8 @@
 //! The results of a sweep as a table: one row a point, typed columns with units.
 
-pub mod csv;
 #[cfg(feature = "parquet")]
-mod footer;
+mod bounded;
+pub mod csv;
 #[cfg(any(feature = "html", feature = "parquet"))]
 pub(crate) mod guard;
 #[cfg(feature = "parquet")]

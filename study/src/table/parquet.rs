@@ -18,7 +18,7 @@ use parquet::schema::types::Type;
 use serde::{Deserialize, Serialize};
 
 use crate::error::{Result, StudyError};
-use crate::table::footer;
+use crate::table::bounded::{are_pages, earned, has_footer};
 use crate::table::guard::guarded;
 use crate::table::{Cells, Field, Heading, Results, Role};
 
@@ -49,7 +49,7 @@ struct ColumnInfo {
 /// # Errors
 /// Never for a table whose columns have different names.
 pub fn encode(results: &Results) -> Result<Vec<u8>> {
-    write(results).map_err(|e| StudyError::Usage { detail: format!("cannot write Parquet: {e}") })
+    write(results, GROUP).map_err(|e| StudyError::Usage { detail: format!("cannot write Parquet: {e}") })
 }
 
 /// Reads a file that [`encode`] made; `path` names it in messages.
@@ -57,7 +57,7 @@ pub fn encode(results: &Results) -> Result<Vec<u8>> {
 /// # Errors
 /// Not Parquet, or not ours.
 pub fn decode(bytes: Vec<u8>, path: &Path) -> Result<Results> {
-    if !footer::is_bounded(&bytes) {
+    if !has_footer(&bytes) {
         let detail = "not a sound Parquet file: its footer is damaged; `rayreel sweep merge` makes it again".into();
         return Err(StudyError::Corrupt { path: path.into(), detail });
     }
@@ -71,8 +71,8 @@ pub fn decode(bytes: Vec<u8>, path: &Path) -> Result<Results> {
 /// The same, of a file that may make it panic.
 fn decode_trusted(bytes: Vec<u8>, path: &Path) -> Result<Results> {
     let bad = |detail: String| StudyError::Corrupt { path: path.into(), detail };
-    let reader =
-        SerializedFileReader::new(bytes::Bytes::from(bytes)).map_err(|e| bad(format!("not a Parquet file: {e}")))?;
+    let bytes = bytes::Bytes::from(bytes);
+    let reader = SerializedFileReader::new(bytes.clone()).map_err(|e| bad(format!("not a Parquet file: {e}")))?;
     let pairs = reader.metadata().file_metadata().key_value_metadata();
     let metadata = pairs.into_iter().flatten().find(|pair| pair.key == KEY).and_then(|pair| pair.value.as_deref());
     let metadata =
@@ -83,9 +83,11 @@ fn decode_trusted(bytes: Vec<u8>, path: &Path) -> Result<Results> {
     if columns != metadata.columns.len() {
         return Err(bad(format!("its metadata describe {} columns of {columns}", metadata.columns.len())));
     }
+    check_lengths(&reader, &bytes).map_err(bad)?;
+    let mut text = earned(bytes.len());
     let mut fields = Vec::new();
     for (i, info) in metadata.columns.into_iter().enumerate() {
-        let cells = read(&reader, i).map_err(|e| bad(format!("column {}: {e}", info.name)))?;
+        let cells = read(&reader, i, &mut text).map_err(|e| bad(format!("column {}: {e}", info.name)))?;
         let ColumnInfo { name, unit, description, role } = info;
         let (rows, found) = (fields.first().map_or(cells.len(), |first: &Field| first.cells.len()), cells.len());
         if rows != found {
@@ -96,15 +98,34 @@ fn decode_trusted(bytes: Vec<u8>, path: &Path) -> Result<Results> {
     Ok(Results { heading: metadata.heading, fields })
 }
 
-fn write(results: &Results) -> Result<Vec<u8>, ParquetError> {
+/// Refuses a file that claims more cells than its bytes earn, or whose pages are no pages.
+fn check_lengths(reader: &SerializedFileReader<bytes::Bytes>, bytes: &[u8]) -> Result<(), String> {
+    let groups = reader.metadata().row_groups();
+    let columns = reader.metadata().file_metadata().schema_descr().num_columns() as u64;
+    let rows = groups.iter().map(|group| u64::try_from(group.num_rows()).unwrap_or(0)).fold(0, u64::saturating_add);
+    if rows.saturating_mul(columns) > earned(bytes.len()) {
+        return Err(format!("it claims {rows} rows of {columns} columns, too many for its length"));
+    }
+    for (i, column) in groups.iter().flat_map(|group| group.columns().iter().enumerate()) {
+        let (start, length) = column.byte_range();
+        let pages = usize::try_from(start).ok().zip(usize::try_from(start.saturating_add(length)).ok());
+        if !pages.and_then(|(start, end)| bytes.get(start..end)).is_some_and(are_pages) {
+            return Err(format!("pages of column {i} are damaged"));
+        }
+    }
+    Ok(())
+}
+
+/// A file with so many rows a group.
+fn write(results: &Results, group_rows: usize) -> Result<Vec<u8>, ParquetError> {
     let properties = WriterProperties::builder()
         .set_compression(Compression::ZSTD(ZstdLevel::try_new(3)?))
         .set_created_by("rayreel".into())
         .set_key_value_metadata(Some(vec![KeyValue::new(KEY.into(), metadata(results)?)]))
         .build();
     let mut writer = SerializedFileWriter::new(Vec::new(), schema(results)?, Arc::new(properties))?;
-    for start in (0..results.rows()).step_by(GROUP) {
-        let rows = start..(start + GROUP).min(results.rows());
+    for start in (0..results.rows()).step_by(group_rows) {
+        let rows = start..(start + group_rows).min(results.rows());
         let mut group = writer.next_row_group()?;
         for field in &results.fields {
             let mut column = group.next_column()?.ok_or_else(|| ParquetError::General("a column too many".into()))?;
@@ -173,8 +194,8 @@ fn present<T, U>(cells: &[Option<T>], value: impl Fn(&T) -> U) -> (Vec<U>, Vec<i
     (cells.iter().flatten().map(value).collect(), cells.iter().map(|cell| i16::from(cell.is_some())).collect())
 }
 
-/// A whole column.
-fn read(reader: &SerializedFileReader<bytes::Bytes>, column: usize) -> Result<Cells, ParquetError> {
+/// A whole column; `text` is how many bytes of text the file may still give.
+fn read(reader: &SerializedFileReader<bytes::Bytes>, column: usize, text: &mut u64) -> Result<Cells, ParquetError> {
     let physical = reader.metadata().file_metadata().schema_descr().column(column).physical_type();
     let mut cells = match physical {
         Physical::INT64 => Cells::Int(Vec::new()),
@@ -201,7 +222,17 @@ fn read(reader: &SerializedFileReader<bytes::Bytes>, column: usize) -> Result<Ce
             (ColumnReader::DoubleColumnReader(mut from), Cells::Float(cells)) => take!(from, cells, |v| v),
             (ColumnReader::BoolColumnReader(mut from), Cells::Flag(cells)) => take!(from, cells, |v| v),
             (ColumnReader::ByteArrayColumnReader(mut from), Cells::Text(cells)) => {
-                take!(from, cells, |v: ByteArray| String::from_utf8_lossy(v.data()).into_owned());
+                let mut over = false;
+                take!(from, cells, |v: ByteArray| {
+                    match text.checked_sub(v.len() as u64) {
+                        Some(left) => *text = left,
+                        None => over = true,
+                    }
+                    if over { String::new() } else { String::from_utf8_lossy(v.data()).into_owned() }
+                });
+                if over {
+                    return Err(ParquetError::General("more text than its length earns".into()));
+                }
             }
             _ => return Err(ParquetError::General("it changes its type".into())),
         }
@@ -239,6 +270,23 @@ mod tests {
             assert_eq!(bytes, encode(&table).unwrap(), "the same bytes");
             assert_eq!(decode(bytes, Path::new("t.parquet")).unwrap(), table);
         }
+    }
+
+    /// Equal texts of a page stand there once, and equal cells take next to nothing.
+    #[test]
+    fn small_files_that_unpack_to_much_are_refused() {
+        let one = |cells, group_rows| {
+            let heading = Heading { name: "n".into(), plan: "p".into(), model_version: 1, points: 1 };
+            let bytes = write(&Results { heading, fields: vec![field("one", cells)] }, group_rows).unwrap();
+            assert!(bytes.len() < 200_000, "{}", bytes.len());
+            decode(bytes, Path::new("t.parquet")).map(|results| results.rows()).map_err(|e| e.to_string())
+        };
+        let text = |bytes: usize| Cells::Text(vec![Some("x".repeat(bytes)); GROUP]);
+        assert_eq!(one(text(1000), GROUP), Ok(GROUP));
+        assert!(one(text(10_000), GROUP).unwrap_err().contains("more text than its length earns"));
+        let flags = |rows| Cells::Flag(vec![None; rows]);
+        assert_eq!(one(flags(1 << 20), GROUP), Ok(1 << 20));
+        assert!(one(flags(64 << 20), 64 << 20).unwrap_err().contains("rows of 1 columns, too many for its length"));
     }
 
     #[test]
