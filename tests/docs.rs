@@ -1,7 +1,7 @@
 //! The documents say what the program prints: commands that are cheap are run as they stand there, and their output is compared.
 //!
 //! A block is run if `<!-- run -->` stands on the line before it; before one whose commands end with another code than 0 stands
-//! `<!-- run 2 -->`, and what they print as errors is compared too. Blocks of one document share a folder and are run in order. A line
+//! `<!-- run 2 -->`, and what they print as errors is compared too. What is no command of rayreel is one of the shell. Blocks of one document share a folder and are run in order. A line
 //! `...` stands for any lines; a figure that depends on the clock stands for any other. Links between documents are followed too.
 
 use std::fs;
@@ -98,13 +98,19 @@ fn check(document: &Path) -> usize {
     let all = examples(&fs::read_to_string(document).unwrap());
     for Example { line, command, code, expected } in &all {
         let place = format!("{}:{line}: {command}", document.display());
-        let arguments = command.strip_prefix("rayreel ").unwrap_or_else(|| panic!("{place}: not a command of rayreel"));
-        let output = Command::new(env!("CARGO_BIN_EXE_rayreel"))
-            .args(arguments.split_whitespace())
-            .arg("--quiet")
-            .current_dir(folder.path())
-            .output()
-            .unwrap();
+        let mut run = match command.strip_prefix("rayreel ") {
+            Some(arguments) => {
+                let mut run = Command::new(env!("CARGO_BIN_EXE_rayreel"));
+                run.args(arguments.split_whitespace()).arg("--quiet");
+                run
+            }
+            None => {
+                let mut run = Command::new("sh");
+                run.args(["-c", command]);
+                run
+            }
+        };
+        let output = run.current_dir(folder.path()).output().unwrap();
         assert_eq!(output.status.code(), Some(*code), "{place}: {}", String::from_utf8_lossy(&output.stderr));
         let said = if *code == 0 { output.stdout } else { [output.stdout, output.stderr].concat() };
         let printed: Vec<String> =

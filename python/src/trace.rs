@@ -7,6 +7,7 @@ use std::sync::Arc;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 use rayreel_columns::{Batch, Head, What};
+use rayreel_formats::budget::Budget;
 use rayreel_formats::{Limits, Trace as Recorded};
 use rayreel_replay::Stop;
 
@@ -25,10 +26,11 @@ pub struct Trace {
 
 #[pymethods]
 impl Trace {
-    /// Opens a trace file.
+    /// Opens a trace file; decoding takes at most so many MiB at a time.
     #[new]
-    fn new(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
-        let opened = py.detach(|| Recorded::open(&path, Limits::default()));
+    fn new(py: Python<'_>, path: PathBuf, memory: u32) -> PyResult<Self> {
+        let memory = Arc::new(Budget::new(u64::from(memory) << 20));
+        let opened = py.detach(|| Recorded::open(&path, Limits { memory, ..Limits::default() }));
         Ok(Self { recorded: Arc::new(opened.map_err(|e| raise(&e))?) })
     }
 

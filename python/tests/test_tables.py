@@ -98,3 +98,9 @@ def test_files_that_are_no_traces(tmp_path: Path):
     (tmp_path / "bad.rtrace").write_bytes(b"not a trace")
     with pytest.raises(rayreel.Error):
         rayreel.open(tmp_path / "bad.rtrace")
+
+
+def test_memory_is_bounded(cornell: rayreel.Trace):
+    with pytest.raises(rayreel.Error, match="memory for decoding"):
+        rayreel.open(cornell.path, memory=0)
+    assert len(rayreel.open(cornell.path, memory=64).table("rays")) > 0

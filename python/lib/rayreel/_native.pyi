@@ -119,7 +119,7 @@ class TileView:
 class Trace:
     """A trace that is open."""
 
-    def __new__(cls, path: str) -> Self: ...
+    def __new__(cls, path: str, memory: int) -> Self: ...
     @property
     def frame_numbers(self) -> tuple[int, int]:
         """The first, and the one behind the last."""

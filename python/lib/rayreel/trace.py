@@ -74,11 +74,11 @@ def _name(name: str | os.PathLike[str] | None) -> str | None:
 
 
 class Trace:
-    """A trace file that is open."""
+    """A trace file that is open; decoding it takes at most `memory` MiB at a time."""
 
-    def __init__(self, path: str | os.PathLike[str]) -> None:
+    def __init__(self, path: str | os.PathLike[str], *, memory: int = 1024) -> None:
         self.path = os.fspath(path)
-        self._native = _native.Trace(self.path)
+        self._native = _native.Trace(self.path, memory)
         self.meta: dict[str, Any] = self._native.meta()
 
     def __repr__(self) -> str:
@@ -202,9 +202,9 @@ def _asked(
     }
 
 
-def open(path: str | os.PathLike[str]) -> Trace:
-    """Opens a trace file."""
-    return Trace(path)
+def open(path: str | os.PathLike[str], *, memory: int = 1024) -> Trace:
+    """Opens a trace file; decoding it takes at most `memory` MiB at a time."""
+    return Trace(path, memory=memory)
 
 
 def presets() -> dict[str, list[str]]:
