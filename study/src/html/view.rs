@@ -1,12 +1,9 @@
 //! The study as the sections see it: looked up by scene, mode and policy. A policy looks the same on the whole page.
 
 use crate::html::charts::gallery::Gallery;
-use crate::html::charts::svg::marker;
+use crate::html::charts::svg::{COLOURS, marker};
 use crate::html::parts::{legend, symbol};
 use crate::schema::{GainBand, Point, Study};
-
-/// Number of colours that policies take in turn. Shapes are 6, so 42 policies look different.
-const COLOURS: usize = 7;
 
 /// A study with what several sections look up in it.
 pub struct StudyView<'a> {

@@ -84,6 +84,9 @@ fn at([x, y, w, h]: Rect, class: &str) -> String {
     format!("x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" class=\"{class}\"", n(x), n(y), n(w), n(h))
 }
 
+/// Number of colours that values take in turn: classes `p0`, `p1` and so on of `chart.css`. Shapes are 6, so 42 values look different.
+pub const COLOURS: usize = 7;
+
 /// Markers that differ in shape, so that colour is never all that tells them apart. About 10 units across.
 pub fn marker(shape: usize, x: f64, y: f64) -> String {
     let points: &[[f64; 2]] = match shape % 6 {

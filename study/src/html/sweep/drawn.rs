@@ -9,7 +9,7 @@ use crate::analysis::pareto::front;
 use crate::html::charts::WIDTH;
 use crate::html::charts::chart::{Chart, Data, Key, cell};
 use crate::html::charts::scale::{Scale, extent};
-use crate::html::charts::svg::{Svg, marker, n, shortened};
+use crate::html::charts::svg::{COLOURS, Svg, marker, n, shortened};
 use crate::html::sweep::number::{number, signed_percent};
 use crate::html::sweep::view::SweepView;
 use crate::html::text::escape;
@@ -24,8 +24,7 @@ const STRIP: f64 = 34.0;
 /// Most values of an axis that a map has room for, as on the page.
 const VALUES_MAX: usize = 64;
 
-/// Colours that values take in turn, and most of them in a legend.
-const COLOURS: usize = 7;
+/// Most values in a legend.
 const KEYS_MAX: usize = 24;
 
 /// Draws them.

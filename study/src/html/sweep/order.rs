@@ -4,7 +4,7 @@ use crate::analysis::order::{OrderRow, PolicyOrder};
 use crate::html::charts::WIDTH;
 use crate::html::charts::chart::{Chart, Data, Key, cell};
 use crate::html::charts::scale::{Scale, extent};
-use crate::html::charts::svg::{Svg, marker, shortened};
+use crate::html::charts::svg::{COLOURS, Svg, marker, shortened};
 use crate::html::parts::{Head, Section, how_to_read, legend, symbol, table};
 use crate::html::sweep::view::SweepView;
 use crate::html::text::{escape, fixed, or_dash};
@@ -34,10 +34,11 @@ pub fn section(view: &SweepView<'_>) -> Option<Section> {
          policy is first there than in the first row. Estimates have intervals, which are not looked at here.",
         field.name
     );
+    let looks = looks(view, &order);
     let html = format!(
         "<p>{}</p>\n{}{}{}",
         escape(&verdict),
-        view.charts.card(&["order"], "Gain over full", &chart(&order), "") + &legend(&keys(&order)),
+        view.charts.card(&["order"], "Gain over full", &chart(&order, &looks), "") + &legend(&keys(&order, &looks)),
         rows(&order),
         how_to_read(&read)
     );
@@ -68,19 +69,28 @@ fn first_in(order: &PolicyOrder, row: &OrderRow) -> String {
     words.join(", ")
 }
 
-fn keys(order: &PolicyOrder) -> String {
-    let key = |(policy, name): (usize, &String)| {
-        symbol(&format!("<path d=\"{}\" class=\"dot {}\"/>", marker(policy, 8.0, 8.0), class(policy)), name)
+/// The marker and colour of each policy: those that it has in the other charts of the page.
+fn looks(view: &SweepView<'_>, order: &PolicyOrder) -> Vec<usize> {
+    let all = view.dimensions.iter().find(|dimension| dimension.name == "policy");
+    let look = |(i, name): (usize, &String)| {
+        all.and_then(|all| all.values.iter().position(|value| value == name)).unwrap_or(i)
     };
-    order.policies.iter().enumerate().map(key).collect()
+    order.policies.iter().enumerate().map(look).collect()
 }
 
-fn class(policy: usize) -> String {
-    format!("p{}", policy % 8)
+fn keys(order: &PolicyOrder, looks: &[usize]) -> String {
+    let key = |(name, &look): (&String, &usize)| {
+        symbol(&format!("<path d=\"{}\" class=\"dot {}\"/>", marker(look, 8.0, 8.0), class(look)), name)
+    };
+    order.policies.iter().zip(looks).map(key).collect()
+}
+
+fn class(look: usize) -> String {
+    format!("p{}", look % COLOURS)
 }
 
 /// A line a row, a marker a policy.
-fn chart(order: &PolicyOrder) -> Chart {
+fn chart(order: &PolicyOrder, looks: &[usize]) -> Chart {
     let gains = |row: &OrderRow| (0..order.policies.len()).filter_map(|policy| row.mean(policy)).collect::<Vec<_>>();
     let ends = extent(order.rows.iter().flat_map(gains)).unwrap_or([0.0, 1.0]);
     let (left, top) = (WIDTH * 0.42, 8.0);
@@ -98,8 +108,8 @@ fn chart(order: &PolicyOrder) -> Chart {
             let Some(gain) = row.mean(policy) else { continue };
             svg.raw(&format!(
                 "<path d=\"{}\" class=\"dot {}\" data-mark=\"\"><title>{}</title></path>",
-                marker(policy, x.at(gain), y),
-                class(policy),
+                marker(looks[policy], x.at(gain), y),
+                class(looks[policy]),
                 escape(&format!("{}: {name} {}×", row.name, fixed(gain, 2)))
             ));
         }
@@ -110,6 +120,6 @@ fn chart(order: &PolicyOrder) -> Chart {
             data.row(vec![row.name.clone(), name.clone(), cell(row.mean(policy))]);
         }
     }
-    let keys = order.policies.iter().enumerate().map(|(policy, name)| Key::new(&class(policy), name)).collect();
+    let keys = order.policies.iter().zip(looks).map(|(name, &look)| Key::new(&class(look), name)).collect();
     Chart { svg: svg.finish("Gain of each policy over full, a line for each combination of values", ""), data, keys }
 }

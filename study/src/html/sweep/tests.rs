@@ -78,6 +78,10 @@ fn the_order_of_policies_stands_there_where_it_may_change() {
     let changes = page::page(&results([1.0, 2.0, 3.0, 1.0, 4.0, 2.0]));
     assert!(changes.contains("The order changes: in 1 of 2 rows another policy is first in some trace."));
     assert!(changes.contains("<td>a&lt;b</td>") && changes.contains("256: x 4.00×"), "which trace, and by how much");
+    // `x` is the second policy, as in the other charts, though `full` is none of this one's.
+    let first = changes.find("id=\"order\"").expect("a section");
+    let marks = changes[first..].split("class=\"dot p").skip(1).map(|rest| &rest[..1]);
+    assert_eq!(marks.take(4).collect::<Vec<_>>(), ["1", "2", "1", "2"]);
     let holds = page::page(&results([1.0, 2.0, 3.0, 1.0, 2.0, 4.0]));
     assert!(holds.contains("The policy that is first in a trace is first there in every row."));
     assert!(!page::page(&of(6)).contains("Order of the policies"), "one policy has no order");
