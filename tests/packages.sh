@@ -9,6 +9,7 @@ target="$(realpath -m "${CARGO_TARGET_DIR:-target}")"
 out_of_tree() { (cd examples/out_of_tree && CARGO_TARGET_DIR="$target" cargo run --locked --release --quiet --bin "$1"); }
 out_of_tree policy
 out_of_tree probe
+CARGO_TARGET_DIR="$target" cargo build --locked --release --quiet --bin rayreel # what the tests compare the package with
 python3 -m venv "$target/python"
 CARGO_TARGET_DIR="$target" "$target/python/bin/pip" install --quiet './python[test,notebook]'
 CARGO_TARGET_DIR="$target" "$target/python/bin/python" -m pytest --quiet python/tests

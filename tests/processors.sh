@@ -6,7 +6,8 @@
 # Builds the tests of captures and of golden replays once for each of FLAGS (words for rustc; by default three: the baseline of
 # x86-64, with AVX2 and FMA, and for this machine's processor) and runs them: all built-in scenes at 64x32 must have the digests and
 # the bytes of traces/captures.txt, and the golden traces the counters of traces/machine.txt. Each build takes some minutes and goes
-# to a folder of its own below target/processors.
+# to a folder of its own below target/processors. CARGO_BUILD_TARGET, with a linker and a runner, takes another architecture:
+# docs/tests.md has the words for aarch64 under qemu.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
