@@ -6,8 +6,10 @@
 
 mod trace_support;
 
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use rayreel_formats::budget::Budget;
 use rayreel_formats::tile::Column;
 use rayreel_formats::trace::{Codec, Trace};
 use rayreel_formats::{Error, Limits};
@@ -16,7 +18,7 @@ use trace_support::forge::{Chunk, change, put_together, take_apart};
 use trace_support::whole::{Content, read_bytes};
 
 /// Longest that reading any forged trace may take. The machine may be busy; a hang is much longer.
-const PATIENCE: Duration = Duration::from_secs(if cfg!(debug_assertions) { 10 } else { 1 });
+const PATIENCE: Duration = Duration::from_secs(10);
 
 /// Two frames of two tiles each, one of each codec.
 fn sample() -> Content {
@@ -183,6 +185,23 @@ fn absurd_lengths_are_refused() {
         });
         assert!(read_in_time(put_together(&forged), &Limits::default(), "a count").is_err(), "BVH count {at}");
     }
+}
+
+/// A tree whose bytes are worth far less is refused for that, since more memory would not help; a sound one for the memory alone.
+#[test]
+fn trees_are_earned_and_fit_into_the_memory() {
+    let mut chunks = take_apart(&sample().bytes(mixed));
+    let refusal = |chunks: &[Chunk], memory| {
+        let limits = Limits { memory: Arc::new(Budget::new(memory)), ..Limits::default() };
+        read_in_time(put_together(chunks), &limits, "a tree").unwrap_err().to_string()
+    };
+    assert!(refusal(&chunks, 300).contains("memory for decoding"));
+    change(&mut chunks, |id, _, bytes| {
+        if id == rayreel_formats::container::ChunkId::BVH {
+            *bytes = vec![0; 40 << 20];
+        }
+    });
+    assert!(refusal(&chunks, 300).contains("raw length of a chunk"));
 }
 
 /// Each limit refuses the sample when it is a little too low for it, in both codecs.

@@ -314,6 +314,9 @@ impl Trace {
 fn read_bvh(reader: &Reader, limits: &Limits) -> Result<Bvh> {
     let record = reader.require(ChunkId::BVH)?;
     let at = |error: Error| error.at(&Place::new(reader.path(), record.offset).of(record.id));
+    // What no memory helps against comes first.
+    let earned = Limits::unpacked_max(record.packed_len).min(limits.max_chunk_raw_bytes);
+    check_limit("raw length of a chunk in bytes", record.raw_len, earned).map_err(at)?;
     let share = limits.reserve(record.raw_len).map_err(at)?;
     let payload = reader.read(record)?;
     drop(share);
