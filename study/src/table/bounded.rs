@@ -66,13 +66,13 @@ impl Walk<'_> {
 
     /// Steps over a page's header; gives how long the page is, unpacked and in the file: fields 2 and 3.
     fn page_header(&mut self) -> Option<[usize; 2]> {
-        let (mut lengths, mut field) = ([None; 2], 0);
+        let (mut lengths, mut field) = ([None; 2], 0_i16);
         loop {
             let head = self.byte()?;
             match head {
                 0 => return Some([lengths[0]?, lengths[1]?]),
                 _ if head >> 4 == 0 => field = self.number().and_then(|id| i16::try_from(unfold(id)).ok())?,
-                _ => field += i16::from(head >> 4),
+                _ => field = field.checked_add(i16::from(head >> 4))?,
             }
             match (field, head & 15) {
                 (2 | 3, 5) => {
@@ -156,6 +156,7 @@ mod tests {
         assert!(!large(&[0x82, 0x80, 0x80, 0x10]), "a byte more");
         assert!(!large(&[1]), "less than nothing");
         let flags = [0x15, 0, 0x15, 0, 0x15, 0, 0x19, 0xf1, 0xff, 0xff, 0xff, 0xff, 7, 1, 1, 0];
+        assert!(!are_pages(&[0xf1; 3000]), "more fields than have numbers");
         assert!(!are_pages(&flags), "billions of flags in a field that nobody knows");
     }
 }
