@@ -54,6 +54,9 @@ pub struct System<'a, M> {
     /// The last cycle at which a tile was given, a ray finished or a line arrived.
     progress: TiCycle,
     tiles: u64,
+    /// Runs a cycle. Called through a pointer, for that is most of the simulator: with the memory of this crate it is compiled here,
+    /// once, and not again in every crate that simulates.
+    step: fn(&mut Self),
 }
 
 impl Core {
@@ -126,7 +129,7 @@ impl Probe for NoProbe {
 impl<'a> System<'a, MemorySystem> {
     /// An empty machine for a frame of `shape`.
     pub fn new(config: &MachineConfig, tree: &'a Topology, shape: FrameShape) -> Self {
-        Self::with_memory(config, tree, shape, MemorySystem::new(config))
+        Self::assemble(config, tree, shape, MemorySystem::new(config), Self::step)
     }
 
     /// A machine that goes on from a checkpoint: with its caches, and with its tiles and what waits for their SRPs. Nothing is
@@ -192,16 +195,22 @@ impl<'a> System<'a, MemorySystem> {
         }
     }
 
-    /// The work that is done, as [`crate::functional::Features::cost`] counts it.
+    /// The work that is done, as [`crate::functional::Features::size`] counts it.
     pub fn done(&self) -> f64 {
         // A primary that is rasterised counts as a ray that is not traced: else tiles without other rays would count for nothing.
-        self.cores.iter().map(|core| core.ti.done() + cost(0, 0, core.srp.primaries_delivered())).sum()
+        let done =
+            |Core { ti, srp, .. }: &Core| ti.done() + cost(0, 0, srp.primaries_delivered()) + srp.work_done() as f64;
+        self.cores.iter().map(done).sum()
     }
 }
 
 impl<'a, M: Memory> System<'a, M> {
     /// An empty machine in front of another memory than its own.
     pub fn with_memory(config: &MachineConfig, tree: &'a Topology, shape: FrameShape, memory: M) -> Self {
+        Self::assemble(config, tree, shape, memory, Self::step)
+    }
+
+    fn assemble(config: &MachineConfig, tree: &'a Topology, shape: FrameShape, memory: M, step: fn(&mut Self)) -> Self {
         let layout = Layout::new(config);
         let ti_ports = TracingUnit::ports(config);
         let ports_per_core = ti_ports + SRP_PORTS;
@@ -225,6 +234,7 @@ impl<'a, M: Memory> System<'a, M> {
             arrived: Vec::new(),
             progress: TiCycle(0),
             tiles: 0,
+            step,
         }
     }
 
@@ -302,7 +312,7 @@ impl<'a, M: Memory> System<'a, M> {
 
     /// Runs the cycle at hand and goes to the next one at which something happens; `feeding` says that a tile waits to be taken.
     fn advance<P: Probe>(&mut self, feeding: bool, probe: &mut P) -> Result<()> {
-        self.step();
+        (self.step)(self);
         if probe.due().is_due(self.now) {
             probe.look(self.now, &self.cores, self.memory.bytes_moved());
         }

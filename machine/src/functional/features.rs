@@ -3,7 +3,7 @@
 use crate::work::cost;
 
 /// How many there are.
-pub const FEATURES: usize = 7;
+pub const FEATURES: usize = 8;
 
 /// What is characteristic of a tile, of several, or of parts of them.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -12,7 +12,7 @@ pub struct Features(pub [f64; FEATURES]);
 /// Places in [`Features`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Feature {
-    /// The size: see [`cost`].
+    /// The work of the T&I units: see [`cost`].
     Cost,
     TriangleTests,
     TrvMisses,
@@ -22,12 +22,20 @@ enum Feature {
     /// SRP cycles of items, without prologues.
     SrpCycles,
     Rays,
+    /// The work of the SRPs.
+    SrpWork,
 }
 
 impl Features {
-    /// The size: node visits, one and a half for each triangle test, and four for each ray.
+    /// The work of the T&I units: node visits, one and a half for each triangle test, and four for each ray.
     pub fn cost(&self) -> f64 {
         self.0[Feature::Cost as usize]
+    }
+
+    /// The size: all work, that of the SRPs in cycles of their items. Where little is traced, T&I units are done long before the SRPs:
+    /// by their work alone a machine would stand still for most of the time of such tiles.
+    pub fn size(&self) -> f64 {
+        self.cost() + self.0[Feature::SrpWork as usize]
     }
 
     pub(super) fn add_traversal(&mut self, visits: u64, tests: u64, rays: u64) {
@@ -47,6 +55,10 @@ impl Features {
 
     pub(super) fn add_srp_cycles(&mut self, cycles: u64) {
         self.0[Feature::SrpCycles as usize] += cycles as f64;
+    }
+
+    pub(super) fn add_srp_work(&mut self, cycles: u64) {
+        self.0[Feature::SrpWork as usize] += cycles as f64;
     }
 
     /// Adds `part` of `other`.

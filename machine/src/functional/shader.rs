@@ -127,6 +127,7 @@ impl Shader {
         kernel.items += items;
         kernel.ops += items * self.costs.ops(KernelId::Raygen, Sends::default(), 1);
         features.add_srp_cycles(items * self.costs.interval(KernelId::Raygen, Sends::default()));
+        features.add_srp_work(self.costs.work(KernelId::Raygen, items));
     }
 
     /// Sends rays to the T&I unit, which sends hits back.
@@ -171,6 +172,7 @@ impl Shader {
         }
         counted.srp_l1.looked_up(lines);
         features.add_srp_cycles(cycles);
+        features.add_srp_work(self.costs.work(kernel, batch.len() as u64));
     }
 
     /// Looks up what a hit reads: in the L1 of the SRP, or of a processor that runs its kernels. Gives the lines of the former.
@@ -227,6 +229,7 @@ impl Shader {
         features.add_srp_cycles(
             items * self.costs.interval(kernel, Sends::default()) + self.costs.inspector(kernel, items),
         );
+        features.add_srp_work(self.costs.work(kernel, items));
     }
 
     /// Moves `bytes` from `offset` of a region on.

@@ -110,6 +110,12 @@ impl Array {
         self.threads.as_ref().is_some_and(OnThreads::is_running)
     }
 
+    /// The work that is done ([`Costs::work`]).
+    pub fn work_done(&self) -> u64 {
+        let kernels = KernelId::ALL.iter().zip(&self.counters.kernels);
+        kernels.map(|(&kernel, counted)| self.costs.work(kernel, counted.items)).sum()
+    }
+
     /// SRP cycles that begin before T&I cycle `now`.
     pub fn cycles(&self, now: TiCycle) -> u64 {
         self.clock.srp(now) - SrpCycle::START

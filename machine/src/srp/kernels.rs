@@ -16,7 +16,7 @@
 //!
 //! Class of these rules: estimate, except that kernels use inspector and executor (paper).
 
-use crate::config::{Divergence, Kernel, MachineConfig, PolicyKernel};
+use crate::config::{Divergence, Kernel, MachineConfig, Pipeline, PolicyKernel};
 use crate::work::{NO_RAY, PolicyReads, RayWork, TileWork};
 
 /// The kernels, in order of the report and of priority among equals.
@@ -138,6 +138,8 @@ pub struct Costs {
     secondary: Kernel,
     inspector_cycles: Option<u64>,
     inspector_ops: u64,
+    /// Items take time of the array.
+    timed: bool,
 }
 
 impl Costs {
@@ -182,6 +184,7 @@ impl Costs {
             secondary: k.secondary,
             inspector_cycles: (srp.divergence == Divergence::Inspector).then_some(srp.inspector_cycles.into()),
             inspector_ops: srp.inspector_ops.into(),
+            timed: !srp.ideal && config.ti.pipeline != Pipeline::Software,
         }
     }
 
@@ -210,6 +213,12 @@ impl Costs {
         first
             + u64::from(self.light.ii_cycles) * sends.more_lights()
             + u64::from(self.secondary.ii_cycles) * u64::from(sends.secondary)
+    }
+
+    /// The work of so many items, in SRP cycles, whatever they send: nothing where the array takes no time for it. It tells how far a
+    /// machine is, so it depends on nothing but which items are done.
+    pub fn work(&self, kernel: KernelId, items: u64) -> u64 {
+        if self.timed { items * u64::from(self.kernels[kernel as usize].ii_cycles) } else { 0 }
     }
 
     /// Operations of an item that sends `sends`, in a batch of `branches` branches: predicated, an item does those of all. The

@@ -234,6 +234,11 @@ impl Srp {
         self.transfers.raster.as_ref().map_or(0, Raster::delivered)
     }
 
+    /// The work that the array has done, in SRP cycles of items; nothing where they take no time.
+    pub(crate) fn work_done(&self) -> u64 {
+        self.array.work_done()
+    }
+
     /// Tiles that are done.
     pub fn tiles_done(&self) -> u64 {
         self.tiles.counters().tiles

@@ -6,11 +6,11 @@
 //! regression on the rates. They do not depend on what is estimated, so one set serves all counters, and sums that hold in each
 //! window hold in the estimate. Rates pull less where windows are few (a ridge), and there are fewer of them.
 
-use rayreel_machine::functional::{FEATURES, Features};
+use rayreel_machine::functional::Features;
 
 /// Rates in order of use, as places among the features: lines of DRAM, triangle tests, SRP cycles, misses of traversal and of
 /// intersection units, rays.
-const RATES: [usize; FEATURES - 1] = [4, 1, 5, 2, 3, 6];
+const RATES: [usize; 6] = [4, 1, 5, 2, 3, 6];
 
 /// Windows that a rate takes to be used.
 const WINDOWS_A_RATE: usize = 8;
@@ -25,13 +25,13 @@ pub fn rates_used(windows: usize) -> usize {
 
 /// The weights of windows of the features `windows` that stand for `total`, by size and the first `used` rates.
 pub fn weights(windows: &[Features], total: &Features, used: usize) -> Vec<f64> {
-    let size: f64 = windows.iter().map(Features::cost).sum();
-    if size <= 0.0 || total.cost() <= 0.0 {
+    let size: f64 = windows.iter().map(Features::size).sum();
+    if size <= 0.0 || total.size() <= 0.0 {
         return vec![0.0; windows.len()];
     }
     let used = &RATES[..used];
     let rates = |features: &Features| -> Vec<f64> {
-        used.iter().map(|&feature| features.0[feature] / features.cost().max(1.0)).collect()
+        used.iter().map(|&feature| features.0[feature] / features.size().max(1.0)).collect()
     };
     let mut sum = Features::default();
     windows.iter().for_each(|window| sum.add_part(window, 1.0));
@@ -41,7 +41,7 @@ pub fn weights(windows: &[Features], total: &Features, used: usize) -> Vec<f64> 
         .map(|window| rates(window).iter().zip(&mean).map(|(rate, mean)| rate - mean).collect())
         .collect();
     let pull = solve(covariance(windows, &apart, &mean), difference(&rates(total), &mean));
-    let scale = total.cost() / size;
+    let scale = total.size() / size;
     let dot = |a: &[f64]| a.iter().zip(&pull).map(|(a, b)| a * b).sum::<f64>();
     apart.iter().map(|apart| scale * (1.0 + dot(apart))).collect()
 }
@@ -53,10 +53,10 @@ fn difference(a: &[f64], b: &[f64]) -> Vec<f64> {
 /// The covariance of the rates, windows weighted by size, with the ridge.
 fn covariance(windows: &[Features], apart: &[Vec<f64>], mean: &[f64]) -> Vec<Vec<f64>> {
     let count = mean.len();
-    let size: f64 = windows.iter().map(Features::cost).sum();
+    let size: f64 = windows.iter().map(Features::size).sum();
     let mut matrix = vec![vec![0.0; count]; count];
     for (window, apart) in windows.iter().zip(apart) {
-        let part = window.cost() / size;
+        let part = window.size() / size;
         for (row, a) in matrix.iter_mut().zip(apart) {
             row.iter_mut().zip(apart).for_each(|(cell, b)| *cell += part * a * b);
         }
@@ -88,6 +88,8 @@ fn solve(mut matrix: Vec<Vec<f64>>, mut right: Vec<f64>) -> Vec<f64> {
 
 #[cfg(test)]
 mod tests {
+    use rayreel_machine::functional::FEATURES;
+
     use super::*;
 
     /// Windows of made-up features, and what each measures: a given mixture of them.
@@ -100,7 +102,7 @@ mod tests {
         let mut window = || {
             let size = 1e5 * (0.5 + next());
             let features = Features(
-                [1.0, 0.3, 0.1, 0.05, 0.2, 0.7, 0.02]
+                [1.0, 0.3, 0.1, 0.05, 0.2, 0.7, 0.02, 0.0]
                     .map(|rate| size * if rate < 1.0 { rate * (0.5 + next()) } else { rate }),
             );
             (features, features.0.iter().zip(mixture).map(|(a, b)| a * b).sum())
@@ -119,25 +121,25 @@ mod tests {
 
     #[test]
     fn sizes_are_met_exactly() {
-        let all = windows(300, [1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
+        let all = windows(300, [1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
         let mut total = Features::default();
         all.iter().for_each(|window| total.add_part(&window.0, 1.0));
         let sampled: Vec<_> = all.iter().step_by(10).copied().collect();
-        assert!((estimate(&sampled, &total) / total.cost() - 1.0).abs() < 1e-12);
+        assert!((estimate(&sampled, &total) / total.size() - 1.0).abs() < 1e-12);
     }
 
     #[test]
     fn what_depends_on_the_rates_is_estimated_better_than_by_size_alone() {
-        let all = windows(600, [0.5, 1.5, 4.0, 2.0, 3.0, 0.1, 0.0]);
+        let all = windows(600, [0.5, 1.5, 4.0, 2.0, 3.0, 0.1, 0.0, 0.0]);
         let mut total = Features::default();
         all.iter().for_each(|window| total.add_part(&window.0, 1.0));
         let truth: f64 = all.iter().map(|window| window.1).sum();
         let (mut by_rates, mut by_size) = (0.0, 0.0);
         for first in 0..12 {
             let sampled: Vec<_> = all.iter().skip(first).step_by(12).copied().collect();
-            let size: f64 = sampled.iter().map(|window| window.0.cost()).sum();
+            let size: f64 = sampled.iter().map(|window| window.0.size()).sum();
             let sum: f64 = sampled.iter().map(|window| window.1).sum();
-            by_size += (sum * total.cost() / size / truth - 1.0).powi(2);
+            by_size += (sum * total.size() / size / truth - 1.0).powi(2);
             by_rates += (estimate(&sampled, &total) / truth - 1.0).powi(2);
         }
         assert!(by_rates < 0.05 * by_size, "{by_rates} and {by_size}");

@@ -44,7 +44,7 @@ pub fn extrapolate(config: &MachineConfig, passed: &Passed, detail: Detail) -> M
     let (stats, energy) = frame.run(&estimated);
     let groups = frame.windows.len().min(GROUPS);
     // What was simulated is not uncertain: where all is, nothing is.
-    let (measured, rest) = (frame.measured(), frame.rest.cost());
+    let (measured, rest) = (frame.measured(), frame.rest.size());
     let unknown = (1.0 - measured / rest.max(1.0)).clamp(0.0, 1.0).sqrt();
     let replicates = (0..groups).map(|group| {
         let kept: Vec<bool> = (0..frame.windows.len()).map(|window| window % groups != group).collect();
@@ -58,7 +58,7 @@ pub fn extrapolate(config: &MachineConfig, passed: &Passed, detail: Detail) -> M
     let pair = pair.map(|apart| frame.replicate(&estimated, apart, (&measured_list, &estimated)));
     let replicates = replicates.chain(pair).collect();
     let tiles = passed.sizes.len() as u64;
-    let (all, certain) = (frame.rest.cost() + frame.certain.features.cost(), frame.certain.features.cost());
+    let (all, certain) = (frame.rest.size() + frame.certain.features.size(), frame.certain.features.size());
     let part = if all > 0.0 { (measured + certain) / all } else { 1.0 };
     let estimate = Estimate {
         detail,
@@ -92,7 +92,7 @@ impl<'a> Frame<'a> {
 
     /// Work of the windows that stand for others.
     fn measured(&self) -> f64 {
-        self.windows.iter().map(|window| window.features.cost()).sum()
+        self.windows.iter().map(|window| window.features.size()).sum()
     }
 
     /// All counters, estimated from those windows that are kept.

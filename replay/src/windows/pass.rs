@@ -182,7 +182,7 @@ impl<'a> MachinePass<'a> {
                 number: self.next,
                 place,
                 from: (self.given > 0 || self.is_warm).then(|| self.functional.checkpoint()),
-                begin: done.cost(),
+                begin: done.size(),
                 measured_from: None,
                 measured_to: None,
                 tiles: Vec::new(),
@@ -213,7 +213,7 @@ impl<'a> MachinePass<'a> {
         let (Some(measured_from), Some(measured_to)) = (measured_from, measured_to) else { return };
         let mut features = measured_to;
         features.add_part(&measured_from, -1.0);
-        let warm_up = measured_from.cost() - begin;
+        let warm_up = measured_from.size() - begin;
         let window = Window { from, tiles, warm_up, features, is_last, is_certain: place.is_certain };
         let (config, shape, windows) = (self.config, self.shape, Arc::clone(&self.windows));
         room.take();

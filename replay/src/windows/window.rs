@@ -23,7 +23,7 @@ pub struct Window {
     pub from: Option<Checkpoint>,
     /// The tiles that come next: at least as many as the machine can have begun before the end.
     pub tiles: Vec<Arc<TileWork>>,
-    /// Work of the warm-up, as [`Features::cost`] counts it.
+    /// Work of the warm-up, as [`Features::size`] counts it.
     pub warm_up: f64,
     /// What the functional machine did from the end of the warm-up to the end of the window.
     pub features: Features,
@@ -61,7 +61,7 @@ impl Window {
             system.work_until(warm_up, &mut tiles)?;
         }
         let (before, begun) = (system.measure().list(), system.done());
-        let wanted = features.cost();
+        let wanted = features.size();
         system.work_until(if is_last { f64::INFINITY } else { begun + wanted }, &mut tiles)?;
         stop.check()?;
         let done = system.done() - begun;
