@@ -13,20 +13,29 @@ use crate::work::layout::Region;
 const CACHED: [Region; 4] = [Region::Node, Region::Triangle, Region::Attribute, Region::Texture];
 
 impl Stats {
-    /// Lets the run read through its L2 what `counted` says, region by region; all that follows from it is scaled.
+    /// Lets the run read through its L2 what `counted` says, region by region. [`Stats::close_dram`] lets its channels follow.
     pub fn read_as(&mut self, counted: &Self) {
         let bytes = |stats: &Self| CACHED.iter().map(|region| stats.memory.traffic.read[*region as usize]).sum::<u64>();
         let (read, wanted) = (bytes(self), bytes(counted));
         if read == 0 || wanted == 0 {
             return;
         }
-        let all: u64 = self.memory.traffic.read.iter().sum();
         for region in CACHED {
             self.memory.traffic.read[region as usize] = counted.memory.traffic.read[region as usize];
         }
-        let reads = (all - read + wanted) as f64 / all as f64;
-        self.memory.channels.iter_mut().for_each(|channel| scale_channel(channel, reads));
         scale_misses(&mut self.memory.l2, wanted as f64 / read as f64);
+    }
+
+    /// Lets the channels of the DRAM move the lines that the traffic is made of, as in every run of all cycles; commands and
+    /// rows keep their share of a line.
+    pub fn close_dram(&mut self, line_bytes: u32) {
+        let lines = |bytes: &[u64]| bytes.iter().sum::<u64>() as f64 / f64::from(line_bytes.max(1));
+        let (read, written) = (lines(&self.memory.traffic.read), lines(&self.memory.traffic.written));
+        let channels = &mut self.memory.channels;
+        let part = |wanted: f64, moved: u64| if moved > 0 { wanted / moved as f64 } else { 1.0 };
+        let reads = part(read, channels.iter().map(|channel| channel.read_lines).sum());
+        let writes = part(written, channels.iter().map(|channel| channel.write_lines).sum());
+        channels.iter_mut().for_each(|channel| scale_channel(channel, reads, writes));
     }
 }
 
@@ -34,14 +43,16 @@ fn scale<const N: usize>(counters: [&mut u64; N], factor: f64) {
     counters.into_iter().for_each(|counter| *counter = (*counter as f64 * factor).round() as u64);
 }
 
-/// A channel with so many times the reads. Rows are opened as often a line as before.
-fn scale_channel(channel: &mut ChannelCounters, reads: f64) {
+/// A channel with so many times the reads and writes. Rows are opened as often a line as before.
+fn scale_channel(channel: &mut ChannelCounters, reads: f64, writes: f64) {
     let before = channel.read_lines + channel.write_lines;
-    scale([&mut channel.reads, &mut channel.read_lines], reads);
+    scale([&mut channel.reads, &mut channel.read_lines, &mut channel.read_latency], reads);
+    scale([&mut channel.writes, &mut channel.write_lines], writes);
     if before > 0 {
         let lines = (channel.read_lines + channel.write_lines) as f64 / before as f64;
-        let ChannelCounters { activates, precharges, closed, row_hits, row_closed, row_conflicts, .. } = channel;
-        scale([activates, precharges, closed, row_hits, row_closed, row_conflicts], lines);
+        let ChannelCounters { activates, precharges, closed, row_hits, row_closed, row_conflicts, bus_busy, .. } =
+            channel;
+        scale([activates, precharges, closed, row_hits, row_closed, row_conflicts, bus_busy], lines);
     }
 }
 
@@ -76,15 +87,29 @@ mod tests {
     }
 
     #[test]
-    fn misses_reads_and_rows_follow_and_writes_and_lookups_stay() {
+    fn misses_follow_and_lookups_stay() {
         let (mut run, counted) = (stats(60_000, 40_000, 900), stats(30_000, 1, 1));
         run.read_as(&counted);
-        let (traffic, l2, channel) = (run.memory.traffic, run.memory.l2, run.memory.channels[0]);
+        let (traffic, l2) = (run.memory.traffic, run.memory.l2);
         assert_eq!((traffic.read[Region::Node as usize], traffic.read[Region::Sample as usize]), (30_000, 40_000));
         assert_eq!((l2.lookups, l2.hits, l2.misses, l2.fills, l2.evictions), (1000, 850, 150, 150, 140));
+    }
+
+    #[test]
+    fn channels_move_what_the_traffic_is_made_of() {
+        let mut run = stats(30_000, 33_000, 900);
+        run.memory.traffic.written[Region::Framebuffer as usize] = 10_000;
+        run.close_dram(100);
+        let channel = run.memory.channels[0];
         // 70 % of the reads; 730 of 1000 lines.
         assert_eq!((channel.reads, channel.read_lines, channel.writes, channel.write_lines), (1260, 630, 200, 100));
         assert_eq!((channel.row_hits, channel.row_conflicts, channel.activates), (657, 73, 73));
+        run.memory.traffic.written[Region::Framebuffer as usize] = 5_000;
+        run.close_dram(100);
+        assert_eq!((run.memory.channels[0].read_lines, run.memory.channels[0].write_lines), (630, 50));
+        let closed = run.clone();
+        run.close_dram(100);
+        assert_eq!(run, closed, "closed it stays");
     }
 
     #[test]

@@ -131,6 +131,7 @@ impl<'a> Frame<'a> {
     fn run(&self, list: &[f64]) -> (Stats, EnergyReport) {
         let mut stats = self.passed.counted.with_list(list);
         stats.make_exact(&self.passed.counted, &self.is_exact);
+        stats.close_dram(self.config.l2.line_bytes);
         stats.close_accounts(self.config);
         let energy = EnergyReport::new(self.config, &stats);
         (stats, energy)
