@@ -11,10 +11,10 @@ use crate::link::RayRef;
 use crate::memory::{CacheCounters, Tags};
 use crate::stats::CoreStats;
 use crate::ti::{IstCounters, TrvCounters};
-use crate::work::TileWork;
 use crate::work::layout::{Layout, Lines, Region};
 use crate::work::ops::{Op, OpKind};
 use crate::work::topology::Topology;
+use crate::work::{RayWork, TileWork};
 
 /// A ray in a traversal unit, as far as its operations and its stack go.
 #[derive(Clone, Copy, Debug)]
@@ -23,6 +23,8 @@ struct Flying {
     /// Next operation and end, in the operations of the tile.
     at: u32,
     end: u32,
+    /// The next operation, read ahead: it is far away by the time that it is the ray's turn.
+    next: Op,
     /// Deferred children, and how many of them the short stack holds.
     deferred: u8,
     held: u8,
@@ -201,11 +203,13 @@ impl RayTracer {
     }
 
     /// Goes on to the next operation that reads memory; false at the end.
-    #[inline]
+    #[inline(always)]
     fn step(&self, ray: &mut Flying, ops: &[Op], unit: &mut Unit<'_>) -> bool {
         while ray.at < ray.end {
-            let op = ops[ray.at as usize];
+            let op = ray.next;
             ray.at += 1;
+            // Behind the last operation of a ray stands that of another one, or none.
+            ray.next = ops.get(ray.at as usize).copied().unwrap_or(Op::END);
             match op.kind() {
                 OpKind::Visit { node, defers } => {
                     self.visit(node, unit);
@@ -240,7 +244,7 @@ impl RayTracer {
         false
     }
 
-    #[inline]
+    #[inline(always)]
     fn visit(&self, node: u32, unit: &mut Unit<'_>) {
         unit.events.node_visits += 1;
         let Lines { first, last } = self.layout.node(node);
@@ -250,7 +254,7 @@ impl RayTracer {
         }
     }
 
-    #[inline]
+    #[inline(always)]
     fn leaf(&self, triangle: u32, tests: u8, unit: &mut Unit<'_>) {
         let tests = u32::from(tests);
         let (tags, lines, l1) = if self.unified {
@@ -300,8 +304,9 @@ fn fetch_ahead(work: &TileWork, wave: &[u32]) {
 
 impl Flying {
     fn new(ray: RayRef, slots: &[Option<InFlight>]) -> Option<Self> {
-        let tile = slots[usize::from(ray.slot)].as_ref()?;
-        let work = &tile.rest.work.rays[ray.ray as usize];
-        Some(Self { ray, at: work.ops_start, end: work.ops_start + work.ops_len, deferred: 0, held: 0 })
+        let work = &slots[usize::from(ray.slot)].as_ref()?.rest.work;
+        let RayWork { ops_start: at, ops_len, .. } = work.rays[ray.ray as usize];
+        let next = work.ops.get(at as usize).copied().unwrap_or(Op::END);
+        Some(Self { ray, at, end: at + ops_len, next, deferred: 0, held: 0 })
     }
 }

@@ -35,6 +35,8 @@ pub struct Tags {
     ways: usize,
     set_bits: u32,
     replacement: Replacement,
+    /// Four ways and LRU.
+    is_usual: bool,
     random: u64,
 }
 
@@ -55,8 +57,9 @@ impl Tags {
         } else {
             Width::Wide(Sets::new(sets as usize, ways))
         };
-        Self { sets, ways, set_bits, replacement, random: SEED }
+        Self { sets, ways, set_bits, replacement, is_usual: ways == 4 && replacement == Replacement::Lru, random: SEED }
     }
+
     /// The number of a line's set, and its tag.
     #[inline]
     fn place(&self, line: u64) -> (usize, u64) {
@@ -66,6 +69,16 @@ impl Tags {
     /// Whether `line` is here; a hit refreshes it (LRU).
     #[inline(always)]
     pub fn touch(&mut self, line: u64) -> bool {
+        let (set, tag) = self.place(line);
+        match &mut self.sets {
+            // What most L1s are, which nearly all lookups go to.
+            Width::Narrow(sets) if self.is_usual => sets.touch_ways::<4>(set, Tag::new(tag)),
+            _ => self.touch_any(line),
+        }
+    }
+
+    #[inline(never)]
+    fn touch_any(&mut self, line: u64) -> bool {
         if self.replacement != Replacement::Lru {
             return self.contains(line);
         }

@@ -73,8 +73,8 @@ impl<T: Tag> Sets<T> {
     #[inline]
     pub fn touch(&mut self, set: usize, tag: T) -> bool {
         let set = match self.ways {
-            4 => return touch::<T, 4>(self.set_mut(set), tag),
-            8 => return touch::<T, 8>(self.set_mut(set), tag),
+            4 => return self.touch_ways::<4>(set, tag),
+            8 => return self.touch_ways::<8>(set, tag),
             _ => self.set_mut(set),
         };
         let at = set.iter().position(|&other| other == tag);
@@ -82,6 +82,12 @@ impl<T: Tag> Sets<T> {
             set[..=at].rotate_right(1);
         }
         at.is_some()
+    }
+
+    /// As [`Sets::touch`], for sets of `N` ways.
+    #[inline(always)]
+    pub fn touch_ways<const N: usize>(&mut self, set: usize, tag: T) -> bool {
+        touch::<T, N>(&mut self.tags[set * N..][..N], tag)
     }
 
     /// Puts `tag`, which is not there, into `set` as the youngest; returns what leaves, the oldest.
@@ -125,7 +131,7 @@ fn among<T: Tag, const N: usize>(set: &[T], tag: T) -> bool {
 }
 
 /// As [`Sets::touch`], for `N` ways.
-#[inline]
+#[inline(always)]
 fn touch<T: Tag, const N: usize>(set: &mut [T], tag: T) -> bool {
     let set: &mut [T; N] = set.try_into().expect("a set has N ways");
     // Mostly it is the youngest already.
