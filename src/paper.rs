@@ -5,13 +5,14 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use anyhow::{Context, Result, bail};
+use rayon::prelude::*;
 use rayreel_formats::locks::try_lock;
 use rayreel_paper::{Finished, Folders, Machines, SIZE, SIZE_FULL, Setup};
 use rayreel_replay::{Detail, Stop};
 use rayreel_scenes::Scene;
 use rayreel_study::html;
 
-use crate::common::{TOOL, load_scene, print};
+use crate::common::{TOOL, print, tell_warnings};
 use crate::detail::DetailArgs;
 use crate::exit::Exit;
 use crate::progress::{self, Progress};
@@ -48,6 +49,9 @@ pub struct Args {
     warm: bool,
     #[command(flatten)]
     detail: DetailArgs,
+    /// Figures alone: no pictures, and no viewer and maps in the report; study.json is small then.
+    #[arg(long)]
+    no_pictures: bool,
     /// Folder for traces and results.
     #[arg(long, default_value = "rayreel-cache", value_name = "DIR")]
     cache: PathBuf,
@@ -85,6 +89,7 @@ pub fn run(args: &Args, quiet: bool) -> Result<Exit> {
     let setup = Setup {
         size,
         full: args.full,
+        pictures: !args.no_pictures,
         systems: args.systems,
         detail,
         command: command(args, size),
@@ -149,10 +154,11 @@ fn finish(args: &Args, Finished { study, counts }: &Finished) -> Result<Exit> {
 
 /// The scenes asked for; the paper's if none is.
 fn scenes(args: &Args) -> Result<Vec<Scene>> {
-    if args.scenes.is_empty() {
-        return rayreel_paper::scenes().map(load_scene).collect();
-    }
-    args.scenes.iter().map(|name| load_scene(name)).collect()
+    let asked: Vec<&str> = args.scenes.iter().map(String::as_str).collect();
+    let names = if asked.is_empty() { rayreel_paper::scenes().collect() } else { asked };
+    let loaded: Vec<_> = names.into_par_iter().map(rayreel_scenes::load).collect();
+    // One after the other again: what is said of them has an order.
+    loaded.into_iter().map(|scene| Ok(scene.inspect(tell_warnings)?)).collect()
 }
 
 /// The command line without what does not change the results.
@@ -163,6 +169,9 @@ fn command(args: &Args, (w, h): (u32, u32)) -> String {
     }
     if args.systems {
         text += " --systems";
+    }
+    if args.no_pictures {
+        text += " --no-pictures";
     }
     text += &format!(" --size {w}x{h}");
     args.scenes.iter().for_each(|name| text += &format!(" --scene {name}"));

@@ -87,7 +87,7 @@ impl<'a> Plan<'a> {
         let stage = &self.stages[grid.scene];
         let ((width, height), (first_frame, frames)) = (grid.size, grid.frames);
         let of = SampleGrid { width, height, samples: grid.samples, tile: grid.tile, first_frame, frames };
-        let meta = of.meta(&stage.scene, TraceSettings::default(), self.tool);
+        let meta = of.meta_of((&stage.scene, stage.content), TraceSettings::default(), self.tool);
         let same = |known: &Capture| (known.scene, known.is_live()) == (grid.scene, live) && known.meta == meta;
         if let Some(known) = self.captures.iter().position(same) {
             return known;

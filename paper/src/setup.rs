@@ -38,6 +38,8 @@ pub struct Setup {
     pub size: (u32, u32),
     /// Whether everything is done, at any cost.
     pub full: bool,
+    /// Whether pictures are made, and shown by the report.
+    pub pictures: bool,
     /// Whether every policy is simulated on every architecture too.
     pub systems: bool,
     /// How much is simulated cycle by cycle.
@@ -54,6 +56,8 @@ pub struct Stage {
     pub scene: Scene,
     /// Its name as part of file names: a scene file may call it anything.
     pub name: String,
+    /// Its [`Scene::content_hash`].
+    pub content: [u8; 32],
 }
 
 /// The machine asked for, and the same with an SRP that takes no time.
@@ -82,7 +86,7 @@ impl Stage {
     pub fn new(scene: Scene) -> Self {
         let plain = |c: char| if c.is_alphanumeric() || "-_.".contains(c) { c } else { '_' };
         let name = scene.name.chars().map(plain).collect();
-        Self { scene, name }
+        Self { content: scene.content_hash(), scene, name }
     }
 }
 
@@ -124,7 +128,8 @@ impl Setup {
         let policies = policies::load()?;
         let tool = concat!("rayreel ", env!("CARGO_PKG_VERSION")).to_owned();
         let (size, detail, command) = (SIZE, detail(), String::new());
-        Ok(Self { stages, policies, machines, size, full: false, systems: false, detail, command, tool })
+        let (full, systems, pictures) = (false, false, true);
+        Ok(Self { stages, policies, machines, size, full, pictures, systems, detail, command, tool })
     }
 
     /// Whether a policy has rates that vary over the picture.

@@ -48,10 +48,15 @@ pub struct SampleGrid {
 impl SampleGrid {
     /// The metadata of a trace of `scene` over this grid; `tool` is the name and version of the program.
     pub fn meta(&self, scene: &Scene, settings: TraceSettings, tool: &str) -> Meta {
+        self.meta_of((scene, scene.content_hash()), settings, tool)
+    }
+
+    /// As [`SampleGrid::meta`], of a scene with its content hash: many grids of one scene need that once.
+    pub fn meta_of(&self, (scene, scene_hash): (&Scene, [u8; 32]), settings: TraceSettings, tool: &str) -> Meta {
         Meta {
             tool: tool.to_string(),
             scene: scene.name.clone(),
-            scene_hash: scene.content_hash(),
+            scene_hash,
             width: self.width,
             height: self.height,
             samples: self.samples,

@@ -25,7 +25,7 @@ impl Scene {
     #[must_use]
     pub fn content_hash(&self) -> [u8; 32] {
         let mut out = SceneHasher::default();
-        out.0.update(LAYOUT);
+        out.bytes(LAYOUT);
         out.count(self.mesh.positions.len());
         self.mesh.positions.iter().for_each(|p| out.vec3(*p));
         self.mesh.normals.iter().for_each(|n| out.vec3(*n));
@@ -55,17 +55,32 @@ impl Scene {
             [c.eye, c.target, c.up].into_iter().for_each(|v| out.vec3(v));
             out.f32(c.vfov_deg);
         }
-        *out.0.finalize().as_bytes()
+        out.finish()
     }
 }
 
+/// Bytes that are hashed at a time: BLAKE3 hashes many of its chunks side by side, but not what comes in fours of bytes.
+const BLOCK: usize = 1 << 16;
+
 /// Feeds the hasher in one defined way per type.
 #[derive(Default)]
-struct SceneHasher(blake3::Hasher);
+struct SceneHasher {
+    hasher: blake3::Hasher,
+    /// What waits for a block to be full.
+    waiting: Vec<u8>,
+}
 
 impl SceneHasher {
     fn bytes(&mut self, bytes: &[u8]) {
-        self.0.update(bytes);
+        self.waiting.extend_from_slice(bytes);
+        if self.waiting.len() >= BLOCK {
+            self.hasher.update(&self.waiting);
+            self.waiting.clear();
+        }
+    }
+
+    fn finish(mut self) -> [u8; 32] {
+        *self.hasher.update(&self.waiting).finalize().as_bytes()
     }
 
     fn count(&mut self, count: usize) {
