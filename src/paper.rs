@@ -49,9 +49,6 @@ pub struct Args {
     warm: bool,
     #[command(flatten)]
     detail: DetailArgs,
-    /// Figures alone: no pictures, and no viewer and maps in the report; study.json is small then.
-    #[arg(long)]
-    no_pictures: bool,
     /// Folder for traces and results.
     #[arg(long, default_value = "rayreel-cache", value_name = "DIR")]
     cache: PathBuf,
@@ -89,7 +86,6 @@ pub fn run(args: &Args, quiet: bool) -> Result<Exit> {
     let setup = Setup {
         size,
         full: args.full,
-        pictures: !args.no_pictures,
         systems: args.systems,
         detail,
         command: command(args, size),
@@ -169,9 +165,6 @@ fn command(args: &Args, (w, h): (u32, u32)) -> String {
     }
     if args.systems {
         text += " --systems";
-    }
-    if args.no_pictures {
-        text += " --no-pictures";
     }
     text += &format!(" --size {w}x{h}");
     args.scenes.iter().for_each(|name| text += &format!(" --scene {name}"));

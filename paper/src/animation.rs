@@ -110,7 +110,7 @@ pub fn plan(setup: &Setup, plan: &mut Plan<'_>) -> Option<Planned> {
             let simulates = setup.machines.is_some() && contender.is_simulated(setup.full);
             let simulated = if simulates { run.simulated(i, setup.full) } else { Vec::new() };
             let shown =
-                if setup.pictures && contender.mapped { pictures(setup, scene, policy, run) } else { Vec::new() };
+                if contender.mapped { pictures(setup, scene, policy, run) } else { Vec::new() };
             let (pictures, files): (Vec<_>, Vec<_>) = shown.into_iter().unzip();
             let figures = Figures::Frames { compared: Compared::Valued, simulated };
             let wanted = Wanted { figures, views: Views { tiles: false, pictures } };
@@ -199,9 +199,6 @@ impl Planned {
     /// The maps of the paper's frames.
     pub fn maps(&self, setup: &Setup, results: &Results) -> Vec<Map> {
         let mut maps = Vec::new();
-        if !setup.pictures {
-            return maps;
-        }
         for (policy, points) in self.tracks.iter().filter(|(policy, _)| setup.policies[*policy].0.mapped) {
             for frame in
                 self.frames(points, results).filter(|f| self.runs.iter().any(|r| r.mapped().contains(&f.frame)))

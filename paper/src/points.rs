@@ -98,9 +98,6 @@ fn simulations(
 
 /// Whether the pictures of a policy are shown.
 fn is_shown(setup: &Setup, mode: usize, policy: usize) -> bool {
-    if !setup.pictures {
-        return false;
-    }
     let entry = setup.policies[policy].0;
     let large = u64::from(setup.size.0) * u64::from(setup.size.1) > PIXELS_SHOWN;
     if large { mode == 0 && [PAPER[0], BEST].contains(&entry.name) } else { entry.shown.now(setup.full) }

@@ -38,8 +38,6 @@ pub struct Setup {
     pub size: (u32, u32),
     /// Whether everything is done, at any cost.
     pub full: bool,
-    /// Whether pictures are made, and shown by the report.
-    pub pictures: bool,
     /// Whether every policy is simulated on every architecture too.
     pub systems: bool,
     /// How much is simulated cycle by cycle.
@@ -128,8 +126,7 @@ impl Setup {
         let policies = policies::load()?;
         let tool = concat!("rayreel ", env!("CARGO_PKG_VERSION")).to_owned();
         let (size, detail, command) = (SIZE, detail(), String::new());
-        let (full, systems, pictures) = (false, false, true);
-        Ok(Self { stages, policies, machines, size, full, pictures, systems, detail, command, tool })
+        Ok(Self { stages, policies, machines, size, full: false, systems: false, detail, command, tool })
     }
 
     /// Whether a policy has rates that vary over the picture.

@@ -153,9 +153,7 @@ fn notes(setup: &Setup, experiment: &Experiment) -> Vec<String> {
     if !names.is_empty() && setup.machines.is_some() {
         notes.push(format!("Under {} the T&I units alone are simulated, not the whole GPU.", names.join(", ")));
     }
-    if !setup.pictures {
-        notes.push("Figures alone: there are no pictures.".into());
-    } else if experiment.points.len() > experiment.shown() {
+    if experiment.points.len() > experiment.shown() {
         notes.push("The image viewer holds the pictures of some of the policies only.".into());
     }
     notes
