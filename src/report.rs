@@ -6,6 +6,7 @@ use anyhow::{Result, bail};
 use rayreel_study::analysis::load;
 use rayreel_study::html::{self, Written, replay};
 use rayreel_study::point::wanted::Kind;
+use rayreel_study::schema;
 use serde_json::json;
 
 use crate::common::{print, print_json};
@@ -37,6 +38,10 @@ pub struct Args {
     /// Write every chart as NAME.svg and what it is drawn from as NAME.csv into this folder, instead of a page.
     #[arg(long, value_name = "FOLDER", conflicts_with_all = ["animate", "output"])]
     charts: Option<PathBuf>,
+    /// Write study.json without its pictures into this folder, instead of a page: small enough to keep under version control, and a
+    /// study like any other.
+    #[arg(long, value_name = "FOLDER", conflicts_with_all = ["animate", "output", "charts"])]
+    figures: Option<PathBuf>,
     /// Frames a second of the animation.
     #[arg(long, value_name = "N", default_value_t = 12, requires = "animate", value_parser = clap::value_parser!(u16).range(1..=1000))]
     fps: u16,
@@ -58,6 +63,9 @@ pub fn run(args: &Args) -> Result<Exit> {
     }
     if let Some(folder) = &args.charts {
         return charts(args, folder);
+    }
+    if let Some(folder) = &args.figures {
+        return figures(args, folder);
     }
     if html::is_of_sweep(&args.input) { sweep(args) } else { study(args) }
 }
@@ -90,6 +98,20 @@ fn charts(args: &Args, folder: &Path) -> Result<Exit> {
         print_json(&json!({ "folder": folder.display().to_string(), "charts": names }))?;
     } else {
         print(&format!("{}: {} charts, each as SVG and as CSV\n", folder.display(), names.len()))?;
+    }
+    Ok(Exit::Done)
+}
+
+/// The study without its pictures.
+fn figures(args: &Args, folder: &Path) -> Result<Exit> {
+    if html::is_of_sweep(&args.input) || replay::is_of_replay(&args.input) {
+        bail!("--figures is for the folder of a study, and {} has no study.json; leave it out", args.input.display());
+    }
+    let (file, bytes) = (folder.join(schema::FILE), html::write_figures(&args.input, folder)?);
+    if args.json {
+        print_json(&json!({ "file": file.display().to_string(), "bytes": bytes }))?;
+    } else {
+        print(&format!("{}: {:.2} MB\n", file.display(), bytes as f64 * 1e-6))?;
     }
     Ok(Exit::Done)
 }

@@ -109,8 +109,7 @@ pub fn plan(setup: &Setup, plan: &mut Plan<'_>) -> Option<Planned> {
             }
             let simulates = setup.machines.is_some() && contender.is_simulated(setup.full);
             let simulated = if simulates { run.simulated(i, setup.full) } else { Vec::new() };
-            let shown =
-                if contender.mapped { pictures(setup, scene, policy, run) } else { Vec::new() };
+            let shown = if contender.mapped { pictures(setup, scene, policy, run) } else { Vec::new() };
             let (pictures, files): (Vec<_>, Vec<_>) = shown.into_iter().unzip();
             let figures = Figures::Frames { compared: Compared::Valued, simulated };
             let wanted = Wanted { figures, views: Views { tiles: false, pictures } };

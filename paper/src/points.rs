@@ -34,13 +34,6 @@ pub struct Planned {
     images: Option<ViewerImages>,
 }
 
-impl Planned {
-    /// Whether it has pictures.
-    pub fn is_shown(&self) -> bool {
-        self.images.is_some()
-    }
-}
-
 /// Plans all points.
 pub fn plan(setup: &Setup, plan: &mut Plan<'_>) -> Vec<Planned> {
     let mut points = Vec::new();

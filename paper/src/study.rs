@@ -22,13 +22,6 @@ pub(crate) struct Experiment {
     pub systems: Vec<systems::Planned>,
 }
 
-impl Experiment {
-    /// How many points have pictures.
-    pub fn shown(&self) -> usize {
-        self.points.iter().filter(|point| point.is_shown()).count()
-    }
-}
-
 /// Makes the study.
 ///
 /// # Errors
@@ -152,9 +145,6 @@ fn notes(setup: &Setup, experiment: &Experiment) -> Vec<String> {
     let names: Vec<&str> = setup.policies.iter().map(|(entry, _)| *entry).filter(without).map(|e| e.name).collect();
     if !names.is_empty() && setup.machines.is_some() {
         notes.push(format!("Under {} the T&I units alone are simulated, not the whole GPU.", names.join(", ")));
-    }
-    if experiment.points.len() > experiment.shown() {
-        notes.push("The image viewer holds the pictures of some of the policies only.".into());
     }
     notes
 }

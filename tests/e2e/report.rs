@@ -22,6 +22,36 @@ fn it_writes_one_page() {
     assert!(String::from_utf8(page).unwrap().starts_with("<!DOCTYPE html>"));
 }
 
+/// What lies under `releases` is made like this.
+#[test]
+fn a_study_without_its_pictures_is_a_study() {
+    let folder = tempfile::tempdir().unwrap();
+    write(folder.path());
+    let to = folder.path().join("small/figures");
+    rayreel!["report", folder.path(), "--figures", &to].expect(0);
+    assert_eq!(fs::read_dir(&to).unwrap().count(), 1, "study.json alone");
+    let json = rayreel!["report", &to, "--json"].expect(0).json();
+    assert_eq!(json["pictures"], 0);
+    let page = |folder: &Path| fs::read_to_string(folder.join("report.html")).unwrap();
+    rayreel!["report", folder.path()].expect(0);
+    let (small, whole) = (page(&to), page(folder.path()));
+    let points = |page: &str| page.matches("paper-ss").count();
+    assert!(points(&small) > 0 && !small.contains("<img") && whole.contains("<img"), "figures, and no pictures");
+    rayreel!["report", &to, "--figures", &to, "--charts", &to].expect(2).says(&["cannot be used with"]);
+    rayreel!["report", &to.join("none"), "--figures", &to].expect(2).says(&["study.json"]);
+}
+
+/// The experiment at the paper's size, as it lies in the repository.
+#[test]
+fn a_page_of_what_was_released() {
+    let folder = tempfile::tempdir().unwrap();
+    let (released, page) =
+        (Path::new(env!("CARGO_MANIFEST_DIR")).join("releases/paper-full"), folder.path().join("x.html"));
+    rayreel!["report", &released, "-o", &page].expect(0);
+    let page = fs::read_to_string(page).unwrap();
+    assert!(page.contains("2048 × 1024 pixels") && page.contains("700 of 700 frames"));
+}
+
 #[test]
 fn errors_say_what_to_do() {
     let folder = tempfile::tempdir().unwrap();

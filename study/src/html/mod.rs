@@ -23,7 +23,7 @@ pub use error::ReportError;
 pub use load::load;
 
 use crate::analysis::load as results;
-use crate::files::write_named;
+use crate::files::{write_named, write_whole};
 use crate::schema::{FILE, Study};
 use crate::table::guard::guarded;
 
@@ -64,6 +64,20 @@ pub fn write_study(study: &Study, folder: &Path, file: &Path) -> crate::Result<W
     let (html, _) = guarded(|| page::page(study, &pictures)).map_err(odd)?;
     write_named(file, html.as_bytes()).map_err(|e| ReportError::Write { source: Box::new(e) })?;
     Ok(Written { bytes: html.len(), picture_bytes: pictures.bytes(), pictures: pictures.len() })
+}
+
+/// Writes the study in `folder` without its pictures into the folder `to`: a study like any other, small enough to keep. Gives its
+/// bytes.
+///
+/// # Errors
+/// When the study cannot be read, or the file cannot be written.
+pub fn write_figures(folder: &Path, to: &Path) -> crate::Result<usize, ReportError> {
+    let json = serde_json::to_string(&load(folder)?.without_pictures()).map(|json| json + "\n");
+    let file = to.join(FILE);
+    let json =
+        json.map_err(|_| ReportError::Odd { path: folder.join(FILE), why: "it cannot be written again".into() })?;
+    write_whole(&file, json.as_bytes()).map_err(|e| ReportError::Write { source: Box::new(e) })?;
+    Ok(json.len())
 }
 
 /// Writes every chart of the page of a study or of a replay into `to`, as `NAME.svg` and `NAME.csv`. Gives their names.

@@ -61,3 +61,11 @@ pub struct Study {
     /// Every value of the machine.
     pub config: Vec<ConfigValue>,
 }
+
+impl Study {
+    /// The same without pictures: no viewer and no maps, so that it needs no other files.
+    #[must_use]
+    pub fn without_pictures(self) -> Self {
+        Self { viewer: Vec::new(), maps: Vec::new(), ..self }
+    }
+}

@@ -83,6 +83,8 @@ pub fn section(view: &StudyView<'_>, pictures: &Pictures) -> Option<Section> {
     }
     let mut ids: BTreeMap<&str, usize> = BTreeMap::new();
     let (mut gallery, mut data) = (String::new(), Vec::new());
+    let all = sets.len() == view.study.points.len();
+    let note = if all { "" } else { "<p>Here are the pictures of some of the policies only.</p>\n" };
     for set in &sets {
         gallery += &format!("<h3>{}</h3>\n<div class=\"pictures\">\n", escape(&name(set)));
         let mut images = serde_json::Map::new();
@@ -106,7 +108,7 @@ pub fn section(view: &StudyView<'_>, pictures: &Pictures) -> Option<Section> {
         }));
     }
     let html = format!(
-        "{}<div class=\"gallery\">\n{gallery}</div>\n<script type=\"application/json\" id=\"viewer-data\">{}</script>\n",
+        "{note}{}<div class=\"gallery\">\n{gallery}</div>\n<script type=\"application/json\" id=\"viewer-data\">{}</script>\n",
         include_str!("../viewer.html"),
         script_json(&Value::Array(data))
     ) + &how_to_read(
