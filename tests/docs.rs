@@ -1,8 +1,8 @@
 //! The documents say what the program prints: commands that are cheap are run as they stand there, and their output is compared.
 //!
 //! A block is run if `<!-- run -->` stands on the line before it; before one whose commands end with another code than 0 stands
-//! `<!-- run 2 -->`, and what they print as errors is compared too. What is no command of rayreel is one of the shell. Blocks of one document share a folder and are run in order. A line
-//! `...` stands for any lines; a figure that depends on the clock stands for any other. Links between documents are followed too.
+//! `<!-- run 2 -->`, and what they print as errors is compared too. What is no command of rayreel is one of the shell. Blocks of one document share a folder, where `releases` of the repository is, and are run in
+//! order. A line `...` stands for any lines; a figure that depends on the clock stands for any other. Links between documents are followed too.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -95,6 +95,7 @@ fn difference(expected: &[String], actual: &[String]) -> Option<String> {
 /// Runs the examples of a document.
 fn check(document: &Path) -> usize {
     let folder = tempfile::tempdir().unwrap();
+    std::os::unix::fs::symlink(root().join("releases"), folder.path().join("releases")).unwrap();
     let all = examples(&fs::read_to_string(document).unwrap());
     for Example { line, command, code, expected } in &all {
         let place = format!("{}:{line}: {command}", document.display());
