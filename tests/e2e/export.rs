@@ -3,6 +3,10 @@
 use std::ffi::OsString;
 use std::path::Path;
 
+use rayreel_formats::Limits;
+use rayreel_formats::rays::RayEnd;
+use rayreel_formats::tile::ShadowState;
+use rayreel_formats::trace::Trace;
 use serde_json::Value;
 
 use crate::common::{Ran, capture, repository, run};
@@ -24,6 +28,46 @@ fn rows(ran: &Ran) -> u64 {
 fn piped(trace: &Path, options: &str) -> Vec<Value> {
     let ran = export(trace, &format!("{options} --format jsonl"), Path::new("-")).expect(0);
     ran.out.lines().map(|line| serde_json::from_str(line).unwrap()).collect()
+}
+
+/// On a third trace, of glass and several frames; `columns/tests` compares every column of the two in the repository.
+#[test]
+fn rows_are_the_rays_that_a_program_gets() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("chess.rtrace");
+    capture("chess", "--size 48x32 --samples 1x1 --frames 0..3", &file);
+    let columns =
+        "frame,tile,index,class,kind,outcome,t,origin_x,origin_y,origin_z,direction_x,direction_y,direction_z";
+    let rows = piped(&file, &format!("--what rays --columns {columns}"));
+    let trace = Trace::open(&file, Limits::default()).unwrap();
+    let tiles =
+        trace.meta().frame_numbers().flat_map(|frame| (0..trace.meta().tile_count()).map(move |tile| (frame, tile)));
+    let mut rays = tiles.flat_map(|(frame, tile)| {
+        let mut all = trace.rays(frame, tile).unwrap();
+        std::iter::from_fn(move || all.next().map(|ray| (frame, tile, ray)))
+    });
+    for row in &rows {
+        let (frame, tile, recorded) = rays.next().expect("as many rays as rows");
+        let is = |name: &str| row[name].as_u64().unwrap();
+        assert_eq!((is("frame"), is("tile"), is("index")), (frame.into(), tile.into(), recorded.index.into()));
+        assert_eq!((is("class"), row["kind"].as_str().unwrap()), (recorded.class.0.into(), recorded.kind().name()));
+        let (outcome, t) = match recorded.end {
+            RayEnd::Sky => ("miss", None),
+            RayEnd::Hit(hit) => ("hit", Some(hit.t)),
+            RayEnd::Light { state: ShadowState::Lit, .. } => ("lit", None),
+            RayEnd::Light { state: ShadowState::Blocked, .. } => ("blocked", None),
+            RayEnd::Light { .. } => ("tinted", None),
+        };
+        assert_eq!(row["outcome"], outcome);
+        let float = |name: &str| row[name].as_f64().unwrap() as f32;
+        if let Some(t) = t {
+            assert_eq!(float("t"), t, "every bit of it");
+        }
+        let [origin, direction] =
+            ["origin", "direction"].map(|what| ["x", "y", "z"].map(|axis| float(&format!("{what}_{axis}"))));
+        assert_eq!((origin, direction), (recorded.ray.origin.to_array(), recorded.ray.direction.to_array()));
+    }
+    assert!(rays.next().is_none() && rows.len() > 5000, "{} rows", rows.len());
 }
 
 #[test]
