@@ -31,6 +31,9 @@ pub(super) struct Batches {
     /// Rays that the T&I unit holds, and how many are few.
     room: usize,
     low: usize,
+    /// Rays that the output queue holds, and how many are too many for primary rays.
+    output: usize,
+    output_high: usize,
 }
 
 impl Batches {
@@ -43,12 +46,14 @@ impl Batches {
             most_of_shade: srp.batch_max.min(srp.gather_entries).max(1) as usize,
             room: config.unit_rays() as usize,
             low: config.low_rays() as usize,
+            output: srp.output_rays as usize,
+            output_high: (srp.output_rays * srp.output_high_percent / 100) as usize,
         }
     }
 
-    /// What a core with these tiles does next while so many of its rays are in the T&I unit.
-    pub fn next(&self, slots: &[Option<InFlight>], rays: usize) -> Turn {
-        let low = rays < self.low;
+    /// What a core with these tiles does next while so many of its rays are in the T&I unit; its SRP may run a batch if it is free.
+    pub fn next(&self, slots: &[Option<InFlight>], rays: usize, is_free: bool) -> Turn {
+        let (low, output) = (rays < self.low, rays.saturating_sub(self.room));
         let mut best: Option<(Rank, Turn)> = None;
         for (slot, tile) in slots.iter().enumerate() {
             let Some(tile) = tile else { continue };
@@ -66,8 +71,9 @@ impl Batches {
                 };
                 let grows = queue.kernel != KernelId::Raygen && tile.rays_out > 0;
                 let ready = self.is_ideal || items >= self.least || !grows || low && emits;
-                // While the unit has rays enough the SRP would wait for room in the output queue.
-                let waits = !self.is_ideal && emits && !low && rays > 0;
+                // While its output queue is full the SRP stands still, and primary rays are not begun long before.
+                let most_out = if queue.kernel == KernelId::Raygen { self.output_high + 1 } else { self.output };
+                let waits = !self.is_ideal && (!is_free || emits && output >= most_out);
                 if most > 0 && ready && !waits && best.as_ref().is_none_or(|(other, _)| rank > *other) {
                     best = Some((rank, Turn::Batch(slot, queue, most)));
                 }

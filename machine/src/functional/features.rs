@@ -3,7 +3,7 @@
 use crate::work::cost;
 
 /// How many there are.
-pub const FEATURES: usize = 8;
+pub const FEATURES: usize = 9;
 
 /// What is characteristic of a tile, of several, or of parts of them.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -24,6 +24,8 @@ enum Feature {
     Rays,
     /// The work of the SRPs.
     SrpWork,
+    /// T&I cycles of all cores, about: see [`Pace`](super::pace::Pace).
+    Cycles,
 }
 
 impl Features {
@@ -55,6 +57,15 @@ impl Features {
 
     pub(super) fn add_srp_cycles(&mut self, cycles: u64) {
         self.0[Feature::SrpCycles as usize] += cycles as f64;
+    }
+
+    /// SRP cycles of items, without prologues.
+    pub(super) fn srp_cycles(&self) -> f64 {
+        self.0[Feature::SrpCycles as usize]
+    }
+
+    pub(super) fn add_cycles(&mut self, cycles: f64) {
+        self.0[Feature::Cycles as usize] += cycles;
     }
 
     pub(super) fn add_srp_work(&mut self, cycles: u64) {

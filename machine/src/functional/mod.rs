@@ -3,8 +3,10 @@
 //! Tiles go through one after the other. What does not depend on time is exact: rays, visits, tests, stack operations, items of
 //! kernels, lines of transfers. What the caches find is nearly so, for the order of their accesses is made up:
 //!
-//! - the cores take turns, and the core that has done least comes first. While its T&I unit is low on rays its SRP runs batches,
-//!   by the rules of the SRP; else the unit works;
+//! - the cores take turns, the one first whose clock is furthest behind. A clock goes by what the unit and the SRP would take if
+//!   nothing else held them up (`pace.rs`);
+//! - when its SRP is free it runs a batch, by the rules of the SRP, as long as the rays find room in the output queue; else the unit
+//!   works;
 //! - a ray goes to the traversal unit that has fewest, and a unit takes one memory operation of each of its rays in turn;
 //! - leaf tasks are dealt to the intersection units in turn, and a line that misses is there for the next access;
 //! - DRAM serves lines in the order in which they are asked for.
@@ -18,6 +20,7 @@ mod exact;
 mod features;
 mod in_flight;
 mod memory;
+mod pace;
 mod rays;
 mod reads;
 mod shader;
@@ -40,6 +43,7 @@ use crate::work::topology::Topology;
 use batches::{Batches, Turn};
 use in_flight::InFlight;
 use memory::TagMemory;
+use pace::Pace;
 use rays::{RayTracer, RaysInside};
 use shader::Shader;
 
@@ -54,6 +58,7 @@ pub struct FunctionalMachine<'a> {
     /// Tiles that were given.
     given: usize,
     batches: Batches,
+    pace: Pace,
     batch: Vec<u32>,
     sent: Vec<u32>,
     finished: Vec<RayRef>,
@@ -70,8 +75,11 @@ pub struct FunctionalMachine<'a> {
 struct Core {
     slots: Vec<Option<InFlight>>,
     inside: RaysInside,
-    /// How much it has done.
+    /// How far its T&I unit is, T&I cycles.
     time: f64,
+    /// How far its SRP is. A batch may have begun during the last turn of the unit, which took so long.
+    srp: f64,
+    last: f64,
 }
 
 /// A machine in the middle of a frame: what its caches hold, and what is left of the tiles that it works on.
@@ -87,7 +95,7 @@ impl<'a> FunctionalMachine<'a> {
     pub fn new(config: &MachineConfig, tree: &'a Topology, shape: FrameShape) -> Self {
         let slots = config.gpu.tiles_in_flight.clamp(1, 255) as usize;
         let inside = RaysInside::new(config.ti.trv as usize);
-        let core = Core { slots: vec![None; slots], inside, time: 0.0 };
+        let core = Core { slots: vec![None; slots], inside, time: 0.0, srp: 0.0, last: 0.0 };
         Self {
             tree,
             rays: RayTracer::new(config),
@@ -97,6 +105,7 @@ impl<'a> FunctionalMachine<'a> {
             cores: vec![core; config.gpu.cores as usize],
             given: 0,
             batches: Batches::new(config),
+            pace: Pace::new(config),
             batch: Vec::new(),
             sent: Vec::new(),
             finished: Vec::new(),
@@ -200,17 +209,29 @@ impl<'a> FunctionalMachine<'a> {
         let now = self.now();
         let busy = |core: &Core| core.slots.iter().any(Option::is_some) && core.time <= now;
         let Some(number) = self.cores.iter().position(busy) else { return false };
-        let (before, lines) = (self.done.cost(), self.memory.lines());
-        let core = &self.cores[number];
-        match self.batches.next(&core.slots, core.inside.rays()) {
+        let (before, lines) = (self.done.srp_cycles(), self.memory.lines());
+        let core = &mut self.cores[number];
+        let began = core.time;
+        if core.inside.rays() == 0 {
+            // The unit waits for the SRP.
+            core.time = core.time.max(core.srp);
+        }
+        let mut prologue = 0.0;
+        match self.batches.next(&core.slots, core.inside.rays(), core.srp <= core.time) {
             Turn::Step(slot) => self.step(number, slot),
-            Turn::Batch(slot, queue, most) => self.run_batch(number, slot, queue, most),
+            Turn::Batch(slot, queue, most) => {
+                prologue = self.shader.prologue(queue.kernel);
+                self.run_batch(number, slot, queue, most);
+            }
             Turn::Trace => self.trace(number),
         }
         self.warm.drop_evicted(self.memory.evicted());
         self.done.add_lines(self.memory.lines() - lines);
-        // A turn takes some time even where nothing is traced.
-        self.cores[number].time += (self.done.cost() - before).max(1.0);
+        let (core, cycles) = (&mut self.cores[number], self.pace.of_srp(prologue + self.done.srp_cycles() - before));
+        self.done.add_cycles(core.time - began);
+        if cycles > 0.0 {
+            core.srp = core.srp.max(core.time - core.last) + cycles;
+        }
         true
     }
 
@@ -258,11 +279,13 @@ impl<'a> FunctionalMachine<'a> {
 
     /// Lets the T&I unit work.
     fn trace(&mut self, core: usize) {
-        let Self { tree, rays, shader, warm, memory, stats, finished, cores, done, progress, .. } = self;
+        let Self { tree, rays, shader, warm, memory, stats, finished, cores, done, progress, pace, .. } = self;
         let (tags, counted) = (&mut warm.cores[core], &mut stats.cores[core]);
-        let Core { slots, inside, .. } = &mut cores[core];
+        let Core { slots, inside, time, last, .. } = &mut cores[core];
         finished.clear();
-        rays.trace((tree, slots, inside), tags, (counted, &mut warm.l2, memory), (done, finished));
+        let turned = rays.trace((tree, slots, inside), tags, (counted, &mut warm.l2, memory), (done, finished));
+        *last = pace.of_turn(&turned).max(1.0);
+        *time += *last;
         for RayRef { slot, ray } in finished.iter() {
             let Some(tile) = &mut slots[usize::from(*slot)] else { continue };
             let RestOfTile { work, queues, .. } = &mut tile.rest;

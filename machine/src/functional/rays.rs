@@ -6,6 +6,7 @@ use super::caches::CoreTags;
 use super::features::Features;
 use super::in_flight::InFlight;
 use super::memory::TagMemory;
+use super::pace::Turned;
 use crate::config::{MachineConfig, Pipeline};
 use crate::link::RayRef;
 use crate::memory::{CacheCounters, Tags};
@@ -131,21 +132,21 @@ impl RayTracer {
         }
     }
 
-    /// One memory operation of each ray of a unit, a few times. Rays that finish go to `finished`.
+    /// One memory operation of each ray of a unit. Rays that finish go to `finished`. Gives what was done.
     pub fn trace(
         &self,
         (tree, slots, inside): (&Topology, &[Option<InFlight>], &mut RaysInside),
         tags: &mut CoreTags,
         (counted, l2, memory): (&mut CoreStats, &mut Tags, &mut TagMemory),
         (features, finished): (&mut Features, &mut Vec<RayRef>),
-    ) {
-        const ROUNDS: u32 = 4;
+    ) -> Turned {
         let ops: Vec<&[Op]> =
             slots.iter().map(|tile| tile.as_ref().map_or(&[][..], |tile| &tile.rest.work.ops)).collect();
         let mut ist_events = vec![IstEvents::default(); tags.ist.len()];
         let (mut visits, mut tests, mut misses) = (0, 0, 0);
-        let before = finished.len();
+        let (before, lines) = (finished.len(), memory.lines());
         inside.deal(slots, self.rays_per_trv);
+        let mut turned = Turned { rays: inside.units.iter().map(|unit| unit.len() as u64).sum(), ..Turned::default() };
         let RaysInside { units, next_ist, .. } = inside;
         for ((index, trv), flying) in tags.trv.iter_mut().enumerate().zip(units) {
             let mut unit = Unit {
@@ -161,15 +162,13 @@ impl RayTracer {
                 l1: CacheCounters::default(),
                 ist_events: &mut ist_events,
             };
-            for _ in 0..ROUNDS {
-                flying.retain_mut(|ray| {
-                    let goes_on = self.step(ray, ops[usize::from(ray.ray.slot)], &mut unit);
-                    if !goes_on {
-                        finished.push(ray.ray);
-                    }
-                    goes_on
-                });
-            }
+            flying.retain_mut(|ray| {
+                let goes_on = self.step(ray, ops[usize::from(ray.ray.slot)], &mut unit);
+                if !goes_on {
+                    finished.push(ray.ray);
+                }
+                goes_on
+            });
             let Unit { mut events, node_lines, triangle_lines, mut l1, .. } = unit;
             events.box_tests = 2 * events.node_visits;
             // The second pass of a visit finds what the first has brought.
@@ -177,6 +176,9 @@ impl RayTracer {
             visits += events.node_visits;
             tests += events.triangle_tests;
             misses += l1.misses;
+            turned.issued = turned.issued.max(events.node_visits * self.passes + events.triangle_tests);
+            turned.leaves += events.leaves;
+            turned.stack_operations += events.stack_operations;
             let counted = &mut counted.ti.trv[index];
             if !self.software {
                 counted.buffer.record_writes += events.node_visits * self.passes + events.triangle_tests;
@@ -200,6 +202,9 @@ impl RayTracer {
         counted.ti.dispatch.rays += rays;
         features.add_traversal(visits, tests, rays);
         features.add_misses(misses, ist_misses);
+        (turned.visits, turned.tests, turned.misses) =
+            (visits, if self.unified { 0 } else { tests }, misses + ist_misses);
+        Turned { lines: memory.lines() - lines, ..turned }
     }
 
     /// Goes on to the next operation that reads memory; false at the end.

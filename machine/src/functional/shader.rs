@@ -120,6 +120,11 @@ impl Shader {
         bytes
     }
 
+    /// SRP cycles of a batch beside those of its items.
+    pub fn prologue(&self, kernel: KernelId) -> f64 {
+        self.costs.prologue(kernel) as f64
+    }
+
     /// Starts rays.
     pub fn generate(&self, rays: usize, counted: &mut CoreStats, features: &mut Features) {
         let items = rays as u64;

@@ -8,12 +8,12 @@
 
 use rayreel_machine::functional::Features;
 
-/// Rates in order of use, as places among the features: lines of DRAM, triangle tests, SRP cycles, misses of traversal and of
-/// intersection units, rays.
-const RATES: [usize; 6] = [4, 1, 5, 2, 3, 6];
+/// Rates in order of use, as places among the features: cycles as the pass takes them to be, lines of DRAM, triangle tests, SRP
+/// cycles, misses of traversal and of intersection units, rays.
+const RATES: [usize; 7] = [8, 4, 1, 5, 2, 3, 6];
 
 /// Windows that a rate takes to be used.
-const WINDOWS_A_RATE: usize = 8;
+const WINDOWS_A_RATE: usize = 12;
 
 /// How much rates are kept from pulling, as a part of their variance.
 const RIDGE: f64 = 0.05;
