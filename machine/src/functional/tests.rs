@@ -116,3 +116,44 @@ fn a_machine_that_begins_warm_misses_less() {
     let resumed = misses(System::resume(&config, &tree, SHAPE, &warm));
     assert!(resumed < cold, "{resumed} of {cold}");
 }
+
+/// The same tiles through every cycle.
+fn simulated(config: &MachineConfig, tree: &Topology, work: &[Arc<TileWork>]) -> Stats {
+    let mut system = System::<crate::memory::MemorySystem>::new(config, tree, SHAPE);
+    work.iter().for_each(|tile| system.feed(TileWork::clone(tile), &mut NoProbe).unwrap());
+    system.finish(&mut NoProbe).unwrap().0
+}
+
+/// Where one ray is out at a time only the order of the rays is left, and that is the SRP's.
+#[test]
+fn one_ray_at_a_time_finds_what_a_simulation_finds() {
+    let alone = ["gpu.cores=1", "ti.trv=1", "ti.rays_per_trv=1", "ti.ray_fifo_entries=1", "gpu.tiles_in_flight=1"];
+    let small = ["ti.trv_l1.size=4KiB", "ti.ist_l1.size=2KiB", "l2.size=32KiB"];
+    let (tree, config) = (balanced_topology(9, 2), config(&[&alone[..], &small].concat()));
+    let work = tiles(&tree, 12);
+    let mut machine = FunctionalMachine::new(&config, &tree, SHAPE);
+    work.iter().for_each(|tile| machine.feed(Arc::clone(tile)));
+    machine.finish();
+    let (counted, simulated) = (machine.stats(), simulated(&config, &tree, &work));
+    let misses = |stats: &Stats| {
+        let ist: u64 = stats.ist().map(|unit| unit.l1.misses).sum();
+        [sum(stats, |unit| unit.l1.misses), ist, stats.memory.l2.lookups, stats.memory.l2.misses]
+    };
+    for (counted, simulated) in misses(&counted).into_iter().zip(misses(&simulated)) {
+        assert!(simulated > 1000 && counted.abs_diff(simulated) * 50 < simulated, "{counted} of {simulated}");
+    }
+}
+
+#[test]
+fn the_clock_is_near_that_of_a_simulation() {
+    for sets in [&[][..], &["srp.clock_mhz=250"], &["ti.rays_per_trv=8"], &["gpu.cores=2", "ti.ist=2"]] {
+        let (tree, config) = (balanced_topology(8, 2), config(sets));
+        let work = tiles(&tree, 60);
+        let mut machine = FunctionalMachine::new(&config, &tree, SHAPE);
+        work.iter().for_each(|tile| machine.feed(Arc::clone(tile)));
+        machine.finish();
+        let clock = machine.done().0[8] / f64::from(config.gpu.cores);
+        let cycles = simulated(&config, &tree, &work).cycles as f64;
+        assert!((0.7..1.1).contains(&(clock / cycles)), "{sets:?}: {clock} of {cycles}");
+    }
+}
