@@ -197,14 +197,14 @@ impl<'a> FunctionalMachine<'a> {
         Stats { memory: self.memory.stats(), ..self.stats.clone() }
     }
 
-    /// How far the core is that has done least.
+    /// How far the core is that is furthest behind.
     fn now(&self) -> f64 {
         let busy = self.cores.iter().filter(|core| core.slots.iter().any(Option::is_some));
         let now = busy.map(|core| core.time).fold(f64::INFINITY, f64::min);
         if now.is_finite() { now } else { 0.0 }
     }
 
-    /// Lets the core that has done least take its next turn. False where nothing is left.
+    /// Lets the core that is furthest behind take its next turn. False where nothing is left.
     pub fn take_turn(&mut self) -> bool {
         let now = self.now();
         let busy = |core: &Core| core.slots.iter().any(Option::is_some) && core.time <= now;

@@ -28,7 +28,7 @@ pub(super) struct Pace {
     stack: f64,
     miss: f64,
     line: f64,
-    /// T&I cycles of a SRP cycle.
+    /// T&I cycles of a SRP cycle, 0 where the SRP takes no time.
     srp: f64,
 }
 
@@ -46,7 +46,7 @@ impl Pace {
             stack: cycles(ti.stack_cycles),
             miss: cycles(l2.latency_cycles),
             line: cycles(read) * cycles(ti.clock_mhz) / cycles(dram.clock_mhz.max(1)),
-            srp: cycles(ti.clock_mhz) / cycles(config.srp.clock_mhz.max(1)),
+            srp: if config.srp.ideal { 0.0 } else { cycles(ti.clock_mhz) / cycles(config.srp.clock_mhz.max(1)) },
         }
     }
 

@@ -146,7 +146,9 @@ fn one_ray_at_a_time_finds_what_a_simulation_finds() {
 
 #[test]
 fn the_clock_is_near_that_of_a_simulation() {
-    for sets in [&[][..], &["srp.clock_mhz=250"], &["ti.rays_per_trv=8"], &["gpu.cores=2", "ti.ist=2"]] {
+    for sets in
+        [&[][..], &["srp.clock_mhz=250"], &["srp.ideal=true"], &["ti.rays_per_trv=8"], &["gpu.cores=2", "ti.ist=2"]]
+    {
         let (tree, config) = (balanced_topology(8, 2), config(sets));
         let work = tiles(&tree, 60);
         let mut machine = FunctionalMachine::new(&config, &tree, SHAPE);
