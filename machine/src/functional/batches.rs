@@ -53,13 +53,17 @@ impl Batches {
 
     /// What a core with these tiles does next while so many of its rays are in the T&I unit; its SRP may run a batch if it is free.
     pub fn next(&self, slots: &[Option<InFlight>], rays: usize, is_free: bool) -> Turn {
+        let idle = |tile: &InFlight| tile.rays_out == 0 && tile.rest.queues.items() == 0;
+        if let Some(slot) = slots.iter().position(|tile| tile.as_ref().is_some_and(idle)) {
+            return Turn::Step(slot);
+        }
+        if !self.is_ideal && !is_free {
+            return Turn::Trace;
+        }
         let (low, output) = (rays < self.low, rays.saturating_sub(self.room));
         let mut best: Option<(Rank, Turn)> = None;
         for (slot, tile) in slots.iter().enumerate() {
             let Some(tile) = tile else { continue };
-            if tile.rays_out == 0 && tile.rest.queues.items() == 0 {
-                return Turn::Step(slot);
-            }
             tile.rest.queues.each(|queue, items| {
                 let most = self.most(queue.kernel, rays);
                 let emits = queue.kernel.emits();
@@ -73,7 +77,7 @@ impl Batches {
                 let ready = self.is_ideal || items >= self.least || !grows || low && emits;
                 // While its output queue is full the SRP stands still, and primary rays are not begun long before.
                 let most_out = if queue.kernel == KernelId::Raygen { self.output_high + 1 } else { self.output };
-                let waits = !self.is_ideal && (!is_free || emits && output >= most_out);
+                let waits = !self.is_ideal && emits && output >= most_out;
                 if most > 0 && ready && !waits && best.as_ref().is_none_or(|(other, _)| rank > *other) {
                     best = Some((rank, Turn::Batch(slot, queue, most)));
                 }
