@@ -107,6 +107,10 @@ fn figures(args: &Args, folder: &Path) -> Result<Exit> {
     if html::is_of_sweep(&args.input) || replay::is_of_replay(&args.input) {
         bail!("--figures is for the folder of a study, and {} has no study.json; leave it out", args.input.display());
     }
+    let place = |folder: &Path| folder.canonicalize().ok();
+    if place(folder).is_some_and(|to| Some(to) == place(&args.input)) {
+        bail!("--figures {} would take the pictures out of the study itself; give another folder", folder.display());
+    }
     let (file, bytes) = (folder.join(schema::FILE), html::write_figures(&args.input, folder)?);
     if args.json {
         print_json(&json!({ "file": file.display().to_string(), "bytes": bytes }))?;

@@ -1,8 +1,9 @@
 //! The documents say what the program prints: commands that are cheap are run as they stand there, and their output is compared.
 //!
 //! A block is run if `<!-- run -->` stands on the line before it; before one whose commands end with another code than 0 stands
-//! `<!-- run 2 -->`, and what they print as errors is compared too. What is no command of rayreel is one of the shell. Blocks of one document share a folder, where `releases` of the repository is, and are run in
-//! order. A line `...` stands for any lines; a figure that depends on the clock stands for any other. Links between documents are followed too.
+//! `<!-- run 2 -->`, and what they print as errors is compared too. What is no command of rayreel is one of the shell. Blocks of one document
+//! share a folder, where `releases` of the repository is, and are run in order. A line `...` stands for any lines; a figure that depends on
+//! the clock stands for any other. Links between documents are followed too.
 
 use std::fs;
 use std::path::{Path, PathBuf};

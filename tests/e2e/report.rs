@@ -38,6 +38,9 @@ fn a_study_without_its_pictures_is_a_study() {
     let points = |page: &str| page.matches("paper-ss").count();
     assert!(points(&small) > 0 && !small.contains("<img") && whole.contains("<img"), "figures, and no pictures");
     rayreel!["report", &to, "--figures", &to, "--charts", &to].expect(2).says(&["cannot be used with"]);
+    let study = fs::read(folder.path().join("study.json")).unwrap();
+    rayreel!["report", folder.path(), "--figures", folder.path()].expect(2).says(&["give another folder"]);
+    assert_eq!(fs::read(folder.path().join("study.json")).unwrap(), study, "nothing is lost");
     rayreel!["report", &to.join("none"), "--figures", &to].expect(2).says(&["study.json"]);
 }
 

@@ -15,6 +15,11 @@ impl MachineConfig {
         (self.unit_rays() * self.srp.rays_low_percent).div_ceil(100)
     }
 
+    /// With more rays than this in its output queue a core begins no primary rays.
+    pub fn output_high_rays(&self) -> u32 {
+        self.srp.output_rays * self.srp.output_high_percent / 100
+    }
+
     /// Bytes of the stacks of a traversal unit.
     pub fn stack_bytes(&self) -> u64 {
         let ti = &self.ti;

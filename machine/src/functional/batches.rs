@@ -47,7 +47,7 @@ impl Batches {
             room: config.unit_rays() as usize,
             low: config.low_rays() as usize,
             output: srp.output_rays as usize,
-            output_high: (srp.output_rays * srp.output_high_percent / 100) as usize,
+            output_high: config.output_high_rays() as usize,
         }
     }
 

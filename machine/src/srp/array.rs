@@ -82,7 +82,7 @@ impl Array {
             batch_min: config.srp.batch_min.max(1) as usize,
             batch_max: config.srp.batch_max.max(1) as usize,
             output_rays: config.srp.output_rays.max(1) as usize,
-            output_high: (config.srp.output_rays * config.srp.output_high_percent / 100) as usize,
+            output_high: config.output_high_rays() as usize,
             low_rays: config.low_rays() as usize,
             batch: Batch::none(),
             running: None,
