@@ -90,11 +90,8 @@ fn export(args: &Args, quiet: bool) -> Result<()> {
     (data.policy, data.machine) = (policy.as_ref(), machine.as_ref());
     data.interval = args.interval.unwrap_or(data.interval);
     data.stop = progress::stop_on_signal();
-    let mut head = data.head().map_err(plain)?;
-    if !args.columns.is_empty() {
-        head = head.only(&args.columns).map_err(plain)?;
-    }
-    let encoder = Encoder::new(format, head).map_err(plain)?;
+    data.columns.clone_from(&args.columns);
+    let encoder = data.head().and_then(|head| Encoder::new(format, head)).map_err(plain)?;
     let piped = args.output == Path::new("-");
     let mut sink = if piped {
         Sink::stream(&encoder, "standard output", Box::new(std::io::stdout()))

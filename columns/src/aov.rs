@@ -22,18 +22,19 @@ pub const NONE: u32 = u32::MAX;
 /// A frame that is not in the trace, a damaged trace, a policy that does not suit it, an interruption.
 pub fn channels(trace: &Trace, policy: &NamedPolicy, frame: u32, stop: &Stop) -> Result<Vec<Channel>> {
     let mut planes = Planes::new(trace);
-    let data = |what| -> Result<Data<'_>> {
-        let data = Data::new(trace, what);
-        Ok(Data { selection: data.selection.clone().frames(frame..frame + 1)?, stop: stop.clone(), ..data })
+    let data = |what, columns: Vec<&str>| -> Result<Data<'_>> {
+        let (data, columns) = (Data::new(trace, what), columns.into_iter().map(str::to_string).collect());
+        Ok(Data { selection: data.selection.clone().frames(frame..frame + 1)?, columns, stop: stop.clone(), ..data })
     };
-    data(What::Hits)?.run(Use {
+    let named = |channels: &[(&str, &'static str)]| channels.iter().map(|(_, column)| *column).collect::<Vec<_>>();
+    data(What::Hits, [vec!["x", "y", "ray", "shadows"], named(&OF_HITS), named(&OF_THINGS)].concat())?.run(Use {
         make: &Ok,
         take: &mut |batch, _| {
             planes.hits(&batch);
             Ok(())
         },
     })?;
-    data(What::Samples)?.run(Use {
+    data(What::Samples, [vec!["x", "y"], named(&OF_SAMPLES)].concat())?.run(Use {
         make: &Ok,
         take: &mut |batch, _| {
             planes.samples(&batch);

@@ -16,8 +16,8 @@ use rayreel_replay::{NamedPolicy, Options, Replayer, Stop};
 use crate::error::{ColumnsError, Result};
 use crate::order::{Gathered, ROWS, ordered};
 use crate::rows::{
-    AddressRows, Addresses, HitRows, NodeRows, RayRows, SampleRows, Samples, StepRows, TileRows, ancestors, nodes,
-    triangle_words, triangles,
+    AddressRows, Addresses, HIT_COLOURS, HitRows, Hits, NodeRows, RayRows, SAMPLE_COLOURS, SAMPLE_WORK, SampleRows,
+    Samples, StepRows, TileRows, ancestors, nodes, triangle_words, triangles,
 };
 use crate::schema::{Batch, Head};
 use crate::select::Selection;
@@ -36,6 +36,9 @@ pub struct Data<'a> {
     pub what: What,
     /// Of which frames and tiles; tables that are not of tiles take no notice of it.
     pub selection: Selection,
+    /// The columns that are looked at, in the order of [`Data::head`]; all if there is no name. Batches have all columns of the
+    /// table, but what takes long to decode is 0 where nobody looks at it.
+    pub columns: Vec<String>,
     /// The policy: of samples only if there is one; simulated tables take `full` if there is none.
     pub policy: Option<&'a NamedPolicy>,
     /// The machine of tables that depend on one.
@@ -58,16 +61,23 @@ impl<'a> Data<'a> {
     /// A table of all of a trace, without policy and machine.
     pub fn new(trace: &'a Trace, what: What) -> Self {
         let selection = Selection::all(trace.meta());
-        Self { trace, what, selection, policy: None, machine: None, interval: 1000, stop: Stop::never() }
+        let (columns, stop) = (Vec::new(), Stop::never());
+        Self { trace, what, selection, columns, policy: None, machine: None, interval: 1000, stop }
     }
 
-    /// All columns, before the first row.
+    /// The columns, before the first row.
     ///
     /// # Errors
-    /// As [`Data::check`].
+    /// As [`Data::check`] and [`Head::only`].
     pub fn head(&self) -> Result<Head> {
         self.check()?;
-        Ok(Head::new(self.what.table(), &self.empty()?))
+        let head = Head::new(self.what.table(), &self.empty()?);
+        if self.columns.is_empty() { Ok(head) } else { head.only(&self.columns) }
+    }
+
+    /// Whether one of these columns is looked at.
+    fn looks_at(&self, columns: &[&str]) -> bool {
+        self.columns.is_empty() || self.columns.iter().any(|column| columns.contains(&column.as_str()))
     }
 
     /// A batch without rows.
@@ -139,14 +149,17 @@ impl<'a> Data<'a> {
     /// All batches, in order; the same for any number of threads.
     ///
     /// # Errors
-    /// As [`Data::check`]; a trace that lacks a tile or is damaged; what the use of a batch returns.
+    /// As [`Data::head`]; a trace that lacks a tile or is damaged; what the use of a batch returns.
     pub fn run<T: Send>(&self, to: Use<'_, T>) -> Result<()> {
-        self.check()?;
+        self.head()?;
         let (trace, bvh) = (self.trace, self.trace.bvh());
         let tree = || Arc::new(Topology::new(bvh));
         match self.what {
             What::Rays => self.tile_rows::<RayRows, T>(to, |_| Ok(())),
-            What::Hits => self.tile_rows::<HitRows, T>(to, |_| Ok(())),
+            What::Hits => {
+                let colours = self.looks_at(&HIT_COLOURS);
+                self.tile_rows::<HitRows, T>(to, |_| Ok(Hits { colours }))
+            }
             What::Steps => {
                 let tree = tree();
                 self.tile_rows::<StepRows, T>(to, |_| Ok(Arc::clone(&tree)))
@@ -218,7 +231,8 @@ impl<'a> Data<'a> {
         self.tile_rows::<SampleRows, T>(to, |frame| {
             let replayed = replayer.as_mut().map(|replayer| replayer.frame(frame)).transpose()?;
             let states = replayed.map(|frame| Arc::new((frame.states, frame.blocks)));
-            Ok(Samples { tree: Arc::clone(&tree), states })
+            let (colours, work) = (self.looks_at(&SAMPLE_COLOURS), self.looks_at(&SAMPLE_WORK));
+            Ok(Samples { colours, work, tree: Arc::clone(&tree), states })
         })
     }
 

@@ -1,6 +1,9 @@
 //! Batches made in parallel and taken in order, few at a time.
 
-use std::ops::Range;
+use std::collections::BTreeMap;
+use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
+use std::sync::mpsc;
+use std::time::Duration;
 
 use rayon::prelude::*;
 
@@ -11,27 +14,50 @@ use crate::schema::Batch;
 pub const ROWS: usize = 1 << 17;
 
 /// Calls `make` for 0 to `count` - 1 in parallel and gives what comes of it to `take` in this order, which meanwhile is made for the
-/// next ones. So much is in memory at a time as two numbers a thread, twice.
+/// next ones. So much is in memory at a time as two numbers a thread, and what is being taken.
 ///
 /// # Errors
 /// The first in order; what comes before it was taken.
 pub fn ordered<T: Send>(
     count: usize,
     make: impl Fn(usize) -> Result<T> + Sync,
-    take: &mut (impl FnMut(T) -> Result<()> + Send),
+    take: &mut impl FnMut(T) -> Result<()>,
 ) -> Result<()> {
-    let group = 2 * rayon::current_num_threads();
-    let make_all = |range: Range<usize>| -> Vec<Result<T>> { range.into_par_iter().map(&make).collect() };
-    let mut next = group.min(count);
-    let mut made = make_all(0..next);
-    while !made.is_empty() {
-        let range = next..(next + group).min(count);
-        next = range.end;
-        let (taken, more) = rayon::join(|| made.into_iter().try_for_each(|one| take(one?)), || make_all(range));
-        taken?;
-        made = more;
+    let (send, made) = mpsc::channel();
+    rayon::in_place_scope(|scope| {
+        let start = |number: usize| {
+            let (send, make) = (send.clone(), &make);
+            scope.spawn(move |_| {
+                // Who takes must hear of a panic too, or would wait for ever. After an error nobody takes.
+                let _ = send.send((number, catch_unwind(AssertUnwindSafe(|| make(number)))));
+            });
+        };
+        let under_way = (2 * rayon::current_num_threads()).min(count);
+        (0..under_way).for_each(start);
+        let mut early = BTreeMap::new();
+        for number in 0..count {
+            let one = loop {
+                match early.remove(&number) {
+                    Some(one) => break one,
+                    None => early.extend(wait(&made)),
+                }
+            };
+            if number + under_way < count {
+                start(number + under_way);
+            }
+            take(one.unwrap_or_else(|panic| resume_unwind(panic))?)?;
+        }
+        Ok(())
+    })
+}
+
+/// The next that is made. A thread of the pool works on meanwhile: what it waits for may be its own to make.
+fn wait<T>(made: &mpsc::Receiver<T>) -> Option<T> {
+    match rayon::yield_now() {
+        None => made.recv().ok(),
+        Some(rayon::Yield::Executed) => made.try_recv().ok(),
+        Some(rayon::Yield::Idle) => made.recv_timeout(Duration::from_millis(1)).ok(),
     }
-    Ok(())
 }
 
 /// Rows that come one by one from a simulation, gathered into batches that are made into something in parallel.
@@ -89,5 +115,20 @@ mod tests {
             Ok(())
         });
         assert_eq!((error.unwrap_err().to_string(), taken), ("9".into(), (0..9).collect::<Vec<_>>()));
+    }
+
+    #[test]
+    fn a_pool_of_one_thread_makes_what_it_waits_for_and_a_panic_ends_the_wait() {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+        let mut sum = 0;
+        let mut take = |i| {
+            sum += i;
+            Ok(())
+        };
+        pool.install(|| ordered(100, Ok, &mut take)).unwrap();
+        assert_eq!(sum, 4950);
+        let make = |i: usize| if i == 7 { panic!("seven") } else { Ok(i) };
+        let ended = catch_unwind(|| ordered(100, make, &mut |_| Ok(())));
+        assert_eq!(ended.unwrap_err().downcast_ref(), Some(&"seven"));
     }
 }

@@ -5,7 +5,7 @@ mod common;
 use std::collections::BTreeMap;
 
 use common::{Rows, traces};
-use rayreel_columns::{Data, Selection, What};
+use rayreel_columns::{Column as Values, Data, Selection, What};
 use rayreel_formats::Trace;
 use rayreel_formats::intersect::intersect;
 use rayreel_formats::rays::RayEnd;
@@ -263,5 +263,36 @@ fn geometry_is_that_of_the_tree() {
                 break; // words are looked up anew for each
             }
         }
+    }
+}
+
+/// Whichever columns are looked at hold what they hold beside all others, and what is left out is 0, not something else.
+#[test]
+fn columns_that_are_left_out_change_no_other() {
+    let groups: [(What, &[&[&str]]); 2] = [
+        (What::Hits, &[&["t", "triangle"], &["reflect_g", "x"], &["shadows"]]),
+        (What::Samples, &[&["rays", "shadow_rays"], &["r", "b", "rays"], &["pops"], &["state", "node_visits", "g"]]),
+    ];
+    for trace in traces() {
+        for (what, groups) in groups {
+            let all = Rows::of(&Data::new(&trace, what));
+            for group in groups {
+                let columns = group.iter().map(|name| (*name).to_string()).collect();
+                let data = Data { columns, ..Data::new(&trace, what) };
+                assert_eq!(data.head().unwrap().columns().map(|(column, _)| column.name).collect::<Vec<_>>(), *group);
+                let found = Rows::of(&data);
+                assert_eq!(found.len(), all.len());
+                for column in what.table().columns.iter().map(|column| column.name) {
+                    let is_zero = || {
+                        matches!(found.column(column), Values::F32(v) if v.iter().all(|v| *v == 0.0))
+                            || matches!(found.column(column), Values::U32(v) if v.iter().all(|v| *v == 0))
+                    };
+                    let same = format!("{:?}", found.column(column)) == format!("{:?}", all.column(column));
+                    assert!(same || (!group.contains(&column) && is_zero()), "{column} beside {group:?}");
+                }
+            }
+        }
+        let wrong = Data { columns: vec!["colour".into()], ..Data::new(&trace, What::Hits) };
+        assert!(wrong.collect().unwrap_err().to_string().starts_with("table hits has no column \"colour\""));
     }
 }

@@ -61,6 +61,7 @@ impl Wanted {
             trace,
             what: self.what,
             selection: self.selection.clone(),
+            columns: self.columns.clone().unwrap_or_default(),
             policy: self.policy.as_ref(),
             machine: self.machine.as_ref(),
             interval: self.interval,

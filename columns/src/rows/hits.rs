@@ -46,13 +46,25 @@ table! {
     }
 }
 
+/// The columns that are made of recorded colours.
+pub(crate) const COLOURS: [&str; 9] =
+    ["local_r", "local_g", "local_b", "reflect_r", "reflect_g", "reflect_b", "refract_r", "refract_g", "refract_b"];
+
+/// What is read of hits.
+#[derive(Clone, Copy, Debug)]
+pub struct Hits {
+    /// Their colours; without, these columns are 0.
+    pub colours: bool,
+}
+
 impl TileRows for HitRows {
     const TABLE: &'static Table = &Self::TABLE;
     const ROWS_A_SAMPLE: u32 = 4;
-    type With = ();
+    type With = Hits;
 
-    fn add(&mut self, trace: &Trace, _: &(), (frame, number): (u32, u32)) -> Result<()> {
-        let tile = trace.tile(frame, number, &[Column::Hits, Column::Radiance])?;
+    fn add(&mut self, trace: &Trace, with: &Hits, (frame, number): (u32, u32)) -> Result<()> {
+        let columns: &[Column] = if with.colours { &[Column::Hits, Column::Radiance] } else { &[Column::Hits] };
+        let tile = trace.tile(frame, number, columns)?;
         let (bvh, numbers) = (trace.bvh(), tile.tree.ray_index());
         let geometry = Geometry { bvh, camera: trace.camera(frame)? };
         let mut rays = TileRays::new(tile, geometry, &trace.meta().lights);
@@ -63,7 +75,7 @@ impl TileRows for HitRows {
             let first = numbers[tile.tree.sample(recorded.sample as usize).start];
             let triangle = bvh.triangles[hit.triangle as usize];
             let met = surface(&recorded.ray, hit.t, bvh.corners(hit.triangle as usize), hit.normal);
-            let (normal, colours) = (hit.normal.decode(), tile.radiance[node]);
+            let (normal, colours) = (hit.normal.decode(), tile.radiance.get(node).copied().unwrap_or_default());
             let [local, reflect, refract] =
                 [colours.local, colours.reflect, colours.refract].map(|half| half.to_vec3());
             self.frame.push(frame);

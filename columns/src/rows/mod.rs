@@ -17,9 +17,11 @@ use crate::schema::{Batch, Table};
 
 pub use addresses::{AddressRows, Addresses};
 pub use geometry::{NodeRows, TriangleRows, ancestors, nodes, triangle_words, triangles};
-pub use hits::HitRows;
+pub(crate) use hits::COLOURS as HIT_COLOURS;
+pub use hits::{HitRows, Hits};
 pub use kinds::{Asked, Kind, Outcome};
 pub use rays::RayRows;
+pub(crate) use samples::{COLOURS as SAMPLE_COLOURS, WORK as SAMPLE_WORK};
 pub use samples::{SampleRows, Samples, State};
 pub use steps::{At, StepOutcome, StepRows};
 

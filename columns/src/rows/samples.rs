@@ -2,7 +2,8 @@
 
 use std::sync::Arc;
 
-use rayreel_formats::tile::composite;
+use rayreel_formats::math::Vec3;
+use rayreel_formats::tile::{Column, composite};
 use rayreel_formats::trace::Trace;
 use rayreel_machine::work::check::PathCounts;
 use rayreel_machine::work::topology::Topology;
@@ -63,9 +64,18 @@ table! {
     }
 }
 
-/// What samples follow from beside the trace.
+/// The columns that are made of recorded colours.
+pub(crate) const COLOURS: [&str; 3] = ["r", "g", "b"];
+/// The columns that are made of paths.
+pub(crate) const WORK: [&str; 3] = ["node_visits", "triangle_tests", "pops"];
+
+/// What is read of samples, and what they follow from beside the trace.
 #[derive(Clone, Debug)]
 pub struct Samples {
+    /// Their colours; without, these columns are 0.
+    pub colours: bool,
+    /// The paths of their rays, which take most of the time; without, the work on them is 0.
+    pub work: bool,
     /// The tree.
     pub tree: Arc<Topology>,
     /// What a policy made of the frame at hand.
@@ -78,17 +88,19 @@ impl TileRows for SampleRows {
     type With = Samples;
 
     fn add(&mut self, trace: &Trace, with: &Samples, (frame, index): (u32, u32)) -> Result<()> {
-        let mut sums: Vec<(u32, PathCounts)> = Vec::new();
-        let tile = each_path(trace, &with.tree, (frame, index), |tile, at, _, counts| {
-            sums.resize(tile.rect.len(), Default::default());
-            let (shadows, sum) = &mut sums[at.sample as usize];
-            *shadows += u32::from(at.shadow);
-            *sum += counts;
-        })?;
-        for (sample, (shadows, counts)) in (0..).zip(&sums) {
+        let mut sums = vec![PathCounts::default(); trace.meta().tile_rect(index).len()];
+        let tile = if with.work {
+            each_path(trace, &with.tree, (frame, index), |_, at, _, counts| sums[at.sample as usize] += counts)?
+        } else {
+            let columns: &[Column] = if with.colours { &[Column::Radiance] } else { &[] };
+            Arc::new(trace.tile(frame, index, columns)?)
+        };
+        for (sample, counts) in (0..).zip(&sums) {
             let (x, y) = place(&tile, sample);
-            let nodes = tile.tree.sample(sample as usize);
-            let colour = composite(&tile.tree.nodes[nodes.clone()], &tile.radiance[nodes]);
+            let of = tile.tree.sample(sample as usize);
+            let nodes = &tile.tree.nodes[of.clone()];
+            let colour = if with.colours { composite(nodes, &tile.radiance[of]) } else { Vec3::ZERO };
+            let shadow_rays: u32 = nodes.iter().map(|node| node.shadows.count()).sum();
             let (state, round, block) = match with.states.as_deref() {
                 Some((states, blocks)) => (states.state(x, y).into(), states.round(x, y), blocks.at(x, y)),
                 None => (State::Recorded, 0, 1),
@@ -100,8 +112,8 @@ impl TileRows for SampleRows {
             self.r.push(colour.x);
             self.g.push(colour.y);
             self.b.push(colour.z);
-            self.rays.push(counts.rays as u32);
-            self.shadow_rays.push(*shadows);
+            self.rays.push(nodes.len() as u32 + shadow_rays);
+            self.shadow_rays.push(shadow_rays);
             self.node_visits.push(counts.node_visits as u32);
             self.triangle_tests.push(counts.triangle_tests as u32);
             self.pops.push((counts.pops + counts.culled) as u32);
