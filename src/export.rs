@@ -90,7 +90,7 @@ fn export(args: &Args, quiet: bool) -> Result<()> {
     (data.policy, data.machine) = (policy.as_ref(), machine.as_ref());
     data.interval = args.interval.unwrap_or(data.interval);
     data.stop = progress::stop_on_signal();
-    data.columns.clone_from(&args.columns);
+    data.columns = (!args.columns.is_empty()).then(|| args.columns.clone());
     let encoder = data.head().and_then(|head| Encoder::new(format, head)).map_err(plain)?;
     let piped = args.output == Path::new("-");
     let mut sink = if piped {

@@ -23,7 +23,8 @@ pub const NONE: u32 = u32::MAX;
 pub fn channels(trace: &Trace, policy: &NamedPolicy, frame: u32, stop: &Stop) -> Result<Vec<Channel>> {
     let mut planes = Planes::new(trace);
     let data = |what, columns: Vec<&str>| -> Result<Data<'_>> {
-        let (data, columns) = (Data::new(trace, what), columns.into_iter().map(str::to_string).collect());
+        let data = Data::new(trace, what);
+        let columns = Some(columns.into_iter().map(str::to_string).collect());
         Ok(Data { selection: data.selection.clone().frames(frame..frame + 1)?, columns, stop: stop.clone(), ..data })
     };
     let named = |channels: &[(&str, &'static str)]| channels.iter().map(|(_, column)| *column).collect::<Vec<_>>();

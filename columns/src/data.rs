@@ -36,9 +36,9 @@ pub struct Data<'a> {
     pub what: What,
     /// Of which frames and tiles; tables that are not of tiles take no notice of it.
     pub selection: Selection,
-    /// The columns that are looked at, in the order of [`Data::head`]; all if there is no name. Batches have all columns of the
-    /// table, but what takes long to decode is 0 where nobody looks at it.
-    pub columns: Vec<String>,
+    /// The columns that are looked at, in this order, or all. Batches have all columns of the table, but what takes long to decode is 0
+    /// where nobody looks at it.
+    pub columns: Option<Vec<String>>,
     /// The policy: of samples only if there is one; simulated tables take `full` if there is none.
     pub policy: Option<&'a NamedPolicy>,
     /// The machine of tables that depend on one.
@@ -61,23 +61,26 @@ impl<'a> Data<'a> {
     /// A table of all of a trace, without policy and machine.
     pub fn new(trace: &'a Trace, what: What) -> Self {
         let selection = Selection::all(trace.meta());
-        let (columns, stop) = (Vec::new(), Stop::never());
-        Self { trace, what, selection, columns, policy: None, machine: None, interval: 1000, stop }
+        Self { trace, what, selection, columns: None, policy: None, machine: None, interval: 1000, stop: Stop::never() }
     }
 
-    /// The columns, before the first row.
+    /// The columns that are looked at, before the first row.
     ///
     /// # Errors
     /// As [`Data::check`] and [`Head::only`].
     pub fn head(&self) -> Result<Head> {
         self.check()?;
         let head = Head::new(self.what.table(), &self.empty()?);
-        if self.columns.is_empty() { Ok(head) } else { head.only(&self.columns) }
+        match &self.columns {
+            Some(columns) => head.only(columns),
+            None => Ok(head),
+        }
     }
 
     /// Whether one of these columns is looked at.
     fn looks_at(&self, columns: &[&str]) -> bool {
-        self.columns.is_empty() || self.columns.iter().any(|column| columns.contains(&column.as_str()))
+        let looked_at = self.columns.as_ref();
+        looked_at.is_none_or(|names| names.iter().any(|name| columns.contains(&name.as_str())))
     }
 
     /// A batch without rows.
@@ -168,7 +171,7 @@ impl<'a> Data<'a> {
                 let with = Arc::new(Addresses::new(trace, self.config()?));
                 self.tile_rows::<AddressRows, T>(to, |_| Ok(Arc::clone(&with)))
             }
-            What::Samples => self.samples(to, tree()),
+            What::Samples => self.samples(to),
             What::Nodes => {
                 let above = ancestors(bvh);
                 chunks(to, bvh.nodes.len(), |range| nodes(bvh, &above, range).batch())
@@ -223,7 +226,9 @@ impl<'a> Data<'a> {
         Ok(())
     }
 
-    fn samples<T: Send>(&self, to: Use<'_, T>, tree: Arc<Topology>) -> Result<()> {
+    fn samples<T: Send>(&self, to: Use<'_, T>) -> Result<()> {
+        let colours = self.looks_at(&SAMPLE_COLOURS);
+        let work = self.looks_at(&SAMPLE_WORK).then(|| Arc::new(Topology::new(self.trace.bvh())));
         let mut replayer = match self.policy {
             Some(policy) => Some(Replayer::new(self.trace, &policy.policy, NO_PICTURES)?.with_stop(self.stop.clone())),
             None => None,
@@ -231,8 +236,7 @@ impl<'a> Data<'a> {
         self.tile_rows::<SampleRows, T>(to, |frame| {
             let replayed = replayer.as_mut().map(|replayer| replayer.frame(frame)).transpose()?;
             let states = replayed.map(|frame| Arc::new((frame.states, frame.blocks)));
-            let (colours, work) = (self.looks_at(&SAMPLE_COLOURS), self.looks_at(&SAMPLE_WORK));
-            Ok(Samples { colours, work, tree: Arc::clone(&tree), states })
+            Ok(Samples { colours, work: work.clone(), states })
         })
     }
 

@@ -266,33 +266,44 @@ fn geometry_is_that_of_the_tree() {
     }
 }
 
-/// Whichever columns are looked at hold what they hold beside all others, and what is left out is 0, not something else.
+/// Whichever columns are looked at hold what they hold beside all others; what is left out holds that too, or 0 where nobody decoded it.
 #[test]
 fn columns_that_are_left_out_change_no_other() {
-    let groups: [(What, &[&[&str]]); 2] = [
-        (What::Hits, &[&["t", "triangle"], &["reflect_g", "x"], &["shadows"]]),
-        (What::Samples, &[&["rays", "shadow_rays"], &["r", "b", "rays"], &["pops"], &["state", "node_visits", "g"]]),
-    ];
+    let all_of = |rows: &Rows, column| format!("{:?}", rows.column(column));
+    let is_zero = |rows: &Rows, column| match rows.column(column) {
+        Values::F32(values) => values.iter().all(|value| *value == 0.0),
+        Values::U32(values) => values.iter().all(|value| *value == 0),
+        _ => false,
+    };
     for trace in traces() {
-        for (what, groups) in groups {
+        for (what, dear) in
+            [(What::Hits, &["local_g", "refract_b"][..]), (What::Samples, &["g", "pops", "node_visits"])]
+        {
             let all = Rows::of(&Data::new(&trace, what));
-            for group in groups {
-                let columns = group.iter().map(|name| (*name).to_string()).collect();
+            let names: Vec<_> = what.table().columns.iter().map(|column| column.name).collect();
+            let alone = names.iter().map(|name| vec![*name]);
+            for asked in alone.chain([vec![dear[0], "x"], vec!["y", dear[1], dear[0]]]) {
+                let columns = Some(asked.iter().map(|name| (*name).to_string()).collect());
                 let data = Data { columns, ..Data::new(&trace, what) };
-                assert_eq!(data.head().unwrap().columns().map(|(column, _)| column.name).collect::<Vec<_>>(), *group);
+                assert!(data.head().unwrap().columns().map(|(column, _)| column.name).eq(asked.iter().copied()));
                 let found = Rows::of(&data);
-                assert_eq!(found.len(), all.len());
-                for column in what.table().columns.iter().map(|column| column.name) {
-                    let is_zero = || {
-                        matches!(found.column(column), Values::F32(v) if v.iter().all(|v| *v == 0.0))
-                            || matches!(found.column(column), Values::U32(v) if v.iter().all(|v| *v == 0))
-                    };
-                    let same = format!("{:?}", found.column(column)) == format!("{:?}", all.column(column));
-                    assert!(same || (!group.contains(&column) && is_zero()), "{column} beside {group:?}");
+                for &name in &names {
+                    let (same, looked_at) = (all_of(&found, name) == all_of(&all, name), asked.contains(&name));
+                    assert!(same || !looked_at && is_zero(&found, name), "{name} beside {asked:?}");
+                }
+                if asked == ["x"] {
+                    assert!(
+                        dear.iter().all(|name| is_zero(&found, name) && !is_zero(&all, name)),
+                        "nothing is decoded"
+                    );
                 }
             }
         }
-        let wrong = Data { columns: vec!["colour".into()], ..Data::new(&trace, What::Hits) };
-        assert!(wrong.collect().unwrap_err().to_string().starts_with("table hits has no column \"colour\""));
+        let error = |columns: &[&str]| {
+            let columns = Some(columns.iter().map(|name| (*name).to_string()).collect());
+            Data { columns, ..Data::new(&trace, What::Hits) }.collect().unwrap_err().to_string()
+        };
+        assert!(error(&["colour"]).starts_with("table hits has no column \"colour\""));
+        assert!(error(&[]).starts_with("no column is asked for"));
     }
 }

@@ -61,7 +61,7 @@ impl Wanted {
             trace,
             what: self.what,
             selection: self.selection.clone(),
-            columns: self.columns.clone().unwrap_or_default(),
+            columns: self.columns.clone(),
             policy: self.policy.as_ref(),
             machine: self.machine.as_ref(),
             interval: self.interval,
@@ -71,11 +71,7 @@ impl Wanted {
 
     /// The columns that are wanted.
     pub fn head(&self, trace: &Trace) -> PyResult<Head> {
-        let head = self.data(trace, &Stop::never()).head().map_err(|e| raise(&e))?;
-        match &self.columns {
-            Some(names) => head.only(names).map_err(|e| raise(&e)),
-            None => Ok(head),
-        }
+        self.data(trace, &Stop::never()).head().map_err(|e| raise(&e))
     }
 }
 

@@ -74,10 +74,8 @@ pub(crate) const WORK: [&str; 3] = ["node_visits", "triangle_tests", "pops"];
 pub struct Samples {
     /// Their colours; without, these columns are 0.
     pub colours: bool,
-    /// The paths of their rays, which take most of the time; without, the work on them is 0.
-    pub work: bool,
-    /// The tree.
-    pub tree: Arc<Topology>,
+    /// The tree that their rays walk through: their paths are read, which takes most of the time. Without, the work on them is 0.
+    pub work: Option<Arc<Topology>>,
     /// What a policy made of the frame at hand.
     pub states: Option<Arc<(StateMap, Blocks)>>,
 }
@@ -89,8 +87,9 @@ impl TileRows for SampleRows {
 
     fn add(&mut self, trace: &Trace, with: &Samples, (frame, index): (u32, u32)) -> Result<()> {
         let mut sums = vec![PathCounts::default(); trace.meta().tile_rect(index).len()];
-        let tile = if with.work {
-            each_path(trace, &with.tree, (frame, index), |_, at, _, counts| sums[at.sample as usize] += counts)?
+        let tile = if let Some(tree) = &with.work {
+            // Colours come with the paths.
+            each_path(trace, tree, (frame, index), |_, at, _, counts| sums[at.sample as usize] += counts)?
         } else {
             let columns: &[Column] = if with.colours { &[Column::Radiance] } else { &[] };
             Arc::new(trace.tile(frame, index, columns)?)
