@@ -5,6 +5,7 @@
 //! memory requests of one cycle are served by core and unit. A core whose tile slot is free takes the next tile of the frame,
 //! the first core first. Every frame begins with cold caches and empty pipelines.
 
+use std::iter::Peekable;
 use std::sync::Arc;
 
 use crate::component::{Component, Tick};
@@ -168,26 +169,28 @@ impl<'a> System<'a, MemorySystem> {
         Stats { cycles: self.now.0, tiles: self.tiles, cores, memory: self.memory.report() }
     }
 
-    /// Takes tiles as it has room, and works until so much is done, or all.
+    /// Takes tiles as it has room, and works until so much is done, or all. What it has no room for stays with `tiles`.
     ///
     /// # Errors
     /// [`MachineError::Deadlock`] if the machine stands still.
-    pub fn work_until(&mut self, done: f64, tiles: &mut impl Iterator<Item = Arc<TileWork>>) -> Result<()> {
-        let mut waiting = tiles.next();
+    pub fn work_until<I>(&mut self, done: f64, tiles: &mut Peekable<I>) -> Result<()>
+    where
+        I: Iterator<Item = Arc<TileWork>>,
+    {
         loop {
             // Looking at all units takes as long as a short event.
             for _ in 0..EVENTS_BETWEEN_LOOKS {
                 if let Some(core) = self.free_core()
-                    && let Some(work) = waiting.take()
+                    && let Some(work) = tiles.next()
                 {
                     self.give(core, work);
-                    waiting = tiles.next();
                     continue;
                 }
-                if waiting.is_none() && self.is_done() {
+                let more = tiles.peek().is_some();
+                if !more && self.is_done() {
                     return Ok(());
                 }
-                self.advance(waiting.is_some(), &mut NoProbe)?;
+                self.advance(more, &mut NoProbe)?;
             }
             if self.done() >= done {
                 return Ok(());

@@ -99,6 +99,25 @@ fn what_is_done_and_what_is_left_at_a_checkpoint_is_all() {
     assert!(rest.tiles == 3 && visits(&rest) > 0 && visits(&before) > 0);
 }
 
+/// However often it stops on the way, every tile is worked on.
+#[test]
+fn a_simulation_that_works_in_steps_loses_no_tile() {
+    let (tree, config) = (balanced_topology(8, 2), config(&[]));
+    let work = tiles(&tree, 12);
+    let mut system = System::<crate::memory::MemorySystem>::new(&config, &tree, SHAPE);
+    let mut left = work.iter().map(Arc::clone).peekable();
+    let mut steps = 0;
+    while left.peek().is_some() {
+        system.work_until(system.done() + 1000.0, &mut left).unwrap();
+        steps += 1;
+    }
+    let in_steps = system.finish(&mut NoProbe).unwrap().0;
+    let at_once = simulated(&config, &tree, &work);
+    assert!(steps > 3, "{steps}");
+    assert_eq!((in_steps.tiles, in_steps.rays()), (at_once.tiles, at_once.rays()));
+    assert_eq!(in_steps.cycles, at_once.cycles);
+}
+
 #[test]
 fn a_machine_that_begins_warm_misses_less() {
     let (tree, config) = (balanced_topology(8, 2), config(&[]));

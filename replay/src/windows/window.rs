@@ -51,7 +51,7 @@ impl Window {
     /// [`crate::ReplayError::Machine`] if the machine stands still, and an interruption.
     pub fn simulate(self, config: &MachineConfig, tree: &Topology, shape: FrameShape, stop: &Stop) -> Result<Measured> {
         let Self { from, tiles, warm_up, features, is_last, is_certain } = self;
-        let mut tiles = tiles.into_iter().take_while(|_| stop.check().is_ok());
+        let mut tiles = tiles.into_iter().take_while(|_| stop.check().is_ok()).peekable();
         let mut system = match &from {
             Some(from) => System::resume(config, tree, shape, from),
             None => System::new(config, tree, shape),
