@@ -20,7 +20,7 @@ const WORTH: f64 = 0.6;
 /// Where all is simulated: tiles of a window for each slot of the machine, and tiles of its warm-up. Each seam between two
 /// windows costs accuracy, and the warm-up of each costs time; but the tiles of a window are in memory together.
 const LONG_WINDOW: usize = 16;
-/// With one tile a slot the time of frames that are soon done was up to 1.7 % off, with four at most 0.5 % (docs/detail.md).
+/// With one tile a slot the time of frames that are soon done was up to 1.7 % off, with four at most 0.4 % (docs/detail.md).
 const LONG_WARM_UP: f64 = 4.0;
 
 /// Where a window lies, in tiles that are done before.
