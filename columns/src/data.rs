@@ -156,7 +156,6 @@ impl<'a> Data<'a> {
     pub fn run<T: Send>(&self, to: Use<'_, T>) -> Result<()> {
         self.head()?;
         let (trace, bvh) = (self.trace, self.trace.bvh());
-        let tree = || Arc::new(Topology::new(bvh));
         match self.what {
             What::Rays => self.tile_rows::<RayRows, T>(to, |_| Ok(())),
             What::Hits => {
@@ -164,7 +163,7 @@ impl<'a> Data<'a> {
                 self.tile_rows::<HitRows, T>(to, |_| Ok(Hits { colours }))
             }
             What::Steps => {
-                let tree = tree();
+                let tree = Arc::new(Topology::new(bvh));
                 self.tile_rows::<StepRows, T>(to, |_| Ok(Arc::clone(&tree)))
             }
             What::Addresses => {
