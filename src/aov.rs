@@ -1,13 +1,16 @@
 //! `rayreel aov`: what a frame holds beside its colours, as layers of an EXR file.
 
+use std::io::Read;
 use std::path::PathBuf;
 
 use anyhow::{Result, bail};
 use rayreel_columns::{ColumnsError, aov};
+use rayreel_formats::container::MAGIC;
+use rayreel_formats::scene::Meta;
 use rayreel_formats::trace::{Codec, Trace, digest};
-use rayreel_replay::NamedPolicy;
 use rayreel_replay::image::files::ExrNotes;
 use rayreel_replay::image::layers::write_layers;
+use rayreel_replay::{NamedPolicy, ReplayError};
 use rayreel_store::Location;
 use rayreel_study::cluster::shell::line;
 use rayreel_study::point::version::MODEL_VERSION;
@@ -58,6 +61,16 @@ pub struct Args {
 }
 
 pub fn run(args: &Args) -> Result<Exit> {
+    match layers(args) {
+        Err(error) if matches!(error.downcast_ref(), Some(ReplayError::Interrupted)) => {
+            eprintln!("interrupted; nothing was written");
+            Ok(Exit::Interrupted)
+        }
+        ended => ended,
+    }
+}
+
+fn layers(args: &Args) -> Result<Exit> {
     if !args.output.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("exr")) {
         bail!("{} is written as EXR; let its name end in .exr", args.output.display());
     }
@@ -83,16 +96,21 @@ pub fn run(args: &Args) -> Result<Exit> {
     Ok(Exit::Done)
 }
 
-/// Whether a trace is meant: by its name, for a scene may be a word.
+/// Whether a trace is meant: by its name, for a scene may be a word, or by how the file begins.
 fn is_trace(text: &str) -> bool {
-    text.ends_with(".rtrace") || text.contains("://")
+    let begins = || {
+        let mut begin = [0; MAGIC.len()];
+        let read = std::fs::File::open(text).and_then(|mut file| file.read_exact(&mut begin));
+        read.is_ok() && begin == MAGIC
+    };
+    text.ends_with(".rtrace") || text.contains("://") || begins()
 }
 
 /// A flag that was given and is for a scene alone.
 fn scene_flag(args: &Args) -> Option<&'static str> {
     let grid =
         [("--size", args.size.is_some()), ("--samples", args.samples.is_some()), ("--depth", args.depth.is_some())];
-    grid.into_iter().find(|(_, given)| *given).map(|(flag, _)| flag).or_else(|| args.scene.first_flag())
+    grid.into_iter().find(|(_, given)| *given).map(|(flag, _)| flag).or_else(|| args.scene.changes.first_flag())
 }
 
 /// The frame of a scene, traced into a file that goes when the program ends.
@@ -110,7 +128,7 @@ fn traced(args: &Args, path: PathBuf) -> Result<Trace> {
     let output = CaptureOutput { path: path.clone(), codec: Codec::Context, level: 1, resume: false };
     match capture::capture(&scene, &built, &meta, &output, |_| !stop.is_requested())? {
         CaptureOutcome::Finished(_) => open(&path),
-        CaptureOutcome::Interrupted(_) => Err(rayreel_replay::ReplayError::Interrupted.into()),
+        CaptureOutcome::Interrupted(_) => Err(ReplayError::Interrupted.into()),
     }
 }
 
@@ -127,6 +145,17 @@ fn notes(args: &Args, trace: &Trace, policy: &NamedPolicy, frame: u32) -> Result
     let name = |text: &str| text.rsplit(['/', '\\']).next().unwrap_or(text).to_owned();
     let mut words = vec!["rayreel".into(), "aov".into(), name(&args.scene.scene), "--frame".into(), frame.to_string()];
     words.extend(["--policy".into(), name(&args.policy)]);
+    if !is_trace(&args.scene.scene) {
+        let Meta { width, height, samples, max_depth, .. } = trace.meta();
+        words.extend([
+            "--size".into(),
+            format!("{width}x{height}"),
+            "--samples".into(),
+            format!("{samples}x{samples}"),
+        ]);
+        words.extend(["--depth".into(), max_depth.to_string()]);
+        words.extend(args.scene.changes.words());
+    }
     words.extend(args.overrides.iter().flat_map(|text| ["--set".to_owned(), text.clone()]));
     let about = json!({
         "model_version": MODEL_VERSION, "scene": trace.meta().scene, "trace_fingerprint": trace.fingerprint()?.to_string(),

@@ -3,7 +3,7 @@
 use std::io::Write;
 use std::path::Path;
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 use rayreel_formats::scene::Meta;
 use rayreel_formats::trace::Trace;
 use rayreel_replay::image::Image;
@@ -80,18 +80,18 @@ pub fn frames(text: &str) -> Result<(u32, u32), String> {
     if first < end { Ok((first, end - first)) } else { Err(wrong()) }
 }
 
-/// Loads a scene and tells its warnings.
-pub fn load_scene(spec: &str) -> Result<Scene> {
-    let scene = rayreel_scenes::load(spec)?;
-    tell_warnings(&scene);
-    Ok(scene)
-}
-
 /// Tells what was odd in a scene's files.
 pub fn tell_warnings(scene: &Scene) {
     for warning in &scene.warnings {
-        eprintln!("warning: {} ({} times)", warning.message, warning.count);
+        eprintln!("warning: {} ({} times)", printable(&warning.message), warning.count);
     }
+}
+
+/// Text with names from files, for a terminal: control characters are escaped, so that no name moves the cursor, changes colours or
+/// begins a line.
+pub fn printable(text: &str) -> String {
+    let escaped = |c: char| if c.is_control() { c.escape_default().to_string() } else { c.to_string() };
+    text.chars().map(escaped).collect()
 }
 
 /// Builds a scene's BVH.
@@ -125,6 +125,15 @@ pub fn meta(scene: &Scene, grid: &GridArgs, tile: u32, first_frame: u32, frames:
 /// Opens a trace.
 pub fn open(path: &Path) -> Result<Trace> {
     Ok(Trace::open(path, memory::limits())?)
+}
+
+/// Refuses an output that would take the place of an input.
+pub fn keep_input(output: &Path, input: &Path) -> Result<()> {
+    let place = |path: &Path| path.canonicalize().ok();
+    if place(output).is_some_and(|to| Some(to) == place(input)) {
+        bail!("{} is what is read; name another file to write", output.display());
+    }
+    Ok(())
 }
 
 /// Writes to standard output; the caller decides what a closed pipe means.
@@ -170,6 +179,12 @@ mod tests {
         for wrong in ["0x0", "9x9", "2x3", "2", "", "x", "02x02"] {
             assert!(samples(wrong).is_err(), "{wrong}");
         }
+    }
+
+    #[test]
+    fn names_do_not_write_to_the_terminal() {
+        assert_eq!(printable("Stra\u{df}e"), "Stra\u{df}e");
+        assert_eq!(printable("\u{1b}[31mx\nerror: y\u{7f}"), "\\u{1b}[31mx\\nerror: y\\u{7f}");
     }
 
     #[test]

@@ -3,11 +3,12 @@
 use std::path::PathBuf;
 
 use anyhow::{Result, bail};
+use rayreel_study::StudyError;
 use rayreel_study::compare::run::ACROSS;
 use rayreel_study::compare::{Comparison, Options, Select, Side, json, text};
 
 use crate::common::{print, print_json};
-use crate::exit::Exit;
+use crate::exit::{self, Exit};
 
 /// Compare two results of sweeps, or two runs: which values changed, by how much, which points came and went. Exits with 1 if
 /// anything did.
@@ -50,6 +51,14 @@ pub fn run(args: &Args) -> Result<Exit> {
             args.a.display(),
             args.b.display()
         );
+    }
+    for (side, path) in [(&a, &args.a), (&b, &args.b)] {
+        if side.results().rows() == 0 {
+            return Err(exit::blaming(
+                Exit::BadData,
+                StudyError::Usage { detail: format!("{} holds no results", path.display()) },
+            ));
+        }
     }
     let of_runs = a.is_run().then_some(ACROSS).into_iter().flatten().map(|name| (*name).to_owned());
     let across = of_runs.chain(args.across.iter().cloned()).collect();

@@ -72,11 +72,7 @@ pub fn of(error: &anyhow::Error) -> Exit {
         let report = cause.downcast_ref().is_some_and(ReportError::is_bad_data);
         let study = study_error(cause).is_some_and(StudyError::is_bad_data);
         let columns = cause.downcast_ref().is_some_and(ColumnsError::is_bad_data);
-        scene
-            || report
-            || study
-            || columns
-            || matches!(cause.downcast_ref(), Some(ReplayError::Corrupt { ray: None, .. }))
+        scene || report || study || columns || matches!(cause.downcast_ref(), Some(ReplayError::Corrupt { .. }))
     };
     if error.chain().any(bad_data) {
         return Exit::BadData;

@@ -9,7 +9,7 @@ use rayreel_machine::NamedMachine;
 use rayreel_machine::config::schema::is_machine_override;
 use rayreel_replay::{NamedPolicy, ReplayError};
 
-use crate::common::{frames, print};
+use crate::common::{frames, keep_input, print};
 use crate::exit::Exit;
 use crate::progress::{self, Progress};
 use crate::traces::TraceArgs;
@@ -73,7 +73,8 @@ fn format(text: &str) -> Result<Format, String> {
 pub fn run(args: &Args, quiet: bool) -> Result<Exit> {
     match export(args, quiet) {
         Err(error) if matches!(error.downcast_ref(), Some(ReplayError::Interrupted)) => {
-            eprintln!("interrupted; nothing was written");
+            let piped = args.output == Path::new("-");
+            eprintln!("interrupted{}", if piped { "" } else { "; nothing was written" });
             Ok(Exit::Interrupted)
         }
         ended => ended.map(|()| Exit::Done),
@@ -84,6 +85,7 @@ fn export(args: &Args, quiet: bool) -> Result<()> {
     let format = output_format(args)?;
     let (policy, machine) = settings(args)?;
     check(args)?;
+    args.trace.path().map_or(Ok(()), |trace| keep_input(&args.output, trace))?;
     let trace = args.trace.open()?;
     let mut data = Data::new(&trace, args.what);
     data.selection = selection(args, trace.meta()).map_err(plain)?;

@@ -7,7 +7,7 @@ use rayreel_formats::tile::{Column, RayKind};
 use rayreel_formats::trace::{Scratch, Trace};
 use serde_json::{Value, json};
 
-use crate::common::{lacks, print, print_json};
+use crate::common::{lacks, print, print_json, printable};
 use crate::exit::Exit;
 use crate::traces::TraceArgs;
 
@@ -109,7 +109,12 @@ fn table(trace: &Trace, rays: &[u64; 4]) -> String {
     );
     line(
         "scene",
-        format!("{}, {} triangles, {} objects", meta.scene, trace.bvh().triangles.len(), trace.bvh().objects.len()),
+        format!(
+            "{}, {} triangles, {} objects",
+            printable(&meta.scene),
+            trace.bvh().triangles.len(),
+            trace.bvh().objects.len()
+        ),
     );
     line(
         "image",

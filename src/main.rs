@@ -136,7 +136,8 @@ fn main() -> ExitCode {
         // Whoever reads our output has seen enough (`rayreel scenes list | head -1`).
         Err(error) if exit::is_broken_pipe(&error) => Exit::Done.into(),
         Err(error) => {
-            eprintln!("error: {error:#}{}", memory::hint(&error));
+            let lines: Vec<String> = format!("{error:#}").lines().map(common::printable).collect();
+            eprintln!("error: {}{}", lines.join("\n"), memory::hint(&error));
             exit::of(&error).into()
         }
     }

@@ -41,8 +41,8 @@ use crate::traces::TraceArgs;
 pub struct Args {
     #[command(flatten)]
     trace: TraceArgs,
-    /// Preset (full, paper-ss, paper-us, adaptive, adaptive-4, adaptive-8, multirate, quality, aggressive, foveated,
-    /// whitted1980, mitchell1987, jin2009, kim2016) or policy file (.toml).
+    /// Preset (full, paper-ss, paper-us, adaptive, adaptive-4, adaptive-8, multirate, quality, aggressive, temporal,
+    /// foveated, whitted1980, mitchell1987, jin2009, kim2016) or policy file (.toml).
     #[arg(long, default_value = "adaptive", value_name = "NAME|FILE")]
     policy: String,
     /// Preset (see `rayreel presets list`) or machine file (.toml); none gives pictures and ray counts only, which is faster.

@@ -9,7 +9,7 @@ use rayreel_study::point::wanted::Kind;
 use rayreel_study::schema;
 use serde_json::json;
 
-use crate::common::{print, print_json};
+use crate::common::{keep_input, print, print_json};
 use crate::exit::Exit;
 
 /// Make one HTML page of a study that `rayreel paper` wrote, of a replay, or of the results of a sweep.
@@ -58,6 +58,10 @@ fn kind(text: &str) -> Result<Kind, String> {
 }
 
 pub fn run(args: &Args) -> Result<Exit> {
+    if args.input.file_name().is_some_and(|name| name == "stats.json" || name == schema::FILE) {
+        let folder = args.input.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        bail!("{} is a part of its folder; name the folder: {}", args.input.display(), folder.display());
+    }
     if let Some(kind) = args.animate {
         return animate(args, kind);
     }
@@ -73,6 +77,7 @@ pub fn run(args: &Args) -> Result<Exit> {
 fn sweep(args: &Args) -> Result<Exit> {
     let (results, from) = load::load(&args.input)?;
     let file = args.output.clone().unwrap_or_else(|| from.with_extension("html"));
+    keep_input(&file, &from)?;
     let written = html::sweep::write(&results, &file)?;
     if args.json {
         print_json(&json!({

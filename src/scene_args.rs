@@ -10,6 +10,20 @@ use crate::common::tell_warnings;
 pub struct SceneArgs {
     /// Built-in scene, scene file (.toml) or model (.obj, .gltf, .glb).
     pub scene: String,
+    #[command(flatten)]
+    pub changes: SceneChanges,
+}
+
+impl SceneArgs {
+    /// Loads the scene for `frames` frames from `frame` on, with what the flags replace, and tells its warnings.
+    pub fn load(&self, frame: u32, frames: u32) -> Result<Scene> {
+        self.changes.load(&self.scene, frame, frames)
+    }
+}
+
+/// What to replace of a scene.
+#[derive(Clone, Debug, clap::Args)]
+pub struct SceneChanges {
     /// Where the camera stands, in every frame, instead of where the scene says.
     #[arg(long, value_name = "X,Y,Z", value_parser = triple, allow_hyphen_values = true)]
     eye: Option<[f32; 3]>,
@@ -33,10 +47,10 @@ pub struct SceneArgs {
     fps: Option<f64>,
 }
 
-impl SceneArgs {
-    /// Loads the scene for `frames` frames from `frame` on, with what the flags replace, and tells its warnings.
-    pub fn load(&self, frame: u32, frames: u32) -> Result<Scene> {
-        let mut scene = rayreel_scenes::load_with(&self.scene, &LoadOptions { fps: self.fps, frame, frames })?;
+impl SceneChanges {
+    /// Loads scene `name` for `frames` frames from `frame` on, with what the flags replace, and tells its warnings.
+    pub fn load(&self, name: &str, frame: u32, frames: u32) -> Result<Scene> {
+        let mut scene = rayreel_scenes::load_with(name, &LoadOptions { fps: self.fps, frame, frames })?;
         tell_warnings(&scene);
         self.overrides().apply(&mut scene)?;
         Ok(scene)
@@ -54,6 +68,18 @@ impl SceneArgs {
             ("--fps", self.fps.is_some()),
         ];
         given.into_iter().find(|(_, given)| *given).map(|(flag, _)| flag)
+    }
+
+    /// The flags that were given, as words of a command.
+    pub fn words(&self) -> Vec<String> {
+        let list = |numbers: &[f32]| numbers.iter().map(f32::to_string).collect::<Vec<_>>().join(",");
+        let triple = |flag: &str, value: Option<[f32; 3]>| value.map(|v| [flag.to_owned(), list(&v)]);
+        let one = |flag: &str, value: Option<String>| value.map(|v| [flag.to_owned(), v]);
+        let before = [triple("--eye", self.eye), triple("--target", self.target), triple("--up", self.up)];
+        let lights = self.light.iter().map(|light| Some(["--light".to_owned(), list(light)]));
+        let behind = [triple("--sky", self.sky), one("--fps", self.fps.map(|fps| fps.to_string()))];
+        let fov = std::iter::once(one("--fov", self.fov.map(|fov| fov.to_string())));
+        before.into_iter().chain(fov).chain(lights).chain(behind).flatten().flatten().collect()
     }
 
     fn overrides(&self) -> Overrides {

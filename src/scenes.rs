@@ -5,7 +5,7 @@ use clap::Subcommand;
 use rayreel_scenes::Scene;
 use serde_json::json;
 
-use crate::common::{print, print_json};
+use crate::common::{print, print_json, printable};
 use crate::exit::Exit;
 use crate::scene_args::SceneArgs;
 
@@ -77,7 +77,7 @@ fn show(scene: &Scene, as_json: bool) -> Result<()> {
         }));
     }
     let mut text = String::new();
-    let mut line = |name: &str, value: String| text += &format!("{name:<12} {value}\n");
+    let mut line = |name: &str, value: String| text += &format!("{name:<12} {}\n", printable(&value));
     line("scene", scene.name.clone());
     line("triangles", scene.mesh.triangles.len().to_string());
     line("vertices", scene.mesh.positions.len().to_string());

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::ffi::OsString;
+use std::path::Path;
 use std::sync::{Arc, LazyLock, Mutex, PoisonError};
 
 use anyhow::Result;
@@ -26,6 +27,14 @@ impl TraceArgs {
     /// Opens it.
     pub fn open(&self) -> Result<Trace> {
         self.cache.open(&self.trace)
+    }
+
+    /// Its path, if it is a file on this machine.
+    pub fn path(&self) -> Option<&Path> {
+        match &self.trace {
+            Location::Local(path) => Some(path),
+            Location::Remote(_) => None,
+        }
     }
 
     /// The last part of its path or URL.

@@ -1,14 +1,15 @@
 //! `rayreel verify`: does a trace follow from itself?
 
-use anyhow::Result;
+use anyhow::{Result, bail};
 use rayreel_formats::trace::Trace;
 use rayreel_tracer::against::{Against, against};
 use rayreel_tracer::verify::verify;
 use serde_json::json;
 
-use crate::common::{build, lacks, load_scene, print, print_json};
+use crate::common::{build, lacks, print, print_json};
 use crate::exit::Exit;
 use crate::progress::{self, Progress};
+use crate::scene_args::SceneChanges;
 use crate::traces::TraceArgs;
 
 /// Traverse the BVH of a trace again and check every path, hit and shadow state, bit for bit.
@@ -23,12 +24,17 @@ pub struct Args {
     /// Also compare with the scene that the trace is of: built-in scene, scene file or model.
     #[arg(long, value_name = "SCENE")]
     scene: Option<String>,
+    #[command(flatten, next_help_heading = "With --scene, as the capture was told")]
+    changes: SceneChanges,
     /// Print JSON.
     #[arg(long)]
     json: bool,
 }
 
 pub fn run(args: &Args, quiet: bool) -> Result<Exit> {
+    if let Some(flag) = args.changes.first_flag().filter(|_| args.scene.is_none()) {
+        bail!("{flag} says how the scene was captured; name it with --scene");
+    }
     let trace = args.trace.open()?;
     let missing = trace.missing_tiles().len();
     let stop = progress::stop_on_signal();
@@ -42,7 +48,7 @@ pub fn run(args: &Args, quiet: bool) -> Result<Exit> {
     if stop.is_requested() {
         return Ok(Exit::Interrupted);
     }
-    let against = args.scene.as_deref().map(|scene| compare(&trace, scene, quiet)).transpose()?;
+    let against = args.scene.as_deref().map(|scene| compare(&trace, scene, &args.changes, quiet)).transpose()?;
     if stop.is_requested() {
         return Ok(Exit::Interrupted);
     }
@@ -87,9 +93,9 @@ pub fn run(args: &Args, quiet: bool) -> Result<Exit> {
 }
 
 /// Compares with the scene.
-fn compare(trace: &Trace, scene: &str, quiet: bool) -> Result<Against> {
-    let stop = progress::stop_on_signal();
-    let scene = load_scene(scene)?;
+fn compare(trace: &Trace, scene: &str, changes: &SceneChanges, quiet: bool) -> Result<Against> {
+    let (stop, meta) = (progress::stop_on_signal(), trace.meta());
+    let scene = changes.load(scene, meta.first_frame, meta.frames)?;
     let built = build(&scene)?;
     let total = u64::from(trace.meta().tile_count()) * u64::from(trace.meta().frames);
     let mut bar = Progress::new("trace again", total, quiet);

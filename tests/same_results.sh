@@ -4,7 +4,7 @@
 #   tests/same_results.sh OLD/rayreel NEW/rayreel [FOLDER]
 #
 # Runs both programs on the same inputs, each in a folder of its own, and compares every file and every output: help pages,
-# digests, captures, replays under every policy and on every machine, both example sweeps and the paper's experiment at 64x32.
+# digests, captures, replays under every policy and on every machine, two example sweeps and the paper's experiment at 64x32.
 # Prints what differs; exit code 0 if nothing does, 1 otherwise. Takes a few minutes. What is meant to differ is for the reader
 # to judge: the changelog must name it. With a FOLDER that holds the runs of one of them already, only the other is run.
 set -euo pipefail

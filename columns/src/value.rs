@@ -17,6 +17,8 @@ pub enum Type {
     I32,
     /// 64-bit unsigned.
     U64,
+    /// 64-bit signed.
+    I64,
     /// 32-bit float.
     F32,
     /// True or false.
@@ -35,6 +37,7 @@ impl Type {
             Self::U32 => "u32",
             Self::I32 => "i32",
             Self::U64 => "u64",
+            Self::I64 => "i64",
             Self::F32 => "f32",
             Self::Bool => "bool",
             Self::Word => "word",
@@ -119,6 +122,8 @@ pub enum Column {
     I32(Vec<i32>),
     /// 64-bit unsigned.
     U64(Vec<u64>),
+    /// 64-bit signed.
+    I64(Vec<i64>),
     /// 32-bit floats.
     F32(Vec<f32>),
     /// True or false.
@@ -137,6 +142,7 @@ macro_rules! each {
             $crate::value::Column::U32($values) => $what,
             $crate::value::Column::I32($values) => $what,
             $crate::value::Column::U64($values) => $what,
+            $crate::value::Column::I64($values) => $what,
             $crate::value::Column::F32($values) => $what,
             $crate::value::Column::Bool($values) => $what,
             $crate::value::Column::Word($crate::value::Words { codes: $values, .. }) => $what,
@@ -172,6 +178,7 @@ impl Column {
             (Self::U32(to), Self::U32(from)) => to.extend(from),
             (Self::I32(to), Self::I32(from)) => to.extend(from),
             (Self::U64(to), Self::U64(from)) => to.extend(from),
+            (Self::I64(to), Self::I64(from)) => to.extend(from),
             (Self::F32(to), Self::F32(from)) => to.extend(from),
             (Self::Bool(to), Self::Bool(from)) => to.extend(from),
             (Self::Word(to), Self::Word(from)) => to.codes.extend(from.codes),
@@ -208,6 +215,7 @@ values! {
     u32 => U32;
     i32 => I32;
     u64 => U64;
+    i64 => I64;
     f32 => F32;
     bool => Bool;
 }

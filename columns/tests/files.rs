@@ -42,6 +42,7 @@ fn collected(data: &Data<'_>) -> Cells {
             Column::U32(values) => values.iter().map(u32::to_string).collect(),
             Column::I32(values) => values.iter().map(i32::to_string).collect(),
             Column::U64(values) => values.iter().map(u64::to_string).collect(),
+            Column::I64(values) => values.iter().map(i64::to_string).collect(),
             Column::F32(values) => values.iter().map(|value| bits(*value)).collect(),
             Column::Bool(values) => values.iter().map(bool::to_string).collect(),
             Column::Word(words) => words.codes.iter().map(|&code| words.names.get(code).to_string()).collect(),

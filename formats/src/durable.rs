@@ -29,6 +29,7 @@ pub fn write_whole(path: &Path, parts: &[&[u8]]) -> io::Result<()> {
 
 /// Gives `path` what `fill` writes, or leaves it alone.
 fn replace(path: &Path, fill: impl FnOnce(&mut File) -> io::Result<()>) -> io::Result<()> {
+    let path = &behind_links(path)?;
     let (mut file, temporary) = create_temporary(path)?;
     let written = fill(&mut file).and_then(|()| file.sync_all());
     drop(file);
@@ -55,8 +56,9 @@ impl WholeFile {
     /// # Errors
     /// Those of the system.
     pub fn create(path: &Path) -> io::Result<Self> {
-        let (file, temporary) = create_temporary(path)?;
-        Ok(Self { path: path.to_path_buf(), temporary, file: Some(BufWriter::with_capacity(1 << 16, file)) })
+        let path = behind_links(path)?;
+        let (file, temporary) = create_temporary(&path)?;
+        Ok(Self { path, temporary, file: Some(BufWriter::with_capacity(1 << 16, file)) })
     }
 
     /// Forces what was written to the disk and gives it the file's name, in place of what was there.
@@ -101,6 +103,19 @@ impl Drop for WholeFile {
             fs::remove_file(&self.temporary).ok();
         }
     }
+}
+
+/// Where a file of this name lies: a link stays, and what it names is replaced.
+///
+/// # Errors
+/// When the name is that of a device or a pipe: whoever reads it would read on from what is no longer there.
+pub(crate) fn behind_links(path: &Path) -> io::Result<PathBuf> {
+    let Ok(found) = fs::metadata(path) else { return Ok(path.to_path_buf()) };
+    if !found.is_file() && !found.is_dir() {
+        let detail = "it is a device or a pipe, and a file cannot take its place; name a file";
+        return Err(io::Error::new(io::ErrorKind::InvalidInput, detail));
+    }
+    if fs::symlink_metadata(path)?.is_symlink() { fs::canonicalize(path) } else { Ok(path.to_path_buf()) }
 }
 
 /// A new file beside `path`, under a name that nobody else has: the system refuses a second file of one name, also to

@@ -22,6 +22,7 @@ fn array(py: Python<'_>, column: Column) -> PyResult<Bound<'_, PyAny>> {
         Column::U32(values) => PyArray1::from_vec(py, values).into_any(),
         Column::I32(values) => PyArray1::from_vec(py, values).into_any(),
         Column::U64(values) => PyArray1::from_vec(py, values).into_any(),
+        Column::I64(values) => PyArray1::from_vec(py, values).into_any(),
         Column::F32(values) => PyArray1::from_vec(py, values).into_any(),
         Column::Bool(values) => PyArray1::from_vec(py, values).into_any(),
         Column::Word(Words { codes, names }) => {

@@ -3,7 +3,7 @@
 use glam::{DVec3, Vec3};
 
 use crate::{
-    mesh::normals,
+    mesh::{meet, normals},
     scene::{Camera, Light, Material, Optics, Scene, Sky},
 };
 
@@ -67,7 +67,8 @@ pub(crate) fn two_lights(bounds: (Vec3, Vec3)) -> Vec<Light> {
 
 /// Lights for a scene whose file names none. Lamps of the model (objects that emit) become point
 /// lights just in front of them, at most four: rooms are closed, and nothing from outside would
-/// light them. A model without lamps gets [`two_lights`].
+/// light them. What shines to all sides, such as a bulb, gets its light below it, or above where something is in the
+/// way. A model without lamps gets [`two_lights`].
 pub(crate) fn lights(scene: &Scene, bounds: (Vec3, Vec3)) -> Vec<Light> {
     let mut lamps = lamps(scene);
     lamps.retain(|lamp| lamp.area > 0.0);
@@ -79,16 +80,41 @@ pub(crate) fn lights(scene: &Scene, bounds: (Vec3, Vec3)) -> Vec<Light> {
     }
     let gap = sphere(bounds).1 * 0.03;
     let intensity = 1.1 / lamps.len() as f32;
-    let light = |lamp: &Lamp| {
-        let upwards = lamp.facing.y > 0.5 * lamp.area;
-        let middle = (lamp.low + lamp.high).as_dvec3() / 2.0;
-        let y = if upwards { f64::from(lamp.high.y) + gap } else { f64::from(lamp.low.y) - gap };
-        Light::Point {
-            position: DVec3::new(middle.x, y, middle.z).as_vec3(),
-            colour: lamp.emission / lamp.emission.max_element() * intensity,
-        }
+    let light = |lamp: &Lamp| Light::Point {
+        position: in_front(scene, lamp, gap).as_vec3(),
+        colour: lamp.emission / lamp.emission.max_element() * intensity,
     };
     lamps.iter().map(light).collect()
+}
+
+/// The place `gap` in front of a lamp.
+fn in_front(scene: &Scene, lamp: &Lamp, gap: f64) -> DVec3 {
+    let (low, high) = (lamp.low.as_dvec3(), lamp.high.as_dvec3());
+    let middle = (low + high) / 2.0;
+    let [below, above] = [low.y - gap, high.y + gap].map(|y| DVec3::new(middle.x, y, middle.z));
+    let facing = lamp.facing / lamp.area;
+    if facing.y > 0.5 {
+        above
+    } else if facing.y < -0.5 {
+        below
+    } else if facing.length() > 0.5 {
+        let ahead = facing.normalize();
+        middle + ahead * ((high - low).dot(ahead.abs()) / 2.0 + gap)
+    } else if is_clear(scene, middle, below) {
+        below
+    } else {
+        above
+    }
+}
+
+/// Whether nothing lies between two points but what emits.
+fn is_clear(scene: &Scene, from: DVec3, to: DVec3) -> bool {
+    let (way, mesh) = (to - from, &scene.mesh);
+    !mesh.triangles.iter().any(|triangle| {
+        let corners = triangle.vertices.map(|v| mesh.positions[v as usize].as_dvec3());
+        scene.materials[triangle.material as usize].emission.max_element() <= 0.0
+            && meet(corners, from, way).is_some_and(|at| at <= 1.0)
+    })
 }
 
 /// Whether something in the model emits light.

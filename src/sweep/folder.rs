@@ -109,6 +109,9 @@ pub fn find(sweep: &Path, place: &FolderArgs, traces: Option<&str>, cache: &Cach
         return make(sweep, place, traces, cache);
     }
     let folder = Folder::open(sweep)?;
+    if let Some(out) = &place.out {
+        bail!("-o {}: {} is the folder of a sweep already; -o is for a plan file", out.display(), sweep.display());
+    }
     if let Some(asked) = place.detail.asked() {
         let planned = &folder.plan().details;
         if *planned != [asked.to_string()] {

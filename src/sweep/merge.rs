@@ -3,15 +3,15 @@
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use anyhow::Result;
+use anyhow::{Result, bail};
 use rayreel_study::files::write_named;
-use rayreel_study::sweep::folder::Folder;
+use rayreel_study::sweep::folder::{Folder, PLAN};
 use rayreel_study::sweep::merge::{Merged, merge};
 use rayreel_study::table::{csv, parquet};
 
 use super::jobs;
 use super::plan::duration;
-use crate::common::print;
+use crate::common::{keep_input, print};
 use crate::exit::Exit;
 
 /// Put the results of a sweep together: one Parquet file and one CSV file, a row a point, in the order of the plan.
@@ -40,6 +40,12 @@ pub fn run(args: &Args) -> Result<Exit> {
     let folder = Folder::open(&args.sweep)?;
     let out = args.out.clone().unwrap_or_else(|| folder.path().join("results.parquet"));
     let csv = args.csv.clone().unwrap_or_else(|| out.with_extension("csv"));
+    for file in [&out, &csv] {
+        keep_input(file, &folder.path().join(PLAN))?;
+    }
+    if out == csv {
+        bail!("{} cannot be the Parquet file and the CSV file; name another with -o or --csv", out.display());
+    }
     write(&folder, &patient(&folder, args.patience)?, args.partial, (&out, &csv))
 }
 

@@ -11,7 +11,7 @@ use crate::rayreel;
 /// A trace with tiles enough for a sample.
 fn trace(folder: &Path) -> PathBuf {
     let file = folder.join("many.rtrace");
-    capture("cornell", "--size 128x64 --samples 2x2 --tile 8", &file);
+    capture("cornell", "--size 256x128 --samples 2x2 --tile 16", &file);
     file
 }
 

@@ -34,6 +34,7 @@ mod hostile;
 #[cfg(unix)]
 mod kill;
 mod models;
+mod outputs;
 mod page;
 mod paper;
 mod policies;

@@ -20,7 +20,7 @@ table! {
         core: Vec<i32>, "", "core; -1 for what cores share";
         unit: Words, "", "unit of the core";
         counter: Words, "", "group and name of the counter, as rayreel replay --json explains them";
-        change: Vec<u64>, "", "by how much it changed, in its own unit; stages book an operation when its issue is certain, so an interval can hold more busy cycles than it has";
+        change: Vec<i64>, "", "by how much it changed, in its own unit; stages book an operation when its issue is certain, so an interval can hold more busy cycles than it has, and take back cycles that an earlier one took for starved or idle: sums are those of the run";
     }
 }
 
@@ -134,8 +134,10 @@ impl Intervals {
         std::mem::replace(&mut self.rows, CounterRows { unit, counter, ..CounterRows::default() })
     }
 
-    fn add(&mut self, end: TiCycle, core: i32, (unit, counter): (u32, u32), change: u64) {
-        if change > 0 {
+    fn add(&mut self, end: TiCycle, core: i32, (unit, counter): (u32, u32), (value, before): (u64, u64)) {
+        // Counters stay far below 2^63.
+        let change = value.cast_signed() - before.cast_signed();
+        if change != 0 {
             self.rows.frame.push(self.frame);
             self.rows.begin.push(self.begin.0);
             self.rows.end.push(end.0);
@@ -178,10 +180,10 @@ impl Probe for Intervals {
             }
             let before = std::mem::replace(&mut self.before[i], values.clone());
             for (counter, (value, before)) in values.into_iter().zip(before).enumerate() {
-                self.add(now, i as i32, self.codes[counter], value.saturating_sub(before));
+                self.add(now, i as i32, self.codes[counter], (value, before));
             }
         }
-        self.add(now, -1, (0, 0), bytes - self.bytes_before);
+        self.add(now, -1, (0, 0), (bytes, self.bytes_before));
         self.bytes_before = bytes;
         self.begin = now;
         self.due = When::at(TiCycle((now.0 / self.cycles + 1) * self.cycles));

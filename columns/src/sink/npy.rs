@@ -23,6 +23,7 @@ fn field(kind: Type, names: &Names) -> (usize, String) {
         Type::I32 => (4, "<i4"),
         Type::F32 => (4, "<f4"),
         Type::U64 => (8, "<u8"),
+        Type::I64 => (8, "<i8"),
         Type::Word => {
             let longest = names.longest().max(1);
             return (longest, format!("|S{longest}"));
@@ -95,6 +96,7 @@ fn put(column: &Column, first: usize, field: Field<'_>) {
         Column::U32(values) => field.fill(&values[first..], u32::to_le_bytes),
         Column::I32(values) => field.fill(&values[first..], i32::to_le_bytes),
         Column::U64(values) => field.fill(&values[first..], u64::to_le_bytes),
+        Column::I64(values) => field.fill(&values[first..], i64::to_le_bytes),
         Column::F32(values) => field.fill(&values[first..], f32::to_le_bytes),
         Column::Bool(values) => field.fill(&values[first..], |flag| [u8::from(flag)]),
         Column::Word(words) => {

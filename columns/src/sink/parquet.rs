@@ -25,8 +25,16 @@ use crate::value::{Column, Names, Type};
 /// The metadata key.
 pub const KEY: &str = "rayreel";
 
+/// What the library says; of an output that takes nothing, what the system says. [`Sink`](super::Sink) knows its name.
 fn refused(error: ParquetError) -> ColumnsError {
-    ColumnsError::Writer { format: "Parquet", detail: error.to_string() }
+    let refused = |detail: String| ColumnsError::Writer { format: "Parquet", detail };
+    match error {
+        ParquetError::External(cause) => match cause.downcast::<std::io::Error>() {
+            Ok(source) => ColumnsError::output("".as_ref(), *source),
+            Err(other) => refused(other.to_string()),
+        },
+        other => refused(other.to_string()),
+    }
 }
 
 /// What all row groups of a file share.
@@ -118,6 +126,7 @@ fn schema(head: &Head) -> Result<TypePtr, ParquetError> {
             Type::U32 => (Physical::INT32, integer(32, false)),
             Type::I32 => (Physical::INT32, None),
             Type::U64 => (Physical::INT64, integer(64, false)),
+            Type::I64 => (Physical::INT64, None),
             Type::F32 => (Physical::FLOAT, None),
             Type::Bool => (Physical::BOOLEAN, None),
             Type::Word => (Physical::BYTE_ARRAY, Some(LogicalType::String)),
@@ -176,6 +185,7 @@ fn write(column: &Column, writer: &mut ColumnWriter<'_>) -> Result<(), ParquetEr
             let bits: Vec<i64> = values.iter().map(|&value| value.cast_signed()).collect();
             to.write_batch(&bits, None, None)
         }
+        (Column::I64(values), ColumnWriter::Int64ColumnWriter(to)) => to.write_batch(values, None, None),
         (Column::F32(values), ColumnWriter::FloatColumnWriter(to)) => to.write_batch(values, None, None),
         (Column::Bool(values), ColumnWriter::BoolColumnWriter(to)) => to.write_batch(values, None, None),
         (Column::Word(words), ColumnWriter::ByteArrayColumnWriter(to)) => {

@@ -14,6 +14,7 @@ pub fn write(to: &mut String, column: &Column, row: usize) {
         Column::U32(values) => write!(to, "{}", values[row]),
         Column::I32(values) => write!(to, "{}", values[row]),
         Column::U64(values) => write!(to, "{}", values[row]),
+        Column::I64(values) => write!(to, "{}", values[row]),
         Column::Bool(values) => write!(to, "{}", values[row]),
         Column::Word(words) => write!(to, "{}", words.names.get(words.codes[row])),
         Column::F32(values) => float(to, values[row]),

@@ -47,6 +47,7 @@ impl Rows {
             Column::U32(values) => values.iter().map(|&v| v.into()).collect(),
             Column::I32(values) => values.iter().map(|&v| v.into()).collect(),
             Column::U64(values) => values.iter().map(|&v| v.try_into().unwrap()).collect(),
+            Column::I64(values) => values.clone(),
             Column::Bool(values) => values.iter().map(|&v| v.into()).collect(),
             other => panic!("{name} holds no whole numbers: {other:?}"),
         }

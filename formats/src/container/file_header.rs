@@ -7,7 +7,7 @@ use crate::error::{Checked, Error, Fault, Place, Result, Unknown};
 use crate::id::FormatVersion;
 
 /// Not ASCII, with both kinds of line ending: a transfer in text mode breaks it at once.
-pub(crate) const MAGIC: [u8; 8] = *b"\x89RRT\r\n\x1a\n";
+pub const MAGIC: [u8; 8] = *b"\x89RRT\r\n\x1a\n";
 
 /// Bytes of the file header in this version.
 pub(crate) const FILE_HEADER_LEN: usize = 32;

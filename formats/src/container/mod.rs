@@ -36,6 +36,7 @@ pub use chunk_header::{CHUNK_HEADER_LEN, ChunkRecord};
 pub use encoded::EncodedChunk;
 pub use encoding::Encoding;
 pub(crate) use encoding::{compress, decompress};
+pub use file_header::MAGIC;
 pub use index::ColumnTotals;
 pub use reader::Reader;
 pub use repair::{RepairReport, repair};

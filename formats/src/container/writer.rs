@@ -12,7 +12,7 @@ use super::file_header::FileHeader;
 use super::index::Index;
 use super::tile::TileDirectory;
 use super::trailer::Trailer;
-use crate::durable::{PARTIAL, sync_folder_of};
+use crate::durable::{PARTIAL, behind_links, sync_folder_of};
 use crate::error::{Error, Occupant, Result};
 use crate::id::{ChunkId, FormatVersion};
 #[cfg(unix)]
@@ -60,6 +60,7 @@ impl Writer {
     /// [`Error::Occupied`] if a killed capture left `NAME.partial`; resume it or [`Writer::discard`] it.
     /// [`Error::Io`], among others if the folder does not exist.
     pub fn create(path: &Path) -> Result<Self> {
+        behind_links(path).map_err(|error| Error::io(path, "create", error))?;
         let partial = partial_path(path)?;
         let file = OpenOptions::new().read(true).write(true).create_new(true).open(&partial);
         let file = file.map_err(|error| match error.kind() {

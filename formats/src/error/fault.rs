@@ -69,9 +69,7 @@ pub enum Missing {
     #[error("holds no {0}")]
     Chunk(ChunkId),
     /// A column of a tile: its writer left it out.
-    #[error(
-        "holds no {column} in the {tile}; what does not need them works, such as `rayreel replay --machine none` without paths"
-    )]
+    #[error("holds no {column} in the {tile}; capture it again, or do {}", without(column))]
     Column {
         /// The tile.
         tile: ChunkId,
@@ -162,5 +160,13 @@ impl fmt::Display for Checked {
             Self::Index => f.write_str("index"),
             Self::Trailer => f.write_str("trailer"),
         }
+    }
+}
+
+/// What can be done without a column.
+fn without(column: &str) -> &'static str {
+    match column {
+        "paths" => "what needs none of them, such as `rayreel replay --machine none`",
+        _ => "what needs none of them (`rayreel info` tells what it holds)",
     }
 }

@@ -37,7 +37,8 @@ pub fn compare(a: &Trace, b: &Trace) -> Result<Option<Difference>> {
     for frame in a.meta().frame_numbers() {
         if a.has_frame(frame) && b.has_frame(frame) {
             let (camera_a, camera_b) = (a.camera(frame)?, b.camera(frame)?);
-            if camera_a != camera_b {
+            // As text zeros of either sign differ, as their bytes do.
+            if format!("{camera_a:?}") != format!("{camera_b:?}") {
                 return Ok(differ(format!("frame {frame}"), format!("{camera_a:?} | {camera_b:?}")));
             }
         }
@@ -49,9 +50,15 @@ pub fn compare(a: &Trace, b: &Trace) -> Result<Option<Difference>> {
                 (false, true) => return Ok(differ(format!("frame {frame}, tile {tile}"), "missing | there")),
                 (true, true) => {}
             }
-            let tile_a = a.tile_with(frame, tile, &Column::ALL, &mut scratch_a)?;
-            let tile_b = b.tile_with(frame, tile, &Column::ALL, &mut scratch_b)?;
-            if let Some(difference) = tile_difference(&tile_a, &tile_b) {
+            let (columns_a, columns_b) = (a.readable(frame, tile)?, b.readable(frame, tile)?);
+            if let Some(column) = Column::ALL.iter().find(|c| columns_a.contains(c) != columns_b.contains(c)) {
+                let place = format!("frame {frame}, tile {tile}, column {}", column.name());
+                let words = if columns_a.contains(column) { "there | missing" } else { "missing | there" };
+                return Ok(differ(place, words));
+            }
+            let tile_a = a.tile_with(frame, tile, &columns_a, &mut scratch_a)?;
+            let tile_b = b.tile_with(frame, tile, &columns_b, &mut scratch_b)?;
+            if let Some(difference) = tile_difference(&tile_a, &tile_b, &columns_a) {
                 return Ok(Some(difference));
             }
         }
@@ -77,8 +84,8 @@ fn meta_difference(a: &Meta, b: &Meta) -> String {
     pairs.map(|((name, a), (_, b))| format!("{name}: {a} | {b}")).collect::<Vec<_>>().join("; ")
 }
 
-/// The first sample in which two tiles differ, and how, column by column.
-fn tile_difference(a: &Tile, b: &Tile) -> Option<Difference> {
+/// The first sample in which two tiles differ, and how, in those `columns` that both have, column by column.
+fn tile_difference(a: &Tile, b: &Tile, columns: &[Column]) -> Option<Difference> {
     let place = |column: Column, sample: usize| {
         let (x, y) = (sample as u32 % a.rect.width + a.rect.x, sample as u32 / a.rect.width + a.rect.y);
         let name = column.name();
@@ -90,12 +97,13 @@ fn tile_difference(a: &Tile, b: &Tile) -> Option<Difference> {
         return differ(place(Column::Tree, sample), format!("{:?} | {:?}", nodes(a, sample), nodes(b, sample)));
     }
     let (index_a, samples) = (a.tree.ray_index(), a.tree.samples());
-    let hits = (0..samples).find(|&s| a.hits[a.tree.sample(s)] != b.hits[a.tree.sample(s)]);
+    let with = |column: Column| 0..if columns.contains(&column) { samples } else { 0 };
+    let hits = with(Column::Hits).find(|&s| a.hits[a.tree.sample(s)] != b.hits[a.tree.sample(s)]);
     if let Some(sample) = hits {
         let of = |t: &Tile| format!("{:?}", &t.hits[t.tree.sample(sample)]);
         return differ(place(Column::Hits, sample), format!("{} | {}", of(a), of(b)));
     }
-    let radiance = (0..samples).find(|&s| a.radiance[a.tree.sample(s)] != b.radiance[a.tree.sample(s)]);
+    let radiance = with(Column::Radiance).find(|&s| a.radiance[a.tree.sample(s)] != b.radiance[a.tree.sample(s)]);
     if let Some(sample) = radiance {
         let of = |t: &Tile| format!("{:?}", &t.radiance[t.tree.sample(sample)]);
         return differ(place(Column::Radiance, sample), format!("{} | {}", of(a), of(b)));
@@ -104,7 +112,7 @@ fn tile_difference(a: &Tile, b: &Tile) -> Option<Difference> {
         let nodes = a.tree.sample(sample);
         index_a[nodes.start] as usize..index_a[nodes.end] as usize
     };
-    let (sample, ray) = (0..samples)
+    let (sample, ray) = with(Column::Paths)
         .find_map(|s| rays(s).find(|&ray| a.paths.ray(ray) != b.paths.ray(ray)).map(|ray| (s, ray - rays(s).start)))?;
     let at = rays(sample).start + ray;
     differ(place(Column::Paths, sample), format!("ray {ray}: {:?} | {:?}", a.paths.ray(at), b.paths.ray(at)))

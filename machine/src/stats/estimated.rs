@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use super::Stats;
 use crate::config::MachineConfig;
+use crate::memory::CacheCounters;
 use crate::srp::{KernelId, srp_cycles};
 use crate::time::TiCycle;
 
@@ -32,7 +33,7 @@ impl Stats {
         });
     }
 
-    /// Closes the accounts: the classes of each unit's cycles add up to the cycles of the run.
+    /// Closes the accounts: the classes of each unit's cycles add up to the cycles of the run, and what lookups found to the lookups.
     pub fn close_accounts(&mut self, config: &MachineConfig) {
         let cycles = self.cycles;
         for core in &mut self.cores {
@@ -41,12 +42,24 @@ impl Stats {
                 unit.stages.iter_mut().for_each(|(_, account)| close(account, cycles, |a, visit| a.each_mut(visit)));
             }
             core.ti.ist.iter_mut().for_each(|unit| close(&mut unit.activity, cycles, |a, visit| a.each_mut(visit)));
+            let l1s =
+                core.ti.trv.iter_mut().map(|unit| &mut unit.l1).chain(core.ti.ist.iter_mut().map(|unit| &mut unit.l1));
+            l1s.chain([&mut core.srp_l1]).for_each(close_lookups);
             close(&mut core.srp.activity, core.srp_cycles, |a, visit| a.each_mut(visit));
             for kernel in KernelId::ALL {
                 core.srp.kernels[kernel as usize].cycles = core.srp.activity.in_kernel(kernel);
             }
         }
     }
+}
+
+/// Scales what lookups found to the lookups.
+fn close_lookups(l1: &mut CacheCounters) {
+    let found = |l1: &mut CacheCounters, visit: &mut dyn FnMut(usize, &mut u64)| {
+        [&mut l1.hits, &mut l1.misses, &mut l1.merges].into_iter().enumerate().for_each(|(i, class)| visit(i, class));
+    };
+    let lookups = l1.lookups;
+    close(l1, lookups, found);
 }
 
 /// Scales the classes of an account to a total; the largest takes what rounding leaves over, the last one all if all are 0.

@@ -17,6 +17,7 @@ mod window;
 
 use std::sync::Arc;
 
+use rayreel_formats::scene::Meta;
 use rayreel_machine::config::MachineConfig;
 use rayreel_machine::energy::EnergyReport;
 use rayreel_machine::system::Probe;
@@ -30,7 +31,7 @@ use crate::policy::Sampler;
 use crate::simulate::{MachineRun, check_kernels, frame_shape, pass_all};
 use crate::source::PathSource;
 use pass::{MachinePass, Passed, Room, Shared};
-use places::Places;
+use places::{Places, Tiles};
 
 /// A machine with its name.
 pub type Named<'a> = (&'a str, &'a MachineConfig);
@@ -51,7 +52,7 @@ pub fn simulate_estimated<S: PathSource + ?Sized, P: Probe>(
     probe: &mut P,
 ) -> Result<(FrameReplay, Vec<MachineRun>)> {
     let mut simulation = Simulation { replayer, frame, tree, detail, probe };
-    let tiles = simulation.replayer.source().meta().tile_count() as usize;
+    let tiles = tiles(simulation.replayer.source().meta());
     let places: Vec<_> = machines.iter().map(|(_, config)| Places::of(detail, tiles, slots(config))).collect();
     let sampled = detail == Detail::Counts || places.iter().any(Option::is_some);
     let Some(begin) = simulation.replayer.fork().filter(|_| sampled) else {
@@ -76,6 +77,11 @@ pub fn simulate_estimated<S: PathSource + ?Sized, P: Probe>(
 /// Tiles that a machine works on at a time.
 fn slots(config: &MachineConfig) -> usize {
     (config.gpu.cores * config.gpu.tiles_in_flight.clamp(1, 255)) as usize
+}
+
+/// The tiles of a frame.
+fn tiles(meta: &Meta) -> Tiles {
+    Tiles { count: meta.tile_count() as usize, samples: meta.tile * meta.tile }
 }
 
 /// A frame under way.
@@ -145,7 +151,7 @@ impl<S: PathSource + ?Sized, P: Probe> Simulation<'_, '_, S, P> {
             }
             // The width falls with the square root of the number of windows.
             let factor = (width / wanted.fraction()).powi(2) * 1.3;
-            places = held.more(passed.sizes.len(), factor.max(1.5));
+            places = held.more(tiles(self.replayer.source().meta()), factor.max(1.5));
             if places.is_some() {
                 self.replayer.restore(begin);
                 let again = std::slice::from_ref(&places);

@@ -15,6 +15,9 @@ const FEWEST_WINDOWS: usize = 24;
 const LENGTH: (f64, f64) = (2.0, 4.0);
 /// What is simulated before a window and not measured, in tiles: until the machine is as full as it was.
 const WARM_UP: f64 = 1.0;
+/// Samples of a tile that these lengths are made for. Of smaller tiles it takes more: what is under way at the ends of a window are rays,
+/// and no fewer of them if tiles are small.
+const TILE: f64 = 1024.0;
 /// More of the tiles than this, warm-up included, are not worth a sample: the frame is simulated whole.
 const WORTH: f64 = 0.6;
 /// Where all is simulated: tiles of a window for each slot of the machine, and tiles of its warm-up. Each seam between two
@@ -36,6 +39,15 @@ pub struct Place {
     pub is_certain: bool,
 }
 
+/// The tiles of a frame.
+#[derive(Clone, Copy, Debug)]
+pub struct Tiles {
+    /// How many.
+    pub count: usize,
+    /// Samples of one.
+    pub samples: u32,
+}
+
 /// The windows of a frame, in order.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Places {
@@ -46,11 +58,13 @@ pub struct Places {
 impl Places {
     /// The windows of a frame of `tiles` tiles on a machine with `slots` tile slots; nothing where the frame is to be simulated
     /// whole. `share` is the part of the tiles to be measured.
-    pub fn sample(tiles: usize, slots: usize, share: f64) -> Option<Self> {
+    pub fn sample(Tiles { count: tiles, samples }: Tiles, slots: usize, share: f64) -> Option<Self> {
         let (tiles, edge) = (tiles as f64, slots as f64 / 2.0);
-        let length = (share * tiles / FEWEST_WINDOWS as f64).clamp(LENGTH.0, LENGTH.1);
+        let of_small = (TILE / f64::from(samples.max(1))).max(1.0);
+        let (shortest, longest, warm_up) = (LENGTH.0 * of_small, LENGTH.1 * of_small, WARM_UP * of_small);
+        let length = (share * tiles / FEWEST_WINDOWS as f64).clamp(shortest, longest);
         let windows = ((share * tiles / length).round() as usize).max(FEWEST_WINDOWS);
-        if windows as f64 * (length + WARM_UP) + 2.0 * edge + WARM_UP > WORTH * tiles {
+        if windows as f64 * (length + warm_up) + 2.0 * edge + warm_up > WORTH * tiles {
             return None;
         }
         let (first, last) = (edge, tiles - edge);
@@ -59,10 +73,10 @@ impl Places {
             let at = (i as f64 * 0.618_033_988_749_895).fract();
             let part = (last - first) / windows as f64;
             let from = first + i as f64 * part + at * (part - length);
-            Place { begin: (from - WARM_UP).max(0.0), from, to: from + length, is_certain: false }
+            Place { begin: (from - warm_up).max(0.0), from, to: from + length, is_certain: false }
         };
         let start = Place { begin: 0.0, from: 0.0, to: first, is_certain: true };
-        let end = Place { begin: last - WARM_UP, from: last, to: f64::INFINITY, is_certain: true };
+        let end = Place { begin: last - warm_up, from: last, to: f64::INFINITY, is_certain: true };
         let list = std::iter::once(start).chain((0..windows).map(window)).chain([end]).collect();
         Some(Self { list, slots })
     }
@@ -80,20 +94,20 @@ impl Places {
     }
 
     /// The windows of what a frame is to be simulated with, as [`Places::sample`] or [`Places::all`].
-    pub fn of(detail: Detail, tiles: usize, slots: usize) -> Option<Self> {
+    pub fn of(detail: Detail, tiles: Tiles, slots: usize) -> Option<Self> {
         match detail {
             Detail::Full | Detail::Counts => None,
-            Detail::All => Self::all(tiles, slots),
+            Detail::All => Self::all(tiles.count, slots),
             Detail::Sampled(share) => Self::sample(tiles, slots, share.fraction()),
             Detail::Precision(_) => Self::sample(tiles, slots, 0.0),
         }
     }
 
     /// As these, but measuring more by this factor; nothing if that is too much.
-    pub fn more(&self, tiles: usize, factor: f64) -> Option<Self> {
+    pub fn more(&self, tiles: Tiles, factor: f64) -> Option<Self> {
         let sampled = self.list.iter().filter(|place| !place.is_certain);
         let measured: f64 = sampled.map(|place| place.to - place.from).sum();
-        Self::sample(tiles, self.slots, factor * measured / tiles as f64)
+        Self::sample(tiles, self.slots, factor * measured / tiles.count as f64)
     }
 
     /// The windows, in order.
@@ -111,9 +125,27 @@ impl Places {
 mod tests {
     use super::*;
 
+    fn tiles(count: usize) -> Tiles {
+        Tiles { count, samples: 1024 }
+    }
+
+    #[test]
+    fn small_tiles_make_windows_of_more() {
+        let of = |samples| Places::sample(Tiles { count: 8192, samples }, 8, 0.05).unwrap().list[1];
+        let (usual, small, large) = (of(1024), of(256), of(48 * 48));
+        assert_eq!((usual.to - usual.from, usual.from - usual.begin), (4.0, 1.0));
+        assert!((small.to - small.from - 16.0).abs() < 1e-9 && (small.from - small.begin - 4.0).abs() < 1e-9);
+        assert_eq!(large, usual);
+        assert_eq!(
+            Places::sample(Tiles { count: 512, samples: 64 }, 8, 0.05),
+            None,
+            "too few for one window of each kind"
+        );
+    }
+
     #[test]
     fn windows_are_as_many_as_asked_for_and_evenly_spread() {
-        let places = Places::sample(8192, 8, 0.05).unwrap();
+        let places = Places::sample(tiles(8192), 8, 0.05).unwrap();
         assert_eq!(places.list.len(), 102 + 2);
         let middle = &places.list[1..103];
         let part = 8184.0 / 102.0;
@@ -129,9 +161,9 @@ mod tests {
 
     #[test]
     fn small_frames_are_simulated_whole() {
-        assert_eq!(Places::sample(64, 8, 0.1), None);
-        assert_eq!(Places::sample(2048, 8, 0.5), None, "with warm-up that is all of it");
-        assert!(Places::sample(512, 8, 0.1).is_some());
+        assert_eq!(Places::sample(tiles(64), 8, 0.1), None);
+        assert_eq!(Places::sample(tiles(2048), 8, 0.5), None, "with warm-up that is all of it");
+        assert!(Places::sample(tiles(512), 8, 0.1).is_some());
         assert_eq!(Places::all(64, 8), None);
     }
 

@@ -8,6 +8,7 @@ use glam::DVec3;
 use crate::scene::Camera;
 
 pub(crate) use keyframes::{Interpolation, Keyframe, MAX_FRAMES, interpolate};
+pub(crate) use path_file::read_numbered;
 pub use path_file::{PATH_HEADER, read_path};
 
 /// A full turn round the vertical axis through the hero camera's target; frame 0 is the hero camera

@@ -14,11 +14,16 @@ use crate::{
 /// The header that a camera path must have.
 pub const PATH_HEADER: &str = "frame,eye_x,eye_y,eye_z,target_x,target_y,target_z,up_x,up_y,up_z,vfov_deg";
 
-/// Reads a camera path: one row per frame, frame numbers rising by one.
+/// Reads a camera path: one row per frame, frame numbers rising by one. Whatever the first number, it is frame 0 of the scene.
 ///
 /// # Errors
 /// A header, number or camera that cannot be used, with its line.
 pub fn read_path(path: &Path) -> Result<Vec<Camera>, SceneError> {
+    read_numbered(path).map(|(_, cameras)| cameras)
+}
+
+/// As [`read_path`], with the number of the first row.
+pub(crate) fn read_numbered(path: &Path) -> Result<(u64, Vec<Camera>), SceneError> {
     let text = files::read_text(path, files::TEXT_MAX).map_err(|source| SceneError::Io {
         path: path.to_owned(),
         what: "camera path",
@@ -42,10 +47,10 @@ pub fn read_path(path: &Path) -> Result<Vec<Camera>, SceneError> {
         last = Some(frame);
         cameras.push(camera);
     }
-    if cameras.is_empty() {
-        return Err(bad(1, "the camera path has no frame".into(), "add at least one row"));
+    match last {
+        Some(last) => Ok((last - (cameras.len() as u64 - 1), cameras)),
+        None => Err(bad(1, "the camera path has no frame".into(), "add at least one row")),
     }
-    Ok(cameras)
 }
 
 /// Whether a line is the header, up to blanks round the names and a byte order mark.

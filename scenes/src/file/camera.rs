@@ -12,6 +12,8 @@ use crate::{
     file::value::{Triple, bad_value},
     scene::Camera,
     validate::check_camera,
+    view::View,
+    warnings::Warning,
 };
 
 /// `[camera]`.
@@ -38,31 +40,61 @@ struct KeyframeTable {
     vfov_deg: Option<f32>,
 }
 
-/// The cameras that the table asks for. Beside keyframes, `up` and `vfov_deg` are the defaults of the keyframes. A
-/// table that places no camera gets that of `otherwise` for its field of view.
+/// Where a camera stands that the table does not place.
+pub(crate) enum Placed<'a> {
+    /// As the model says, frame by frame.
+    Model(&'a [Camera]),
+    /// Where the model is seen well.
+    View(&'a View),
+}
+
+/// The cameras that the table asks for. Beside keyframes, `up` and `vfov_deg` are the defaults of the keyframes; beside `placed`
+/// cameras they change these.
 pub(crate) fn cameras(
     file: &Path,
     table: &CameraTable,
-    otherwise: impl Fn(Option<f32>) -> Camera,
+    placed: Placed<'_>,
+    warnings: &mut Vec<Warning>,
 ) -> Result<Vec<Camera>, SceneError> {
-    let up = table.up.map_or(Vec3::Y, Vec3::from);
+    let up = table.up.map_or(Vec3::Y, |up| up.0);
     let vfov_deg = table.vfov_deg.unwrap_or(defaults::DEFAULT_VFOV_DEG);
     check_kind(file, table)?;
     if let Some(keyframes) = &table.keyframes {
-        return from_keyframes(file, keyframes, up, vfov_deg, table.interpolation.unwrap_or_default());
+        let cameras = from_keyframes(file, keyframes, up, vfov_deg, table.interpolation.unwrap_or_default())?;
+        tell_first(file, keyframes[0].frame, warnings);
+        return Ok(cameras);
     }
     if let Some(path) = &table.path {
-        return camera::read_path(&file.parent().unwrap_or(Path::new("")).join(path));
+        let path = file.parent().unwrap_or(Path::new("")).join(path);
+        let (first, cameras) = camera::read_numbered(&path)?;
+        tell_first(&path, first, warnings);
+        return Ok(cameras);
     }
-    let camera = match (table.eye, table.target) {
-        (Some(eye), Some(target)) => Camera { eye: eye.into(), target: target.into(), up, vfov_deg },
-        (None, None) => Camera { up, ..otherwise(table.vfov_deg) },
+    let cameras = match (table.eye, table.target, placed) {
+        (Some(eye), Some(target), _) => vec![Camera { eye: eye.0, target: target.0, up, vfov_deg }],
+        (None, None, Placed::View(view)) => vec![Camera { up, ..view.camera(table.vfov_deg) }],
+        (None, None, Placed::Model(cameras)) => {
+            let change = |camera: &Camera| Camera {
+                up: table.up.map_or(camera.up, |up| up.0),
+                vfov_deg: table.vfov_deg.unwrap_or(camera.vfov_deg),
+                ..*camera
+            };
+            cameras.iter().map(change).collect()
+        }
         _ => {
             return Err(bad_value(file, "[camera] has only one of eye and target", "give both or neither"));
         }
     };
-    check_camera(&camera, || part_of(file, "[camera]".into()))?;
-    Ok(vec![camera])
+    cameras.iter().try_for_each(|camera| check_camera(camera, || part_of(file, "[camera]".into())))?;
+    Ok(cameras)
+}
+
+/// A scene counts its frames from 0: tells where a file does not.
+fn tell_first(file: &Path, first: u64, warnings: &mut Vec<Warning>) {
+    if first > 0 {
+        let message = format!("{}: its frame numbers begin at {first}, which is frame 0 of the scene", file.display());
+        warnings.push(Warning { message, count: 1 });
+    }
 }
 
 fn part_of(file: &Path, part: String) -> Location {
@@ -102,9 +134,9 @@ fn from_keyframes(
     let mut keys: Vec<Keyframe> = Vec::with_capacity(tables.len());
     for (index, table) in tables.iter().enumerate() {
         let camera = Camera {
-            eye: table.eye.into(),
-            target: table.target.into(),
-            up: table.up.map_or(up, Vec3::from),
+            eye: table.eye.0,
+            target: table.target.0,
+            up: table.up.map_or(up, |up| up.0),
             vfov_deg: table.vfov_deg.unwrap_or(vfov_deg),
         };
         check_camera(&camera, || part_of(file, format!("camera.keyframes[{index}]")))?;

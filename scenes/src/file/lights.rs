@@ -55,11 +55,9 @@ fn light(path: &Path, index: usize, table: &LightTable) -> Result<Light, SceneEr
     let intensity = amount(path, &key("intensity"), table.intensity.unwrap_or(0.7), 0.0, 1e6)?;
     let colour = tint * intensity;
     match (table.kind, table.position, table.to_light) {
-        (LightKind::Point, Some(p), None) if Vec3::from(p).is_finite() => {
-            Ok(Light::Point { position: p.into(), colour })
-        }
-        (LightKind::Directional, None, Some(d)) if is_direction(d.into()) => {
-            Ok(Light::Directional { to_light: d.into(), colour })
+        (LightKind::Point, Some(p), None) if p.0.is_finite() => Ok(Light::Point { position: p.0, colour }),
+        (LightKind::Directional, None, Some(d)) if is_direction(d.0) => {
+            Ok(Light::Directional { to_light: d.0, colour })
         }
         (LightKind::Point, ..) => Err(bad_value(
             path,

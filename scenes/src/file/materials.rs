@@ -44,13 +44,16 @@ pub(crate) fn change_materials(
 ) -> Result<(), SceneError> {
     for (name, change) in changes {
         let known: Vec<&str> = materials.iter().map(|m| m.name.as_str()).collect();
-        let Some(at) = known.iter().position(|k| k == name) else {
+        if !known.contains(&name.as_str()) {
             let line =
                 text.lines().position(|l| l.contains("materials") && l.contains(name.as_str())).map_or(1, |l| l + 1);
             let what = format!("the model has no material `{name}`");
             return Err(SceneError::input(Location::line(path, line), what, hint(name, &known, "materials")));
-        };
-        change_material(path, &mut materials[at], change)?;
+        }
+        // glTF lets several have one name.
+        for material in materials.iter_mut().filter(|material| material.name == *name) {
+            change_material(path, material, change)?;
+        }
     }
     Ok(())
 }

@@ -15,7 +15,7 @@ use rayreel_settings::files;
 use serde::Deserialize;
 
 use self::{
-    camera::CameraTable,
+    camera::{CameraTable, Placed},
     lights::{LightTable, SkyTable},
     materials::MaterialTable,
     value::bad_value,
@@ -74,18 +74,23 @@ pub fn load_scene_file(path: &Path, options: &LoadOptions) -> Result<Scene, Scen
     }
     let model = model::read(&folder.join(&table.model), &with_fps(path, &table, options)?)?;
     let (mut scene, frames) = (model.scene, model.frames);
+    let (view, has_cameras) = (model.view, model.has_cameras);
     if let Some(name) = table.name.or_else(|| stem(path)) {
         scene.name = name;
     }
     materials::change_materials(path, &text, &mut scene.materials, &table.materials)?;
-    if let Some(lights) = &table.lights {
-        scene.lights = lights::light_list(path, lights)?;
+    match &table.lights {
+        Some(lights) => scene.lights = lights::light_list(path, lights)?,
+        // Materials may have begun or ceased to emit.
+        None if !model.has_lights && !table.materials.is_empty() => scene.lights = view.lights(&scene),
+        None => {}
     }
     if let Some(table) = &table.sky {
         scene.sky = lights::sky(path, table)?;
     }
     if let Some(table) = &table.camera {
-        scene.cameras = camera::cameras(path, table, |vfov_deg| model.view.camera(vfov_deg))?;
+        let placed = if has_cameras { Placed::Model(&scene.cameras) } else { Placed::View(&view) };
+        scene.cameras = camera::cameras(path, table, placed, &mut scene.warnings)?;
         // A still camera before a model that moves stands there for all of its frames.
         if let [camera] = scene.cameras[..] {
             scene.cameras = vec![camera; frames as usize];

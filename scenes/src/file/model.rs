@@ -2,21 +2,28 @@
 
 use std::path::Path;
 
+use glam::Vec3;
+
 use crate::{
     defaults,
-    error::SceneError,
+    error::{Location, SceneError},
     gltf_model::load_gltf,
     obj::load_obj,
     options::LoadOptions,
-    scene::{Camera, Light, Scene},
+    scene::{Camera, Light, Mesh, Scene},
     view::View,
+    warnings::Warning,
 };
 
 /// A model as a scene, and what a scene file must know of it.
 pub(crate) struct Model {
     pub scene: Scene,
-    /// Where a camera stands that the scene file does not place.
+    /// Where a camera stands that neither the scene file nor the model places, and the light.
     pub view: View,
+    /// The model has cameras of its own.
+    pub has_cameras: bool,
+    /// The model has lights of its own: not lamps, which are surfaces that emit.
+    pub has_lights: bool,
     /// Frames of its animation, for a still camera before it.
     pub frames: u64,
 }
@@ -59,14 +66,14 @@ pub(crate) fn read(path: &Path, options: &LoadOptions) -> Result<Model, SceneErr
         (scene.mesh, scene.objects) = (model.mesh, model.objects);
         (scene.materials, scene.textures) = (model.materials, model.textures);
         scene.warnings = model.warnings;
-        return finish(scene, Vec::new(), Vec::new(), 1);
+        return finish(scene, None, Vec::new(), Vec::new(), 1);
     }
     let model = load_gltf(path, options)?;
     let mut scene = bare(path);
     (scene.mesh, scene.objects) = (model.mesh, model.objects);
     (scene.materials, scene.textures) = (model.materials, model.textures);
     scene.warnings = model.warnings;
-    finish(scene, model.lights, model.cameras, model.frames)
+    finish(scene, model.first.as_ref(), model.lights, model.cameras, model.frames)
 }
 
 /// A scene of this name with nothing in it.
@@ -84,14 +91,49 @@ fn bare(path: &Path) -> Scene {
     }
 }
 
-/// Adds what the model does not say.
-fn finish(mut scene: Scene, lights: Vec<Light>, cameras: Vec<Camera>, frames: u64) -> Result<Model, SceneError> {
-    let view = View::of(&scene);
-    scene.lights = if lights.is_empty() { view.lights(&scene) } else { lights };
-    scene.cameras = cameras;
-    if scene.cameras.is_empty() {
-        scene.cameras = vec![view.camera(None); frames as usize];
-    }
+/// Adds what the model does not say. A view of an animation is that of its `first` mesh, whatever the scene holds.
+fn finish(
+    mut scene: Scene,
+    first: Option<&Mesh>,
+    lights: Vec<Light>,
+    cameras: Vec<Camera>,
+    frames: u64,
+) -> Result<Model, SceneError> {
+    check_size(&mut scene)?;
+    let view = View::of(first.unwrap_or(&scene.mesh));
+    let (has_cameras, has_lights) = (!cameras.is_empty(), !lights.is_empty());
+    scene.lights = if has_lights { lights } else { view.lights(&scene) };
+    scene.cameras = if has_cameras { cameras } else { vec![view.camera(None); frames as usize] };
     scene.validate()?;
-    Ok(Model { scene, view, frames })
+    Ok(Model { scene, view, has_cameras, has_lights, frames })
+}
+
+/// Models of other sizes have normals whose squares leave the numbers of single precision.
+const SIZES: (f32, f32) = (2e-11, 2e9);
+/// At other sizes not even a camera can be placed.
+const SIZES_AT_ALL: (f32, f32) = (1e-14, 1e14);
+/// More than so many times the model's size away from the origin, rays that leave a surface begin visibly off it: they begin a part
+/// in 131,072 of the largest coordinate away.
+const AWAY_MAX: f32 = 2000.0;
+
+/// Refuses models whose size single precision cannot hold, and tells where it holds them badly.
+fn check_size(scene: &mut Scene) -> Result<(), SceneError> {
+    let positions = &scene.mesh.positions;
+    let (low, high) = positions.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(l, h), p| (l.min(*p), h.max(*p)));
+    let (size, largest) = ((high - low).max_element(), low.abs().max(high.abs()).max_element());
+    let mut tell = |message: String| scene.warnings.push(Warning { message, count: 1 });
+    let name = &scene.name;
+    let within = |(smallest, largest): (f32, f32)| (smallest..=largest).contains(&size);
+    if !within(SIZES_AT_ALL) {
+        let at = Location::Scene { name: name.clone(), camera: None };
+        return Err(SceneError::input(at, format!("the model is {size:e} units large"), "scale it nearer to 1"));
+    }
+    if !within(SIZES) {
+        tell(format!("{name}: the model is {size:e} units large: surfaces may be lit wrongly; scale it nearer to 1"));
+    } else if largest > AWAY_MAX * size {
+        tell(format!(
+            "{name}: the model lies {largest:e} units from the origin and is {size:e} large: surfaces may be lit wrongly; move it to the origin"
+        ));
+    }
+    Ok(())
 }

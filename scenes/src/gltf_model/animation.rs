@@ -53,9 +53,16 @@ impl Animations {
                     Checked::Valid(Property::Translation) => Part::Translation,
                     Checked::Valid(Property::Rotation) => Part::Rotation,
                     Checked::Valid(Property::Scale) => Part::Scale,
-                    _ => {
+                    Checked::Valid(Property::MorphTargetWeights) => {
                         let file = source.path.display();
                         warnings.add("weights", || format!("{file}: {place}: animated morph targets are not read"));
+                        continue;
+                    }
+                    Checked::Invalid => {
+                        let file = source.path.display();
+                        warnings.add("path", || {
+                            format!("{file}: {place}: it moves something else than a node's place, turn or size, and is not read")
+                        });
                         continue;
                     }
                 };

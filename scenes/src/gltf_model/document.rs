@@ -14,6 +14,9 @@ const MAX_BYTES: u64 = 1 << 32;
 /// Extensions that a file may require, beside those that the `gltf` crate reads: accessors of all component types are.
 const ALSO_READ: [&str; 1] = ["KHR_mesh_quantization"];
 
+/// Extensions that the `gltf` crate knows, but whose pictures are not read.
+const NOT_READ: [&str; 2] = ["KHR_texture_basisu", "EXT_texture_webp"];
+
 /// An opened glTF file. All indices in its JSON are in range, but those of animation channels.
 pub(crate) struct Source {
     pub path: PathBuf,
@@ -77,7 +80,8 @@ fn check_size(path: &Path, bytes: u64) -> Result<(), SceneError> {
 /// The JSON, checked, and the binary chunk of a `.glb`.
 fn parse(path: &Path, bytes: &[u8]) -> Result<(json::Root, Option<Vec<u8>>), SceneError> {
     let (text, blob) = if bytes.starts_with(b"glTF") { chunks(path, bytes)? } else { (bytes.to_vec(), None) };
-    let mut root: json::Root = json::deserialize::from_slice(&text).map_err(|error| {
+    let root = json::deserialize::from_slice(&text).or_else(|error| without_gaps(&text).ok_or(error));
+    let mut root: json::Root = root.map_err(|error| {
         let at = Location::Line { path: path.to_owned(), line: error.line(), column: Some(error.column()) };
         // The place is said by `at`.
         let message = error.to_string();
@@ -88,6 +92,27 @@ fn parse(path: &Path, bytes: &[u8]) -> Result<(json::Root, Option<Vec<u8>>), Sce
     check_extensions(path, &mut root)?;
     check_indices(path, &root)?;
     Ok((root, blob))
+}
+
+/// The JSON of a file that leaves out what the `gltf` crate demands and glTF does not: the nodes of a scene, and the node that an
+/// animation channel moves, which is ignored then. Nothing if it leaves out neither, or more than that is amiss.
+fn without_gaps(text: &[u8]) -> Option<json::Root> {
+    let mut root: json::Value = json::deserialize::from_slice(text).ok()?;
+    let given = root.clone();
+    for scene in list(&mut root, "scenes").into_iter().flatten().filter_map(json::Value::as_object_mut) {
+        scene.entry("nodes").or_insert_with(|| json::Value::Array(Vec::new()));
+    }
+    for animation in list(&mut root, "animations").into_iter().flatten() {
+        if let Some(channels) = list(animation, "channels") {
+            channels.retain(|channel| channel.pointer("/target/node").is_some());
+        }
+    }
+    if root == given { None } else { json::deserialize::from_value(root).ok() }
+}
+
+/// The list at a key.
+fn list<'a>(of: &'a mut json::Value, key: &str) -> Option<&'a mut Vec<json::Value>> {
+    of.get_mut(key).and_then(json::Value::as_array_mut)
 }
 
 /// JSON and binary chunk of a `.glb`.
@@ -113,21 +138,30 @@ fn old_version(path: &Path, version: &str) -> SceneError {
 }
 
 fn check_version(path: &Path, root: &json::Root) -> Result<(), SceneError> {
-    let version = root.asset.min_version.as_ref().unwrap_or(&root.asset.version);
-    if version.starts_with("2.") { Ok(()) } else { Err(old_version(path, version)) }
+    let version = &root.asset.version;
+    if !version.starts_with("2.") {
+        return Err(old_version(path, version));
+    }
+    // A later 2.x can be read as 2.0, unless the file says that it cannot.
+    match root.asset.min_version.as_deref() {
+        None | Some("2.0") => Ok(()),
+        Some(needed) => Err(old_version(path, needed)),
+    }
 }
 
 /// Refuses a file that cannot be understood without an extension that is not read. What is only used is told later.
 fn check_extensions(path: &Path, root: &mut json::Root) -> Result<(), SceneError> {
     root.extensions_required.retain(|name| !ALSO_READ.contains(&name.as_str()));
     let known = json::extensions::ENABLED_EXTENSIONS;
-    let Some(name) = root.extensions_required.iter().find(|name| !known.contains(&name.as_str())) else {
+    let is_read = |name: &str| known.contains(&name) && !NOT_READ.contains(&name);
+    let Some(name) = root.extensions_required.iter().find(|name| !is_read(name)) else {
         return Ok(());
     };
     let fix = match name.as_str() {
         "KHR_draco_mesh_compression" | "EXT_meshopt_compression" | "KHR_meshopt_compression" => {
             "unpack it: `gltf-transform copy IN.glb OUT.glb`"
         }
+        "KHR_texture_basisu" | "EXT_texture_webp" => "convert its pictures to PNG",
         _ => "export it without, or convert it: `assimp export IN.glb OUT.obj`",
     };
     let what = format!("it requires the extension {name}, which is not read");
@@ -155,7 +189,9 @@ fn check_indices(path: &Path, root: &json::Root) -> Result<(), SceneError> {
         let place = place();
         let text = place.as_str();
         let bounds = text.contains("POSITION") && (text.ends_with(".min") || text.ends_with(".max"));
-        if first.is_none() && !bounds {
+        // Without a view an accessor is all zeros, whether anything is changed of it or not.
+        let zeros = fault == Fault::Missing && text.starts_with("accessors[") && text.ends_with(".bufferView");
+        if first.is_none() && !bounds && !zeros {
             first = Some((text.to_owned(), fault));
         }
     });

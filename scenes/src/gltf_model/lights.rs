@@ -30,9 +30,8 @@ pub(crate) fn lights(
 ) -> Result<Vec<Light>, SceneError> {
     let mut lamps = Vec::new();
     for (node, world) in stands {
-        let named = source.root().nodes[node].extensions.as_ref().and_then(|all| all.khr_lights_punctual.as_ref());
-        if let Some(named) = named
-            && let Some(lamp) = lamp(source, node, named.light.value(), &world, middle.as_dvec3(), warnings)?
+        if let Some(light) = named(source, node)
+            && let Some(lamp) = lamp(source, node, light, &world, middle.as_dvec3(), warnings)?
         {
             lamps.push(lamp);
         }
@@ -51,6 +50,12 @@ pub(crate) fn lights(
     let sum: f64 = lamps.iter().map(strength).sum();
     let scaled = |lamp: &Lamp| (lamp.colour * (TOGETHER / sum)).as_vec3();
     Ok(lamps.iter().map(|lamp| coloured(lamp.light, scaled(lamp))).collect())
+}
+
+/// The light that a node names.
+pub(crate) fn named(source: &Source, node: usize) -> Option<usize> {
+    let named = source.root().nodes[node].extensions.as_ref()?.khr_lights_punctual.as_ref()?;
+    Some(named.light.value())
 }
 
 fn coloured(light: Light, colour: Vec3) -> Light {

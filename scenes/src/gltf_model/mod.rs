@@ -39,6 +39,9 @@ use crate::{
 /// What a glTF file holds.
 pub(crate) struct GltfModel {
     pub mesh: Mesh,
+    /// The mesh at the first frame of the animation, where another is asked for: default camera and lights are made for it, and so
+    /// stand still.
+    pub first: Option<Mesh>,
     /// One name per node with a mesh.
     pub objects: Vec<String>,
     pub materials: Vec<Material>,
@@ -63,15 +66,21 @@ pub(crate) fn load_gltf(path: &Path, options: &LoadOptions) -> Result<GltfModel,
     let animations = Animations::read(&source, &mut warnings)?;
     let tree = Tree::new(&source, &animations, &mut warnings)?;
     let lens = cameras::first(&source, &tree, &mut warnings);
-    let solid = |node: usize| source.root().nodes[node].mesh.is_some();
-    let moving = tree.nodes().filter(|(place, node)| solid(*node) && tree.moves(*place, &animations)).count();
+    let stands = |node: usize| source.root().nodes[node].mesh.is_some() || lights::named(&source, node).is_some();
+    let moving = tree.nodes().filter(|(place, node)| stands(*node) && tree.moves(*place, &animations)).count();
     let flies = lens.as_ref().is_some_and(|lens| tree.moves(lens.place, &animations));
     let frames = if moving > 0 || flies { frames(path, &animations, options)? } else { 1 };
     tell_moving(path, moving, options, &mut warnings);
     let world = tree.world(&animations, f64::from(options.frame) / options.fps());
     let mut model = Builder { source: &source, pictures: Pictures::default(), surfaces: Vec::new() };
     let (mesh, objects, materials) = model.meshes(&tree, &world, &mut warnings)?;
-    let (low, high) = main_bounds(&mesh.positions);
+    let first = if moving > 0 && options.frame > 0 {
+        // What is odd is known by now, and the frame that is asked for has the same meshes.
+        Some(model.meshes(&tree, &tree.world(&animations, 0.0), &mut Warnings::default())?.0)
+    } else {
+        None
+    };
+    let (low, high) = main_bounds(&first.as_ref().unwrap_or(&mesh).positions);
     let middle = (low + high) / 2.0;
     let lights =
         lights::lights(&source, tree.nodes().map(|(place, node)| (node, world[place])), middle, &mut warnings)?;
@@ -81,7 +90,8 @@ pub(crate) fn load_gltf(path: &Path, options: &LoadOptions) -> Result<GltfModel,
     };
     let cameras = lens.as_ref().map(camera).transpose()?.unwrap_or_default();
     let textures = model.pictures.into_list();
-    Ok(GltfModel { mesh, objects, materials, textures, lights, cameras, frames, warnings: warnings.into_list() })
+    let warnings = warnings.into_list();
+    Ok(GltfModel { mesh, first, objects, materials, textures, lights, cameras, frames, warnings })
 }
 
 /// Frames of the animation: one at its start, and each whole one until its end.
@@ -98,7 +108,7 @@ fn frames(path: &Path, animations: &Animations, options: &LoadOptions) -> Result
     })
 }
 
-/// A trace has one geometry: tells that meshes stand still where several frames are asked for.
+/// A trace has one geometry and one set of lights: tells that they stand still where several frames are asked for.
 fn tell_moving(path: &Path, moving: usize, options: &LoadOptions, warnings: &mut Warnings) {
     if options.frames < 2 {
         return;
@@ -106,7 +116,7 @@ fn tell_moving(path: &Path, moving: usize, options: &LoadOptions, warnings: &mut
     for _ in 0..moving {
         warnings.add("moving", || {
             format!(
-                "{}: a trace has one geometry: moving meshes stand as at frame {}; take frames one by one to have each",
+                "{}: a trace has one geometry: moving meshes and lights stand as at frame {}; take frames one by one to have each",
                 path.display(),
                 options.frame
             )
@@ -174,7 +184,12 @@ impl Builder<'_> {
             }
         }
         if mesh.triangles.is_empty() {
-            let what = "the scene is empty: no node has a mesh with a triangle that has an area";
+            let invisible = !self.surfaces.is_empty() && self.surfaces.iter().all(|(_, surface)| surface.invisible);
+            let what = if invisible {
+                "the scene is empty: its materials cut all of it away (alphaMode MASK, alpha below the cutoff)"
+            } else {
+                "the scene is empty: no node has a mesh with a triangle that has an area"
+            };
             let at = Location::File(self.source.path.clone());
             return Err(SceneError::input(at, what, "a scene needs at least one triangle"));
         }

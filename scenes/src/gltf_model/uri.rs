@@ -18,8 +18,8 @@ const BASE64: GeneralPurpose = GeneralPurpose::new(
 
 /// The bytes that `uri` in the file at `model` names; `what` is their kind, `at` where the URI stands.
 pub(crate) fn read(model: &Path, at: &Location, what: &str, uri: &str, most: u64) -> Result<Vec<u8>, SceneError> {
-    if let Some(data) = uri.strip_prefix("data:") {
-        return decode(at, what, data);
+    if let Some(data) = uri.split_at_checked(5).filter(|(scheme, _)| scheme.eq_ignore_ascii_case("data:")) {
+        return decode(at, what, data.1);
     }
     let file = local(model, at, what, uri)?;
     let missing = |source| SceneError::missing(at.clone(), what, &file, source);
@@ -34,7 +34,7 @@ pub(crate) fn read(model: &Path, at: &Location, what: &str, uri: &str, most: u64
 fn decode(at: &Location, what: &str, data: &str) -> Result<Vec<u8>, SceneError> {
     let fail = |why: String| SceneError::input(at.clone(), why, "export the model again");
     let (head, body) = data.split_once(',').ok_or_else(|| fail(format!("the data URI of the {what} has no data")))?;
-    if !head.ends_with(";base64") {
+    if !head.to_ascii_lowercase().ends_with(";base64") {
         return Ok(percent_encoding::percent_decode_str(body).collect());
     }
     BASE64.decode(body.trim()).map_err(|error| fail(format!("the data URI of the {what} is no base64: {error}")))

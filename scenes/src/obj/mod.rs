@@ -39,7 +39,7 @@ pub struct ObjModel {
 /// Loads an OBJ model with its material libraries and textures.
 ///
 /// Polygons are triangulated (concave ones too), normals are the file's where it has them, else
-/// smooth across edges of less than 40 degrees.
+/// smooth across edges of less than 40 degrees, but flat after `s off`.
 ///
 /// # Errors
 /// Whatever is wrong with the files, with the line it is in.

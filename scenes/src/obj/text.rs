@@ -16,7 +16,7 @@ use crate::{
 };
 
 /// The normal that stands in for a missing one on a corner without `vn`. A broken `vn` (zero or not finite) becomes
-/// NaN.
+/// NaN, as does one that is missing where `s off` asks for flat faces.
 pub(crate) const ABSENT_NORMAL: [f32; 3] = [0.0; 3];
 /// Stand-ins at the front of the rewritten `vn` list: absent, broken.
 const NORMAL_STAND_INS: usize = 2;
@@ -70,6 +70,8 @@ struct ObjScan<'a> {
     uvs: usize,
     /// Per `vn` whether it can be used.
     normals: Vec<bool>,
+    /// Corners without a normal get one across edges, and not that of their face.
+    smooth: bool,
     object: CurrentName,
     material: CurrentName,
     object_index: BTreeMap<String, usize>,
@@ -88,6 +90,7 @@ pub(crate) fn check(path: &Path, text: &str, warnings: &mut Warnings) -> Result<
         positions: Vec::new(),
         uvs: 0,
         normals: Vec::new(),
+        smooth: true,
         object: CurrentName::new("unnamed"),
         material: CurrentName::new(""),
         object_index: BTreeMap::new(),
@@ -118,7 +121,8 @@ fn statements(text: &str) -> impl Iterator<Item = (usize, String)> {
         let (index, first) = lines.next()?;
         let mut statement = first.trim_start_matches('\u{feff}').trim().to_owned();
         // Not in comments: `# C:\models\` ends in a path.
-        while statement.ends_with('\\') && !statement.starts_with('#') {
+        let in_comment = |statement: &str| statement.split_whitespace().any(|word| word.starts_with('#'));
+        while statement.ends_with('\\') && !in_comment(&statement) {
             statement.pop();
             let Some((_, more)) = lines.next() else { break };
             statement.push(' ');
@@ -242,9 +246,10 @@ impl ObjScan<'_> {
                 "usemtl" => self.material = CurrentName::new(rest),
                 "mtllib" => self.out.libraries.push((line, rest.to_owned())),
                 "l" | "p" => self.warn(line, "lines", "points and lines have no surface and were ignored"),
-                // Smoothing groups: normals come from `vn` or from the crease angle. The rest only
-                // steers display.
-                "" | "s" | "vp" | "lod" | "shadow_obj" | "trace_obj" | "c_interp" | "d_interp" | "bevel" => {}
+                // Of smoothing groups only whether there is one counts: edges within it are told by the crease angle.
+                "s" => self.smooth = !matches!(rest.split_whitespace().next(), Some("off" | "0")),
+                // These only steer display.
+                "" | "vp" | "lod" | "shadow_obj" | "trace_obj" | "c_interp" | "d_interp" | "bevel" => {}
                 comment if comment.starts_with('#') => {}
                 other => {
                     let what =
@@ -318,7 +323,8 @@ impl ObjScan<'_> {
             found[kind] = absolute as usize;
         }
         let normal = match found[2] {
-            0 => 1,
+            0 if self.smooth => 1,
+            0 => 2,
             n if self.normals[n - 1] => n + NORMAL_STAND_INS,
             _ => 2,
         };

@@ -4,7 +4,10 @@ use std::collections::HashSet;
 
 use glam::{DVec3, IVec3};
 
-use crate::scene::{Mesh, Triangle};
+use crate::{
+    mesh::meet,
+    scene::{Mesh, Triangle},
+};
 
 /// Cells along the longest axis, finest first.
 const RESOLUTIONS: [f64; 5] = [96.0, 48.0, 24.0, 12.0, 4.0];
@@ -162,23 +165,9 @@ impl<'a> Grid<'a> {
         }
     }
 
-    /// Möller and Trumbore's test of one triangle.
+    /// A ray and one triangle.
     fn meet(&self, triangle: usize, origin: DVec3, direction: DVec3) -> Option<Hit> {
-        let [a, b, c] = self.corners(triangle);
-        let (ab, ac) = (b - a, c - a);
-        let p = direction.cross(ac);
-        let determinant = ab.dot(p);
-        if determinant == 0.0 {
-            return None;
-        }
-        let s = origin - a;
-        let u = s.dot(p) / determinant;
-        let q = s.cross(ab);
-        let v = direction.dot(q) / determinant;
-        let distance = ac.dot(q) / determinant;
-        if u < 0.0 || v < 0.0 || u + v > 1.0 || distance <= 0.0 {
-            return None;
-        }
+        let distance = meet(self.corners(triangle), origin, direction)?;
         // Files turn their triangles either way more often than their normals.
         let Triangle { vertices, object, .. } = self.mesh.triangles[triangle];
         let [na, nb, nc] = vertices.map(|v| self.mesh.normals[v as usize].as_dvec3());

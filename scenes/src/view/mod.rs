@@ -13,7 +13,7 @@ use glam::{DVec3, Vec3};
 use self::grid::{Grid, Hit};
 use crate::{
     defaults::{self, framing_camera},
-    scene::{Camera, Light, Scene},
+    scene::{Camera, Light, Mesh, Scene},
 };
 
 /// Vertical field of view inside a room, degrees: a room is seen whole from no place in it.
@@ -42,11 +42,11 @@ struct Room {
 }
 
 impl View {
-    /// Looks at a scene's mesh.
-    pub fn of(scene: &Scene) -> Self {
-        let grid = Grid::new(&scene.mesh);
+    /// Looks at a mesh.
+    pub fn of(mesh: &Mesh) -> Self {
+        let grid = Grid::new(mesh);
         let room = if is_room(&grid) { room(&grid) } else { None };
-        Self { room, bounds: defaults::main_bounds(&scene.mesh.positions) }
+        Self { room, bounds: defaults::main_bounds(&mesh.positions) }
     }
 
     /// A camera with the field of view that was asked for, in degrees, or one that suits the place.

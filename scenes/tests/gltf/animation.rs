@@ -118,7 +118,7 @@ fn a_moving_mesh_stands_as_at_the_first_frame_that_is_asked_for() {
         let low = scene.bounds().0.y;
         assert!((low - 0.1 * frame.min(30) as f32).abs() < 1e-5, "frame {frame}: {low}");
         if frames > 1 {
-            assert_warned(&folder, &scene, 1, "moving meshes stand as at frame 10; take frames one by one");
+            assert_warned(&folder, &scene, 1, "moving meshes and lights stand as at frame 10; take frames one by one");
         } else {
             assert!(scene.warnings.is_empty(), "{:?}", scene.warnings);
         }
@@ -168,4 +168,41 @@ fn animations_that_lie_are_refused() {
     assert!(text.contains("at most a million are possible"), "{text}");
     let text = broken(&|film| film.channel(ARM, "scale", "LINEAR", &[0.0, 1.0], &[[1.0; 3], [0.0; 3]]));
     assert!(text.contains("node 2 `eye`: the camera's node has a scale of zero"), "{text}");
+}
+
+#[test]
+fn a_view_that_nobody_gave_stands_still() {
+    let mut film = Film::new();
+    film.channel(0, "translation", "LINEAR", &[0.0, 1.0], &[[0.0, 0.0, 0.0], [0.0, 30.0, 0.0]]);
+    let mut writer = film.finish();
+    writer.json["nodes"].as_array_mut().expect("is a list").iter_mut().for_each(|node| {
+        node.as_object_mut().expect("is an object").remove("camera");
+    });
+    let at = |frame| writer.try_load(&LoadOptions { fps: None, frame, frames: 1 }).1.expect("loads");
+    let (first, last) = (at(0), at(30));
+    assert!(last.bounds().0.y > first.bounds().0.y + 29.0, "the mesh moves");
+    assert_eq!((&last.cameras, &last.lights), (&first.cameras, &first.lights));
+}
+
+#[test]
+fn a_light_that_moves_has_frames() {
+    let mut film = Film::new();
+    film.channel(ARM, "translation", "LINEAR", &[0.0, 1.0], &[[0.0, 5.0, 0.0], [9.0, 5.0, 0.0]]);
+    let mut writer = film.finish();
+    for node in writer.json["nodes"].as_array_mut().expect("is a list") {
+        if node.as_object_mut().expect("is an object").remove("camera").is_some() {
+            node["extensions"] = json!({"KHR_lights_punctual": {"light": 0}});
+        }
+    }
+    writer.json["extensions"] = json!({"KHR_lights_punctual": {"lights": [{"type": "point"}]}});
+    writer.json["extensionsUsed"] = json!(["KHR_lights_punctual"]);
+    let place = |frame| {
+        let scene = writer.try_load(&LoadOptions { fps: None, frame, frames: 1 }).1.expect("loads");
+        assert_eq!(scene.cameras.len(), 31);
+        match scene.lights[..] {
+            [rayreel_scenes::Light::Point { position, .. }] => position.x,
+            _ => panic!("{:?}", scene.lights),
+        }
+    };
+    assert!((place(30) - place(0) - 9.0).abs() < 1e-5, "{} {}", place(0), place(30));
 }

@@ -3,7 +3,7 @@
 use rayreel_scenes::{LoadOptions, load};
 use serde_json::{Value, json};
 
-use crate::{message, writer::Writer};
+use crate::{assert_warned, message, writer::Writer};
 
 /// The error of a triangle whose JSON was changed.
 fn error(change: impl Fn(&mut Value)) -> String {
@@ -115,4 +115,70 @@ fn unknown_kinds_of_files_say_what_is_read_and_how_to_convert() {
     assert!(
         load("gone.glb").expect_err("is not there").to_string().starts_with("gone.glb: cannot read this glTF file")
     );
+}
+
+/// glTF 2.0 lets a file leave these out, or say more than anybody reads.
+#[test]
+fn what_gltf_allows_is_read() {
+    let model = || Writer::triangle(json!({}));
+    let scene = |change: &dyn Fn(&mut Writer)| {
+        let mut writer = model();
+        change(&mut writer);
+        writer.load()
+    };
+    let plain = model().load().1.content_hash();
+    let cases: [&dyn Fn(&mut Writer); 7] = [
+        &|w| w.json["meshes"][0]["primitives"][0]["attributes"]["_BATCHID"] = json!(0),
+        &|w| w.json["nodes"][0]["extras"] = json!("a text"),
+        &|w| w.json["asset"]["extras"] = json!(null),
+        &|w| {
+            w.push("scenes", json!({}));
+        },
+        &|w| w.json["asset"] = json!({"version": "2.7", "minVersion": "2.0"}),
+        &|w| {
+            // All zeros: it turns nothing, and no picture is mapped by it.
+            let zeros = w.push("accessors", json!({"componentType": 5126, "type": "VEC2", "count": 3}));
+            w.json["meshes"][0]["primitives"][0]["attributes"]["TEXCOORD_0"] = json!(zeros);
+        },
+        &|w| {
+            let (times, values) = (w.floats(&[[0.0], [1.0]]), w.floats(&[[0.0], [1.0]]));
+            w.push(
+                "animations",
+                json!({
+                    "samplers": [{"input": times, "output": values}],
+                    "channels": [{"sampler": 0, "target": {"path": "pointer", "extensions": {"KHR_animation_pointer": {"pointer": "/a"}}}}]
+                }),
+            );
+        },
+    ];
+    for (number, change) in cases.into_iter().enumerate() {
+        assert_eq!(scene(change).1.content_hash(), plain, "case {number}");
+    }
+    let (folder, odd) = scene(&|w| {
+        let (times, values) = (w.floats(&[[0.0], [1.0]]), w.floats(&[[0.0], [1.0]]));
+        let channel = json!({"sampler": 0, "target": {"node": 0, "path": "pointer"}});
+        w.push("animations", json!({"samplers": [{"input": times, "output": values}], "channels": [channel]}));
+    });
+    assert_warned(&folder, &odd, 1, "it moves something else than a node's place, turn or size, and is not read");
+}
+
+#[test]
+fn what_a_file_requires_and_nobody_reads_is_refused() {
+    for (change, words) in [
+        (
+            json!({"extensionsRequired": ["EXT_texture_webp"]}),
+            "EXT_texture_webp, which is not read; convert its pictures to PNG",
+        ),
+        (json!({"asset": {"version": "2.0", "minVersion": "2.1"}}), "this is glTF 2.1, and 2.0 is read"),
+    ] {
+        let message = error(|json| {
+            change.as_object().expect("an object").iter().for_each(|(key, value)| json[key] = value.clone());
+        });
+        assert!(message.contains(words), "{message}");
+    }
+    let (folder, result) =
+        Writer::triangle(json!({"alphaMode": "MASK", "pbrMetallicRoughness": {"baseColorFactor": [1, 1, 1, 0.1]}}))
+            .try_load(&LoadOptions::default());
+    let error = message(&folder, &result.expect_err("nothing is left"));
+    assert!(error.contains("its materials cut all of it away"), "{error}");
 }

@@ -33,10 +33,13 @@ pub struct OrderRow {
 }
 
 impl OrderRow {
-    /// The gain of a policy over all traces.
+    /// The gain of a policy over those traces of which the gains of all policies are known that have some here: means over different
+    /// traces say nothing about an order.
     pub fn mean(&self, policy: usize) -> Option<f64> {
-        let gains = &self.gains[policy];
-        (!gains.is_empty()).then(|| (gains.values().map(|gain| gain.ln()).sum::<f64>() / gains.len() as f64).exp())
+        let known = |trace: &String| self.gains.iter().all(|gains| gains.is_empty() || gains.contains_key(trace));
+        let gains: Vec<f64> =
+            self.gains[policy].iter().filter(|(trace, _)| known(trace)).map(|(_, gain)| gain.ln()).collect();
+        (!gains.is_empty()).then(|| (gains.iter().sum::<f64>() / gains.len() as f64).exp())
     }
 
     /// For each trace the policy that gains most; only traces of which at least two are known.

@@ -2,15 +2,17 @@
 
 use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Arc;
 
 use crate::error::{Result, StudyError};
 use crate::point::key::{Key, Point};
 use crate::point::row::{Column, Row};
 use crate::point::task::{Computed, Missing, PointTask};
+use rayreel_machine::config::NamedMachine;
 use rayreel_machine::probes::Watch;
 use rayreel_machine::work::topology::Topology;
 use rayreel_replay::source::PathSource;
-use rayreel_replay::{ReplayError, Stop};
+use rayreel_replay::{NamedPolicy, ReplayError, Stop};
 
 /// Results of a point on its source, in one pass over its frames. `tell` is told how many tiles are done, of how many; `tree` is the
 /// source's topology, if a machine simulates anything.
@@ -61,6 +63,8 @@ pub fn compute_row<S: PathSource + ?Sized>(
     tell: impl FnMut(u64, u64),
 ) -> Result<(Row, Vec<Column>)> {
     let missing = Missing { row: true, details: false };
+    // What is wrong is told in the same words whoever asks: a key knows no names.
+    let point = &nameless(point);
     // A fault of the model costs its point and not the sweep. Nothing that outlives the call is left half changed: the source
     // only ever keeps whole tiles.
     let ended = catch_unwind(AssertUnwindSafe(|| compute(point, missing, (source, Some(tree)), stop, tell)));
@@ -72,6 +76,14 @@ pub fn compute_row<S: PathSource + ?Sized>(
         Err(panic) => format!("internal fault, please report it: {}", message(&*panic)),
     };
     Ok((Row::failed(key.clone(), why), Vec::new()))
+}
+
+/// The point with a machine and a policy that have no names: neither enters its key.
+fn nameless(point: &Point) -> Point {
+    let name = || "of this point".to_owned();
+    let machine = point.machine.as_deref().map(|machine| Arc::new(NamedMachine { name: name(), ..machine.clone() }));
+    let policy = Arc::new(NamedPolicy { name: name(), ..(*point.policy).clone() });
+    Point { machine, policy, ..point.clone() }
 }
 
 /// The rows of several points that share a replay, in their order. Where they fail together each is tried by itself, so that none

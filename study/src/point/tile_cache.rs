@@ -54,6 +54,11 @@ impl TileCache {
         Self { trace, tiles, room: Arc::clone(room), bytes: AtomicUsize::new(0) }
     }
 
+    /// The trace.
+    pub fn trace(&self) -> &Trace {
+        &self.trace
+    }
+
     fn slot(&self, frame: u32, index: u32) -> Option<&KeptTile> {
         let meta = self.trace.meta();
         let frame = frame.wrapping_sub(meta.first_frame) as usize;

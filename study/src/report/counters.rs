@@ -33,11 +33,11 @@ pub(super) fn counters(run: &MachineRun) -> Value {
     Value::Object(all.0)
 }
 
-/// The same where no cycle was simulated: what counts cycles is null.
+/// The same where no cycle was simulated: what counts cycles is null, and so is what processors do, for no instruction is executed.
 pub(super) fn timeless(run: &MachineRun) -> Value {
     let mut all = counters(run);
-    for counter in all.as_object_mut().into_iter().flat_map(|all| all.values_mut()) {
-        if counter["unit"].as_str().is_some_and(|unit| unit.contains("cycles")) {
+    for (name, counter) in all.as_object_mut().into_iter().flatten() {
+        if name.starts_with("processors/") || counter["unit"].as_str().is_some_and(|unit| unit.contains("cycles")) {
             counter["value"] = Value::Null;
         }
     }

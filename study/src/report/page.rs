@@ -36,7 +36,7 @@ pub(super) fn write(f: &mut Formatter<'_>, report: &Report) -> fmt::Result {
 }
 
 /// What was simulated, if that is not all.
-fn extent(f: &mut Formatter<'_>, detail: &DetailReport) -> fmt::Result {
+fn extent(f: &mut Formatter<'_>, detail: &DetailReport, has_processors: bool) -> fmt::Result {
     let DetailReport { fraction, windows, whole_frames, .. } = detail;
     let whole = match whole_frames {
         0 => String::new(),
@@ -46,7 +46,12 @@ fn extent(f: &mut Formatter<'_>, detail: &DetailReport) -> fmt::Result {
     match detail.mode {
         "full" => Ok(()),
         "counts" => {
-            writeln!(f, "  no cycle was simulated: work and misses are counted, energies are without leakage\n")
+            let energies = if has_processors {
+                "energies are those of caches and DRAM: instructions are not counted"
+            } else {
+                "energies lack leakage, clocks and what waiting costs"
+            };
+            writeln!(f, "  no cycle was simulated: work and misses are counted; {energies}\n")
         }
         _ if detail.is_estimated() => {
             let share = format!("{:.1}", 100.0 * fraction);
@@ -72,7 +77,8 @@ fn speed(f: &mut Formatter<'_>, report: &Report, config: &MachineConfig) -> fmt:
     }
     let run = &report.run;
     let detail = report.detail.as_ref();
-    detail.map_or(Ok(()), |detail| extent(f, detail))?;
+    let processors = run_stats.is_some_and(has_processors);
+    detail.map_or(Ok(()), |detail| extent(f, detail, processors))?;
     let within = |column: &str| detail.and_then(|d| d.interval(column)).map_or_else(String::new, plus_minus);
     let cycles = run.cycles.map_or_else(|| "-".into(), grouped);
     // Room for what stands behind an estimate.
@@ -241,8 +247,10 @@ fn memory(f: &mut Formatter<'_>, config: &MachineConfig, stats: &Stats) -> fmt::
         if traffic.total() < 20_000_000 { (1e-3, "read kB", "written kB") } else { (1e-6, "read MB", "written MB") };
     writeln!(f, "\n{:<15}{read:>15}{written:>14}{:>12}{:>12}", "DRAM", "GB/s", "% of peak")?;
     let mut row = |name: &str, read: u64, written: u64| {
-        let rate = if microseconds > 0.0 { (read + written) as f64 / microseconds } else { 0.0 };
-        let (gigabytes, share) = (digits(rate * 1e-3), format!("{:.1}", 100.0 * rate / peak));
+        let rate = (read + written) as f64 / microseconds;
+        // Without time there is no rate.
+        let timed = |text: String| if microseconds > 0.0 { text } else { "-".into() };
+        let (gigabytes, share) = (timed(digits(rate * 1e-3)), timed(format!("{:.1}", 100.0 * rate / peak)));
         let [read, written] = [read, written].map(|bytes| format!("{:.1}", bytes as f64 * scale));
         writeln!(f, "  {name:<13}{read:>15}{written:>14}{gigabytes:>12}{share:>12}")
     };
@@ -257,13 +265,19 @@ fn memory(f: &mut Formatter<'_>, config: &MachineConfig, stats: &Stats) -> fmt::
     let hits = [dram.row_hits, dram.row_closed, dram.row_conflicts].map(|n| percent(n, rows));
     writeln!(f, "  row hits {} %, closed banks {} %, row conflicts {} %", hits[0], hits[1], hits[2])?;
     let latency = dram.read_latency as f64 / f64::from(config.dram.clock_mhz) * 1e3;
+    if stats.cycles == 0 {
+        return Ok(());
+    }
     let latency = super::run::ratio(latency, dram.read_lines as f64);
     writeln!(f, "  a read takes {} in controller and DRAM, on average", amount(latency, "ns"))
 }
 
 fn power(f: &mut Formatter<'_>, config: &MachineConfig, run: &MachineRun) -> fmt::Result {
     let total = run.energy.gpu_fj();
-    let milliwatts = |fj: u128| format!("{:.1}", watts(fj, run.stats.cycles, config.ti.clock_mhz) * 1e3);
+    let milliwatts = |fj: u128| match run.stats.cycles {
+        0 => "-".to_owned(),
+        cycles => format!("{:.1}", watts(fj, cycles, config.ti.clock_mhz) * 1e3),
+    };
     let (scale, unit) = if total < 20_000_000_000_000 { (1e-9, "uJ") } else { (1e-12, "mJ") };
     let joules = |fj: u128| format!("{:.2}", fj as f64 * scale);
     let part = |fj: u128| if total == 0 { "-".into() } else { format!("{:.1}", 100.0 * fj as f64 / total as f64) };

@@ -79,9 +79,29 @@ pub(super) fn gather(folder: &Folder) -> Result<Rows> {
         all.duplicates += held.duplicates;
         all.damaged.extend(held.damaged);
         // Points of different buckets may share a key.
-        all.rows.extend(held.rows);
+        join(&mut all.rows, held.rows)?;
     }
     Ok(all)
+}
+
+/// Adds rows to others.
+///
+/// # Errors
+/// [`StudyError::Conflict`] if two of one key differ.
+pub(super) fn join(rows: &mut BTreeMap<String, Row>, more: BTreeMap<String, Row>) -> Result<()> {
+    for (key, row) in more {
+        match rows.entry(key) {
+            Entry::Occupied(old) if *old.get() != row => {
+                let detail = segment::difference(old.get(), &row);
+                return Err(StudyError::Conflict { key: old.key().clone(), detail });
+            }
+            Entry::Occupied(_) => {}
+            Entry::Vacant(free) => {
+                free.insert(row);
+            }
+        }
+    }
+    Ok(())
 }
 
 struct Table<'a> {

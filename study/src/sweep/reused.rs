@@ -8,7 +8,7 @@ use crate::point::columns::read_columns;
 use crate::point::row::{Column, Row};
 use crate::point::store::Store;
 use crate::sweep::folder::{Folder, PLAN};
-use crate::sweep::merge::gather;
+use crate::sweep::merge::{gather, join};
 
 /// Rows by key, and what their columns are. A row is a pure function of its key, so it does not matter who asked for it.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -32,7 +32,7 @@ impl ReusedRows {
         for folder in folders {
             let folder = folder.as_ref();
             match Store::find(&folder.join(RESULTS)).filter(|_| !folder.join(PLAN).exists()) {
-                Some(store) => all.add(store.rows()?, store.read_columns()?),
+                Some(store) => all.add(store.rows()?, store.read_columns()?)?,
                 None => all.add_sweep(&Folder::open(folder)?)?,
             }
         }
@@ -40,12 +40,12 @@ impl ReusedRows {
     }
 
     fn add_sweep(&mut self, folder: &Folder) -> Result<()> {
-        self.add(gather(folder)?.rows, read_columns(&folder.columns())?);
-        Ok(())
+        self.add(gather(folder)?.rows, read_columns(&folder.columns())?)
     }
 
-    fn add(&mut self, rows: BTreeMap<String, Row>, columns: BTreeMap<String, Column>) {
-        self.rows.extend(rows);
+    fn add(&mut self, rows: BTreeMap<String, Row>, columns: BTreeMap<String, Column>) -> Result<()> {
+        join(&mut self.rows, rows)?;
         self.columns.extend(columns.into_values());
+        Ok(())
     }
 }

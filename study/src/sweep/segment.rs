@@ -130,7 +130,7 @@ fn belonging(folder: &Folder, bucket: usize) -> Belonging<'_> {
 }
 
 /// What is different between two rows of one key.
-fn difference(a: &Row, b: &Row) -> String {
+pub(super) fn difference(a: &Row, b: &Row) -> String {
     if a.error != b.error {
         let word = |row: &Row| row.error.clone().unwrap_or_else(|| "none".into());
         return format!("error {} and {}", word(a), word(b));

@@ -1,5 +1,6 @@
 //! Sweeps on the golden trace: plans, keys, segments, runs and merges, through the crate's own functions.
 
+mod failed;
 mod plans;
 
 use std::path::{Path, PathBuf};
@@ -126,7 +127,7 @@ fn however_it_is_split_the_result_is_the_same() {
         other => panic!("{name}: {other:?}"),
     };
     assert_eq!(texts("status").iter().flatten().filter(|s| *s == "failed").count(), 2);
-    assert!(texts("error")[4].as_ref().unwrap().contains("machine raycore has no kernel"));
+    assert!(texts("error")[4].as_ref().unwrap().contains("machine of this point has no kernel"));
     // Without a machine there are rays, and no cycles.
     let (rays, cycles) = (&results.field("rays_traced").unwrap().cells, &results.field("cycles").unwrap().cells);
     assert!(rays.number(6).unwrap() > 0.0 && cycles.number(0).unwrap() > 0.0);

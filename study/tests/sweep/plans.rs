@@ -134,6 +134,14 @@ fn bad_plans_are_one_error_with_its_place() {
             "plan.toml:8:8: a second axis \"x\"",
         ),
         (
+            axis("key = \"ti.trv\"\nvalues = [1]\n[[axis]]\nname = \"y\"\nkey = \"ti.trv\"\nvalues = [2]"),
+            "axes \"x\" and \"y\" both set ti.trv; let only one of them set it",
+        ),
+        (
+            axis("key = \"ti.trv\"\nvalues = [1]\n[[axis]]\nname = \"not\"\nkey = \"l2.size\"\nvalues = [1]"),
+            "axis \"not\": that is a word of the language of exclude",
+        ),
+        (
             axis(
                 "key = \"ti.trv\"\nvalues = [1]\nzip = \"z\"\n[[axis]]\nname = \"y\"\nkey = \"l2.size\"\nvalues = [1, 2]\nzip = \"z\"",
             ),

@@ -47,9 +47,9 @@ pub const ANCHORS: &[Anchor] = &[
         why: &[Why {
             of: &[],
             below: "",
-            above: "Where misses retry, an operation looks up again after every bypass, and finds its line still on its way. \
-                    Such lookups count as lookups that are no hits: half of all in provence already on sgrt-ti2, which has half \
-                    the rays. The abstract does not say how it counts.",
+            above: "Where misses retry, an operation looks its line up again after every bypass, and each such lookup counts as \
+                    one that is no hit. In provence they are half of all lookups even on sgrt-ti2, which holds half as many \
+                    rays. The abstract does not say how it counts.",
         }],
     },
     Anchor {

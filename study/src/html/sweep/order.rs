@@ -30,7 +30,7 @@ pub fn section(view: &SweepView<'_>) -> Option<Section> {
         }
     };
     let read = format!(
-        "Gain in {} over full at the same values; over several traces the geometric mean. A trace stands under Changes if another \
+        "Gain in {} over full at the same values; over several traces the geometric mean of those that all policies of the row have. A trace stands under Changes if another \
          policy is first there than in the first row. Estimates have intervals, which are not looked at here.",
         field.name
     );

@@ -1,5 +1,7 @@
 //! What the axes of a plan must hold together. What one axis must hold by itself stands in `axis`.
 
+use std::collections::BTreeSet;
+
 use crate::error::Result;
 use crate::figures::is_key;
 use crate::sweep::plan::Plan;
@@ -29,6 +31,23 @@ const RESERVED: &[&str] = &[
     "model_version",
 ];
 
+/// Words of the language of `exclude`.
+const WORDS: &[&str] = &["and", "or", "not", "in", "is", "if", "else", "true", "false"];
+
+/// An earlier axis that sets a key which `axis` sets too, for the same machine or policy.
+fn both_set<'a>(before: &'a [Axis], axis: &'a Axis) -> Option<(&'a str, &'a str)> {
+    let keys = |axis: &'a Axis| -> BTreeSet<&'a str> {
+        axis.values.iter().flat_map(|value| &value.set).filter_map(|set| Some(set.split_once('=')?.0.trim())).collect()
+    };
+    let (later, alike) = (keys(axis), |other: &Axis| {
+        other.only.is_empty() || axis.only.is_empty() || other.only.iter().any(|name| axis.only.contains(name))
+    });
+    before.iter().filter(|other| alike(other)).find_map(|other| {
+        let both = keys(other).into_iter().find(|key| later.contains(key))?;
+        Some((other.name.as_str(), both))
+    })
+}
+
 /// Checks the axes against one another and against the columns of results.
 ///
 /// # Errors
@@ -38,6 +57,14 @@ pub fn check_axes(file: &PlanFile, axes: &[Axis], text: Text<'_>) -> Result<()> 
         let name_at = at.get_ref().name.span();
         if axes[..i].iter().any(|other| other.name == axis.name) {
             return Err(text.error(&name_at, format!("a second axis {:?}; give it another name", axis.name)));
+        }
+        if WORDS.contains(&axis.name.as_str()) {
+            let detail = format!("axis {:?}: that is a word of the language of exclude; take another", axis.name);
+            return Err(text.error(&name_at, detail));
+        }
+        if let Some((other, key)) = both_set(&axes[..i], axis) {
+            let detail = format!("axes {other:?} and {:?} both set {key}; let only one of them set it", axis.name);
+            return Err(text.error(&at.span(), detail));
         }
         if RESERVED.contains(&axis.name.as_str()) || is_key(&axis.name) {
             let detail = format!("axis {:?}: results have a column of that name; take another", axis.name);

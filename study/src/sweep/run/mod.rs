@@ -155,11 +155,17 @@ impl<'a> Workers<'a> {
         let wanted: Vec<_> = resolved.iter().zip(&planned).map(|(point, planned)| (point, &planned.key)).collect();
         let rows = compute_rows(&wanted, (&opened.source, &opened.tree), &self.settings.stop, tell);
         // A row carries the key of what was computed: no other point may take it for its own.
+        let path = opened.source.trace().reader().path().display().to_string();
         let checked = |(row, planned): (Result<(Row, Vec<Column>)>, &&PointRef)| match row {
             Ok((row, _)) if row.key != planned.key => {
                 Err(format!("the plan has key {} for it, and what was computed has {}", planned.key, row.key))
             }
-            other => other.map_err(|e| chain(&e)),
+            // Nor may a row depend on where the trace lies.
+            Ok((row, columns)) => {
+                let error = row.error.map(|why| why.replace(&path, "the trace"));
+                Ok((Row { error, ..row }, columns))
+            }
+            Err(error) => Err(chain(&error)),
         };
         Ok(rows.into_iter().zip(&planned).map(checked).collect())
     }

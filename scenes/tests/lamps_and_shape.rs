@@ -1,0 +1,111 @@
+//! Lamps become lights where they shine; faces are flat or smooth, and sizes told, as a model asks for.
+
+use std::fs;
+
+use rayreel_scenes::{Scene, load};
+use tempfile::TempDir;
+
+const TRIANGLE: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+
+/// A folder with the given files.
+fn folder(files: &[(&str, &str)]) -> TempDir {
+    let folder = TempDir::new().expect("a temporary folder");
+    for (name, text) in files {
+        fs::write(folder.path().join(name), text).expect("writes");
+    }
+    folder
+}
+
+fn load_in(folder: &TempDir, name: &str) -> Result<Scene, String> {
+    let path = folder.path().join(name);
+    // The name of the folder differs from run to run.
+    load(path.to_str().expect("UTF-8")).map_err(|e| e.to_string().replace(&format!("{}/", folder.path().display()), ""))
+}
+
+fn warnings(scene: &Scene) -> Vec<(u64, String)> {
+    scene.warnings.iter().map(|w| (w.count, w.message.rsplit('/').next().unwrap_or("").to_owned())).collect()
+}
+
+#[test]
+fn lamps_of_the_model_become_lights() {
+    let obj = format!("mtllib a.mtl\nusemtl m\n{TRIANGLE}");
+    let files = folder(&[("a.obj", &obj), ("a.mtl", "newmtl m\nKe 17 8.5 0\n")]);
+    let scene = load_in(&files, "a.obj").expect("loads");
+    let [rayreel_scenes::Light::Point { position, colour }] = scene.lights[..] else { panic!("{:?}", scene.lights) };
+    assert!(position.z > 0.0 && (colour.y * 2.0 - colour.x).abs() < 1e-6, "in front of it: {position} {colour}");
+}
+
+/// A lamp that shines to all sides, an octahedron, at some height over a floor.
+#[test]
+fn a_lamp_is_not_put_below_the_floor_that_it_stands_on() {
+    let scene = |height: f32| {
+        let mut obj = String::from(
+            "mtllib a.mtl\nv -9 0 -9\nv 9 0 -9\nv 9 0 9\nv -9 0 9\no floor\nusemtl f\nf 4 3 2 1\no lamp\nusemtl m\n",
+        );
+        for [x, y, z] in [[1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1]] {
+            obj += &format!("v {x} {} {z}\n", height + y as f32);
+        }
+        for [x, y, z] in [[5, 7, 9], [9, 7, 6], [6, 7, 10], [10, 7, 5], [9, 8, 5], [6, 8, 9], [10, 8, 6], [5, 8, 10]] {
+            obj += &format!("f {x} {y} {z}\n");
+        }
+        let files = folder(&[("a.obj", &obj), ("a.mtl", "newmtl f\nKd 1 1 1\nnewmtl m\nKe 1 1 1\n")]);
+        let scene = load_in(&files, "a.obj").expect("loads");
+        let [rayreel_scenes::Light::Point { position, .. }] = scene.lights[..] else { panic!("{:?}", scene.lights) };
+        position.y - height
+    };
+    assert!(scene(1.0) > 1.0, "it stands on the floor: above");
+    assert!(scene(3.0) < -1.0, "it hangs: below");
+}
+
+#[test]
+fn a_lamp_can_be_put_out_and_lit_in_a_scene_file() {
+    let lights = |toml: &str| {
+        let obj = format!("mtllib a.mtl\nusemtl m\n{TRIANGLE}usemtl n\nf 1 3 2\n");
+        let mtl = "newmtl m\nKe 1 1 1\nnewmtl n\nKd 1 1 1\n";
+        let files = folder(&[("a.obj", &obj), ("a.mtl", mtl), ("s.toml", &format!("model = \"a.obj\"\n{toml}"))]);
+        load_in(&files, "s.toml").expect("loads").lights
+    };
+    assert_eq!(lights("").len(), 1);
+    assert_eq!(lights("[materials.m]\nemission = [0, 0, 0]\n").len(), 2, "the default lights");
+    let dark = "[materials.m]\nemission = [0, 0, 0]\n[materials.n]\nemission = [0, 1, 0]\n";
+    let [rayreel_scenes::Light::Point { colour, .. }] = lights(dark)[..] else { panic!("one lamp") };
+    assert!(colour.x == 0.0 && colour.y > 0.0);
+}
+
+#[test]
+fn smoothing_that_is_off_leaves_faces_flat() {
+    let normals = |statement: &str| {
+        let obj = format!("{statement}v 0 0 0\nv 1 0 0\nv 1 1 0.2\nv 0 1 0\nf 1 2 3\nf 1 3 4\n");
+        let scene = load_in(&folder(&[("a.obj", &obj)]), "a.obj").expect("loads");
+        scene.mesh.normals.len()
+    };
+    assert_eq!((normals(""), normals("s 1\n")), (4, 4), "corners are shared");
+    assert_eq!((normals("s off\n"), normals("s 0\n")), (6, 6), "each face has its own");
+}
+
+#[test]
+fn sizes_and_places_that_floats_hold_badly_are_told() {
+    let load = |scale: f32, away: f32| {
+        let corner = |x: f32, y: f32| format!("v {} {} 0\n", x * scale + away, y * scale);
+        let obj = format!("{}{}{}f 1 2 3\n", corner(0.0, 0.0), corner(1.0, 0.0), corner(0.0, 1.0));
+        load_in(&folder(&[("a.obj", &obj)]), "a.obj").map(|scene| {
+            warnings(&scene).into_iter().filter(|(_, words)| !words.contains("without a material")).collect::<Vec<_>>()
+        })
+    };
+    for (scale, away) in [(1.0, 0.0), (1e8, 0.0), (1e-9, 0.0), (1.0, 1000.0)] {
+        assert_eq!(load(scale, away), Ok(vec![]), "{scale} at {away}");
+    }
+    for (scale, away, words) in [
+        (1e10, 0.0, "a: the model is 1e10 units large: surfaces may be lit wrongly; scale it nearer to 1"),
+        (1e-12, 0.0, "a: the model is 1e-12 units large: surfaces may be lit wrongly; scale it nearer to 1"),
+        (
+            1.0,
+            1_048_576.0,
+            "a: the model lies 1.048577e6 units from the origin and is 1e0 large: surfaces may be lit wrongly; move it to the origin",
+        ),
+    ] {
+        assert_eq!(load(scale, away), Ok(vec![(1, words.into())]), "{scale} at {away}");
+    }
+    let error = load(1e16, 0.0).expect_err("is too large");
+    assert_eq!(error, "scene `a`: the model is 1e16 units large; scale it nearer to 1");
+}

@@ -1,0 +1,99 @@
+//! What is written never takes the place of what is read, of a device or of a link; what is compared is there.
+
+use std::fs;
+
+use crate::common::capture;
+use crate::rayreel;
+
+#[test]
+fn inputs_are_not_overwritten() {
+    let folder = tempfile::tempdir().unwrap();
+    let trace = folder.path().join("a.rtrace");
+    capture("cornell", "--size 32x16 --samples 1x1", &trace);
+    let bytes = fs::read(&trace).unwrap();
+    let ran = rayreel!["export", &trace, "--what", "nodes", "--format", "csv", "-o", &trace].expect(2);
+    assert!(ran.err.contains("is what is read; name another file to write"), "{ran:?}");
+    assert_eq!(fs::read(&trace).unwrap(), bytes);
+}
+
+/// A sweep of one point, merged.
+fn merged(folder: &std::path::Path) -> std::path::PathBuf {
+    capture("cornell", "--size 32x16 --samples 1x1", &folder.join("a.rtrace"));
+    let plan = folder.join("s.toml");
+    fs::write(&plan, "traces = [\"a.rtrace\"]\nmachines = [\"none\"]\npolicies = [\"full\"]\n").unwrap();
+    let sweep = folder.join("s.sweep");
+    rayreel!["sweep", "--quiet", &plan, "--traces", folder, "-o", &sweep].expect(0);
+    sweep
+}
+
+#[test]
+fn results_and_plans_are_not_overwritten() {
+    let folder = tempfile::tempdir().unwrap();
+    let sweep = merged(folder.path());
+    let both = folder.path().join("x.csv");
+    let ran = rayreel!["sweep", "merge", &sweep, "-o", &both].expect(2);
+    assert!(ran.err.contains("cannot be the Parquet file and the CSV file"), "{ran:?}");
+    let ran = rayreel!["sweep", "merge", &sweep, "-o", &sweep.join("plan.json")].expect(2);
+    assert!(ran.err.contains("is what is read"), "{ran:?}");
+    let results = sweep.join("results.parquet");
+    let ran = rayreel!["report", &results, "-o", &results].expect(2);
+    assert!(ran.err.contains("is what is read"), "{ran:?}");
+    let ran = rayreel!["sweep", "run", &sweep, "-o", &folder.path().join("other")].expect(2);
+    assert!(ran.err.contains("is the folder of a sweep already; -o is for a plan file"), "{ran:?}");
+    rayreel!["sweep", "merge", &sweep].expect(0);
+    rayreel!["compare", &sweep, &sweep].expect(0);
+}
+
+#[test]
+fn comparing_nothing_is_no_agreement() {
+    let folder = tempfile::tempdir().unwrap();
+    capture("cornell", "--size 32x16 --samples 1x1", &folder.path().join("a.rtrace"));
+    let (plan, sweep) = (folder.path().join("s.toml"), folder.path().join("s.sweep"));
+    fs::write(&plan, "traces = [\"a.rtrace\"]\nmachines = [\"none\"]\npolicies = [\"full\"]\n").unwrap();
+    rayreel!["sweep", "plan", &plan, "--traces", folder.path(), "-o", &sweep, "--no-estimate"].expect(0);
+    rayreel!["sweep", "merge", &sweep, "--partial"].expect(3);
+    let ran = rayreel!["compare", &sweep, &sweep].expect(65);
+    assert!(ran.err.contains("holds no results"), "{ran:?}");
+}
+
+#[cfg(unix)]
+#[test]
+fn pipes_are_refused_and_links_followed() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    capture("cornell", "--size 32x16 --samples 1x1", &at("a.rtrace"));
+    let export = |to: &str| rayreel!["export", "--quiet", &at("a.rtrace"), "--what", "nodes", "-o", &at(to)];
+    assert!(std::process::Command::new("mkfifo").arg(at("pipe.csv")).status().unwrap().success());
+    let ran = export("pipe.csv").expect(2);
+    assert!(ran.err.contains("it is a device or a pipe, and a file cannot take its place"), "{ran:?}");
+    let ran = rayreel!["trim", &at("a.rtrace"), "--columns", "hits", "-o", &at("pipe.csv"), "--force"].expect(2);
+    assert!(ran.err.contains("it is a device or a pipe"), "{ran:?}");
+    fs::write(at("there.csv"), "old").unwrap();
+    std::os::unix::fs::symlink("there.csv", at("link.csv")).unwrap();
+    export("link.csv").expect(0);
+    assert!(fs::symlink_metadata(at("link.csv")).unwrap().is_symlink());
+    assert!(fs::read_to_string(at("there.csv")).unwrap().lines().count() > 100, "the link names what was written");
+}
+
+#[test]
+fn traces_without_a_column_are_compared() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    capture("cornell", "--size 32x16 --samples 1x1", &at("all"));
+    rayreel!["trim", "--quiet", &at("all"), "--columns", "hits", "-o", &at("some")].expect(0);
+    rayreel!["diff", &at("some"), &at("some")].expect(0);
+    let told = rayreel!["diff", &at("all"), &at("some")].expect(1).out;
+    assert_eq!(told, "frame 0, tile 0, column radiance: there | missing\n");
+}
+
+/// A scene is what a capture was told that it is.
+#[test]
+fn a_trace_is_held_against_the_scene_as_it_was_captured() {
+    let folder = tempfile::tempdir().unwrap();
+    let trace = folder.path().join("a.rtrace");
+    capture("cornell", "--size 32x16 --samples 1x1 --light 0,1.5,0 --fov 50", &trace);
+    rayreel!["verify", "--quiet", &trace, "--scene", "cornell"].expect(1);
+    rayreel!["verify", "--quiet", &trace, "--scene", "cornell", "--light", "0,1.5,0", "--fov", "50"].expect(0);
+    let ran = rayreel!["verify", &trace, "--fov", "50"].expect(2);
+    assert!(ran.err.contains("--fov says how the scene was captured; name it with --scene"), "{ran:?}");
+}
