@@ -7,10 +7,10 @@ use glam::Vec3;
 use crate::{
     defaults,
     error::{Location, SceneError},
-    gltf_model::load_gltf,
+    gltf_model::{Film, load_gltf},
     obj::load_obj,
     options::LoadOptions,
-    scene::{Camera, Light, Mesh, Scene},
+    scene::{Camera, Light, Scene},
     view::View,
     warnings::Warning,
 };
@@ -73,7 +73,7 @@ pub(crate) fn read(path: &Path, options: &LoadOptions) -> Result<Model, SceneErr
     (scene.mesh, scene.objects) = (model.mesh, model.objects);
     (scene.materials, scene.textures) = (model.materials, model.textures);
     scene.warnings = model.warnings;
-    finish(scene, model.first.as_ref(), model.lights, model.cameras, model.frames)
+    finish(scene, model.film.as_ref(), model.lights, model.cameras, model.frames)
 }
 
 /// A scene of this name with nothing in it.
@@ -91,16 +91,16 @@ fn bare(path: &Path) -> Scene {
     }
 }
 
-/// Adds what the model does not say. A view of an animation is that of its `first` mesh, whatever the scene holds.
+/// Adds what the model does not say. A view of an animation is that of its whole film, whatever frame the scene holds.
 fn finish(
     mut scene: Scene,
-    first: Option<&Mesh>,
+    film: Option<&Film>,
     lights: Vec<Light>,
     cameras: Vec<Camera>,
     frames: u64,
 ) -> Result<Model, SceneError> {
     check_size(&mut scene)?;
-    let view = View::of(first.unwrap_or(&scene.mesh));
+    let view = film.map_or_else(|| View::of(&scene.mesh), |film| View::of(&film.first).within(film.bounds));
     let (has_cameras, has_lights) = (!cameras.is_empty(), !lights.is_empty());
     scene.lights = if has_lights { lights } else { view.lights(&scene) };
     scene.cameras = if has_cameras { cameras } else { vec![view.camera(None); frames as usize] };

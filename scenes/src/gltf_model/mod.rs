@@ -17,7 +17,7 @@ mod uri;
 
 use std::path::Path;
 
-use glam::DAffine3;
+use glam::{DAffine3, Vec3};
 
 use self::{
     animation::Animations,
@@ -39,9 +39,8 @@ use crate::{
 /// What a glTF file holds.
 pub(crate) struct GltfModel {
     pub mesh: Mesh,
-    /// The mesh at the first frame of the animation, where another is asked for: default camera and lights are made for it, and so
-    /// stand still.
-    pub first: Option<Mesh>,
+    /// What default camera and lights are made for, where meshes move: so they stand still.
+    pub film: Option<Film>,
     /// One name per node with a mesh.
     pub objects: Vec<String>,
     pub materials: Vec<Material>,
@@ -54,6 +53,17 @@ pub(crate) struct GltfModel {
     pub frames: u64,
     pub warnings: Vec<Warning>,
 }
+
+/// Meshes that move, as they are seen on the whole.
+pub(crate) struct Film {
+    /// The mesh at the first frame.
+    pub first: Mesh,
+    /// The box of what is seen at some moments of the animation.
+    pub bounds: (Vec3, Vec3),
+}
+
+/// Moments of an animation whose meshes a default view has to hold, evenly spread from the first to the last.
+const MOMENTS: u32 = 5;
 
 /// Loads a `.gltf` or `.glb` file.
 pub(crate) fn load_gltf(path: &Path, options: &LoadOptions) -> Result<GltfModel, SceneError> {
@@ -74,13 +84,8 @@ pub(crate) fn load_gltf(path: &Path, options: &LoadOptions) -> Result<GltfModel,
     let world = tree.world(&animations, f64::from(options.frame) / options.fps());
     let mut model = Builder { source: &source, pictures: Pictures::default(), surfaces: Vec::new() };
     let (mesh, objects, materials) = model.meshes(&tree, &world, &mut warnings)?;
-    let first = if moving > 0 && options.frame > 0 {
-        // What is odd is known by now, and the frame that is asked for has the same meshes.
-        Some(model.meshes(&tree, &tree.world(&animations, 0.0), &mut Warnings::default())?.0)
-    } else {
-        None
-    };
-    let (low, high) = main_bounds(&first.as_ref().unwrap_or(&mesh).positions);
+    let film = if moving > 0 { Some(model.film(&tree, &animations)?) } else { None };
+    let (low, high) = main_bounds(&film.as_ref().map_or(&mesh, |film| &film.first).positions);
     let middle = (low + high) / 2.0;
     let lights =
         lights::lights(&source, tree.nodes().map(|(place, node)| (node, world[place])), middle, &mut warnings)?;
@@ -91,7 +96,7 @@ pub(crate) fn load_gltf(path: &Path, options: &LoadOptions) -> Result<GltfModel,
     let cameras = lens.as_ref().map(camera).transpose()?.unwrap_or_default();
     let textures = model.pictures.into_list();
     let warnings = warnings.into_list();
-    Ok(GltfModel { mesh, first, objects, materials, textures, lights, cameras, frames, warnings })
+    Ok(GltfModel { mesh, film, objects, materials, textures, lights, cameras, frames, warnings })
 }
 
 /// Frames of the animation: one at its start, and each whole one until its end.
@@ -152,6 +157,22 @@ struct Builder<'a> {
 }
 
 impl Builder<'_> {
+    /// The meshes of an animation on the whole.
+    fn film(&mut self, tree: &Tree, animations: &Animations) -> Result<Film, SceneError> {
+        let mut at = |moment: u32| {
+            let time = animations.end() * f64::from(moment) / f64::from(MOMENTS - 1);
+            // What is odd is told of the frame that is asked for, which has the same meshes.
+            self.meshes(tree, &tree.world(animations, time), &mut Warnings::default()).map(|(mesh, ..)| mesh)
+        };
+        let first = at(0)?;
+        let mut bounds = main_bounds(&first.positions);
+        for moment in 1..MOMENTS {
+            let (low, high) = main_bounds(&at(moment)?.positions);
+            bounds = (bounds.0.min(low), bounds.1.max(high));
+        }
+        Ok(Film { first, bounds })
+    }
+
     /// All meshes of the scene where their nodes stand, one object per node.
     fn meshes(
         &mut self,

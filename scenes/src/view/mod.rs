@@ -30,6 +30,7 @@ const FINE: usize = 6;
 /// What a file leaves open: who looks from where, and the light.
 pub(crate) struct View {
     room: Option<Room>,
+    /// The box that a camera should frame.
     bounds: (Vec3, Vec3),
 }
 
@@ -47,6 +48,11 @@ impl View {
         let grid = Grid::new(mesh);
         let room = if is_room(&grid) { room(&grid) } else { None };
         Self { room, bounds: defaults::main_bounds(&mesh.positions) }
+    }
+
+    /// The same, of a mesh that moves within a box.
+    pub fn within(self, bounds: (Vec3, Vec3)) -> Self {
+        Self { bounds, ..self }
     }
 
     /// A camera with the field of view that was asked for, in degrees, or one that suits the place.

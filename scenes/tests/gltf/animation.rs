@@ -182,6 +182,14 @@ fn a_view_that_nobody_gave_stands_still() {
     let (first, last) = (at(0), at(30));
     assert!(last.bounds().0.y > first.bounds().0.y + 29.0, "the mesh moves");
     assert_eq!((&last.cameras, &last.lights), (&first.cameras, &first.lights));
+    // All of it is in view: from the eye no corner is more than half the picture's height away from the middle.
+    let camera = last.cameras[0];
+    let ahead = (camera.target - camera.eye).normalize();
+    for position in first.mesh.positions.iter().chain(&last.mesh.positions) {
+        let arm = *position - camera.eye;
+        let slope = (arm / arm.dot(ahead) - ahead).length();
+        assert!(slope < 1.2 * (camera.vfov_deg / 2.0).to_radians().tan(), "{position} at {slope}");
+    }
 }
 
 #[test]
