@@ -49,6 +49,18 @@ fn a_part_is_simulated_and_the_rest_is_estimated() {
         detail["replicates"]["energy_mj"].as_array().map(Vec::len)
     );
 
+    // A counter that is not listed is exact, and what lookups found adds up to them.
+    let counter = |of: &Value, name: &str| of["counters"][name]["value"].clone();
+    for (name, known) in full["counters"].as_object().unwrap() {
+        let column: String = name.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect();
+        let is_listed = detail["interval_percent"].as_object().unwrap().contains_key(&column);
+        assert!(is_listed || counter(&sampled, name) == known["value"], "{name} is neither listed nor exact");
+    }
+    for l1 in ["ti/trv/l1", "ti/ist/l1", "srp/l1"] {
+        let of = |what: &str| counter(&sampled, &format!("{l1}/{what}")).as_u64().unwrap();
+        assert_eq!(of("hits") + of("misses") + of("merges"), of("lookups"), "{l1}");
+    }
+
     let counts = replay(&file, "--machine sgrt-ti2 --detail counts").expect(0).json();
     assert!(
         counts["cycles"].is_null() && counts["power_w"].is_null() && counts["rays_machine"] == full["rays_machine"]
