@@ -158,4 +158,13 @@ mod tests {
         let field = results.field("perf_per_watt").unwrap();
         assert_eq!(PolicyOrder::of(&results, field), None);
     }
+
+    #[test]
+    fn means_are_over_the_same_traces() {
+        let gains = [[("a", 2.0), ("b", 8.0)].as_slice(), &[("a", 3.0)], &[]];
+        let of = |gains: &&[(&str, f64)]| gains.iter().map(|(trace, gain)| ((*trace).to_owned(), *gain)).collect();
+        let row = OrderRow { name: String::new(), gains: gains.iter().map(of).collect() };
+        let means = [0, 1, 2].map(|policy| row.mean(policy).map(|mean| (mean * 1e6).round() * 1e-6));
+        assert_eq!(means, [Some(2.0), Some(3.0), None], "b is not known of both");
+    }
 }
