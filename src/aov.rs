@@ -61,16 +61,6 @@ pub struct Args {
 }
 
 pub fn run(args: &Args) -> Result<Exit> {
-    match layers(args) {
-        Err(error) if matches!(error.downcast_ref(), Some(ReplayError::Interrupted)) => {
-            eprintln!("interrupted; nothing was written");
-            Ok(Exit::Interrupted)
-        }
-        ended => ended,
-    }
-}
-
-fn layers(args: &Args) -> Result<Exit> {
     if !args.output.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("exr")) {
         bail!("{} is written as EXR; let its name end in .exr", args.output.display());
     }

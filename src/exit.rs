@@ -56,6 +56,11 @@ pub fn blaming(exit: Exit, error: StudyError) -> anyhow::Error {
     Blamed(exit, error).into()
 }
 
+/// Whether nothing is wrong, and somebody only wanted the command to end.
+pub fn is_interruption(error: &anyhow::Error) -> bool {
+    error.chain().any(|cause| matches!(cause.downcast_ref(), Some(ReplayError::Interrupted)))
+}
+
 /// The exit code of an error.
 pub fn of(error: &anyhow::Error) -> Exit {
     if let Some(Blamed(exit, _)) = error.downcast_ref() {

@@ -7,7 +7,7 @@ use rayreel_columns::{ColumnsError, Data, Encoder, Format, Selection, Sink, Use,
 use rayreel_formats::scene::Meta;
 use rayreel_machine::NamedMachine;
 use rayreel_machine::config::schema::is_machine_override;
-use rayreel_replay::{NamedPolicy, ReplayError};
+use rayreel_replay::NamedPolicy;
 
 use crate::common::{frames, keep_input, print};
 use crate::exit::Exit;
@@ -71,17 +71,6 @@ fn format(text: &str) -> Result<Format, String> {
 }
 
 pub fn run(args: &Args, quiet: bool) -> Result<Exit> {
-    match export(args, quiet) {
-        Err(error) if matches!(error.downcast_ref(), Some(ReplayError::Interrupted)) => {
-            let piped = args.output == Path::new("-");
-            eprintln!("interrupted{}", if piped { "" } else { "; nothing was written" });
-            Ok(Exit::Interrupted)
-        }
-        ended => ended.map(|()| Exit::Done),
-    }
-}
-
-fn export(args: &Args, quiet: bool) -> Result<()> {
     let format = output_format(args)?;
     let (policy, machine) = settings(args)?;
     check(args)?;
@@ -114,7 +103,7 @@ fn export(args: &Args, quiet: bool) -> Result<()> {
         let bytes = std::fs::metadata(&args.output)?.len();
         print(&format!("{}: {rows} rows of table {}, {bytes} bytes\n", args.output.display(), args.what.name()))?;
     }
-    Ok(())
+    Ok(Exit::Done)
 }
 
 /// What is wrong with the trace or the replay, as other commands say it.

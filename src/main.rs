@@ -135,6 +135,11 @@ fn main() -> ExitCode {
         Ok(exit) => exit.into(),
         // Whoever reads our output has seen enough (`rayreel scenes list | head -1`).
         Err(error) if exit::is_broken_pipe(&error) => Exit::Done.into(),
+        // What is written whole is there; what was begun is not.
+        Err(error) if exit::is_interruption(&error) => {
+            eprintln!("interrupted");
+            Exit::Interrupted.into()
+        }
         Err(error) => {
             let lines: Vec<String> = format!("{error:#}").lines().map(common::printable).collect();
             eprintln!("error: {}{}", lines.join("\n"), memory::hint(&error));

@@ -73,13 +73,12 @@ impl SceneChanges {
     /// The flags that were given, as words of a command.
     pub fn words(&self) -> Vec<String> {
         let list = |numbers: &[f32]| numbers.iter().map(f32::to_string).collect::<Vec<_>>().join(",");
-        let triple = |flag: &str, value: Option<[f32; 3]>| value.map(|v| [flag.to_owned(), list(&v)]);
-        let one = |flag: &str, value: Option<String>| value.map(|v| [flag.to_owned(), v]);
-        let before = [triple("--eye", self.eye), triple("--target", self.target), triple("--up", self.up)];
-        let lights = self.light.iter().map(|light| Some(["--light".to_owned(), list(light)]));
-        let behind = [triple("--sky", self.sky), one("--fps", self.fps.map(|fps| fps.to_string()))];
-        let fov = std::iter::once(one("--fov", self.fov.map(|fov| fov.to_string())));
-        before.into_iter().chain(fov).chain(lights).chain(behind).flatten().flatten().collect()
+        let triple = |value: Option<[f32; 3]>| value.map(|value| list(&value));
+        let mut given = vec![("--eye", triple(self.eye)), ("--target", triple(self.target)), ("--up", triple(self.up))];
+        given.push(("--fov", self.fov.map(|fov| fov.to_string())));
+        given.extend(self.light.iter().map(|light| ("--light", Some(list(light)))));
+        given.extend([("--sky", triple(self.sky)), ("--fps", self.fps.map(|fps| fps.to_string()))]);
+        given.into_iter().filter_map(|(flag, value)| Some([flag.to_owned(), value?])).flatten().collect()
     }
 
     fn overrides(&self) -> Overrides {
@@ -138,6 +137,21 @@ fn frames_a_second(text: &str) -> Result<f64, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn words_say_what_was_given() {
+        #[derive(clap::Parser)]
+        struct Command {
+            #[command(flatten)]
+            scene: SceneArgs,
+        }
+        let given = "a --eye -1,2.5,3 --target 0,0,0 --up 0,0,1 --fov 33.3 --light 1,2,3,0.7,0.7,0.7 --light 4,5,6,1,0,0 --sky 0.1,0.2,0.3 --fps 12.5";
+        let all: Vec<&str> = given.split(' ').collect();
+        let Command { scene } = clap::Parser::parse_from(["x"].into_iter().chain(all.iter().copied()));
+        assert_eq!(scene.changes.words(), all[1..]);
+        let Command { scene } = clap::Parser::parse_from(["x", "a"]);
+        assert!(scene.changes.words().is_empty());
+    }
 
     #[test]
     fn triples_and_lights_are_numbers_between_commas() {

@@ -57,14 +57,6 @@ impl ColumnsError {
         Self::Output { path: path.to_path_buf(), source }
     }
 
-    /// The same of an output whose name was not known where it was refused.
-    pub(crate) fn of_file(self, name: &Path) -> Self {
-        match self {
-            Self::Output { path, source } if path.as_os_str().is_empty() => Self::output(name, source),
-            other => other,
-        }
-    }
-
     /// Whether the input is to blame, not the question.
     pub fn is_bad_data(&self) -> bool {
         matches!(self, Self::Path { .. })

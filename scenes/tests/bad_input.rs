@@ -1,26 +1,12 @@
 //! Every kind of bad input gives an error or a warning that says what is wrong, in which file and line.
 
+mod common;
+
 use std::{fs, path::Path};
 
+use common::{TRIANGLE, folder, load_in, warnings};
 use rayreel_scenes::{Optics, Scene, load, obj::load_obj};
 use tempfile::TempDir;
-
-const TRIANGLE: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
-
-/// A folder with the given files.
-fn folder(files: &[(&str, &str)]) -> TempDir {
-    let folder = TempDir::new().expect("a temporary folder");
-    for (name, text) in files {
-        fs::write(folder.path().join(name), text).expect("writes");
-    }
-    folder
-}
-
-fn load_in(folder: &TempDir, name: &str) -> Result<Scene, String> {
-    let path = folder.path().join(name);
-    // The name of the folder differs from run to run.
-    load(path.to_str().expect("UTF-8")).map_err(|e| e.to_string().replace(&format!("{}/", folder.path().display()), ""))
-}
 
 fn obj_error(obj: &str) -> String {
     load_in(&folder(&[("a.obj", obj)]), "a.obj").expect_err("must not load")
@@ -47,10 +33,6 @@ fn toml_error(toml: &str) -> String {
 
 fn toml(toml: &str) -> Scene {
     load_in(&toml_files(&format!("model = \"a.obj\"\n{toml}")), "s.toml").unwrap_or_else(|e| panic!("{e}"))
-}
-
-fn warnings(scene: &Scene) -> Vec<(u64, String)> {
-    scene.warnings.iter().map(|w| (w.count, w.message.rsplit('/').next().unwrap_or("").to_owned())).collect()
 }
 
 #[test]

@@ -1,30 +1,8 @@
 //! Lamps become lights where they shine; faces are flat or smooth, and sizes told, as a model asks for.
 
-use std::fs;
+mod common;
 
-use rayreel_scenes::{Scene, load};
-use tempfile::TempDir;
-
-const TRIANGLE: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
-
-/// A folder with the given files.
-fn folder(files: &[(&str, &str)]) -> TempDir {
-    let folder = TempDir::new().expect("a temporary folder");
-    for (name, text) in files {
-        fs::write(folder.path().join(name), text).expect("writes");
-    }
-    folder
-}
-
-fn load_in(folder: &TempDir, name: &str) -> Result<Scene, String> {
-    let path = folder.path().join(name);
-    // The name of the folder differs from run to run.
-    load(path.to_str().expect("UTF-8")).map_err(|e| e.to_string().replace(&format!("{}/", folder.path().display()), ""))
-}
-
-fn warnings(scene: &Scene) -> Vec<(u64, String)> {
-    scene.warnings.iter().map(|w| (w.count, w.message.rsplit('/').next().unwrap_or("").to_owned())).collect()
-}
+use common::{TRIANGLE, folder, load_in, warnings};
 
 #[test]
 fn lamps_of_the_model_become_lights() {
@@ -96,16 +74,16 @@ fn sizes_and_places_that_floats_hold_badly_are_told() {
         assert_eq!(load(scale, away), Ok(vec![]), "{scale} at {away}");
     }
     for (scale, away, words) in [
-        (1e10, 0.0, "a: the model is 1e10 units large: surfaces may be lit wrongly; scale it nearer to 1"),
-        (1e-12, 0.0, "a: the model is 1e-12 units large: surfaces may be lit wrongly; scale it nearer to 1"),
+        (1e10, 0.0, "a.obj: the model is 1e10 units large: surfaces may be lit wrongly; scale it nearer to 1"),
+        (1e-12, 0.0, "a.obj: the model is 1e-12 units large: surfaces may be lit wrongly; scale it nearer to 1"),
         (
             1.0,
             1_048_576.0,
-            "a: the model lies 1.048577e6 units from the origin and is 1e0 large: surfaces may be lit wrongly; move it to the origin",
+            "a.obj: the model, 1e0 units large, lies 1.048577e6 units from the origin: surfaces may be lit wrongly; move it there",
         ),
     ] {
         assert_eq!(load(scale, away), Ok(vec![(1, words.into())]), "{scale} at {away}");
     }
     let error = load(1e16, 0.0).expect_err("is too large");
-    assert_eq!(error, "scene `a`: the model is 1e16 units large; scale it nearer to 1");
+    assert_eq!(error, "a.obj: the model is 1e16 units large; scale it nearer to 1");
 }

@@ -89,9 +89,6 @@ impl StudyError {
 
     /// Whether data that were read are bad, and neither the call nor the system.
     pub fn is_bad_data(&self) -> bool {
-        matches!(
-            self,
-            Self::Conflict { .. } | Self::Corrupt { .. } | Self::Replay(ReplayError::Corrupt { ray: None, .. })
-        )
+        matches!(self, Self::Conflict { .. } | Self::Corrupt { .. } | Self::Replay(ReplayError::Corrupt { .. }))
     }
 }

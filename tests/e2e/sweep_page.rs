@@ -48,6 +48,16 @@ fn a_browser_shows_it() {
     filter(&page);
     phone(&page, &file);
     print(&page, &file);
+    // Where no point has figures nothing is offered that is not there.
+    let sweep = small_sweep(folder.path(), "failed", "raycore", "exclude = [\"policy = 'full'\"]");
+    rayreel!["report", &sweep].expect(0);
+    browser.open(&sweep.join("results.html"));
+    page.is_sound();
+    for section in ["pareto", "heat"] {
+        page.holds(&format!(
+            "document.getElementById('{section}').hidden && document.querySelector('nav a[href=\"#{section}\"]').closest('li').hidden"
+        ));
+    }
 }
 
 /// What the script draws again is what stood there before.
@@ -179,6 +189,14 @@ fn filter(page: &Page<'_>) {
     set("\\'apt\\' in policy");
     page.holds(&format!("{rows} === 6 && {least} !== {narrow}"));
     page.holds("document.getElementById('effects-of').textContent === 'of 6 points'");
+    // The examples that the page itself gives are of its grammar.
+    let examples = page.0.run("return [...document.querySelectorAll('#points .read code')].map(c => c.textContent).filter(t => /[=<>]| in /.test(t))");
+    let examples: Vec<&str> = examples.as_array().unwrap().iter().map(|text| text.as_str().unwrap()).collect();
+    assert!(examples.len() >= 4, "{examples:?}");
+    for example in examples {
+        set(example);
+        page.holds(&format!("/^[0-9]+ of 8 points$/.test({found})"));
+    }
     for (text, told) in [
         ("nonsense > 3", "at character 1, nonsense: there is no column nonsense"),
         ("l1 > 3 and (trv", "there is no column trv"),

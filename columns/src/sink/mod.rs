@@ -228,7 +228,7 @@ impl<'a> Sink<'a> {
         let name = name.to_path_buf();
         #[cfg(feature = "parquet")]
         if let Some(layout) = &encoder.layout {
-            let file = parquet::File::begin(layout, target).map_err(|error| error.of_file(&name))?;
+            let file = parquet::File::begin(layout, target).map_err(|error| parquet::refused(&name, error))?;
             return Ok(Self { encoder, name, rows: 0, to: To::Parquet(Box::new(file)) });
         }
         let mut sink = Self { encoder, name, rows: 0, to: To::Plain(target) };
@@ -255,7 +255,7 @@ impl<'a> Sink<'a> {
             #[cfg(feature = "parquet")]
             (Body::Group(group), To::Parquet(file)) => {
                 if encoded.rows > 0 {
-                    file.append(group).map_err(|error| error.of_file(&self.name))
+                    file.append(group).map_err(|error| parquet::refused(&self.name, error))
                 } else {
                     Ok(())
                 }
@@ -278,7 +278,7 @@ impl<'a> Sink<'a> {
         let mut target = match to {
             To::Plain(target) => target,
             #[cfg(feature = "parquet")]
-            To::Parquet(file) => file.finish().map_err(|error| error.of_file(&name))?,
+            To::Parquet(file) => file.finish().map_err(|error| parquet::refused(&name, error))?,
         };
         let end = |target: &mut Target| {
             if let (Target::File(file), Format::Npy) = (&mut *target, encoder.format) {

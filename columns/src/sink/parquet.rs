@@ -6,6 +6,7 @@
 //! would choose. Least and most of a group stand beside whole numbers alone, which readers skip groups by: frame, tile, cycle.
 
 use std::io::Write;
+use std::path::Path;
 use std::sync::Arc;
 
 use bytes::Bytes;
@@ -25,16 +26,21 @@ use crate::value::{Column, Names, Type};
 /// The metadata key.
 pub const KEY: &str = "rayreel";
 
-/// What the library says; of an output that takes nothing, what the system says. [`Sink`](super::Sink) knows its name.
-fn refused(error: ParquetError) -> ColumnsError {
+/// What the library says of the file `name`; where the output takes nothing, what the system says.
+pub fn refused(name: &Path, error: ParquetError) -> ColumnsError {
     let refused = |detail: String| ColumnsError::Writer { format: "Parquet", detail };
     match error {
         ParquetError::External(cause) => match cause.downcast::<std::io::Error>() {
-            Ok(source) => ColumnsError::output("".as_ref(), *source),
+            Ok(source) => ColumnsError::output(name, *source),
             Err(other) => refused(other.to_string()),
         },
         other => refused(other.to_string()),
     }
+}
+
+/// The same of what is made in memory.
+fn unwritten(error: ParquetError) -> ColumnsError {
+    refused(Path::new("memory"), error)
 }
 
 /// What all row groups of a file share.
@@ -55,8 +61,8 @@ impl Layout {
     /// # Errors
     /// Never for a table of ours.
     pub fn new(head: &Head) -> Result<Self> {
-        let schema = schema(head).map_err(refused)?;
-        let properties = properties(head).map_err(refused)?;
+        let schema = schema(head).map_err(unwritten)?;
+        let properties = properties(head).map_err(unwritten)?;
         Ok(Self { columns: SchemaDescriptor::new(Arc::clone(&schema)), schema, properties: Arc::new(properties) })
     }
 
@@ -65,7 +71,7 @@ impl Layout {
     /// # Errors
     /// Never for a batch of the table.
     pub fn encode(&self, batch: &Batch) -> Result<Vec<Chunk>> {
-        let chunk = |(i, column)| self.chunk(i, column).map_err(refused);
+        let chunk = |(i, column)| self.chunk(i, column).map_err(unwritten);
         batch.columns.iter().enumerate().map(chunk).collect()
     }
 
@@ -87,30 +93,27 @@ impl<W: Write + Send> File<W> {
     ///
     /// # Errors
     /// Those of the output.
-    pub fn begin(layout: &Layout, to: W) -> Result<Self> {
+    pub fn begin(layout: &Layout, to: W) -> Result<Self, ParquetError> {
         let writer = SerializedFileWriter::new(to, Arc::clone(&layout.schema), Arc::clone(&layout.properties));
-        writer.map(Self).map_err(refused)
+        writer.map(Self)
     }
 
     /// Appends a row group.
     ///
     /// # Errors
     /// Those of the output.
-    pub fn append(&mut self, group: Vec<Chunk>) -> Result<()> {
-        let append = || {
-            let mut to = self.0.next_row_group()?;
-            group.into_iter().try_for_each(|Chunk(bytes, closed)| to.append_column(&bytes, closed))?;
-            to.close().map(|_| ())
-        };
-        append().map_err(refused)
+    pub fn append(&mut self, group: Vec<Chunk>) -> Result<(), ParquetError> {
+        let mut to = self.0.next_row_group()?;
+        group.into_iter().try_for_each(|Chunk(bytes, closed)| to.append_column(&bytes, closed))?;
+        to.close().map(|_| ())
     }
 
     /// Ends the file, and gives the output.
     ///
     /// # Errors
     /// Those of the output.
-    pub fn finish(self) -> Result<W> {
-        self.0.into_inner().map_err(refused)
+    pub fn finish(self) -> Result<W, ParquetError> {
+        self.0.into_inner()
     }
 }
 

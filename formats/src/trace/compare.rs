@@ -37,8 +37,8 @@ pub fn compare(a: &Trace, b: &Trace) -> Result<Option<Difference>> {
     for frame in a.meta().frame_numbers() {
         if a.has_frame(frame) && b.has_frame(frame) {
             let (camera_a, camera_b) = (a.camera(frame)?, b.camera(frame)?);
-            // As text zeros of either sign differ, as their bytes do.
-            if format!("{camera_a:?}") != format!("{camera_b:?}") {
+            // By their bytes, in which zeros of either sign differ.
+            if camera_a.to_payload()? != camera_b.to_payload()? {
                 return Ok(differ(format!("frame {frame}"), format!("{camera_a:?} | {camera_b:?}")));
             }
         }

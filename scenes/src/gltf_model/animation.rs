@@ -61,7 +61,7 @@ impl Animations {
                     Checked::Invalid => {
                         let file = source.path.display();
                         warnings.add("path", || {
-                            format!("{file}: {place}: it moves something else than a node's place, turn or size, and is not read")
+                            format!("{file}: {place}: it moves something else than a node's translation, rotation or scale, and is not read")
                         });
                         continue;
                     }

@@ -76,15 +76,19 @@ pub(crate) fn load_gltf(path: &Path, options: &LoadOptions) -> Result<GltfModel,
     let animations = Animations::read(&source, &mut warnings)?;
     let tree = Tree::new(&source, &animations, &mut warnings)?;
     let lens = cameras::first(&source, &tree, &mut warnings);
-    let stands = |node: usize| source.root().nodes[node].mesh.is_some() || lights::named(&source, node).is_some();
-    let moving = tree.nodes().filter(|(place, node)| stands(*node) && tree.moves(*place, &animations)).count();
+    let solid = |node: usize| source.root().nodes[node].mesh.is_some();
+    let shines = |node: usize| lights::named(&source, node).is_some();
+    let moving = |is: &dyn Fn(usize) -> bool| {
+        tree.nodes().filter(|(place, node)| is(*node) && tree.moves(*place, &animations)).count()
+    };
+    let (moving_meshes, moving) = (moving(&solid), moving(&|node| solid(node) || shines(node)));
     let flies = lens.as_ref().is_some_and(|lens| tree.moves(lens.place, &animations));
     let frames = if moving > 0 || flies { frames(path, &animations, options)? } else { 1 };
     tell_moving(path, moving, options, &mut warnings);
     let world = tree.world(&animations, f64::from(options.frame) / options.fps());
     let mut model = Builder { source: &source, pictures: Pictures::default(), surfaces: Vec::new() };
     let (mesh, objects, materials) = model.meshes(&tree, &world, &mut warnings)?;
-    let film = if moving > 0 { Some(model.film(&tree, &animations)?) } else { None };
+    let film = if moving_meshes > 0 { Some(model.film(&tree, &animations)?) } else { None };
     let (low, high) = main_bounds(&film.as_ref().map_or(&mesh, |film| &film.first).positions);
     let middle = (low + high) / 2.0;
     let lights =

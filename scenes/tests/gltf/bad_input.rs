@@ -159,7 +159,12 @@ fn what_gltf_allows_is_read() {
         let channel = json!({"sampler": 0, "target": {"node": 0, "path": "pointer"}});
         w.push("animations", json!({"samplers": [{"input": times, "output": values}], "channels": [channel]}));
     });
-    assert_warned(&folder, &odd, 1, "it moves something else than a node's place, turn or size, and is not read");
+    assert_warned(
+        &folder,
+        &odd,
+        1,
+        "it moves something else than a node's translation, rotation or scale, and is not read",
+    );
 }
 
 #[test]

@@ -155,26 +155,25 @@ fn intervals(
     freedom: u32,
     counters: &BTreeMap<String, bool>,
 ) -> Map<String, Value> {
-    let is_counter = |name: &str| counters.contains_key(name);
-    let is_exact = |name: &str| is_counted(name) || counters.get(name).is_some_and(|exact| *exact);
     let mut all = Map::new();
     for (name, value) in value {
         let values: Vec<f64> = replicates.iter().filter_map(|replicate| replicate.get(name).copied()).collect();
         let agree = values.iter().all(|v| v == value);
-        // A figure that all replicates agree on follows from what is exact; but a counter may only have been the same in all windows,
-        // or have moved in those alone that stand for themselves.
-        if is_exact(name) || (!is_counter(name) && agree && !values.is_empty()) {
-            continue;
-        }
-        // Where all is simulated in windows nothing varies: how far seams move figures was measured, that of counters was not. Of a
-        // figure that is zero no part can be said.
-        let unknown = *value == 0.0 || (is_counter(name) && agree);
-        if unknown && !is_counter(name) {
-            continue;
-        }
-        let floor = if values.is_empty() && name == DRAM_BYTES { SEAMS_OF_DRAM } else { 0.0 };
-        let percent = 100.0 * (half_width(*value, &values, freedom) / value.abs()).max(floor);
-        all.insert(name.clone(), if unknown { Value::Null } else { json!(rounded(percent)) });
+        let interval = || {
+            let floor = if values.is_empty() && name == DRAM_BYTES { SEAMS_OF_DRAM } else { 0.0 };
+            json!(rounded(100.0 * (half_width(*value, &values, freedom) / value.abs()).max(floor)))
+        };
+        let known = match counters.get(name) {
+            Some(true) => continue,
+            // What moved in no window, or in those alone that stand for themselves, may have moved between them; how far seams move
+            // counters where all is simulated was not measured; and of zero no part can be said.
+            Some(false) if agree || *value == 0.0 => Value::Null,
+            Some(false) => interval(),
+            // A figure that all replicates agree on follows from what is exact.
+            None if is_counted(name) || *value == 0.0 || (agree && !values.is_empty()) => continue,
+            None => interval(),
+        };
+        all.insert(name.clone(), known);
     }
     all
 }

@@ -49,6 +49,13 @@ sweep.dom = (() => {
       html("table", {}, html("caption", {}, caption), html("thead", {}, html("tr", {}, ...head)), html("tbody", {}, ...body)));
   };
 
+  /** Takes a section that has nothing to show out of the page and its contents. */
+  const hide = (id) => {
+    $(id).hidden = true;
+    const link = document.querySelector(`nav a[href="#${id}"]`);
+    if (link) link.parentElement.hidden = true;
+  };
+
   /** Calls what draws again when one of the controls changes. */
   const on = (ids, draw) => { for (const id of ids) $(id).addEventListener("change", draw); };
 
@@ -59,5 +66,5 @@ sweep.dom = (() => {
       .map((value) => ({ value, name: dimension.kind === "text" ? value : `${dimension.name} ${sweep.text.value(dimension, value)}`, rows: rows.filter((row) => dimension.values[row] === value) }))
       .filter((group) => group.rows.length > 0);
   };
-  return { $, html, svg, choices, results, dimensions, table, on, groups };
+  return { $, hide, html, svg, choices, results, dimensions, table, on, groups };
 })();

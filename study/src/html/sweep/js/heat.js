@@ -1,9 +1,9 @@
 // A result over two axes; of several points in a cell the mean, the least or the most.
 "use strict";
 (() => {
-  const { $, html, results, dimensions, choices, on } = sweep.dom;
+  const { $, hide, html, results, dimensions, choices, on } = sweep.dom;
   const text = sweep.text;
-  if (sweep.dimensions.length < 2 || sweep.results.length === 0) { $("heat").hidden = true; return; }
+  if (sweep.dimensions.length < 2 || sweep.results.length === 0) { hide("heat"); return; }
 
   // First the axes that move the result most.
   const first = sweep.raw.pair[1];

@@ -1,11 +1,11 @@
 // Points of two results with the front of those that no other beats.
 "use strict";
 (() => {
-  const { $, html, svg, results, dimensions, table, on, groups } = sweep.dom;
+  const { $, hide, html, svg, results, dimensions, table, on, groups } = sweep.dom;
   const text = sweep.text;
   const { showTip, hideTip } = window.rayreel;
   const [firstX, firstY] = sweep.raw.pair ?? [];
-  if (!firstX) { $("pareto").hidden = true; return; }
+  if (!firstX) { hide("pareto"); return; }
 
   results($("pareto-x"), firstX);
   results($("pareto-y"), firstY);
