@@ -19,7 +19,7 @@ pub fn note(setup: &Setup, points: &[Point]) -> Option<String> {
     let (simulated, estimated) = counted(points);
     if estimated == 0 {
         return Some(format!(
-            "Frames have too few tiles to take a sample ({}): every cycle was simulated.",
+            "Frames have too few tiles to take a sample, or tiles too alike or too different ({}): every cycle was simulated.",
             setup.detail
         ));
     }

@@ -11,7 +11,7 @@ use crate::rayreel;
 /// A trace with tiles enough for a sample.
 fn trace(folder: &Path) -> PathBuf {
     let file = folder.join("many.rtrace");
-    capture("cornell", "--size 256x128 --samples 2x2 --tile 16", &file);
+    capture("cornell", "--size 512x128 --samples 2x2", &file);
     file
 }
 
@@ -78,6 +78,31 @@ fn a_part_is_simulated_and_the_rest_is_estimated() {
     let is_within = 100.0 * apart
         <= number(&detail["interval_percent"]["cycles"]) * number(&sampled["cycles"]) / number(&full["cycles"]);
     assert_eq!(compared["results"].as_array().map(Vec::is_empty), Some(is_within), "{compared}");
+}
+
+#[test]
+fn uniform_frames_are_simulated_whole_and_that_is_said() {
+    // Nothing but sky: all windows do the same, so their differences say nothing of how far they are off.
+    let folder = tempfile::tempdir().unwrap();
+    let (model, file) = (folder.path().join("sky.obj"), folder.path().join("sky.rtrace"));
+    fs::write(&model, "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").unwrap();
+    capture(model.to_str().unwrap(), "--size 256x256 --eye 0,0,5 --target 0,0,10", &file);
+    for (machine, policy) in [("sgrt-ti2", "paper-ss"), ("gr6500", "multirate")] {
+        let of =
+            |detail: &str| replay(&file, &format!("--machine {machine} --policy {policy} {detail}")).expect(0).json();
+        let full = of("--detail full");
+        for asked in ["--detail 5%", "--precision 1%"] {
+            let whole = of(asked);
+            assert_eq!((&whole["cycles"], &whole["gpu"]), (&full["cycles"], &full["gpu"]), "{machine}, {asked}");
+            assert_eq!((&whole["detail"]["windows"], &whole["detail"]["whole_frames"]), (&json!(0), &json!(1)));
+        }
+        // Where all is simulated there is nothing to be off.
+        let all = of("--detail all");
+        let off = number(&all["cycles"]) / number(&full["cycles"]) - 1.0;
+        assert!(all["detail"]["windows"].as_u64() > Some(0) && off.abs() < 0.005, "{machine}: {off}");
+    }
+    let page = rayreel!["replay", "--quiet", &file, "--detail", "5%"].expect(0).out;
+    assert!(page.contains("too few tiles, or tiles too alike or too different") && !page.contains('±'), "{page}");
 }
 
 #[test]

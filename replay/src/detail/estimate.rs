@@ -25,7 +25,7 @@ pub struct Estimate {
     pub detailed_tiles: u64,
     /// Windows that were simulated.
     pub windows: u64,
-    /// Frames that were simulated whole, for they have too few tiles to choose from.
+    /// Frames that were simulated whole, for they have too few tiles, or tiles too alike or too different.
     pub whole_frames: u64,
     /// Degrees of freedom of the intervals; 0 where all frames were simulated whole.
     pub freedom: u32,

@@ -20,6 +20,9 @@ const WARM_UP: f64 = 1.0;
 const TILE: f64 = 1024.0;
 /// More of the tiles than this, warm-up included, are not worth a sample: the frame is simulated whole.
 const WORTH: f64 = 0.6;
+/// A frame of which the fewest and shortest windows are more than this is simulated whole too: there intervals missed more often than they
+/// state (docs/detail.md).
+const WORTH_AT_LEAST: f64 = 0.35;
 /// Where all is simulated: tiles of a window for each slot of the machine, and tiles of its warm-up. Each seam between two
 /// windows costs accuracy, and the warm-up of each costs time; but the tiles of a window are in memory together.
 const LONG_WINDOW: usize = 16;
@@ -64,7 +67,8 @@ impl Places {
         let (shortest, longest, warm_up) = (LENGTH.0 * of_small, LENGTH.1 * of_small, WARM_UP * of_small);
         let length = (share * tiles / FEWEST_WINDOWS as f64).clamp(shortest, longest);
         let windows = ((share * tiles / length).round() as usize).max(FEWEST_WINDOWS);
-        if windows as f64 * (length + warm_up) + 2.0 * edge + warm_up > WORTH * tiles {
+        let simulated = |windows: usize, length: f64| windows as f64 * (length + warm_up) + 2.0 * edge + warm_up;
+        if simulated(FEWEST_WINDOWS, shortest) > WORTH_AT_LEAST * tiles || simulated(windows, length) > WORTH * tiles {
             return None;
         }
         let (first, last) = (edge, tiles - edge);
@@ -164,6 +168,8 @@ mod tests {
         assert_eq!(Places::sample(tiles(64), 8, 0.1), None);
         assert_eq!(Places::sample(tiles(2048), 8, 0.5), None, "with warm-up that is all of it");
         assert!(Places::sample(tiles(512), 8, 0.1).is_some());
+        assert!(Places::sample(tiles(232), 8, 0.05).is_some());
+        assert_eq!(Places::sample(tiles(231), 8, 0.05), None);
         assert_eq!(Places::all(64, 8), None);
     }
 

@@ -16,7 +16,7 @@ const EXTENT: [(&str, &str, &str, &str); 3] = [
         "detail_whole_frames",
         "whole_frames",
         "frames",
-        "frames that were simulated whole: with too few tiles to choose from",
+        "frames that were simulated whole: with too few tiles, or tiles too alike or too different",
     ),
 ];
 

@@ -40,8 +40,8 @@ fn extent(f: &mut Formatter<'_>, detail: &DetailReport, has_processors: bool) ->
     let DetailReport { fraction, windows, whole_frames, .. } = detail;
     let whole = match whole_frames {
         0 => String::new(),
-        1 => "; 1 frame has too few tiles to choose from and was simulated whole".to_owned(),
-        n => format!("; {n} frames have too few tiles to choose from and were simulated whole"),
+        1 => "; 1 frame has too few tiles, or tiles too alike or too different, and was simulated whole".to_owned(),
+        n => format!("; {n} frames have too few tiles, or tiles too alike or too different, and were simulated whole"),
     };
     match detail.mode {
         "full" => Ok(()),
