@@ -34,7 +34,7 @@ use pass::{MachinePass, Passed, Room, Shared};
 use places::{Places, Tiles};
 
 /// A frame is uniform of which this part of the work lies in parts that are alike: those whose sizes differ by less than [`ALIKE`]. Of
-/// twelve scenes under three policies the most uniform has 0.25, a triangle before half a sky 0.4 to 0.53, nothing but sky 0.92 and more.
+/// twelve scenes under three policies the most uniform has 0.25, a triangle before half a sky 0.40 to 0.53, nothing but sky 0.92 and more.
 const UNIFORM: f64 = 0.35;
 /// See [`UNIFORM`].
 const ALIKE: f64 = 0.05;
