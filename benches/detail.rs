@@ -24,7 +24,7 @@ use rayreel_machine::config::NamedMachine;
 use rayreel_machine::energy::EnergyReport;
 use rayreel_machine::system::NoProbe;
 use rayreel_machine::work::topology::Topology;
-use rayreel_replay::detail::{Detail, half_width};
+use rayreel_replay::detail::{Detail, Floors, half_width};
 use rayreel_replay::error::RequestError;
 use rayreel_replay::sequence::{FrameLoop, Simulator};
 use rayreel_replay::simulate::MachineRun;
@@ -132,24 +132,31 @@ struct Figure {
     value: f64,
     replicates: Vec<f64>,
     freedom: u32,
+    floor: f64,
 }
 
 impl Figure {
-    fn of(truth: &Truth, run: &MachineRun, of: impl Fn([f64; 3]) -> f64) -> Self {
+    fn of(truth: &Truth, run: &MachineRun, floor: fn(&Floors) -> f64, of: impl Fn([f64; 3]) -> f64) -> Self {
         let estimate = run.estimate.as_ref().expect("an estimate");
         Self {
             truth: of([truth.cycles, truth.energy_fj, truth.dram_bytes]),
             value: of(figures(&run.stats, &run.energy)),
             replicates: estimate.replicates.iter().map(|r| of(figures(&r.stats, &r.energy))).collect(),
             freedom: estimate.freedom,
+            floor: floor(&estimate.floors()),
         }
     }
 
     /// What is the quotient of this figure and another one.
     fn over(&self, other: &Self) -> Self {
         let replicates = self.replicates.iter().zip(&other.replicates).map(|(a, b)| a / b).collect();
-        let freedom = self.freedom.min(other.freedom);
-        Self { truth: self.truth / other.truth, value: self.value / other.value, replicates, freedom }
+        Self {
+            truth: self.truth / other.truth,
+            value: self.value / other.value,
+            replicates,
+            freedom: self.freedom.min(other.freedom),
+            floor: self.floor.max(other.floor),
+        }
     }
 }
 
@@ -166,7 +173,8 @@ impl Held {
     /// The error of a figure with its interval, percent.
     fn show(&mut self, figure: &Figure) -> String {
         let error = 100.0 * (figure.value / figure.truth - 1.0);
-        let width = 100.0 * half_width(figure.value, &figure.replicates, figure.freedom) / figure.value;
+        let Figure { value, replicates, freedom, floor, .. } = figure;
+        let width = 100.0 * half_width(*value, replicates, *freedom, *floor) / value;
         let holds = error.abs() <= width;
         self.all += 1;
         self.held += usize::from(holds);
@@ -197,9 +205,12 @@ fn table(name: &str, trace: &Trace, arguments: &Arguments, held: &mut [Held; ERR
             let truth = truth(arguments.kept.as_deref(), traced, policy, &machine);
             let sampled = truth.and_then(|truth| Some((truth, run(traced, policy, &machine, arguments.detail)?)));
             let Some((truth, (sampled, seconds))) = sampled else { continue };
-            let figures = [0, 1, 2].map(|figure| Figure::of(&truth, &sampled, |figures| figures[figure]));
+            let floors: [fn(&Floors) -> f64; 3] =
+                [|floors| floors.alone, |floors| floors.with_memory, |floors| floors.with_memory];
+            let figures =
+                [0, 1, 2].map(|figure| Figure::of(&truth, &sampled, floors[figure], |figures| figures[figure]));
             let mut errors = [0, 1, 2].map(|figure| held[figure].show(&figures[figure])).to_vec();
-            let per_watt = Figure::of(&truth, &sampled, |[_, energy, _]| 1.0 / energy);
+            let per_watt = Figure::of(&truth, &sampled, |floors| floors.with_memory, |[_, energy, _]| 1.0 / energy);
             errors.push(first.as_ref().map(|first| held[3].show(&per_watt.over(first))).unwrap_or_default());
             let estimate = sampled.estimate.as_ref().expect("an estimate");
             times.push(truth.cpu_seconds / seconds);

@@ -4,13 +4,15 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use rayreel_formats::Limits;
+use rayreel_formats::scene::Meta;
 use rayreel_formats::trace::Trace;
 use rayreel_machine::config::{NamedMachine, PRESETS};
 use rayreel_machine::functional::exact_counters;
 use rayreel_machine::stats::Stats;
 use rayreel_machine::system::NoProbe;
+use rayreel_replay::policy::{SamplePolicy, SampleState, Sampler, TileView};
 use rayreel_replay::sequence::{FrameLoop, FrameResult, Simulator};
-use rayreel_replay::{Detail, NamedPolicy, Options, PathSource, Stop};
+use rayreel_replay::{Detail, NamedPolicy, Options, PathSource, Result, Stop};
 
 fn trace(name: &str) -> Trace {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../traces").join(name);
@@ -72,6 +74,41 @@ fn the_functional_pass_finds_about_the_misses_of_a_simulation() {
         let ratio = of(&counts) / of(&full);
         assert!((0.7..1.4).contains(&ratio), "{ratio}");
     }
+}
+
+/// Traces everything, and cannot begin a frame again.
+struct TracesAll;
+
+impl SamplePolicy for TracesAll {
+    fn name(&self) -> String {
+        "everything".into()
+    }
+
+    fn text(&self) -> String {
+        "everything 1".into()
+    }
+
+    fn sampler(&self, _: &Meta) -> Result<Box<dyn Sampler>> {
+        Ok(Box::new(Self))
+    }
+}
+
+impl Sampler for TracesAll {
+    fn begin_tile(&self, view: &mut TileView) {
+        view.samples().for_each(|(x, y)| view.trace(x, y, SampleState::Reference, 0));
+    }
+}
+
+#[test]
+fn a_policy_that_cannot_begin_again_is_counted_like_one_that_can() {
+    let (trace, machine) = (trace("v1_0_cornell.rtrace"), NamedMachine::load("sgrt-ti2", &[]).unwrap());
+    let mut frames = FrameLoop::new(&trace, &TracesAll, Options::default(), &Stop::never()).unwrap();
+    let (tree, detail) = (trace.topology(), Detail::Counts);
+    let simulator = Simulator { machine: &machine, tree: &tree, detail };
+    let counted = frames.step(trace.meta().first_frame, Some(simulator), &mut NoProbe).unwrap().run.unwrap();
+    let known = run(&trace, "full", &machine, "counts").run.unwrap();
+    assert_eq!((&counted.stats, &counted.energy), (&known.stats, &known.energy));
+    assert_eq!((counted.stats.cycles, counted.estimate.unwrap().whole_frames), (0, 0));
 }
 
 #[test]

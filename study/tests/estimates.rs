@@ -54,9 +54,10 @@ impl Simulated {
         };
         let estimate = Estimate {
             detail: detail.parse().unwrap(),
-            tiles: 200,
-            detailed_tiles: 20,
+            tiles: 4000,
+            detailed_tiles: 400,
             windows: 5,
+            frames: 1,
             whole_frames: 0,
             freedom: off.len().saturating_sub(1) as u32,
             replicates: off.iter().map(replicate).collect(),

@@ -106,6 +106,19 @@ fn uniform_frames_are_simulated_whole_and_that_is_said() {
 }
 
 #[test]
+fn what_ends_whole_leaves_its_own_caches_to_the_next_frame() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("pot.rtrace");
+    capture("teapot", "--size 256x256 --depth 0 --frames 0..2 --eye 0,60,60 --target 5,2,0 --fov 12", &file);
+    let of =
+        |detail: &str| replay(&file, &format!("--machine sgrt-ti2 --policy full --warm {detail}")).expect(0).json();
+    // More than there are windows for.
+    let (whole, full) = (of("--precision 0.6%"), of("--detail full"));
+    assert_eq!(whole["detail"]["whole_frames"], 2);
+    assert_eq!((&whole["frames"][1]["cycles"], &whole["counters"]), (&full["frames"][1]["cycles"], &full["counters"]));
+}
+
+#[test]
 fn small_frames_are_simulated_whole_and_that_is_said() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("few.rtrace");

@@ -1,9 +1,10 @@
 //! Which counters do not depend on time.
 
 use crate::config::{Divergence, Interface, MachineConfig, Pipeline, PrimaryVisibility};
+use crate::memory::{CacheCounters, ChannelCounters, L2Counters};
 use crate::srp::{DmaCounters, InterfaceCounters, KernelId, LocalCounters, RasterCounters};
 use crate::stats::Stats;
-use crate::ti::{IstCounters, TrvCounters};
+use crate::ti::{InputBufferCounters, IstCounters, TrvCounters};
 use crate::work::layout::Region;
 
 /// The counters whose sums over all units are the same whenever things happen are 1, all others 0.
@@ -58,6 +59,29 @@ pub fn exact_counters(config: &MachineConfig) -> Stats {
         (traffic.read[region as usize], traffic.written[region as usize]) = (1, 1);
     }
     exact
+}
+
+/// The counters that a machine without time counts, exactly or nearly so, are 1, all others 0: whatever else happens takes time.
+pub fn counted_counters(config: &MachineConfig) -> Stats {
+    let mut counted = exact_counters(config);
+    let buffer = InputBufferCounters { record_writes: 1, record_reads: 1, ..InputBufferCounters::default() };
+    let l1 = CacheCounters { lookups: 1, hits: 1, misses: 1, fills: 1, evictions: 1, ..CacheCounters::default() };
+    for core in &mut counted.cores {
+        core.ti.trv.iter_mut().for_each(|unit| (unit.buffer, unit.l1) = (buffer, l1));
+        core.ti.ist.iter_mut().for_each(|unit| (unit.buffer, unit.l1) = (buffer, l1));
+        core.srp_l1 = l1;
+        core.srp.dma.each_mut(|_, counter| *counter = 1);
+    }
+    let memory = &mut counted.memory;
+    memory.l2 = L2Counters { lookups: 1, hits: 1, misses: 1, fills: 1, evictions: 1, ..L2Counters::default() };
+    for channel in &mut memory.channels {
+        // Which rows are open depends on when they are closed.
+        *channel = ChannelCounters { reads: 1, writes: 1, read_lines: 1, write_lines: 1, ..ChannelCounters::default() };
+    }
+    for region in Region::ALL.into_iter().filter(|region| *region != Region::Code) {
+        (memory.traffic.read[region as usize], memory.traffic.written[region as usize]) = (1, 1);
+    }
+    counted
 }
 
 /// Streams write lines that are not full after some time; where there is no stream their bytes are known to be none.

@@ -29,7 +29,7 @@ mod tests;
 
 pub use caches::CacheState;
 pub(crate) use caches::CoreTags;
-pub use exact::exact_counters;
+pub use exact::{counted_counters, exact_counters};
 pub use features::{FEATURES, Features};
 
 use std::sync::Arc;

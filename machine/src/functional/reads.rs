@@ -26,6 +26,14 @@ impl Stats {
         scale_misses(&mut self.memory.l2, wanted as f64 / read as f64);
     }
 
+    /// Lets the run read so many times as much through its L2.
+    pub fn read_times(&mut self, factor: f64) {
+        for region in CACHED {
+            scale([&mut self.memory.traffic.read[region as usize]], factor);
+        }
+        scale_misses(&mut self.memory.l2, factor);
+    }
+
     /// Lets the channels of the DRAM move the lines that the traffic is made of, as in every run of all cycles; commands and
     /// rows keep their share of a line.
     pub fn close_dram(&mut self, line_bytes: u32) {
@@ -93,6 +101,15 @@ mod tests {
         let (traffic, l2) = (run.memory.traffic, run.memory.l2);
         assert_eq!((traffic.read[Region::Node as usize], traffic.read[Region::Sample as usize]), (30_000, 40_000));
         assert_eq!((l2.lookups, l2.hits, l2.misses, l2.fills, l2.evictions), (1000, 850, 150, 150, 140));
+    }
+
+    #[test]
+    fn a_run_that_reads_more_misses_more() {
+        let mut run = stats(60_000, 40_000, 900);
+        run.read_times(1.1);
+        let (traffic, l2) = (run.memory.traffic, run.memory.l2);
+        assert_eq!((traffic.read[Region::Node as usize], traffic.read[Region::Sample as usize]), (66_000, 40_000));
+        assert_eq!((l2.lookups, l2.hits, l2.misses), (1000, 670, 330));
     }
 
     #[test]

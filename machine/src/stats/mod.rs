@@ -4,6 +4,7 @@ mod estimated;
 mod places;
 #[cfg(test)]
 mod tests;
+mod work_done;
 
 use crate::memory::{CacheCounters, MemoryStats};
 use crate::srp::SrpStats;

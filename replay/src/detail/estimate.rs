@@ -10,9 +10,13 @@ use rayreel_machine::stats::Stats;
 
 use super::mode::Detail;
 
-/// Half width of an interval, at least, as a part of the value: what windows do not tell of, such as the seams between
-/// them, has been below this (see the bench `detail`).
+/// Half width of an interval, at least, as a part of the value, of a frame of [`FLOOR_TILES`] tiles or more: what windows do not tell
+/// of, such as the seams between them, has been below this (see the bench `detail`).
 pub const FLOOR: f64 = 0.005;
+
+/// In frames of fewer tiles the machine itself is known less well: another refresh interval of the DRAM, which means nothing, moved a
+/// frame of 288 tiles by 0.7 % of its cycles, and by 2.0 % of the energy with the memory (root mean squares, every cycle simulated).
+const FLOOR_TILES: f64 = 2048.0;
 
 /// A run of which not every cycle was simulated.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -25,12 +29,29 @@ pub struct Estimate {
     pub detailed_tiles: u64,
     /// Windows that were simulated.
     pub windows: u64,
+    /// Frames.
+    pub frames: u64,
     /// Frames that were simulated whole, for they have too few tiles, or tiles too alike or too different.
     pub whole_frames: u64,
     /// Degrees of freedom of the intervals; 0 where all frames were simulated whole.
     pub freedom: u32,
     /// The run, estimated again without a part of the windows each.
     pub replicates: Vec<Replicate>,
+}
+
+/// The least half widths of intervals, as parts of the value.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Floors {
+    /// Of time, and of what needs no L2 and DRAM.
+    pub alone: f64,
+    /// Of energies with these, and of what they count.
+    pub with_memory: f64,
+}
+
+impl Default for Floors {
+    fn default() -> Self {
+        Self { alone: FLOOR, with_memory: FLOOR }
+    }
 }
 
 /// A run as it was estimated from a part of the windows.
@@ -53,6 +74,7 @@ impl Estimate {
         self.tiles += other.tiles;
         self.detailed_tiles += other.detailed_tiles;
         self.windows += other.windows;
+        self.frames += other.frames;
         self.whole_frames += other.whole_frames;
         // The frame with the fewest windows is the one that knows least.
         self.freedom = match (self.freedom, other.freedom) {
@@ -73,16 +95,25 @@ impl Estimate {
         }
     }
 
-    /// Half the width of the 95 % interval of a figure that is `value`, and `of` each replicate; never less than [`FLOOR`].
-    pub fn half_width(&self, value: f64, of: impl FnMut(&Replicate) -> f64) -> f64 {
+    /// How well figures can be known at best. What frames are off by otherwise than windows say is off this way and that, and
+    /// less in a sum of several.
+    pub fn floors(&self) -> Floors {
+        let frames = self.frames.max(1) as f64;
+        let fewer = FLOOR_TILES * frames / self.tiles.max(1) as f64;
+        let of_sum = |of_frame: f64| FLOOR * (of_frame / frames.sqrt()).max(1.0);
+        Floors { alone: of_sum(fewer.sqrt()), with_memory: of_sum(fewer) }
+    }
+
+    /// Half the width of the 95 % interval of a figure that is `value`, and `of` each replicate; never less than the part `floor` of it.
+    pub fn half_width(&self, value: f64, floor: f64, of: impl FnMut(&Replicate) -> f64) -> f64 {
         let values: Vec<f64> = self.replicates.iter().map(of).collect();
-        half_width(value, &values, self.freedom)
+        half_width(value, &values, self.freedom, floor)
     }
 }
 
-/// Half the width of the 95 % interval of a figure that is `value` and had these values in the replicates.
-pub fn half_width(value: f64, replicates: &[f64], freedom: u32) -> f64 {
-    let floor = FLOOR * value.abs();
+/// Half the width of the 95 % interval of a figure that is `value` and had these values in the replicates; at least the part `floor` of it.
+pub fn half_width(value: f64, replicates: &[f64], freedom: u32, floor: f64) -> f64 {
+    let floor = floor * value.abs();
     if replicates.len() < 2 || freedom == 0 {
         return floor;
     }
@@ -124,7 +155,7 @@ mod tests {
         let without: Vec<f64> = values.iter().map(|v| (mean * 5.0 - v) / 4.0).collect();
         let variance = values.iter().map(|v| (v - mean) * (v - mean)).sum::<f64>() / 4.0;
         let expected = (2.776 * (variance / 5.0).sqrt()).hypot(FLOOR * mean);
-        assert!((half_width(mean, &without, 4) - expected).abs() < 1e-12);
+        assert!((half_width(mean, &without, 4, FLOOR) - expected).abs() < 1e-12);
     }
 
     #[test]
@@ -132,13 +163,37 @@ mod tests {
         let (value, apart) = (100.0, 7.0);
         let pair = weight_of_pair(10, 5) * apart;
         let replicates = [[value; 8].as_slice(), &[value - pair, value + pair]].concat();
-        assert!((half_width(value, &replicates, 5) - apart.hypot(FLOOR * value)).abs() < 1e-9);
+        assert!((half_width(value, &replicates, 5, FLOOR) - apart.hypot(FLOOR * value)).abs() < 1e-9);
     }
 
     #[test]
     fn without_windows_there_is_the_floor() {
-        assert_eq!(half_width(10.0, &[], 0), FLOOR * 10.0);
-        assert_eq!(half_width(-10.0, &[-10.0, -10.0], 1), FLOOR * 10.0);
+        assert_eq!(half_width(10.0, &[], 0, FLOOR), FLOOR * 10.0);
+        assert_eq!(half_width(-10.0, &[-10.0, -10.0], 1, FLOOR), FLOOR * 10.0);
+    }
+
+    #[test]
+    fn small_frames_are_known_less_well_and_flights_of_them_better() {
+        let of = |frames: u64, tiles: u64| {
+            let detail = Detail::All;
+            let (detailed_tiles, windows, whole_frames, freedom) = (0, 0, 0, 0);
+            let replicates = Vec::new();
+            Estimate {
+                detail,
+                tiles: frames * tiles,
+                detailed_tiles,
+                windows,
+                frames,
+                whole_frames,
+                freedom,
+                replicates,
+            }
+            .floors()
+        };
+        assert_eq!([of(1, 2048), of(1, 100_000), of(60, 2048)], [Floors::default(); 3]);
+        assert_eq!(of(1, 512), Floors { alone: 2.0 * FLOOR, with_memory: 4.0 * FLOOR });
+        assert_eq!(of(4, 512), Floors { alone: FLOOR, with_memory: 2.0 * FLOOR });
+        assert_eq!(of(60, 512), Floors::default());
     }
 
     #[test]

@@ -60,22 +60,26 @@ pub fn simulate_estimated<S: PathSource + ?Sized, P: Probe>(
     let mut simulation = Simulation { replayer, frame, tree, detail, probe };
     let tiles = tiles(simulation.replayer.source().meta());
     let places: Vec<_> = machines.iter().map(|(_, config)| Places::of(detail, tiles, slots(config))).collect();
-    let sampled = detail == Detail::Counts || places.iter().any(Option::is_some);
-    let Some(begin) = simulation.replayer.fork().filter(|_| sampled) else {
+    // A policy that cannot begin a frame again can be counted: that takes one pass.
+    let begin = simulation.replayer.fork();
+    let sampled = begin.is_some() && places.iter().any(Option::is_some);
+    if !sampled && detail != Detail::Counts {
         let (passed, runs) = simulation.whole(machines)?;
         return Ok((simulation.replayer.finish(passed)?, runs));
-    };
+    }
     let (passed_frame, mut passed) = simulation.pass(machines, &places)?;
     let left: Vec<_> = passed.iter_mut().map(|passed| passed.caches.take()).collect();
     let mut runs = Vec::new();
     for ((machine, places), passed) in machines.iter().zip(places).zip(passed) {
-        let mut run = simulation.conclude(*machine, places, passed, &*begin)?;
+        let mut run = simulation.conclude(*machine, places, passed, begin.as_deref())?;
         run.paths = passed_frame.paths;
         runs.push(run);
     }
-    // The next frame begins with what the functional pass left, however often this one was passed.
-    for ((_, config), left) in machines.iter().zip(left) {
-        left.into_iter().for_each(|left| simulation.replayer.caches.keep(config, frame, || left));
+    // The next frame begins with what the functional pass left, however often this one was passed. What was simulated whole has left
+    // its own caches.
+    for (((_, config), left), run) in machines.iter().zip(left).zip(&runs) {
+        let is_whole = run.estimate.as_ref().is_some_and(|estimate| estimate.whole_frames > 0);
+        left.into_iter().filter(|_| !is_whole).for_each(|left| simulation.replayer.caches.keep(config, frame, || left));
     }
     Ok((simulation.replayer.finish(passed_frame)?, runs))
 }
@@ -141,7 +145,7 @@ impl<S: PathSource + ?Sized, P: Probe> Simulation<'_, '_, S, P> {
         machine: Named<'_>,
         mut places: Option<Places>,
         mut passed: Passed,
-        begin: &dyn Sampler,
+        begin: Option<&dyn Sampler>,
     ) -> Result<MachineRun> {
         let config = machine.1;
         if self.detail == Detail::Counts {
@@ -159,13 +163,13 @@ impl<S: PathSource + ?Sized, P: Probe> Simulation<'_, '_, S, P> {
             let factor = (width / wanted.fraction()).powi(2) * 1.3;
             places = held.more(tiles(self.replayer.source().meta()), factor.max(1.5));
             if places.is_some() {
-                self.replayer.restore(begin);
+                begin.into_iter().for_each(|begin| self.replayer.restore(begin));
                 let again = std::slice::from_ref(&places);
                 let Some(next) = self.pass(&[machine], again)?.1.pop() else { break };
                 passed = next;
             }
         }
-        self.replayer.restore(begin);
+        begin.into_iter().for_each(|begin| self.replayer.restore(begin));
         let (_, mut runs) = self.whole(&[machine])?;
         Ok(runs.pop().unwrap_or_default())
     }
@@ -185,6 +189,7 @@ impl<S: PathSource + ?Sized, P: Probe> Simulation<'_, '_, S, P> {
                 tiles,
                 detailed_tiles: tiles,
                 windows: 0,
+                frames: 1,
                 whole_frames: 1,
                 freedom: 0,
                 replicates: vec![Replicate { stats: run.stats.clone(), energy: run.energy.clone() }],
@@ -203,6 +208,7 @@ fn counted(config: &MachineConfig, passed: &Passed) -> MachineRun {
         tiles: passed.sizes.len() as u64,
         detailed_tiles: 0,
         windows: 0,
+        frames: 1,
         whole_frames: 0,
         freedom: 0,
         replicates: Vec::new(),
@@ -241,9 +247,13 @@ fn is_uniform(tiles: &[f64], slots: usize) -> bool {
 fn widest(run: &MachineRun) -> f64 {
     let Some(estimate) = &run.estimate else { return 0.0 };
     let (cycles, energy) = (run.stats.cycles as f64, run.energy.gpu_fj() as f64);
-    let part = |value: f64, of: fn(&Replicate) -> f64| estimate.half_width(value, of) / value.max(1.0);
-    part(cycles, |replicate| replicate.stats.cycles as f64)
-        .max(part(energy, |replicate| replicate.energy.gpu_fj() as f64))
+    let floors = estimate.floors();
+    let part = |value: f64, floor, of: fn(&Replicate) -> f64| estimate.half_width(value, floor, of) / value.max(1.0);
+    part(cycles, floors.alone, |replicate| replicate.stats.cycles as f64).max(part(
+        energy,
+        floors.with_memory,
+        |replicate| replicate.energy.gpu_fj() as f64,
+    ))
 }
 
 #[cfg(test)]

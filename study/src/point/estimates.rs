@@ -9,7 +9,8 @@ use std::collections::BTreeMap;
 use serde_json::{Map, Value};
 
 use crate::point::known::{INTERVALS, REPLICATES};
-use rayreel_replay::detail::half_width;
+use crate::report::detail::needs_memory;
+use rayreel_replay::detail::{Floors, half_width};
 
 /// The widest interval of a ratio, relative to it: an estimate that may be off by more is worth nothing, and a ratio whose reference may
 /// be 0 would have none that can be written down.
@@ -21,6 +22,7 @@ pub struct RowEstimates {
     /// Half widths in percent by column.
     intervals: Map<String, Value>,
     freedom: u32,
+    floors: Floors,
     /// Replicates over the estimate, by base figure.
     replicates: BTreeMap<String, Vec<f64>>,
 }
@@ -34,11 +36,16 @@ impl RowEstimates {
     /// What two columns say, intervals and replicates.
     pub fn new(intervals: &Value, replicates: &Value) -> Self {
         let freedom = replicates["freedom"].as_u64().unwrap_or(0);
+        let part = |name: &str, least: f64| replicates[name].as_f64().map_or(least, |millionths| millionths * 1e-6);
+        let least = Floors::default();
+        let alone = part("floor", least.alone);
+        let floors = Floors { alone, with_memory: part("floor_with_memory", least.with_memory) };
         let over = |millionths: &Value| 1.0 + millionths.as_f64().unwrap_or(0.0) * 1e-6;
         let list = |(name, list): (&String, &Value)| Some((name.clone(), list.as_array()?.iter().map(over).collect()));
         Self {
             intervals: intervals.as_object().cloned().unwrap_or_default(),
             freedom: u32::try_from(freedom).unwrap_or(u32::MAX),
+            floors,
             replicates: replicates.as_object().into_iter().flatten().filter_map(list).collect(),
         }
     }
@@ -53,7 +60,9 @@ impl RowEstimates {
         let width = match (self.of(name), other.of(name)) {
             (Some(of_self), Some(of_other)) if of_self.len() == of_other.len() => {
                 let ratios: Vec<f64> = of_self.iter().zip(&of_other).map(|(a, b)| a / b).collect();
-                half_width(1.0, &ratios, self.freedom.min(other.freedom))
+                let of = |floors: &Floors| if needs_memory(name) { floors.with_memory } else { floors.alone };
+                let floor = of(&self.floors).max(of(&other.floors));
+                half_width(1.0, &ratios, self.freedom.min(other.freedom), floor)
             }
             _ => self.interval(name).hypot(other.interval(name)),
         };

@@ -2,7 +2,9 @@
 
 use serde_json::{Map, Value, json};
 
+use rayreel_machine::config::MachineConfig;
 use rayreel_machine::counters::{Activity, Counter};
+use rayreel_machine::functional::counted_counters;
 use rayreel_machine::memory::CacheCounters;
 use rayreel_machine::srp::{KernelId, SrpStats};
 use rayreel_machine::stats::Stats;
@@ -33,11 +35,12 @@ pub(super) fn counters(run: &MachineRun) -> Value {
     Value::Object(all.0)
 }
 
-/// The same where no cycle was simulated: what counts cycles is null, and so is what processors do, for no instruction is executed.
-pub(super) fn timeless(run: &MachineRun) -> Value {
+/// The same where no cycle was simulated: what takes time to count is null.
+pub(super) fn timeless(config: &MachineConfig, run: &MachineRun) -> Value {
+    let marks = counters(&MachineRun { stats: counted_counters(config), ..MachineRun::default() });
     let mut all = counters(run);
     for (name, counter) in all.as_object_mut().into_iter().flatten() {
-        if name.starts_with("processors/") || counter["unit"].as_str().is_some_and(|unit| unit.contains("cycles")) {
+        if !name.starts_with("paths/") && marks[name]["value"].as_u64() == Some(0) {
             counter["value"] = Value::Null;
         }
     }

@@ -5,6 +5,7 @@
 
 mod counters;
 pub mod detail;
+pub mod extent;
 pub(crate) mod flat;
 mod format;
 mod page;
@@ -193,7 +194,7 @@ impl Report {
         self.machine = Some(machine.name.clone());
         let detail = DetailReport::new(&machine.config, &all, runs.len(), true);
         let timeless = detail.is_counts();
-        self.counters = if timeless { counters::timeless(&all) } else { counters::counters(&all) };
+        self.counters = if timeless { counters::timeless(&machine.config, &all) } else { counters::counters(&all) };
         self.units = if timeless { Value::Null } else { counters::units(&all.stats) };
         self.energy = Some(run::components(&all.energy, self.run.time_ms, timeless));
         self.area_mm2 = run::area(&machine.config);

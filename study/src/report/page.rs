@@ -6,6 +6,7 @@ use crate::figures::RunCost;
 use crate::report::Report;
 use crate::report::counters::{code_l1, ist_activity, ist_l1, processors, srp_l1, srp_sum, stages, trv_l1};
 use crate::report::detail::DetailReport;
+use crate::report::extent::Extent;
 use crate::report::format::{amount, digits, grouped, percent};
 use rayreel_machine::AreaReport;
 use rayreel_machine::config::{Dram, MachineConfig};
@@ -37,32 +38,10 @@ pub(super) fn write(f: &mut Formatter<'_>, report: &Report) -> fmt::Result {
 
 /// What was simulated, if that is not all.
 fn extent(f: &mut Formatter<'_>, detail: &DetailReport, has_processors: bool) -> fmt::Result {
-    let DetailReport { fraction, windows, whole_frames, .. } = detail;
-    let whole = match whole_frames {
-        0 => String::new(),
-        1 => "; 1 frame has too few tiles, or tiles too alike or too different, and was simulated whole".to_owned(),
-        n => format!("; {n} frames have too few tiles, or tiles too alike or too different, and were simulated whole"),
-    };
-    match detail.mode {
-        "full" => Ok(()),
-        "counts" => {
-            let energies = if has_processors {
-                "energies are those of caches and DRAM: instructions are not counted"
-            } else {
-                "energies lack leakage, clocks and what waiting costs"
-            };
-            writeln!(f, "  no cycle was simulated: work and misses are counted; {energies}\n")
-        }
-        _ if detail.is_estimated() => {
-            let share = format!("{:.1}", 100.0 * fraction);
-            writeln!(
-                f,
-                "  estimates from {windows} windows with {share} % of the tiles{whole}\n  a figure's 95 % interval reaches \
-                 from - to + what stands behind it; counts of work are exact\n"
-            )
-        }
-        _ => writeln!(f, "  nothing is estimated{whole}\n"),
-    }
+    let DetailReport { mode, fraction, windows, whole_frames, .. } = *detail;
+    let clauses = Extent { mode, fraction, windows, whole_frames, has_processors }.clauses();
+    clauses.iter().try_for_each(|clause| writeln!(f, "  {clause}"))?;
+    if clauses.is_empty() { Ok(()) } else { writeln!(f) }
 }
 
 fn speed(f: &mut Formatter<'_>, report: &Report, config: &MachineConfig) -> fmt::Result {

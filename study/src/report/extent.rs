@@ -1,0 +1,66 @@
+//! What a report says of how much was simulated, where that is not every cycle.
+
+use serde_json::Value;
+
+use rayreel_replay::Detail;
+
+/// How much of a run was simulated.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Extent<'a> {
+    /// `full`, `all`, `sampled`, `precision` or `counts`.
+    pub mode: &'a str,
+    /// The share of the tiles that was simulated cycle by cycle.
+    pub fraction: f64,
+    /// Windows that were simulated.
+    pub windows: u64,
+    /// Frames that were simulated whole.
+    pub whole_frames: u64,
+    /// Whether processors stand in the place of T&I units and of the SRPs' arrays.
+    pub has_processors: bool,
+}
+
+impl<'a> Extent<'a> {
+    /// That of a report as JSON; nothing without a machine.
+    pub fn read(report: &'a Value) -> Option<Self> {
+        let detail = &report["detail"];
+        let number = |key: &str| detail[key].as_u64().unwrap_or(0);
+        Some(Self {
+            mode: detail["mode"].as_str()?,
+            fraction: detail["fraction"].as_f64().unwrap_or(1.0),
+            windows: number("windows"),
+            whole_frames: number("whole_frames"),
+            has_processors: report["machine_config"]["ti.pipeline"]["value"] == "software",
+        })
+    }
+
+    /// What was simulated, and what follows for the figures, clause by clause; nothing where that is all.
+    pub fn clauses(&self) -> Vec<String> {
+        let Self { mode, windows, .. } = self;
+        let whole = match self.whole_frames {
+            0 => String::new(),
+            1 => "; 1 frame has too few tiles, or tiles too alike or too different, and was simulated whole".to_owned(),
+            n => format!(
+                "; {n} frames have too few tiles, or tiles too alike or too different, and were simulated whole"
+            ),
+        };
+        if *mode == Detail::Full.mode() {
+            Vec::new()
+        } else if *mode == Detail::Counts.mode() {
+            let energies = if self.has_processors {
+                "energies are those of caches and DRAM: instructions are not counted"
+            } else {
+                "energies lack leakage, clocks and what waiting costs"
+            };
+            vec![format!("no cycle was simulated: work and misses are counted; {energies}")]
+        } else if *windows > 0 {
+            let share = 100.0 * self.fraction;
+            vec![
+                format!("estimates from {windows} windows with {share:.1} % of the tiles{whole}"),
+                "a figure's 95 % interval reaches from - to + what stands behind it; counts of work are exact"
+                    .to_owned(),
+            ]
+        } else {
+            vec![format!("nothing is estimated{whole}")]
+        }
+    }
+}
