@@ -2,7 +2,7 @@
 
 use std::cell::{Cell, RefCell};
 use std::ops::Range;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
 use rayreel_formats::scene::Meta;
@@ -17,7 +17,7 @@ use rayreel_replay::sequence::{FrameLoop, FrameResult, Simulator};
 use rayreel_replay::{Detail, NamedPolicy, Options, PathSource, ReplayError, Stop};
 use rayreel_study::cluster::shell::line;
 use rayreel_study::files::write_named;
-use rayreel_study::point::pictures::FramePictures;
+use rayreel_study::point::pictures::{FramePictures, remove, remove_numbered};
 use rayreel_study::point::version::MODEL_VERSION;
 use rayreel_study::report::{Made, Origin, Report};
 use serde_json::json;
@@ -27,6 +27,9 @@ use crate::detail::DetailArgs;
 use crate::exit::Exit;
 use crate::progress::Progress;
 use crate::traces::TraceArgs;
+
+/// All figures and counters, in the folder of `--out`.
+const STATS: &str = "stats.json";
 
 /// Replay a trace under a sampling policy on a machine: cycles, power, picture, and quality against full sampling.
 ///
@@ -89,7 +92,7 @@ pub fn run(args: &Args, quiet: bool) -> Result<Exit> {
     let report = replay(args, &trace, &policy, (machine.as_ref(), detail), quiet)?;
     let json = report.to_json()?;
     if let Some(out) = &args.out {
-        write_named(&out.join("stats.json"), json.as_bytes())?;
+        write_named(&out.join(STATS), json.as_bytes())?;
     }
     print(&if args.json { json } else { report.to_string() })?;
     Ok(Exit::Done)
@@ -178,6 +181,13 @@ fn notes(origin: &Origin, policy: &NamedPolicy, machine: Option<&NamedMachine>, 
     ExrNotes { comments: made.as_ref().map(|made| made.command.clone()), about: Some(about.to_string()) }
 }
 
+/// Removes what an earlier replay left in a folder and what would go with pictures or figures of this one: its figures until there
+/// are new ones, and pictures that would be taken for those of these frames.
+fn make_way(out: &Path, frames: Range<u32>, several: bool) -> std::io::Result<()> {
+    remove(&out.join(STATS))?;
+    if several { Ok(()) } else { remove_numbered(out, frames) }
+}
+
 /// Replays the frames asked for; writes pictures and timeline.
 fn replay(
     args: &Args,
@@ -189,15 +199,20 @@ fn replay(
     let meta = trace.meta();
     let frames = chosen(args, meta)?;
     let origin = origin(args, trace, detail)?;
+    let (several, all) = (meta.frames > 1, frames.clone());
     let tiles = u64::from(meta.tile_count());
     let bar = RefCell::new(Progress::new("replay", frames.len() as u64 * tiles, quiet));
     let done = Cell::new(0);
     let (mut counted, mut runs) = (Vec::new(), Vec::new());
     let sink = |FrameResult { replay, run }: FrameResult| {
         if let Some(out) = &args.out {
-            let prefix = if meta.frames > 1 { format!("frame_{:04}_", replay.frame) } else { String::new() };
+            // Not before there is something to write: what is refused leaves the folder as it was.
+            if counted.is_empty() {
+                make_way(out, all.clone(), several)
+                    .with_context(|| format!("cannot remove what an earlier replay left in {}", out.display()))?;
+            }
             let notes = notes(&origin, policy, machine, replay.frame);
-            FramePictures::new(&replay, meta.samples).write(out, &prefix, &notes)?;
+            FramePictures::new(&replay, meta.samples).write(out, several, &notes)?;
         }
         done.set(done.get() + tiles);
         bar.borrow_mut().set(done.get(), || format!("frame {}", replay.frame));

@@ -87,7 +87,7 @@ fn sweep(args: &Args) -> Result<Exit> {
             "columns": results.fields.len(),
         }))?;
     } else {
-        print(&format!("{}: {}, {} points\n", file.display(), megabytes(&written), results.rows()))?;
+        print(&format!("{}: {}, {}\n", file.display(), megabytes(&written), many(results.rows(), "point")))?;
     }
     Ok(Exit::Done)
 }
@@ -102,7 +102,7 @@ fn charts(args: &Args, folder: &Path) -> Result<Exit> {
     if args.json {
         print_json(&json!({ "folder": folder.display().to_string(), "charts": names }))?;
     } else {
-        print(&format!("{}: {} charts, each as SVG and as CSV\n", folder.display(), names.len()))?;
+        print(&format!("{}: {}, each as SVG and as CSV\n", folder.display(), many(names.len(), "chart")))?;
     }
     Ok(Exit::Done)
 }
@@ -136,9 +136,13 @@ fn animate(args: &Args, kind: Kind) -> Result<Exit> {
     if args.json {
         print_json(&json!({ "file": file.display().to_string(), "bytes": bytes, "frames": frames }))?;
     } else {
-        print(&format!("{}: {frames} frames, {:.2} MB\n", file.display(), bytes as f64 * 1e-6))?;
+        print(&format!("{}: {}, {:.2} MB\n", file.display(), many(frames, "frame"), bytes as f64 * 1e-6))?;
     }
     Ok(Exit::Done)
+}
+
+fn many(number: usize, thing: &str) -> String {
+    format!("{number} {thing}{}", if number == 1 { "" } else { "s" })
 }
 
 fn megabytes(written: &Written) -> String {
@@ -161,7 +165,7 @@ fn study(args: &Args) -> Result<Exit> {
         }))?;
     } else {
         let (all, pictures) = (megabytes(&written), written.picture_bytes as f64 * 1e-6);
-        print(&format!("{}: {all}, {} pictures of {pictures:.2} MB\n", file.display(), written.pictures))?;
+        print(&format!("{}: {all}, {} of {pictures:.2} MB\n", file.display(), many(written.pictures, "picture")))?;
     }
     Ok(Exit::Done)
 }

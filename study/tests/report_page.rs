@@ -88,6 +88,25 @@ fn every_part_is_there() {
     assert!(!text.contains("NaN") && !text.contains(">inf"), "a number that is none");
 }
 
+/// Lines of several policies may have one colour: keys show their dashes. What kernels leave of the busy cycles is the inspector's.
+#[test]
+fn keys_are_of_lines_and_bars_are_whole() {
+    let text = page(&study());
+    let part =
+        |id: &str| text.split(&format!("<section id=\"{id}\"")).nth(1).unwrap().split("</section>").next().unwrap();
+    let legend = part("animation").split("<ul class=\"legend\">").nth(1).unwrap().split("</ul>").next().unwrap();
+    let policies = legend.matches("<li>").count();
+    assert!(policies > 1 && legend.matches("<line ").count() == policies, "{legend}");
+    let dashes: Vec<&str> =
+        legend.split("stroke-dasharray=\"").skip(1).map(|rest| rest.split('"').next().unwrap()).collect();
+    assert!(!dashes.is_empty() && dashes.iter().all(|dash| part("animation").matches(dash).count() > 1), "{dashes:?}");
+    assert!(!part("srp").contains("\ninspector "));
+    let mut lacking = study();
+    lacking.points.iter_mut().flat_map(|point| &mut point.srp).for_each(|kernel| kernel.share *= 0.75);
+    let text = page(&lacking);
+    assert!(text.contains("\ninspector 25.0\u{202f}%"));
+}
+
 #[test]
 fn nothing_is_loaded_from_elsewhere() {
     let text = page(&study());

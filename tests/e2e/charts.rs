@@ -98,6 +98,24 @@ fn results_without_charts_are_named() {
     assert!(!to.exists());
 }
 
+/// Demands that two tables are the same but for how their numbers are written; the page has seven digits.
+#[track_caller]
+fn same(name: &str, page: &str, file: &str) {
+    let table = |text: &str| {
+        let mut reader = csv::ReaderBuilder::new().has_headers(false).from_reader(text.as_bytes());
+        reader.records().map(|row| row.unwrap().iter().map(str::to_owned).collect()).collect::<Vec<Vec<String>>>()
+    };
+    let (page, file) = (table(page), table(file));
+    assert_eq!(page.len(), file.len(), "{name}: {page:?} {file:?}");
+    for (a, b) in page.iter().flatten().zip(file.iter().flatten()) {
+        let near = || {
+            let (a, b) = (a.parse::<f64>().ok()?, b.parse::<f64>().ok()?);
+            Some((a - b).abs() <= 1e-6 * b.abs())
+        };
+        assert!(a == b || near() == Some(true), "{name}: {a} is not {b}");
+    }
+}
+
 /// Catches what the page gives the browser to save.
 const CATCH: &str = "window.caught = []; \
     URL.createObjectURL = blob => { window.last = blob; return '#'; }; \
@@ -138,6 +156,12 @@ fn pages_save_them() {
         for link in links.as_array().unwrap() {
             let (name, text) = (link[0].as_str().unwrap(), link[1].as_str().unwrap());
             assert_eq!(text, fs::read_to_string(to.join(name)).unwrap(), "{name}");
+        }
+        // So have those that a script draws, at first.
+        let caught = browser.run("return caught.filter(c => c.name.endsWith('.csv'))");
+        for file in caught.as_array().unwrap() {
+            let (name, text) = (file["name"].as_str().unwrap(), file["text"].as_str().unwrap());
+            same(name, text, &fs::read_to_string(to.join(name)).unwrap());
         }
         let files = "caught.filter(c => c.name.endsWith('.csv')).every(c => c.text.split('\\r\\n').length > 2)";
         page.holds(files);

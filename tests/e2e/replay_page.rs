@@ -1,9 +1,39 @@
 //! The page of a replay in a real browser: its pictures over the frames, with a slider and play.
 
+use std::fs;
+
 use crate::browser::Browser;
 use crate::common::{replay, repository};
 use crate::page::Page;
 use crate::rayreel;
+
+/// One folder for several replays: pictures and figures are always of one of them.
+#[test]
+fn what_an_earlier_replay_left_is_not_shown() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = folder.path().join("run");
+    let trace = repository("traces/v1_0_cornell.rtrace");
+    let options = format!("--policy paper-ss --machine none --out {}", run.display());
+    let said = replay(&trace, &options).expect(0).json();
+    // As a replay of several frames would have left them.
+    let numbered = |number: u64, kind: &str| run.join(format!("frame_{number:04}_{kind}.png"));
+    let (kinds, frame) =
+        (["result", "reference", "error", "flip", "similarity", "rate"], said["frames"][0]["frame"].as_u64().unwrap());
+    for kind in kinds {
+        [frame, frame + 1].iter().for_each(|number| fs::write(numbered(*number, kind), b"\x89PNG\r\n\x1a\n").unwrap());
+    }
+    replay(&trace, &options).expect(0);
+    let written: u64 = kinds.iter().map(|kind| fs::metadata(run.join(format!("{kind}.png"))).unwrap().len()).sum();
+    let told = rayreel!["report", &run, "--json"].expect(0).json();
+    assert_eq!((told["pictures"].as_u64(), told["picture_bytes"].as_u64()), (Some(6), Some(written)));
+    rayreel!["report", &run, "--animate", "result"].expect(0).prints(&["result.apng: 1 frame, "]);
+    assert!(!numbered(frame, "result").exists() && numbered(frame + 1, "result").exists(), "others stay");
+    // One that ends early leaves no figures beside pictures that are not theirs.
+    fs::remove_file(run.join("result.exr")).unwrap();
+    fs::create_dir(run.join("result.exr")).unwrap();
+    assert_ne!(replay(&trace, &options).code, 0);
+    assert!(!run.join("stats.json").exists());
+}
 
 /// Skipped, saying so, where no browser is installed.
 #[test]

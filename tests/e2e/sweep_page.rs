@@ -3,6 +3,8 @@
 use std::fs;
 use std::path::Path;
 
+use serde_json::{Value, json};
+
 use crate::browser::Browser;
 use crate::common::small_sweep::{POINTS, small_sweep};
 use crate::page::Page;
@@ -58,6 +60,133 @@ fn a_browser_shows_it() {
             "document.getElementById('{section}').hidden && document.querySelector('nav a[href=\"#{section}\"]').closest('li').hidden"
         ));
     }
+}
+
+/// A page with other data for its scripts, and other text where `text` is put in place of what follows the summary's beginning.
+fn changed(file: &Path, text: &str, change: impl FnOnce(&mut Value)) {
+    const START: &str = "<script type=\"application/json\" id=\"sweep-data\">";
+    let page = fs::read_to_string(file).unwrap().replacen(
+        "<div id=\"summary-of\">",
+        &format!("<div id=\"summary-of\">{text}"),
+        1,
+    );
+    let (before, rest) = page.split_once(START).unwrap();
+    let (data, after) = rest.split_once("</script>").unwrap();
+    let mut data = serde_json::from_str(data).unwrap();
+    change(&mut data);
+    fs::write(file, format!("{before}{START}{data}</script>{after}")).unwrap();
+}
+
+/// Names that no window has room for, words that a shell would read, and estimates.
+#[test]
+fn odd_names_and_estimates_are_shown() {
+    let Some(browser) = Browser::start() else {
+        return eprintln!("skipped: no chromium with chromedriver is installed");
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let sweep = small_sweep(folder.path(), "a", "sgrt-ti2", "");
+    rayreel!["report", &sweep].expect(0);
+    let (file, page) = (sweep.join("results.html"), Page(&browser));
+    changed(&file, "<p id=\"estimates\"><span>8 of 8 points</span>: what that means</p>", |data| {
+        for name in ["time_ms", "cycles"] {
+            let column = json!({ "name": format!("{name}_interval_percent"), "unit": "%", "text": "", "role": "status", "kind": "number", "all": 2.5 });
+            data["columns"].as_array_mut().unwrap().push(column);
+        }
+        let columns = data["columns"].as_array_mut().unwrap();
+        let column = |name: &str| columns.iter().position(|column| column["name"] == name).unwrap();
+        let (trace, policy) = (column("trace"), column("policy"));
+        columns[trace]["all"] = json!("it's a; trace.rtrace");
+        for name in columns[policy]["of"].as_array_mut().unwrap() {
+            *name = json!(format!("{}_{}", name.as_str().unwrap(), "long".repeat(60)));
+        }
+        let named = columns[policy]["of"].clone();
+        let known = data["presets"]["policy"].as_object().unwrap().values().next().unwrap().clone();
+        data["presets"]["policy"] =
+            named.as_array().unwrap().iter().map(|name| (name.as_str().unwrap().to_owned(), known.clone())).collect();
+    });
+    for (width, phone) in [(1280, false), (400, true)] {
+        browser.resize(width, 900, phone);
+        browser.open(&file);
+        page.is_sound();
+        page.choose("#pareto-x", "time_ms");
+        page.choose("#pareto-y", "energy_mj");
+        page.choose("#pareto-each", "policy");
+        let names = "[...document.querySelectorAll('#pareto-chart text.name')]";
+        page.holds(&format!("{names}.length === 2 && {names}.every(t => {{ \
+            const [own, box] = [t.getBoundingClientRect(), document.querySelector('#pareto-chart svg').getBoundingClientRect()]; \
+            return t.textContent.endsWith('…') && t.textContent.length > 8 && own.left >= box.left && own.right <= box.right; }})"));
+        page.is_sound();
+    }
+    let off = "±\u{202f}2.5\u{202f}%";
+    page.holds(&format!(
+        "[...document.querySelectorAll('#pareto-table tbody tr')].every(r => r.cells[1].textContent.includes('{off}'))"
+    ));
+    browser.run("document.querySelector('#pareto-chart svg').focus({ preventScroll: true })");
+    browser.key("\u{e014}");
+    page.holds(&format!("document.getElementById('tip').textContent.includes('{off}')"));
+    page.choose("#heat-result", "time_ms");
+    page.choose("#heat-row", "l1");
+    page.choose("#heat-column", "block");
+    let cells = "[...document.querySelectorAll('#heat-map td.heat')]";
+    page.holds(&format!(
+        "{cells}.length === 6 && {cells}.every(c => c.dataset.tip.includes('{off}') && c.textContent.includes('{off}'))"
+    ));
+    page.choose("#heat-column", "policy");
+    page.holds(&format!("{cells}.length === 4 && !{cells}[1].dataset.tip.includes('±')"));
+    page.holds("[...document.querySelectorAll('#heat-map thead th')].slice(1).every(t => t.offsetWidth < 250 && getComputedStyle(t).overflowX === 'hidden')");
+    page.is_sound();
+    // A table breaks what is too long for a column, and a file has no formulas.
+    let names =
+        "[...document.querySelectorAll('#points-table tbody td')].filter(c => c.textContent.includes('longlong'))";
+    page.holds(&format!("{names}.length === 8 && {names}.every(c => c.offsetWidth < 400)"));
+    page.holds("rayreel.csv([['=a', -1, '-1+1', '-5', Infinity]]) === \"'=a,-1,'-1+1,-5,inf\\r\\n\"");
+    browser.run("document.querySelector('#best-tables .pick').click()");
+    page.holds("document.querySelector('#chosen .command code').textContent.startsWith(\"rayreel replay 'it'\\\\''s a; trace.rtrace' --frames \")");
+    let set = |text: &str| {
+        browser.run(&format!(
+            "const f = document.getElementById('filter'); f.value = '{text}'; f.dispatchEvent(new Event('input'))"
+        ))
+    };
+    set("l1 = 4KiB");
+    page.holds("document.getElementById('estimates').textContent === '4 of 4 points are estimates: what that means'");
+    set("point = 0");
+    page.holds("document.getElementById('estimates').textContent === '1 of 1 point is an estimate: what that means'");
+}
+
+/// Points that failed are found by why, and stay in the summary when some are shown.
+#[test]
+fn failed_points_and_single_ones_are_shown() {
+    let Some(browser) = Browser::start() else {
+        return eprintln!("skipped: no chromium with chromedriver is installed");
+    };
+    let (folder, page) = (tempfile::tempdir().unwrap(), Page(&browser));
+    browser.resize(1280, 900, false);
+    let sweep = small_sweep(folder.path(), "some", "raycore", "");
+    rayreel!["report", &sweep].expect(0);
+    browser.open(&sweep.join("results.html"));
+    page.is_sound();
+    browser.run("const f = document.getElementById('filter'); f.value = \"error is not none and block = 2\"; f.dispatchEvent(new Event('input'))");
+    page.holds("document.getElementById('filter-found').textContent === '2 of 8 points'");
+    page.holds("document.querySelector('#summary-of .read').textContent === '2 of 8 points; 2 of them failed'");
+    page.holds(
+        "[...document.querySelectorAll('#summary-of caption')].some(c => c.textContent === 'Points that failed')",
+    );
+    page.is_sound();
+    // One point alone: its figures stand in summary and table, and a click shows it whole.
+    let sweep = small_sweep(folder.path(), "one", "sgrt-ti2", "exclude = [\"policy != 'full' or l1 = 4096\"]");
+    rayreel!["report", &sweep].expect(0).prints(&[", 1 point\n"]);
+    browser.open(&sweep.join("results.html"));
+    page.is_sound();
+    page.holds("document.getElementById('pareto').hidden && document.getElementById('heat').hidden");
+    page.holds("document.querySelector('#summary-of dt').textContent === 'time_ms'");
+    page.holds(
+        "[...document.querySelectorAll('#points-table thead button')].some(b => b.dataset.sort === 'energy_mj')",
+    );
+    page.click("#points-table .pick");
+    page.holds("document.getElementById('chosen').offsetHeight > 100");
+    page.holds("document.getElementById('chosen').textContent.includes('time_ms')");
+    page.holds("![...document.querySelectorAll('#chosen dd')].some(d => /^1\\u202f[a-z]{3,}s$/.test(d.textContent))");
+    page.is_sound();
 }
 
 /// What the script draws again is what stood there before.

@@ -33,14 +33,36 @@ pub fn goal(name: &str) -> Goal {
     }
 }
 
-/// The results to show first: those of `HEADLINES` that vary, or else the first columns of results that do.
+/// The results to show first: those of `HEADLINES` that vary, or else the first columns of results that do. Where nothing varies, as
+/// of a single point, those that are there.
 pub fn headlines(results: &Results) -> Vec<&str> {
-    let first: Vec<&str> = HEADLINES.iter().copied().filter(|name| varies_within(results, name)).take(SHOWN).collect();
+    let varying = varying(results);
+    if varying.is_empty() { of_results(results, |name| known(results, name), known_cells) } else { varying }
+}
+
+/// The results to show first of those that vary.
+fn varying(results: &Results) -> Vec<&str> {
+    of_results(results, |name| varies_within(results, name), varies)
+}
+
+/// Results of `HEADLINES`, or else of all columns.
+fn of_results(results: &Results, is_headline: impl Fn(&str) -> bool, is_wanted: impl Fn(&Cells) -> bool) -> Vec<&str> {
+    let first: Vec<&str> = HEADLINES.iter().copied().filter(|name| is_headline(name)).take(SHOWN).collect();
     if !first.is_empty() {
         return first;
     }
-    let other = results.fields.iter().filter(|f| matches!(f.role, Role::Figure | Role::Counter) && varies(&f.cells));
+    let other = results.fields.iter().filter(|f| matches!(f.role, Role::Figure | Role::Counter) && is_wanted(&f.cells));
     other.map(|field| field.name.as_str()).take(SHOWN).collect()
+}
+
+/// Whether a result has a number.
+fn known(results: &Results, name: &str) -> bool {
+    results.field(name).is_some_and(|field| known_cells(&field.cells))
+}
+
+/// Whether a column has a number.
+fn known_cells(cells: &Cells) -> bool {
+    (0..cells.len()).any(|row| cells.number(row).is_some())
 }
 
 /// Whether a column holds two different numbers.
@@ -79,7 +101,7 @@ pub fn first_pair(results: &Results, whole_gpu: bool) -> Option<[&str; 2]> {
     if let Some([x, y]) = pair {
         return Some([known(x)?, known(y)?]);
     }
-    let other = headlines(results);
+    let other = varying(results);
     Some([other.first()?, other.get(1).or(other.first())?])
 }
 
@@ -137,6 +159,10 @@ mod tests {
         assert_eq!(headlines(&machines), ["time_ms", "energy_mj", "gpu_energy_mj"]);
         assert_eq!(first_pair(&table(vec![varying("odd")]), true), Some(["odd", "odd"]));
         assert_eq!(first_pair(&table(vec![same("odd")]), true), None);
+        // Of one point, or of equal ones, what there is.
+        let none = figure("psnr_db", &[f64::NAN, f64::NAN]);
+        assert_eq!(headlines(&table(vec![same("odd"), none.clone(), same("energy_mj")])), ["energy_mj"]);
+        assert_eq!(headlines(&table(vec![same("odd"), none])), ["odd"]);
         // Another scene has another PSNR whatever the machine: that is no reason to show it first.
         let scenes = words("trace", Role::Point, &["a", "a", "b", "b"]);
         let four = |name, values: [f64; 4]| figure(name, &values);

@@ -1,11 +1,11 @@
 //! In which order policies come, and whether that depends on what else was varied.
 //!
 //! A policy's gain is its result over that of `full` at the same values of all other dimensions; over several traces the geometric
-//! mean. A conclusion that holds at one value of an estimate and not at another is none.
+//! mean. How much was simulated is a dimension as any other: an estimate over what was simulated whole is no gain. A conclusion that holds at one value of an estimate and not at another is none.
 
 use std::collections::BTreeMap;
 
-use crate::analysis::dims::{DETAIL, Dimension, dimensions};
+use crate::analysis::dims::{Dimension, dimensions};
 use crate::table::{Field, Results};
 
 /// The policy that the others are compared with.
@@ -65,7 +65,7 @@ impl PolicyOrder {
         let of_policy = all.iter().find(|dimension| dimension.name == "policy")?;
         let reference = of_policy.values.iter().position(|policy| policy == REFERENCE)?;
         let varied: Vec<&Dimension> =
-            all.iter().filter(|d| d.name != "policy" && d.name != DETAIL && !AVERAGED.contains(&&*d.name)).collect();
+            all.iter().filter(|d| d.name != "policy" && !AVERAGED.contains(&&*d.name)).collect();
         if of_policy.values.len() < 3 || varied.is_empty() {
             return None;
         }
@@ -149,6 +149,22 @@ mod tests {
         assert_eq!(order.rows[0].first(), BTreeMap::from([("a", 1), ("b", 0)]));
         assert_eq!(order.rows[1].first(), BTreeMap::from([("a", 1), ("b", 1)]));
         assert_eq!((order.changed(0), order.changed(1)), (vec![], vec!["b"]));
+    }
+
+    #[test]
+    fn gains_are_those_of_one_detail() {
+        let policies = ["full", "x", "y", "full", "x", "y", "x"];
+        let details = ["full", "full", "full", "5%", "5%", "5%", "2%"];
+        let results = table(vec![
+            words("policy", Role::Point, &policies),
+            words("detail", Role::Point, &details),
+            figure("perf_per_watt", &[1.0, 2.0, 3.0, 2.0, 6.0, 8.0, 9.0]),
+        ]);
+        let order = PolicyOrder::of(&results, results.field("perf_per_watt").unwrap()).unwrap();
+        let gains = order.rows.iter().map(|row| (row.name.as_str(), row.gains.clone())).collect::<Vec<_>>();
+        let of = |gain| BTreeMap::from([(String::new(), gain)]);
+        // At 2 % there is no `full` to compare with.
+        assert_eq!(gains, [("full", vec![of(2.0), of(3.0)]), ("5%", vec![of(3.0), of(4.0)])]);
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! Pieces of HTML that sections share. Arguments called `html` are HTML already; all others are escaped here.
 
+use crate::html::charts::svg::line;
 use crate::html::text::escape;
 
 /// A section of the page.
@@ -87,6 +88,12 @@ pub fn key_shade(class: &str, shade: f64, name: &str) -> String {
 /// An entry of a legend: a drawing of 16 by 16 units, and what it stands for.
 pub fn symbol(svg: &str, name: &str) -> String {
     format!("<li><svg viewBox=\"0 0 16 16\" aria-hidden=\"true\">{svg}</svg>{}</li>", escape(name))
+}
+
+/// An entry of a legend: a line as a chart draws it, and what it stands for.
+pub fn line_key(class: &str, dash: &str, name: &str) -> String {
+    let svg = line([0.0, 28.0], 8.0, class, dash);
+    format!("<li><svg class=\"long\" viewBox=\"0 0 28 16\" aria-hidden=\"true\">{svg}</svg>{}</li>", escape(name))
 }
 
 /// A legend of entries.

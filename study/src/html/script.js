@@ -133,7 +133,7 @@
     const frames = list(chart.dataset.x);
     const [left, right, top, bottom] = chart.dataset.plot.split(" ").map(Number);
     const [first, last] = chart.dataset.ends.split(" ").map(Number);
-    const lines = [...chart.querySelectorAll("[data-v]")].map((line) => ({ name: line.dataset.name, values: list(line.dataset.v) }));
+    const lines = [...chart.querySelectorAll("[data-v]")].map((line) => ({ name: line.dataset.name, values: list(line.dataset.v), within: list(line.dataset.within ?? "") }));
     const cursor = document.createElementNS(chart.namespaceURI, "line");
     cursor.setAttribute("class", "cursor");
     cursor.setAttribute("y1", top);
@@ -146,7 +146,8 @@
       cursor.setAttribute("x2", x);
       chart.append(cursor);
       const box = chart.getBoundingClientRect();
-      const rows = lines.map(({ name, values }) => `${name} ${values[at] === null ? "–" : `${number(values[at])} ${chart.dataset.unit}`}`);
+      const off = (within) => (within[at] ? ` ±\u202f${within[at].toFixed(1)}\u202f%` : "");
+      const rows = lines.map(({ name, values, within }) => `${name} ${values[at] === null ? "–" : `${number(values[at])} ${chart.dataset.unit}${off(within)}`}`);
       showTip([`frame ${frames[at]}`, ...rows].join("\n"), clientX ?? box.left + (x / 360) * box.width, clientY ?? box.top + box.height / 3);
     };
     const leave = () => { cursor.remove(); hideTip(); };
@@ -249,7 +250,11 @@
     return made;
   };
   const quoted = (cell) => (/[",\r\n]/.test(cell) ? `"${cell.replaceAll('"', '""')}"` : cell);
-  const csv = (rows) => rows.map((row) => `${row.map((cell) => quoted(String(cell ?? ""))).join(",")}\r\n`).join("");
+  // A spreadsheet computes a word that begins with one of these: as in `csv.rs`.
+  const isNumber = (text) => /^[+-]?((\d+\.?\d*|\.\d+)(e[+-]?\d+)?|inf)$/i.test(text);
+  const harmless = (text) => (/^[=+\-@\t\r]/.test(text) && !isNumber(text) ? `'${text}` : text);
+  const spelled = (cell) => (typeof cell === "number" && !Number.isFinite(cell) ? `${cell < 0 ? "-" : ""}inf` : String(cell ?? ""));
+  const csv = (rows) => rows.map((row) => `${row.map((cell) => quoted(harmless(spelled(cell)))).join(",")}\r\n`).join("");
   const name = (figure) => figure.dataset.chart ?? "chart";
   const svgButton = (figure) => button("SVG", `Save ${name(figure)} as SVG`, () => save(`${name(figure)}.svg`, "image/svg+xml", alone(figure)));
   for (const figure of document.querySelectorAll("figure[data-chart]")) figure.querySelector(".save")?.prepend(svgButton(figure));

@@ -48,6 +48,11 @@ pub fn count(value: u64) -> String {
     fixed(value as f64, 0)
 }
 
+/// How many of something, which takes an s where they are not one.
+pub fn counted(number: usize, thing: &str) -> String {
+    format!("{} {thing}{}", count(number as u64), if number == 1 { "" } else { "s" })
+}
+
 /// A number to three digits or so, whatever its size.
 pub fn digits(value: f64) -> String {
     let places = match value.abs() {
@@ -158,6 +163,7 @@ mod tests {
             (factor(2.976), percent(0.0512), psnr(None)),
             ("2.98×".into(), "5.1\u{202f}%".into(), "identical".into())
         );
+        assert_eq!((counted(1, "frame"), counted(0, "frame")), ("1 frame".into(), "0 frames".into()));
         assert_eq!((or_dash(None, decibels), amount(2.5, "")), ("\u{2013}".into(), "2.50".into()));
     }
 }

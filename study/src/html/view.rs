@@ -2,7 +2,7 @@
 
 use crate::html::charts::gallery::Gallery;
 use crate::html::charts::svg::{COLOURS, marker};
-use crate::html::parts::{legend, symbol};
+use crate::html::parts::{legend, line_key, symbol};
 use crate::schema::{GainBand, Point, Study};
 
 /// A study with what several sections look up in it.
@@ -125,6 +125,15 @@ impl<'a> StudyView<'a> {
         let entry = |policy: &&str| {
             let look = self.look(policy);
             symbol(&format!("<path d=\"{}\" class=\"{}\"/>", marker(look.shape, 8.0, 8.0), look.class()), policy)
+        };
+        legend(&policies.iter().map(entry).collect::<String>())
+    }
+
+    /// A legend of some policies whose charts have lines: each as its line.
+    pub fn legend_of_lines(&self, policies: &[&str]) -> String {
+        let entry = |policy: &&str| {
+            let look = self.look(policy);
+            line_key(&look.class(), look.dash(), policy)
         };
         legend(&policies.iter().map(entry).collect::<String>())
     }

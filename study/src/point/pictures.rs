@@ -1,6 +1,8 @@
 //! Pictures of a replayed frame.
 
 use std::cell::OnceCell;
+use std::io;
+use std::ops::Range;
 use std::path::Path;
 
 use crate::error::Result;
@@ -57,13 +59,15 @@ impl<'a> FramePictures<'a> {
         Ok(files::png(&shrunk(picture, wanted.shrink))?)
     }
 
-    /// Writes all pictures of the frame as files into `folder`; their names begin with `prefix`, and `notes` stand in the EXR file.
+    /// Writes all pictures of the frame as files into `folder`; it is one of several of its trace or not, which is in their names
+    /// ([`prefix`]), and `notes` stand in the EXR file.
     ///
     /// # Errors
     /// When a file cannot be written.
-    pub fn write(&self, folder: &Path, prefix: &str, notes: &ExrNotes) -> Result<()> {
+    pub fn write(&self, folder: &Path, several: bool, notes: &ExrNotes) -> Result<()> {
+        let prefix = prefix(self.frame.frame.into(), several);
         let file = |name: &str| folder.join(format!("{prefix}{name}"));
-        files::write_exr_with(&file("result.exr"), &self.frame.image, notes)?;
+        files::write_exr_with(&file(EXR), &self.frame.image, notes)?;
         for kind in Kind::ALL {
             if let Some(picture) = self.picture(kind)? {
                 files::write_png(&file(&format!("{}.png", kind.name())), &picture)?;
@@ -71,6 +75,37 @@ impl<'a> FramePictures<'a> {
         }
         Ok(())
     }
+}
+
+/// The linear picture.
+const EXR: &str = "result.exr";
+
+/// What the names of a frame's pictures begin with: nothing where its trace has no other frame.
+pub fn prefix(frame: u64, several: bool) -> String {
+    if several { format!("frame_{frame:04}_") } else { String::new() }
+}
+
+/// Removes from `folder` the pictures that an earlier replay of a trace of several frames left of these frames. One of a trace of a
+/// single frame does not write over them, and they would be taken for its own.
+///
+/// # Errors
+/// When one is there and cannot be removed.
+pub fn remove_numbered(folder: &Path, frames: Range<u32>) -> io::Result<()> {
+    let kinds = Kind::ALL.iter().map(|kind| format!("{}.png", kind.name()));
+    let names: Vec<String> = kinds.chain([EXR.to_owned()]).collect();
+    for frame in frames {
+        let prefix = prefix(frame.into(), true);
+        names.iter().try_for_each(|name| remove(&folder.join(format!("{prefix}{name}"))))?;
+    }
+    Ok(())
+}
+
+/// Removes a file; that there is none is as good.
+///
+/// # Errors
+/// When it is there and cannot be removed.
+pub fn remove(file: &Path) -> io::Result<()> {
+    std::fs::remove_file(file).or_else(|e| if e.kind() == io::ErrorKind::NotFound { Ok(()) } else { Err(e) })
 }
 
 /// The mean of each `by` x `by` pixels; columns and rows that do not fill one are cut off.
@@ -94,6 +129,16 @@ fn shrunk(picture: Srgb8, by: u32) -> Srgb8 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn pictures_of_other_frames_and_other_files_stay() {
+        let folder = tempfile::tempdir().unwrap();
+        let names = ["frame_0002_result.png", "frame_0002_result.exr", "frame_0003_result.png", "frame_0002_notes.txt"];
+        names.iter().for_each(|name| std::fs::write(folder.path().join(name), name).unwrap());
+        remove_numbered(folder.path(), 1..3).unwrap();
+        let left = names.map(|name| folder.path().join(name).exists());
+        assert_eq!(left, [false, false, true, true]);
+    }
 
     #[test]
     fn shrinking_takes_means() {

@@ -2,6 +2,8 @@
 
 use percent_encoding::{AsciiSet, NON_ALPHANUMERIC, utf8_percent_encode};
 
+use crate::table::csv::plain_or_number;
+
 /// A chart.
 pub struct Chart {
     /// The picture, to stand in a page.
@@ -19,6 +21,8 @@ pub struct Key {
     pub class: String,
     /// Shade of the colour, 0 to 1.
     pub opacity: f64,
+    /// Dash pattern where it is of a line; nothing where it is of an area.
+    pub dash: Option<&'static str>,
     /// What it stands for.
     pub name: String,
 }
@@ -26,7 +30,12 @@ pub struct Key {
 impl Key {
     /// A key in the full colour.
     pub fn new(class: &str, name: &str) -> Self {
-        Self { class: class.into(), opacity: 1.0, name: name.into() }
+        Self { class: class.into(), opacity: 1.0, dash: None, name: name.into() }
+    }
+
+    /// The key of a line: several lines may have one colour and differ in their dashes.
+    pub fn of_line(class: &str, dash: &'static str, name: &str) -> Self {
+        Self { dash: Some(dash), ..Self::new(class, name) }
     }
 }
 
@@ -59,10 +68,11 @@ impl Data {
         self.rows.push(cells);
     }
 
-    /// As a file: a line of names, then the rows (RFC 4180).
+    /// As a file: a line of names, then the rows (RFC 4180). No word is a formula to a spreadsheet.
     pub fn csv(&self) -> String {
         let mut writer = csv::WriterBuilder::new().terminator(csv::Terminator::CRLF).from_writer(Vec::new());
         for cells in std::iter::once(&self.columns).chain(&self.rows) {
+            let cells = cells.iter().map(|cell| plain_or_number(cell).into_owned());
             // All rows have as many cells as there are columns, and memory takes what it is given.
             writer.write_record(cells).unwrap_or_else(|e| unreachable!("{e}"));
         }
@@ -95,6 +105,10 @@ mod tests {
         data.row(vec!["say \"x\"".into(), cell(Some(0.1))]);
         data.row(vec!["two\nlines".into(), cell(None)]);
         assert_eq!(data.csv(), "a,\"b, c\"\r\n\"say \"\"x\"\"\",0.1\r\n\"two\nlines\",\r\n");
+        let mut data = Data::new(&["=name", "number"]);
+        data.row(vec!["@sum".into(), cell(Some(-0.5))]);
+        data.row(vec!["-1+1".into(), cell(Some(f64::NEG_INFINITY))]);
+        assert_eq!(data.csv(), "'=name,number\r\n'@sum,-0.5\r\n'-1+1,-inf\r\n");
         assert_eq!(link("a,b\r\n%&"), "data:text/csv;charset=utf-8,a,b%0D%0A%25%26");
     }
 }

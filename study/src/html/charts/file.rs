@@ -6,7 +6,7 @@ use std::path::Path;
 use crate::files::write_named;
 use crate::html::ReportError;
 use crate::html::charts::chart::{Chart, Key};
-use crate::html::charts::svg::{n, text_width};
+use crate::html::charts::svg::{line, n, text_width};
 use crate::html::text::escape;
 
 /// The rules for charts; pages have them too.
@@ -20,6 +20,12 @@ const MARGIN: f64 = 12.0;
 
 /// Height of a row of the legend.
 const KEY_ROW: f64 = 18.0;
+
+/// Edge of the square of a key.
+const SQUARE: f64 = 10.0;
+
+/// Length of the line of a key: as long as the longest pattern of dashes and a little more.
+const LINE: f64 = 28.0;
 
 /// What a file has beside the rules.
 const FONT: &str = ".chart{font-family:system-ui,\"Segoe UI\",Roboto,\"Noto Sans\",sans-serif}.page{fill:#fff}";
@@ -54,21 +60,24 @@ pub fn alone(chart: &Chart, title: &str) -> String {
 fn legend(keys: &[Key], [width, top]: [f64; 2]) -> (String, f64) {
     let (mut drawn, mut x, mut row) = (String::new(), 0.0, 0.0);
     for key in keys {
-        let room = 30.0 + text_width(&key.name);
+        let symbol = if key.dash.is_some() { LINE } else { SQUARE };
+        let room = symbol + 20.0 + text_width(&key.name);
         if x > 0.0 && x + room > width {
             (x, row) = (0.0, row + 1.0);
         }
         let y = top + row * KEY_ROW;
-        drawn += &format!(
-            "<rect x=\"{}\" y=\"{}\" width=\"10\" height=\"10\" data-mark=\"\" class=\"{}\" fill-opacity=\"{}\"/><text x=\"{}\" y=\"{}\">{}</text>",
-            n(x),
-            n(y),
-            escape(&key.class),
-            n(key.opacity),
-            n(x + 15.0),
-            n(y + 9.0),
-            escape(&key.name)
-        );
+        let class = escape(&key.class);
+        drawn += &match key.dash {
+            Some(dash) => line([x, x + LINE], y + SQUARE / 2.0, &class, dash),
+            None => format!(
+                "<rect x=\"{}\" y=\"{}\" width=\"{SQUARE}\" height=\"{SQUARE}\" data-mark=\"\" class=\"{class}\" fill-opacity=\"{}\"/>",
+                n(x),
+                n(y),
+                n(key.opacity)
+            ),
+        };
+        let (start, base) = (n(x + symbol + 5.0), n(y + 9.0));
+        drawn += &format!("<text x=\"{start}\" y=\"{base}\">{}</text>", escape(&key.name));
         x += room;
     }
     (drawn, if keys.is_empty() { 0.0 } else { (row + 1.0) * KEY_ROW + MARGIN })
@@ -119,6 +128,18 @@ mod tests {
         // The legend takes two rows: the first is full.
         assert!(svg.contains("viewBox=\"-12 -12 384 172\"") && svg.contains("<title>a &lt; b</title>"), "{svg}");
         assert!(!svg.contains("var(") && svg.contains(".p0 { fill: #0072b2; stroke: #0072b2; }"), "{svg}");
-        assert!(svg.contains("<rect class=\"p0\"/><rect") && svg.ends_with(">two &amp; more</text></svg>\n"), "{svg}");
+        assert!(
+            svg.contains("<rect class=\"p0\"/><rect x=\"0\"") && svg.ends_with(">two &amp; more</text></svg>\n"),
+            "{svg}"
+        );
+    }
+
+    #[test]
+    fn keys_of_lines_show_their_dashes() {
+        let keys = [Key::of_line("p0", "", "one"), Key::of_line("p0", "2 3", "two")];
+        let (drawn, _) = legend(&keys, [360.0, 0.0]);
+        assert_eq!(drawn.matches("class=\"line p0\"").count(), 2);
+        assert_eq!(drawn.matches(" stroke-dasharray=\"2 3\"").count(), 1, "{drawn}");
+        assert!(!drawn.contains("<rect"), "{drawn}");
     }
 }

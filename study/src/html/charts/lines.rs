@@ -5,8 +5,9 @@ use std::fmt::Write as _;
 use crate::html::charts::WIDTH;
 use crate::html::charts::chart::{Chart, Data, Key, cell};
 use crate::html::charts::scale::{Scale, extent};
-use crate::html::charts::svg::{Svg, n};
+use crate::html::charts::svg::{Svg, dashed, n};
 use crate::html::text::{escape, fixed};
+use crate::point::known::interval_of;
 
 /// A line.
 pub struct Line {
@@ -14,6 +15,8 @@ pub struct Line {
     pub name: String,
     /// One value for each frame of the chart; a missing one breaks the line.
     pub values: Vec<Option<f64>>,
+    /// Of values that are estimates half the width of the interval, in percent; empty where all are exact.
+    pub intervals: Vec<Option<f64>>,
     /// Colour class.
     pub class: String,
     /// Dash pattern: colour is not all that tells lines apart.
@@ -72,17 +75,22 @@ impl Lines<'_> {
             ends.1,
             escape(self.unit)
         );
-        let keys = self.lines.iter().map(|line| Key::new(&line.class, &line.name));
+        let keys = self.lines.iter().map(|line| Key::of_line(&line.class, line.dash, &line.name));
         let keys = if self.lines.len() > 1 { keys.collect() } else { Vec::new() };
         Chart { svg: svg.finish(label, &plot), data: self.data(), keys }
     }
 
     fn data(&self) -> Data {
-        let names: Vec<&str> =
-            std::iter::once("frame").chain(self.lines.iter().map(|line| line.name.as_str())).collect();
+        // A line, and behind it what its estimates may be off.
+        let columns = self.lines.iter().flat_map(|line| {
+            let intervals = (!line.intervals.is_empty()).then(|| (interval_of(&line.name), &line.intervals));
+            std::iter::once((line.name.clone(), &line.values)).chain(intervals)
+        });
+        let (names, columns): (Vec<String>, Vec<&Vec<Option<f64>>>) = columns.unzip();
+        let names: Vec<&str> = std::iter::once("frame").chain(names.iter().map(String::as_str)).collect();
         let mut data = Data::new(&names);
         for (i, frame) in self.frames.iter().enumerate() {
-            let values = self.lines.iter().map(|line| cell(line.values.get(i).copied().flatten()));
+            let values = columns.iter().map(|column| cell(column.get(i).copied().flatten()));
             data.row(std::iter::once(frame.to_string()).chain(values).collect());
         }
         data
@@ -104,9 +112,14 @@ impl Lines<'_> {
             }
             drawing = true;
         }
-        let values: Vec<String> = line.values.iter().map(|v| v.map(short).unwrap_or_default()).collect();
-        let dash = if line.dash.is_empty() { String::new() } else { format!(" stroke-dasharray=\"{}\"", line.dash) };
-        let data = format!("{dash} data-name=\"{}\" data-v=\"{}\"", escape(&line.name), values.join(","));
+        let list = |values: &[Option<f64>]| {
+            values.iter().map(|v| v.map(short).unwrap_or_default()).collect::<Vec<_>>().join(",")
+        };
+        let mut data =
+            format!("{} data-name=\"{}\" data-v=\"{}\"", dashed(line.dash), escape(&line.name), list(&line.values));
+        if !line.intervals.is_empty() {
+            data += &format!(" data-within=\"{}\"", list(&line.intervals));
+        }
         svg.path(&d, &format!("line {}", line.class), &data);
     }
 }

@@ -69,7 +69,7 @@ pub fn stacked(rows: &[StackedRow], most: f64, tick: impl Fn(&Scale, f64) -> Str
     }
     svg.line([left, 2.0], [left, bottom], "axis");
     let parts = rows.iter().flat_map(|row| if let StackedRow::Bar { parts, .. } = row { &parts[..] } else { &[] });
-    let key = |part: &Part| Key { class: part.class.clone(), opacity: part.opacity, name: part.name.clone() };
+    let key = |part: &Part| Key { opacity: part.opacity, ..Key::new(&part.class, &part.name) };
     let keys = once(parts.filter(|part| part.value > 0.0).map(key));
     Chart { svg: svg.finish(label, ""), data: of_parts(rows), keys }
 }

@@ -84,6 +84,17 @@ fn at([x, y, w, h]: Rect, class: &str) -> String {
     format!("x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" class=\"{class}\"", n(x), n(y), n(w), n(h))
 }
 
+/// A line that lies level, as charts of lines draw theirs: a colour class and a pattern of dashes, which may be empty.
+pub fn line([from, to]: [f64; 2], y: f64, class: &str, dash: &str) -> String {
+    let (from, to, y) = (n(from), n(to), n(y));
+    format!("<line x1=\"{from}\" x2=\"{to}\" y1=\"{y}\" y2=\"{y}\" class=\"line {class}\"{}/>", dashed(dash))
+}
+
+/// A pattern of dashes as an attribute; nothing for a line without.
+pub fn dashed(dash: &str) -> String {
+    if dash.is_empty() { String::new() } else { format!(" stroke-dasharray=\"{dash}\"") }
+}
+
 /// Number of colours that values take in turn: classes `p0`, `p1` and so on of `chart.css`. Shapes are 6, so 42 values look different.
 pub const COLOURS: usize = 7;
 

@@ -9,6 +9,11 @@ use crate::html::parts::grid;
 /// A figure of a frame: key in the report, heading, places.
 pub type Figure = (&'static str, &'static str, usize);
 
+/// Half the width of the 95 % interval of a figure of a frame or of all, in percent of it; none where it is exact.
+pub fn interval(figures: &Value, key: &str) -> Option<f64> {
+    figures["detail"]["interval_percent"][key].as_f64()
+}
+
 /// A chart for each figure that frames have; none of a single frame.
 pub fn over_frames(stats: &Value, figures: &[Figure], drawn: &Gallery) -> String {
     let all = stats["frames"].as_array().map_or(&[][..], Vec::as_slice);
@@ -25,7 +30,9 @@ pub fn over_frames(stats: &Value, figures: &[Figure], drawn: &Gallery) -> String
         if values.iter().all(Option::is_none) {
             return String::new();
         }
-        let line = Line { name: (*name).into(), values, class: "p0".into(), dash: "" };
+        let intervals: Vec<Option<f64>> = frames.iter().map(|(_, frame)| interval(frame, key)).collect();
+        let intervals = if intervals.iter().all(Option::is_none) { Vec::new() } else { intervals };
+        let line = Line { name: (*name).into(), values, intervals, class: "p0".into(), dash: "" };
         // Of a picture's likeness a few hundredths count: its axis does not begin at zero.
         let zero = !matches!(*key, "psnr_db" | "ssim");
         let lines = Lines { unit: "", frames: &numbers, lines: vec![line], zero };

@@ -1,17 +1,18 @@
 //! The folder of a replay: its figures and its pictures.
 
 use std::collections::BTreeMap;
-use std::fs;
 use std::io;
 use std::path::Path;
 
+use rayreel_settings::files;
 use serde_json::Value;
 
 use crate::html::error::ReportError;
+use crate::point::pictures::prefix;
 use crate::point::wanted::Kind;
 
 /// The figures of a replay.
-const STATS: &str = "stats.json";
+pub const STATS: &str = "stats.json";
 
 /// Most bytes of a file: a folder may be from anyone.
 const BYTES_MAX: u64 = 1 << 28;
@@ -28,6 +29,8 @@ pub fn is_of_replay(path: &Path) -> bool {
 pub struct Folder {
     /// `stats.json`.
     pub stats: Value,
+    /// Width and height of its pictures.
+    pub size: [u64; 2],
     /// The numbers of its frames.
     pub frames: Vec<u64>,
     /// PNG files by kind and frame; a kind that a replay does not have is not there.
@@ -45,10 +48,16 @@ impl Folder {
             stats["frames"].as_array().and_then(|frames| frames.iter().map(|frame| frame["frame"].as_u64()).collect());
         let frames = frames.filter(|frames| !frames.is_empty());
         let frames = frames.ok_or_else(|| damaged(1, 1, "it lists no frames: it is not of rayreel replay".into()))?;
+        // They stand in attributes of the page: the file may be a stranger's, and hold anything in their place.
+        let length = |key: &str| {
+            let detail = format!("{key} is no whole number: it is not of rayreel replay");
+            stats[key].as_u64().ok_or_else(|| damaged(1, 1, detail))
+        };
+        let size = [length("width")?, length("height")?];
         let mut pictures = BTreeMap::new();
         for (kind, name) in Kind::ALL.iter().map(|kind| kind.name()).enumerate() {
             let file = |frame: &u64| {
-                let (alone, numbered) = (format!("{name}.png"), format!("frame_{frame:04}_{name}.png"));
+                let [alone, numbered] = [false, true].map(|several| format!("{}{name}.png", prefix(*frame, several)));
                 let several = frames.len() > 1 || folder.join(&numbered).exists();
                 if several { numbered } else { alone }
             };
@@ -68,7 +77,7 @@ impl Folder {
                 pictures.insert((kind, *frame), bytes);
             }
         }
-        Ok(Self { stats, frames, pictures })
+        Ok(Self { stats, size, frames, pictures })
     }
 
     /// Bytes of all pictures.
@@ -78,9 +87,5 @@ impl Folder {
 }
 
 fn read(path: &Path) -> Result<Vec<u8>, ReportError> {
-    let failed = |source| ReportError::Io { path: path.to_path_buf(), source };
-    if fs::metadata(path).map_err(failed)?.len() > BYTES_MAX {
-        return Err(failed(io::Error::other("it is larger than 256 MiB")));
-    }
-    fs::read(path).map_err(failed)
+    files::read(path, BYTES_MAX).map_err(|source: io::Error| ReportError::Io { path: path.to_path_buf(), source })
 }

@@ -8,8 +8,9 @@ use crate::html::charts::file::Saved;
 use crate::html::charts::gallery::Gallery;
 use crate::html::parts::{Head, Section, how_to_read, table};
 use crate::html::shell::Shell;
-use crate::html::text::{base64, bytes, count, escape};
+use crate::html::text::{base64, bytes, count, counted, escape, plus_minus};
 use crate::point::wanted::Kind;
+use crate::report::extent::Extent;
 
 const STYLE: &str = include_str!("player.css");
 
@@ -59,36 +60,48 @@ fn head(title: &str, replay: &Folder) -> String {
     let facts = [
         text(stats, "trace").to_owned(),
         machine,
-        format!("{} frames of {} x {} pixels", replay.frames.len(), stats["width"], stats["height"]),
+        format!("{} of {} x {} pixels", counted(replay.frames.len(), "frame"), replay.size[0], replay.size[1]),
     ];
     let facts: String =
         facts.iter().filter(|fact| !fact.is_empty()).map(|fact| format!("<li>{}</li>", escape(fact))).collect();
     let command = stats["command"].as_str().map(|command| {
         format!("<p class=\"command\"><span>Repeat it:</span> <code tabindex=\"0\">{}</code></p>\n", escape(command))
     });
+    let extent = Extent::read(stats).map(|extent| extent.clauses()).filter(|clauses| !clauses.is_empty());
+    let extent = extent.map(|clauses| how_to_read(&sentences(&clauses))).unwrap_or_default();
     format!(
-        "<header>\n<div><h1>{}</h1>\n<ul class=\"facts\">{facts}</ul>\n{}</div>\n\
+        "<header>\n<div><h1>{}</h1>\n<ul class=\"facts\">{facts}</ul>\n{}{extent}</div>\n\
          <button type=\"button\" id=\"theme\" hidden>Theme: system</button>\n</header>\n",
         escape(title),
         command.unwrap_or_default()
     )
 }
 
-/// A number as people read it; a dash where there is none.
-fn shown(value: &Value, places: usize) -> String {
-    match (value.as_u64(), value.as_f64()) {
+/// Clauses as sentences: each begins with a capital letter and ends with a stop.
+fn sentences(clauses: &[String]) -> String {
+    let sentence = |clause: &String| {
+        let first = clause.chars().take(1).flat_map(char::to_uppercase);
+        first.chain(clause.chars().skip(1)).collect::<String>() + "."
+    };
+    clauses.iter().map(sentence).collect::<Vec<_>>().join(" ")
+}
+
+/// A figure of a frame or of all as people read it, with what it may be off; a dash where there is none.
+fn shown(figures: &Value, key: &str, places: usize) -> String {
+    let number = match (figures[key].as_u64(), figures[key].as_f64()) {
         (Some(whole), _) => count(whole),
         (None, Some(number)) => format!("{number:.places$}"),
-        _ => "–".into(),
-    }
+        _ => return "–".into(),
+    };
+    number + &plus_minus(charts::interval(figures, key).map(|percent| percent / 100.0))
 }
 
 /// The figures of all frames together, with what they mean.
 fn figures(stats: &Value) -> Option<Section> {
     let row = |(name, about): (&String, &Value)| {
-        let value = stats.get(name).filter(|value| value.is_number())?;
+        stats.get(name).filter(|value| value.is_number())?;
         let (unit, meaning) = (text(about, "unit"), text(about, "description"));
-        let cells = vec![escape(name), shown(value, 4), escape(unit), escape(meaning)];
+        let cells = vec![escape(name), shown(stats, name, 4), escape(unit), escape(meaning)];
         Some((String::new(), cells))
     };
     let rows: Vec<_> = stats["descriptions"].as_object()?.iter().filter_map(row).collect();
@@ -107,7 +120,7 @@ fn frames(stats: &Value) -> Option<Section> {
     let columns: Vec<Head> =
         std::iter::once(Head::number("Frame")).chain(wanted.iter().map(|(_, name, _)| Head::number(name))).collect();
     let row = |frame: &Value| {
-        let figures = wanted.iter().map(|(key, _, places)| shown(&frame[*key], *places));
+        let figures = wanted.iter().map(|(key, _, places)| shown(frame, key, *places));
         (String::new(), std::iter::once(frame["frame"].to_string()).chain(figures).collect())
     };
     let rows: Vec<_> = all.iter().map(row).collect();
@@ -127,7 +140,7 @@ fn pictures(replay: &Folder) -> Option<Section> {
         gallery += &format!(
             "<figure><img id=\"picture-{name}\" src=\"data:image/png;base64,{source}\" alt=\"{name}\" width=\"{}\" height=\"{}\">\
              <figcaption>{name}</figcaption></figure>\n",
-            replay.stats["width"], replay.stats["height"]
+            replay.size[0], replay.size[1]
         );
     }
     let controls = if replay.frames.len() > 1 {

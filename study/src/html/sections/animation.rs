@@ -32,7 +32,7 @@ pub fn section(view: &StudyView<'_>) -> Option<Section> {
         let tracks: Vec<&Track> = view.study.tracks.iter().filter(|t| t.scene == scene && t.mode == mode).collect();
         let policies: Vec<&str> = tracks.iter().map(|t| t.policy.as_str()).collect();
         html += &format!("<h3>{} <small>{}</small></h3>\n", escape(scene), escape(&mode_name(mode).to_lowercase()));
-        html += &view.legend(&policies);
+        html += &view.legend_of_lines(&policies);
         html += &grid(&PLOTS.iter().map(|plot| chart(view, scene, &tracks, plot)).collect::<String>());
         html += &totals(scene, &tracks);
     }
@@ -60,7 +60,7 @@ fn chart(view: &StudyView<'_>, scene: &str, tracks: &[&Track], (title, unit, val
             }
         }
         let look = view.look(&track.policy);
-        Line { name: track.policy.clone(), values, class: look.class(), dash: look.dash() }
+        Line { name: track.policy.clone(), values, intervals: Vec::new(), class: look.class(), dash: look.dash() }
     };
     let lines: Vec<Line> = tracks.iter().map(line).filter(|l| l.values.iter().any(Option::is_some)).collect();
     if lines.is_empty() {

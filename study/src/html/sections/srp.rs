@@ -33,9 +33,20 @@ pub fn section(view: &StudyView<'_>) -> Option<Section> {
     });
     html += &how_to_read(
         "Busy cycles of the SRPs by kernel; the number is the share that adaptive sampling adds: similarity tests with \
-         their colours and inspector, and interpolation with its attributes and shading. The grey rest is ray generation, shading and the resolve step.",
+         their colours and inspector, and interpolation with its attributes and shading. The grey rest is ray generation, shading, the \
+         resolve step, and the inspector, which sorts the items of all other kernels by branch.",
     );
     Section::new("srp", "What the SRP does", html)
+}
+
+/// Less than this is rounding.
+const SHARE_LEAST: f64 = 5e-4;
+
+/// The kernels, and the inspector with the busy cycles that none of them has.
+fn whole(kernels: &[Kernel]) -> Vec<Kernel> {
+    let rest = 1.0 - kernels.iter().map(|kernel| kernel.share).sum::<f64>();
+    let inspector = Kernel { kernel: "inspector".into(), cycles: 0, share: rest };
+    kernels.iter().cloned().chain((rest > SHARE_LEAST).then_some(inspector)).collect()
 }
 
 /// Cycles of the kernels that sampling adds, as a share.
@@ -50,7 +61,7 @@ fn chart(view: &StudyView<'_>, scene: &str, mode: &str) -> String {
     }
     let row = |point: &&Point| StackedRow::Bar {
         name: point.policy.clone(),
-        parts: parts(&point.policy, &point.srp),
+        parts: parts(&point.policy, &whole(&point.srp)),
         text: percent(added(&point.srp)),
     };
     let mut rows: Vec<StackedRow> = points.iter().map(row).collect();

@@ -33,7 +33,7 @@ pub fn section(view: &SweepView<'_>) -> Option<Section> {
 
 fn part(view: &SweepView<'_>, objective: &Field, (name, rows): &(String, Vec<usize>)) -> String {
     let goal = goal(&objective.name);
-    let best = best(&objective.cells, rows, goal, BEST);
+    let best = best(|row| view.result(objective, row), rows, goal, BEST);
     let Some(first) = best.first() else { return String::new() };
     let mut results: Vec<&Field> = vec![objective];
     results.extend(view.headlines.iter().copied().filter(|field| field.name != objective.name));

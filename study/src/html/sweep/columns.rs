@@ -8,7 +8,7 @@ use crate::table::{Cells, Field, Role};
 
 /// The section.
 pub fn section(view: &SweepView<'_>) -> Option<Section> {
-    let shown = |field: &&Field| !(field.role == Role::Config || matches!(field.name.as_str(), "key" | "error"));
+    let shown = |field: &&Field| field.role != Role::Config && field.name != "key";
     let (same, vary): (Vec<&Field>, Vec<&Field>) = view.results.fields.iter().filter(shown).partition(|f| constant(f));
     let names = |field: &Field| {
         vec![format!("<code>{}</code>", escape(&field.name)), escape(&field.unit), escape(&field.description)]

@@ -10,7 +10,7 @@ use serde_json::{Map, Value, json};
 
 use crate::analysis::configs::{Configs, Half};
 use crate::analysis::goals::goal;
-use crate::html::sweep::view::SweepView;
+use crate::html::sweep::view::{INFINITE, SweepView, VALUES_MAX};
 use crate::table::{Cells, Field, Role};
 
 /// Digits of base 64.
@@ -18,7 +18,7 @@ const DIGITS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz
 
 /// Everything that the scripts need.
 pub fn data(view: &SweepView<'_>) -> Value {
-    let shown = |field: &&Field| field.role != Role::Config && !matches!(field.name.as_str(), "key" | "error");
+    let shown = |field: &&Field| field.role != Role::Config && field.name != "key";
     let columns: Vec<Value> = view.results.fields.iter().filter(shown).map(column).collect();
     let configs: Vec<Value> = Half::ALL.iter().flat_map(|half| config(&view.configs[*half as usize], *half)).collect();
     json!({
@@ -30,7 +30,9 @@ pub fn data(view: &SweepView<'_>) -> Value {
         "objective": view.objective.map(|field| field.name.as_str()),
         "each": view.each.map(|index| view.dimensions[index].name.as_str()),
         "colour": view.colour(),
-        "strongest": view.strongest(),
+        "heat": view.heat_axes().map(|axes| axes.map(|axis| axis.name.as_str())),
+        "infinite": INFINITE,
+        "most_heat": VALUES_MAX,
         "config": configs,
         "presets": presets(view),
     })

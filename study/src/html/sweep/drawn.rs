@@ -11,7 +11,7 @@ use crate::html::charts::chart::{Chart, Data, Key, cell};
 use crate::html::charts::scale::{Scale, extent};
 use crate::html::charts::svg::{COLOURS, Svg, marker, n, shortened};
 use crate::html::sweep::number::{number, signed_percent};
-use crate::html::sweep::view::SweepView;
+use crate::html::sweep::view::{SweepView, VALUES_MAX};
 use crate::html::text::escape;
 use crate::table::Field;
 
@@ -20,9 +20,6 @@ const ROW: f64 = 20.0;
 
 /// Breadth of the strip for what is infinite.
 const STRIP: f64 = 34.0;
-
-/// Most values of an axis that a map has room for, as on the page.
-const VALUES_MAX: usize = 64;
 
 /// Most values in a legend.
 const KEYS_MAX: usize = 24;
@@ -36,7 +33,7 @@ pub fn keep(view: &SweepView<'_>) {
             view.charts.keep(&["heat"], &title, &chart);
         }
     }
-    for field in &view.headlines {
+    for field in &view.moved() {
         let effects = view.effects(field);
         if !effects.is_empty() {
             let title = format!("What moves {}", field.name);
@@ -52,7 +49,7 @@ fn named(field: &Field) -> String {
 /// Points of two results, and of each group those that no other beats in both.
 fn pareto(view: &SweepView<'_>, fields: [&Field; 2]) -> Chart {
     let value = |row: usize| {
-        let [x, y] = fields.map(|field| number_of(view, field, row));
+        let [x, y] = fields.map(|field| view.result(field, row));
         Some([x?, y?]).filter(|_| view.error(row).is_none())
     };
     let points: Vec<Option<[f64; 2]>> = (0..view.results.rows()).map(value).collect();
@@ -118,12 +115,6 @@ fn pareto(view: &SweepView<'_>, fields: [&Field; 2]) -> Chart {
     Chart { svg: svg.finish("Points of two results; lines join those that no other beats", ""), data, keys }
 }
 
-/// The value of a result; the PSNR of an identical picture is infinite.
-fn number_of(view: &SweepView<'_>, field: &Field, row: usize) -> Option<f64> {
-    let identical = view.results.field("identical").and_then(|field| field.cells.number(row)) == Some(1.0);
-    field.cells.number(row).or_else(|| (identical && field.name == "psnr_db").then_some(f64::INFINITY))
-}
-
 /// The rows of a group that no other of it beats, along the first result.
 fn best(points: &[Option<[f64; 2]>], rows: &[usize], goals: [crate::analysis::goals::Goal; 2]) -> Vec<usize> {
     let here: Vec<Option<[f64; 2]>> = rows.iter().map(|row| points[*row]).collect();
@@ -135,19 +126,7 @@ fn best(points: &[Option<[f64; 2]>], rows: &[usize], goals: [crate::analysis::go
 
 /// The mean of a result over the two axes that move it most.
 fn heat(view: &SweepView<'_>, field: &Field) -> Option<(String, Chart)> {
-    let strongest = view.strongest();
-    let others = view.dimensions.iter().map(|dimension| dimension.name.as_str());
-    let mut names: Vec<&str> = Vec::new();
-    for name in strongest.into_iter().chain(others) {
-        if !names.contains(&name) {
-            names.push(name);
-        }
-    }
-    let dimension = |name: &&str| view.dimensions.iter().find(|dimension| dimension.name == **name);
-    let (down, across) = (names.first().and_then(dimension)?, names.get(1).and_then(dimension)?);
-    if down.values.len().max(across.values.len()) > VALUES_MAX {
-        return None;
-    }
+    let [down, across] = view.heat_axes()?;
     let mut sums = vec![vec![(0.0, 0_u32); across.values.len()]; down.values.len()];
     for row in 0..view.results.rows() {
         let (Some(a), Some(b), Some(value)) = (down.of[row], across.of[row], field.cells.number(row)) else { continue };
@@ -156,35 +135,55 @@ fn heat(view: &SweepView<'_>, field: &Field) -> Option<(String, Chart)> {
             sums[a][b].1 += 1;
         }
     }
-    let mean = |(sum, count): &(f64, u32)| (*count > 0).then(|| sum / f64::from(*count));
-    let means: Vec<Vec<Option<f64>>> = sums.iter().map(|row| row.iter().map(mean).collect()).collect();
+    // Values that no point has with the result are left out, as on the page.
+    let has = |a: usize, b: usize| sums[a][b].1 > 0;
+    let [all_down, all_across] = [down, across].map(|axis| 0..axis.values.len());
+    let rows: Vec<usize> = all_down.clone().filter(|a| all_across.clone().any(|b| has(*a, b))).collect();
+    let columns: Vec<usize> = all_across.filter(|b| all_down.clone().any(|a| has(a, *b))).collect();
+    if rows.is_empty() || rows.len().max(columns.len()) > VALUES_MAX {
+        return None;
+    }
+    let cells: Vec<Vec<(f64, u32)>> = rows.iter().map(|a| columns.iter().map(|b| sums[*a][*b]).collect()).collect();
+    let names = |axis: &Dimension, kept: &[usize]| kept.iter().map(|value| axis.values[*value].clone()).collect();
     let title = format!("{} by {} and {}", named(field), down.name, across.name);
-    Some((title, map(field, [down, across], &means)))
+    let sides = [
+        Side { name: &down.name, values: names(down, &rows) },
+        Side { name: &across.name, values: names(across, &columns) },
+    ];
+    Some((title, map(field, &sides, &cells)))
 }
 
-fn map(field: &Field, [down, across]: [&Dimension; 2], means: &[Vec<Option<f64>>]) -> Chart {
-    let ends = extent(means.iter().flatten().flatten().copied()).unwrap_or([0.0, 1.0]);
+/// A side of a map: an axis with those of its values that stand there.
+struct Side<'a> {
+    name: &'a str,
+    values: Vec<String>,
+}
+
+fn map(field: &Field, [down, across]: &[Side<'_>; 2], cells: &[Vec<(f64, u32)>]) -> Chart {
+    let mean = |(sum, count): &(f64, u32)| (*count > 0).then(|| sum / f64::from(*count));
+    let ends = extent(cells.iter().flatten().filter_map(mean)).unwrap_or([0.0, 1.0]);
     let (left, top) = (96.0, 40.0);
     let width = (WIDTH - left) / across.values.len().max(1) as f64;
-    let mut svg = Svg::new(WIDTH, top + ROW * means.len() as f64 + 4.0);
+    let mut svg = Svg::new(WIDTH, top + ROW * cells.len() as f64 + 4.0);
     svg.text(0.0, 11.0, "note s", &format!("{} down, {} across", down.name, across.name));
     for (i, value) in across.values.iter().enumerate() {
         let room = ((width / 6.2) as usize).max(1);
         svg.text(left + width * (i as f64 + 0.5), top - 8.0, "tick m", &shortened(value, room));
     }
-    let mut data = Data::new(&[&down.name, &across.name, &field.name]);
-    for (i, (value, row)) in down.values.iter().zip(means).enumerate() {
+    let mut data = Data::new(&[down.name, across.name, &field.name, "points"]);
+    for (i, (value, row)) in down.values.iter().zip(cells).enumerate() {
         let y = top + ROW * i as f64;
         svg.text(left - 6.0, y + 14.0, "tick e", &shortened(value, 14));
-        for (j, mean) in row.iter().enumerate() {
-            data.row(vec![value.clone(), across.values[j].clone(), cell(*mean)]);
+        for (j, sum) in row.iter().enumerate() {
+            let mean = mean(sum);
+            data.row(vec![value.clone(), across.values[j].clone(), cell(mean), sum.1.to_string()]);
             let Some(mean) = mean else { continue };
             let share = if ends[1] > ends[0] { (mean - ends[0]) / (ends[1] - ends[0]) } else { 0.0 };
             let x = left + width * j as f64;
-            let tip = format!("{} {value}, {} {}\n{}", down.name, across.name, across.values[j], number(*mean));
+            let tip = format!("{} {value}, {} {}\n{}", down.name, across.name, across.values[j], number(mean));
             svg.mark([x, y, width - 1.0, ROW - 1.0], "b2", 0.08 + 0.72 * share, &tip);
             if width >= 34.0 {
-                svg.text(x + width / 2.0, y + 14.0, "value m", &number(*mean));
+                svg.text(x + width / 2.0, y + 14.0, "value m", &number(mean));
             }
         }
     }
@@ -211,7 +210,8 @@ fn ranges(field: &Field, effects: &[(&Dimension, Effect)]) -> Chart {
         svg.mark([a, y + 3.0, (b - a).max(1.0), ROW - 7.0], "b2", 1.0, &tip);
         svg.text(right + 6.0, y + 13.0, "value s", &signed_percent(effect.share()).replace('+', ""));
         for (value, mean) in dimension.values.iter().zip(&effect.means) {
-            data.row(vec![dimension.name.clone(), value.clone(), cell(*mean)]);
+            let Some(mean) = mean else { continue };
+            data.row(vec![dimension.name.clone(), value.clone(), cell(Some(*mean))]);
         }
     }
     svg.line([x.at(0.0), top], [x.at(0.0), bottom], "axis");

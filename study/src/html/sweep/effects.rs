@@ -10,10 +10,11 @@ use crate::table::Field;
 
 /// The section.
 pub fn section(view: &SweepView<'_>) -> Option<Section> {
-    if view.dimensions.is_empty() || view.headlines.is_empty() {
+    let moved = view.moved();
+    if view.dimensions.is_empty() || moved.is_empty() {
         return None;
     }
-    let cards: String = view.headlines.iter().map(|field| card(view, field)).collect();
+    let cards: String = moved.iter().map(|field| card(view, field)).collect();
     let read = "For each value of an axis the result is averaged over all points that have it. A bar reaches from the least to the \
                 most of these means, as far as they lie from the mean of all: its length is the main effect. Axes whose values some \
                 points lack are averaged over those that have one. Effects that axes have only together do not show here; the heat \
@@ -22,7 +23,7 @@ pub fn section(view: &SweepView<'_>) -> Option<Section> {
                     <output id=\"effects-of\"></output></div>\n";
     let html = format!(
         "{controls}<div id=\"effects-cards\" class=\"grid two\">\n{cards}</div>\n<div id=\"effects-table\">{}</div>\n{}",
-        all(view),
+        all(view, &moved),
         how_to_read(read)
     );
     Section::new("effects", "Sensitivity", html)
@@ -89,12 +90,12 @@ fn tip(field: &Field, dimension: &Dimension, effect: &Effect) -> String {
 }
 
 /// Every axis against every result.
-fn all(view: &SweepView<'_>) -> String {
+fn all(view: &SweepView<'_>, results: &[&Field]) -> String {
     let columns: Vec<Head> =
-        [Head::words("Axis")].into_iter().chain(view.headlines.iter().map(|field| Head::number(&field.name))).collect();
+        [Head::words("Axis")].into_iter().chain(results.iter().map(|field| Head::number(&field.name))).collect();
     let row = |dimension: &Dimension| {
         let share = |field: &&Field| or_dash(Effect::new(dimension, &field.cells), |effect| percent(effect.share()));
-        let cells = [escape(&dimension.name)].into_iter().chain(view.headlines.iter().map(share)).collect();
+        let cells = [escape(&dimension.name)].into_iter().chain(results.iter().map(share)).collect();
         (String::new(), cells)
     };
     let rows: Vec<_> = view.dimensions.iter().map(row).collect();

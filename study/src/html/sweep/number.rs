@@ -10,6 +10,7 @@ const GAP: char = '\u{202f}';
 /// A number to four digits or so; whole ones in full as long as they can be read.
 pub fn number(value: f64) -> String {
     match value.abs() {
+        f64::INFINITY => if value > 0.0 { "∞" } else { "\u{2212}∞" }.into(),
         v if v >= 1e10 => format!("{value:.3e}"),
         v if v.fract() == 0.0 => fixed(value, 0),
         v if v >= 100.0 => fixed(value, 1),
@@ -59,6 +60,7 @@ mod tests {
             (0.024_848, "0.02485"),
             (0.000_012, "1.200e-5"),
             (0.0, "0"),
+            (f64::INFINITY, "∞"),
         ];
         for (value, text) in cases {
             assert_eq!(number(value), text);

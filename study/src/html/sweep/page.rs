@@ -3,7 +3,7 @@
 use crate::html::shell::Shell;
 use crate::html::sweep::view::SweepView;
 use crate::html::sweep::{best, columns, data, effects, explore, order, summary};
-use crate::html::text::{count, escape};
+use crate::html::text::{count, counted, escape};
 use crate::table::Results;
 
 const STYLE: &str = include_str!("sweep.css");
@@ -57,9 +57,8 @@ fn head(view: &SweepView<'_>) -> String {
     let (rows, failed) = (view.results.rows(), view.failed());
     let mut facts = vec![format!("plan {}", heading.plan)];
     facts.push(match rows {
-        1 if heading.points == 1 => "1 point".into(),
-        rows if rows == heading.points => format!("{} points", count(rows as u64)),
-        rows => format!("{} of {} points", count(rows as u64), count(heading.points as u64)),
+        rows if rows == heading.points => counted(rows, "point"),
+        rows => format!("{} of {}", count(rows as u64), counted(heading.points, "point")),
     });
     facts.push(if failed == 0 { "none failed".into() } else { format!("{} failed", count(failed as u64)) });
     facts.push(format!("model version {}", heading.model_version));

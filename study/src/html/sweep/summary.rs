@@ -3,9 +3,8 @@
 use crate::analysis::best::best;
 use crate::analysis::goals::{Goal, goal};
 use crate::html::parts::{Head, Section, how_to_read, table};
-use crate::html::sweep::number::value;
 use crate::html::sweep::view::SweepView;
-use crate::html::text::{escape, or_dash, plus_minus};
+use crate::html::text::{counted, escape, or_dash, plus_minus};
 use crate::point::known::interval_of;
 use crate::table::Field;
 
@@ -17,17 +16,28 @@ pub fn section(view: &SweepView<'_>) -> Option<Section> {
     let tiles: String = view.headlines.iter().filter_map(|field| tile(view, field)).collect();
     let tiles = if tiles.is_empty() { tiles } else { format!("<dl class=\"numbers\">\n{tiles}</dl>\n") };
     let html = tiles + &estimates(view) + &axes(view) + &failures(view);
-    let html = if html.is_empty() { "<p>There are no points.</p>\n".into() } else { html };
+    let html = match view.results.rows() {
+        0 => "<p>There are no points.</p>\n".into(),
+        _ if html.is_empty() => "<p>Nothing is known of the points but what they are.</p>\n".into(),
+        _ => html,
+    };
     Section::new("summary", "Summary", format!("<div id=\"summary-of\">\n{html}</div>\n"))
 }
 
 /// The best value of a result on each trace. Values of different traces are not compared: one scene is easier than another.
 fn tile(view: &SweepView<'_>, field: &Field) -> Option<String> {
     let goal = goal(&field.name);
-    let first = |(name, rows): (String, Vec<usize>)| Some((name, *best(&field.cells, &rows, goal, 1).first()?));
+    let first = |(name, rows): (String, Vec<usize>)| {
+        Some((name, *best(|row| view.result(field, row), &rows, goal, 1).first()?))
+    };
     let found: Vec<(String, usize)> = view.groups().into_iter().filter_map(first).collect();
     found.first()?;
-    let word = if goal == Goal::Min { "least" } else { "most" };
+    let word = match goal {
+        // One point alone is neither.
+        _ if view.results.rows() == 1 => "",
+        Goal::Min => "least ",
+        Goal::Max => "most ",
+    };
     let unit = if matches!(field.unit.as_str(), "" | "1") {
         String::new()
     } else {
@@ -38,7 +48,7 @@ fn tile(view: &SweepView<'_>, field: &Field) -> Option<String> {
         let within = within(view, field, *row);
         format!(
             "<b>{}{unit}{within}</b><span>{name}{}</span>",
-            value(field, *row),
+            view.shown(field, *row),
             escape(&view.describe(*row, view.each))
         )
     };
@@ -50,7 +60,7 @@ fn tile(view: &SweepView<'_>, field: &Field) -> Option<String> {
     };
     let class = if found.len() > 1 { " several" } else { "" };
     Some(format!(
-        "<div class=\"tile-number{class}\"><dt>{word} {}</dt><dd>{shown}{more}</dd></div>\n",
+        "<div class=\"tile-number{class}\"><dt>{word}{}</dt><dd>{shown}{more}</dd></div>\n",
         escape(&field.name),
     ))
 }
@@ -70,10 +80,13 @@ fn estimates(view: &SweepView<'_>) -> String {
         return String::new();
     }
     let (rows, of) = (view.results.rows(), if estimated == 1 { "is an estimate" } else { "are estimates" });
-    how_to_read(&format!(
-        "{estimated} of {rows} points {of}: a part of the tiles was simulated cycle by cycle (detail_fraction), and times, energies and \
-         what follows from them reach as far as what stands behind ±, with a probability of 95 %. Rays, samples and pictures are exact."
-    ))
+    // The script counts again for the points that are shown.
+    format!(
+        "<p class=\"read\" id=\"estimates\"><span>{estimated} of {} {of}</span>: a part of the tiles was simulated cycle by cycle \
+         (detail_fraction), and times, energies and what follows from them reach as far as what stands behind ±, with a probability \
+         of 95 %. Rays, samples and pictures are exact.</p>\n",
+        counted(rows, "point")
+    )
 }
 
 /// What varies.
@@ -109,7 +122,11 @@ fn failures(view: &SweepView<'_>) -> String {
     };
     let some: Vec<_> = failed.iter().take(50).map(row).collect();
     let more = if failed.len() > some.len() { format!(" The first {} are shown.", some.len()) } else { String::new() };
-    let read = format!("{} points could not be computed; they stand in no chart.{more}", failed.len());
+    let read = format!(
+        "{} could not be computed; {} in no chart.{more}",
+        counted(failed.len(), "point"),
+        if failed.len() == 1 { "it stands" } else { "they stand" }
+    );
     table("Points that failed", &columns, &some) + &how_to_read(&read)
 }
 
@@ -118,6 +135,6 @@ pub fn cells(view: &SweepView<'_>, row: usize, results: &[&Field]) -> Vec<String
     let dimensions = view.dimensions.iter().enumerate().filter(|(index, _)| Some(*index) != view.each);
     let dimensions =
         dimensions.map(|(_, dimension)| or_dash(dimension.of[row], |value| escape(&dimension.values[value])));
-    let result = |field: &&Field| escape(&value(field, row)) + &within(view, field, row);
+    let result = |field: &&Field| escape(&view.shown(field, row)) + &within(view, field, row);
     dimensions.chain(results.iter().map(result)).collect()
 }

@@ -1,4 +1,5 @@
 use super::*;
+use crate::analysis::goals::Goal;
 use crate::analysis::tables::{axis, field, figure, table, words};
 use crate::table::{Cells, Role};
 
@@ -34,6 +35,10 @@ fn odd_tables_make_a_page_too() {
         assert!(page::page(&of(rows)).ends_with("</html>\n"), "{rows} rows");
     }
     assert!(page::page(&table(Vec::new())).contains("There are no points"));
+    // One point has figures, and is neither the least nor the most of anything.
+    let one = page::page(&of(1));
+    assert!(!one.contains("There are no points") && one.contains("<dt>time_ms</dt><dd><b>1.500"), "{one}");
+    assert!(one.contains("<li>1 point</li>") && !one.contains("id=\"effects\""), "it moves nothing");
     let failed = table(vec![
         words("status", Role::Status, &["failed", "failed"]),
         words("error", Role::Status, &["<too> small", "too small"]),
@@ -41,6 +46,69 @@ fn odd_tables_make_a_page_too() {
     ]);
     let html = page::page(&failed);
     assert!(html.contains("&lt;too&gt; small") && html.contains("2 failed"));
+    assert!(html.contains("2 points could not be computed; they stand in no chart."));
+    // What a chosen point is stands in no section that may be hidden.
+    let before = html.split("id=\"chosen\"").next().unwrap();
+    assert!(before.rsplit("<section id=\"").next().unwrap().starts_with("points\""));
+}
+
+/// The PSNR of an identical picture has no number and is more than any.
+#[test]
+fn an_identical_picture_has_the_most_psnr() {
+    let results = table(vec![
+        words("policy", Role::Point, &["full", "a", "b"]),
+        figure("psnr_db", &[f64::NAN, 40.0, 30.0]),
+        field("identical", Role::Figure, Cells::Flag([true, false, false].map(Some).into())),
+        figure("perf_per_watt", &[1.0, 2.0, 3.0]),
+    ]);
+    let html = page::page(&results);
+    assert!(html.contains("<dt>most psnr_db</dt><dd><b>∞</b><span>policy full</span>"), "{html}");
+    let view = view::SweepView::new(&results);
+    let psnr = results.field("psnr_db").unwrap();
+    assert_eq!(crate::analysis::best::best(|row| view.result(psnr, row), &[0, 1, 2], Goal::Max, 2), [0, 1]);
+    assert_eq!((view.shown(psnr, 0), view.shown(psnr, 1)), ("∞".into(), "40".into()));
+}
+
+/// An axis of very many values, however strong, is not the first that a map shows.
+#[test]
+fn heat_maps_take_axes_that_they_have_room_for() {
+    let rows = 130_u32;
+    let column = |name: &str, of: fn(u32) -> i64| axis(name, Cells::Int((0..rows).map(|i| Some(of(i))).collect()));
+    let time = figure("time_ms", &(0..rows).map(|i| f64::from(i * i + i % 3)).collect::<Vec<_>>());
+    let energy = figure("energy_mj", &(0..rows).map(|i| f64::from(i)).collect::<Vec<_>>());
+    let results = table(vec![
+        column("many", |i| i64::from(i / 2)),
+        column("two", |i| i64::from(i % 2)),
+        column("three", |i| i64::from(i % 3)),
+        time,
+        energy,
+    ]);
+    let view = view::SweepView::new(&results);
+    assert_eq!(view.strongest()[0], "many");
+    let mut axes = view.heat_axes().unwrap().map(|axis| axis.name.as_str());
+    axes.sort_unstable();
+    assert_eq!(axes, ["three", "two"]);
+    drawn::keep(&view);
+    assert!(view.charts.into_saved().iter().any(|chart| chart.name == "heat"));
+}
+
+/// As the button of the page gives it: how many points stand in a cell, and no values that none has.
+#[test]
+fn files_of_charts_have_what_the_page_gives() {
+    let results = table(vec![
+        axis("l1", Cells::Int([1, 1, 2, 2, 3].map(Some).into())),
+        words("miss", Role::Axis, &["=a", "b", "=a", "b", "b"]),
+        words("status", Role::Status, &["done", "done", "done", "done", "failed"]),
+        figure("time_ms", &[1.0, 2.0, 3.0, 5.0, f64::NAN]),
+        figure("energy_mj", &[1.0, 2.0, 3.0, 5.0, f64::NAN]),
+    ]);
+    let view = view::SweepView::new(&results);
+    drawn::keep(&view);
+    let saved = view.charts.into_saved();
+    let csv = |name: &str| saved.iter().find(|chart| chart.name == name).map(|chart| chart.csv.as_str()).unwrap();
+    assert_eq!(csv("heat"), "l1,miss,energy_mj,points\r\n1,'=a,1,1\r\n1,b,2,1\r\n2,'=a,3,1\r\n2,b,5,1\r\n");
+    let effects = "axis,value,time_ms\r\nl1,1,1.5\r\nl1,2,4\r\nmiss,'=a,2\r\nmiss,b,3.5\r\n";
+    assert_eq!(csv("effects-time_ms"), effects);
 }
 
 /// Ten thousand points of two hundred columns must still open on a phone.

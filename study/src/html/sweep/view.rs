@@ -5,9 +5,16 @@ use std::collections::BTreeMap;
 use crate::analysis::configs::{Config, Configs, Half};
 use crate::analysis::dims::{Dimension, dimensions, label};
 use crate::analysis::effects::Effect;
-use crate::analysis::goals::{first_pair, headlines, varies_within};
+use crate::analysis::goals::{first_pair, headlines, varies, varies_within};
 use crate::html::charts::gallery::Gallery;
+use crate::html::sweep::number::{number, value};
 use crate::table::{Field, Results};
+
+/// Results that are infinite where two pictures are identical: their columns have no number there.
+pub const INFINITE: [&str; 3] = ["psnr_db", "worst_frame_psnr_db", "worst_tile_psnr_db"];
+
+/// Most values of an axis that a heat map has room for.
+pub const VALUES_MAX: usize = 64;
 
 /// Results with what several sections look up in them.
 pub struct SweepView<'a> {
@@ -79,6 +86,25 @@ impl<'a> SweepView<'a> {
         text("error").or_else(|| failed.then(|| "failed".into()))
     }
 
+    /// The value of a result in a row; infinite where it is of an identical picture.
+    pub fn result(&self, field: &Field, row: usize) -> Option<f64> {
+        let identical = || {
+            self.results.field("identical").and_then(|field| field.cells.number(row)).is_some_and(|flag| flag == 1.0)
+        };
+        let infinite = || (INFINITE.contains(&field.name.as_str()) && identical()).then_some(f64::INFINITY);
+        field.cells.number(row).or_else(infinite)
+    }
+
+    /// The same for people, without its unit.
+    pub fn shown(&self, field: &Field, row: usize) -> String {
+        self.result(field, row).filter(|value| value.is_infinite()).map_or_else(|| value(field, row), number)
+    }
+
+    /// The results to show first that vary.
+    pub fn moved(&self) -> Vec<&'a Field> {
+        self.headlines.iter().copied().filter(|field| varies(&field.cells)).collect()
+    }
+
     /// The dimensions by their influence on a result, the strongest first.
     pub fn effects(&self, result: &Field) -> Vec<(&Dimension, Effect)> {
         let effects =
@@ -93,6 +119,18 @@ impl<'a> SweepView<'a> {
         let result = self.pair.and_then(|[_, y]| self.results.field(y));
         let ordered = result.map(|result| self.effects(result)).unwrap_or_default();
         ordered.into_iter().map(|(dimension, _)| dimension.name.as_str()).filter(|name| *name != "trace").collect()
+    }
+
+    /// The axes of the first heat map, down and across: those that move the result most, and none with more values than there is room
+    /// for as long as there are others.
+    pub fn heat_axes(&self) -> Option<[&Dimension; 2]> {
+        let named = |name: &str| self.dimensions.iter().find(|dimension| dimension.name == name);
+        let mut axes: Vec<&Dimension> = self.strongest().into_iter().filter_map(named).collect();
+        let others = self.dimensions.iter().filter(|other| !axes.iter().any(|axis| axis.name == other.name));
+        axes.extend(others.collect::<Vec<_>>());
+        // The order of those on one side stays.
+        axes.sort_by_key(|axis| axis.values.len() > VALUES_MAX);
+        Some([axes.first()?, axes.get(1)?])
     }
 
     /// The dimension that tells points of the first chart apart best: policy, machine, or the axis with the most influence.

@@ -28,9 +28,9 @@ const sweep = (() => {
 
   // The picture that equals that of full has no PSNR, which is more than any.
   const identical = byName.get("identical");
-  for (const name of ["psnr_db", "worst_tile_psnr_db"]) {
+  for (const name of raw.infinite) {
     const column = byName.get(name);
-    if (!column?.varies || !identical) continue;
+    if (!column || !identical) continue;
     const values = column.values.map((value, row) => (value === null && identical.values[row] ? Infinity : value));
     Object.defineProperty(column, "values", { value: values });
   }

@@ -42,7 +42,7 @@
     const mean = list.length > 0 ? `mean ${text.number(list[0].overall)} ${result.unit}`.trim() : "";
     const figure = html("figure", { class: "card", "data-result": result.name, "data-chart": `effects-${result.name}` }, html("figcaption", {}, html("strong", {}, result.name), " ", html("small", {}, mean), html("p", {}, result.text)),
       list.length > 0 ? html("ul", { class: "bars" }, ...list.map(bar)) : html("p", {}, "These points differ in no axis."));
-    if (list.length > 0) window.rayreel.offer(figure, () => [["axis", "value", result.name], ...list.flatMap((own) => own.means.map(({ value, mean }) => [own.dimension.name, value, mean]))]);
+    if (list.length > 0) window.rayreel.offer(figure, () => [["axis", "value", result.name], ...list.flatMap((own) => own.means.map(({ value, mean }) => [own.dimension.name, text.cell(own.dimension, value), mean]))]);
     return figure;
   };
 
@@ -54,7 +54,7 @@
     const other = sweep.column(select.value);
     const shown = other && !headlines.includes(other) ? [other, ...headlines] : headlines;
     $("effects-cards").replaceChildren(...shown.map(card));
-    $("effects-of").textContent = sweep.filter.rows.length < sweep.done.length ? `of ${sweep.filter.rows.length} points` : "";
+    $("effects-of").textContent = sweep.filter.rows.length < sweep.done.length ? `of ${text.counted(sweep.filter.rows.length, "point")}` : "";
     const columns = [{ name: "Axis" }, ...shown.map((own) => ({ name: own.name, number: true, title: own.text }))];
     const rows = sweep.dimensions.map((own) => ({ cells: [own.name, ...shown.map((result) => { const found = effect(own, result); return found ? text.percent(found.size) : "–"; })] }));
     $("effects-table").replaceChildren(table("Main effects, % of the mean", columns, rows));

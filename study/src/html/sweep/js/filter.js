@@ -34,6 +34,7 @@ sweep.filter = (() => {
     return sweep.language.isWords(text, known) ? words(text) : expression(text);
   };
 
+  const all = sweep.text.counted(sweep.all.length, "point");
   const listeners = [];
   const own = {
     /** Points that could be computed, and all of them, as far as they are shown. */
@@ -52,11 +53,11 @@ sweep.filter = (() => {
       own.withFailed = shown;
       own.rows = shown.filter((row) => done.has(row));
       own.isAll = text === "";
-      $("filter-found").textContent = text ? `${shown.length} of ${sweep.all.length} points` : "";
+      $("filter-found").textContent = text ? `${shown.length} of ${all}` : "";
       $("filter").removeAttribute("aria-invalid");
     } catch (error) {
       // The last good choice stays while somebody types.
-      $("filter-found").textContent = `${error.message}. Still shown: ${own.withFailed.length} of ${sweep.all.length} points`;
+      $("filter-found").textContent = `${error.message}. Still shown: ${own.withFailed.length} of ${all}`;
       $("filter").setAttribute("aria-invalid", "true");
       return;
     }

@@ -3,14 +3,12 @@
 (() => {
   const { $, hide, html, results, dimensions, choices, on } = sweep.dom;
   const text = sweep.text;
-  if (sweep.dimensions.length < 2 || sweep.results.length === 0) { hide("heat"); return; }
+  if (!sweep.raw.heat || !sweep.raw.pair) { hide("heat"); return; }
 
-  // First the axes that move the result most.
   const first = sweep.raw.pair[1];
   results($("heat-result"), first);
-  const two = [...new Set([...sweep.raw.strongest, ...sweep.raw.dimensions])];
-  dimensions($("heat-row"), two[0]);
-  dimensions($("heat-column"), two[1]);
+  dimensions($("heat-row"), sweep.raw.heat[0]);
+  dimensions($("heat-column"), sweep.raw.heat[1]);
 
   // One select for each axis that is on neither side.
   const fixed = new Map(sweep.dimensions.map((own) => {
@@ -23,7 +21,7 @@
   }));
   $("heat-fixed").append(...[...fixed.values()].map((own) => own.label));
 
-  const MOST = 64;
+  const MOST = sweep.raw.most_heat;
   let rowsOf = () => [];
   const draw = () => {
     rowsOf = () => [];
@@ -43,7 +41,7 @@
       const [a, b] = [down.values[row], across.values[row]];
       if (a === null || b === null) continue;
       const key = JSON.stringify([a, b]);
-      const cell = cells.get(key) ?? { sum: 0, count: 0, min: Infinity, max: -Infinity };
+      const cell = cells.get(key) ?? { sum: 0, count: 0, min: Infinity, max: -Infinity, row };
       cell.sum += value;
       cell.count += 1;
       cell.min = Math.min(cell.min, value);
@@ -74,19 +72,21 @@
     }
     rowsOf = () => [[down.name, across.name, result.name, "points"], ...rows.flatMap((a) => columns.map((b) => {
       const cell = cells.get(JSON.stringify([a, b]));
-      return [a, b, cell ? valueOf(cell) : null, cell?.count ?? 0];
+      return [text.cell(down, a), text.cell(across, b), cell ? valueOf(cell) : null, cell?.count ?? 0];
     }))];
     // Values stand in the cells as long as there is room for them.
     const values = columns.length <= 24;
-    const head = html("tr", {}, html("th", { scope: "col" }, html("span", { class: "corner" }, `${down.name} ↓ ${across.name} →`)), ...columns.map((own) => html("th", { scope: "col" }, text.value(across, own))));
-    const body = rows.map((a) => html("tr", {}, html("th", { scope: "row" }, text.value(down, a)), ...columns.map((b) => {
+    const head = html("tr", {}, html("th", { scope: "col" }, html("span", { class: "corner" }, `${down.name} ↓ ${across.name} →`)), ...columns.map((own) => html("th", { scope: "col", title: text.value(across, own) }, text.value(across, own))));
+    const body = rows.map((a) => html("tr", {}, html("th", { scope: "row", title: text.value(down, a) }, text.value(down, a)), ...columns.map((b) => {
       const cell = cells.get(JSON.stringify([a, b]));
       if (!cell) return html("td", { class: "none" }, "–");
       const value = valueOf(cell);
       const t = share(value);
-      const tip = [`${down.name} ${text.value(down, a)}, ${across.name} ${text.value(across, b)}`, `${result.name} ${text.withUnit(result, value)}`,
+      // Of one point its interval is known; of several nobody has said how theirs go together.
+      const within = cell.count === 1 ? text.within(result, cell.row) : "";
+      const tip = [`${down.name} ${text.value(down, a)}, ${across.name} ${text.value(across, b)}`, `${result.name} ${text.withUnit(result, value)}${within}`,
         ...(cell.count > 1 ? [`${cell.count} points from ${text.number(cell.min)} to ${text.number(cell.max)}`] : [])].join("\n");
-      return html("td", { class: t > 0.6 ? "heat hot" : t > 0.5 ? "heat warm" : "heat", style: `--t:${(t * 100).toFixed(1)}%`, "data-mark": "", "data-tip": tip, "data-value": value }, values ? text.number(value) : html("span", { class: "unseen" }, text.number(value)));
+      return html("td", { class: t > 0.6 ? "heat hot" : t > 0.5 ? "heat warm" : "heat", style: `--t:${(t * 100).toFixed(1)}%`, "data-mark": "", "data-tip": tip, "data-value": value }, values ? [text.number(value), within ? html("small", {}, within) : null] : html("span", { class: "unseen" }, text.number(value)));
     })));
     box.replaceChildren(html("div", { class: "scroll", tabindex: "0", role: "region", "aria-label": `${result.name} by ${down.name} and ${across.name}` },
       html("table", { class: "heat-table" }, html("thead", {}, head), html("tbody", {}, ...body))));

@@ -6,6 +6,8 @@
   const { showTip, hideTip } = window.rayreel;
   const [firstX, firstY] = sweep.raw.pair ?? [];
   if (!firstX) { hide("pareto"); return; }
+  // The point that is chosen here stands below this chart; where there is none, above the table of all.
+  $("pareto-how").after($("chosen"));
 
   results($("pareto-x"), firstX);
   results($("pareto-y"), firstY);
@@ -54,6 +56,16 @@
     return { of: (row) => index.get(dimension.values[row]), list };
   };
   const styled = (look) => (look.class === "ramp" ? { class: "ramp", style: `--t:${(look.share * 100).toFixed(1)}%` } : { class: look.class });
+
+  // As wide as `.chart .name` draws it.
+  const pen = document.createElement("canvas").getContext("2d");
+  const fitting = (name, room) => {
+    pen.font = `600 11px ${getComputedStyle(document.body).fontFamily}`;
+    const fits = (own) => pen.measureText(own).width <= room;
+    const letters = [...name];
+    while (letters.length > 1 && !fits(letters.length < [...name].length ? `${letters.join("")}…` : name)) letters.pop();
+    return letters.length < [...name].length ? `${letters.join("")}…` : name;
+  };
 
   let places = [];
   let walk = [];
@@ -120,14 +132,16 @@
     if (fronts.length > 1 && fronts.length < 9) {
       for (const group of fronts) {
         const [px, py] = place(group.front[Math.floor(group.front.length / 2)]);
-        const right = px > width * 0.6;
-        parts.push(svg("text", { x: px + (right ? -9 : 9), y: Math.max(py - 8, 24), class: `name ${right ? "e" : "s"} halo` }, group.name));
+        // At the side with more room, and no longer than that.
+        const rooms = { e: px - 9 - plot.left, s: width - 4 - px - 9 };
+        const side = rooms.e > rooms.s ? "e" : "s";
+        parts.push(svg("text", { x: px + (side === "e" ? -9 : 9), y: Math.max(py - 8, 24), class: `name ${side} halo` }, fitting(group.name, rooms[side])));
       }
     }
     const ring = svg("circle", { r: 8, class: "ring", visibility: "hidden", id: "pareto-ring" });
     const mark = svg("circle", { r: 8, class: "ring chosen-ring", visibility: "hidden", id: "pareto-chosen" });
     parts.push(ring, mark);
-    const label = `${text.named(y)} against ${text.named(x)}: ${rows.length} points, ${on.size} on the front`;
+    const label = `${text.named(y)} against ${text.named(x)}: ${text.counted(rows.length, "point")}, ${on.size} on the front`;
     box.replaceChildren(svg("svg", { class: "chart wide", viewBox: `0 0 ${width} ${height}`, role: "img", "aria-label": label, tabindex: "0" }, ...parts));
     walk = fronts.flatMap((group) => group.front);
     at = -1;
@@ -140,7 +154,7 @@
     $("pareto-legend").replaceChildren(...(colour ? [html("ul", { class: "legend" }, html("li", {}, html("b", {}, colour.name)), ...entries)] : []));
     $("pareto-count").textContent = on.size === 1 ? "1 point on the front" : `${on.size} points on the front`;
     const columns = [{ name: "Point", number: true }, { name: x.name, number: true, title: x.text }, { name: y.name, number: true, title: y.text }, ...sweep.dimensions.map((own) => ({ name: own.name, title: own.text }))];
-    const lines = walk.slice(0, 200).map((row) => ({ cells: [sweep.point.button(row), text.value(x, x.values[row]), text.value(y, y.values[row]), ...sweep.dimensions.map((own) => text.value(own, own.values[row]))] }));
+    const lines = walk.slice(0, 200).map((row) => ({ cells: [sweep.point.button(row), text.at(x, row), text.at(y, row), ...sweep.dimensions.map((own) => text.value(own, own.values[row]))] }));
     $("pareto-table").replaceChildren(table(walk.length > 200 ? "The first 200 points on the front" : "Points on the front", columns, lines));
   };
 
@@ -154,7 +168,7 @@
   };
   const about = (row) => {
     const [x, y] = [sweep.column($("pareto-x").value), sweep.column($("pareto-y").value)];
-    const lines = [x, y].map((own) => `${own.name} ${text.withUnit(own, own.values[row])}`);
+    const lines = [x, y].map((own) => `${own.name} ${text.atWithUnit(own, row)}`);
     return [`Point ${sweep.number(row)}`, ...lines, ...sweep.dimensions.filter((own) => own.values[row] !== null).map((own) => `${own.name} ${text.value(own, own.values[row])}`)].join("\n");
   };
   const chart = () => $("pareto-chart").firstElementChild;
@@ -199,7 +213,7 @@
     const [x, y] = [sweep.column($("pareto-x").value), sweep.column($("pareto-y").value)];
     const on = new Set(walk);
     return [["point", ...sweep.dimensions.map((own) => own.name), x.name, y.name, "front"],
-      ...places.map(({ row }) => [sweep.number(row), ...sweep.dimensions.map((own) => own.values[row]), x.values[row], y.values[row], on.has(row)])];
+      ...places.map(({ row }) => [sweep.number(row), ...sweep.dimensions.map((own) => text.cell(own, own.values[row])), x.values[row], y.values[row], on.has(row)])];
   });
   on(["pareto-x"], () => setGoal("x"));
   on(["pareto-y"], () => setGoal("y"));

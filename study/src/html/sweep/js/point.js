@@ -23,12 +23,12 @@ sweep.point = (() => {
     return own.length === 0 ? ["as the presets"] : own.flatMap(({ key, value }, i) => [i > 0 ? " " : "", html("code", {}, `${key}=${value}`)]);
   };
 
-  // Files cannot be named: only their stems stand in results.
+  // As `shell.rs` quotes. Files cannot be named: only their stems stand in results.
+  const quoted = (word) => (/^[\w\-./=:,@%+]+$/.test(word) ? word : `'${word.replaceAll("'", "'\\''")}'`);
   const command = (row) => {
     const of = (name) => sweep.column(name)?.values[row];
     if (!(of("machine") in sweep.presets.machine) || !(of("policy") in sweep.presets.policy)) return null;
     const first = of("first_frame");
-    const quoted = (word) => (/^[\w.=/:+-]+$/.test(word) ? word : `'${word}'`);
     const parts = ["rayreel replay", quoted(of("trace")), `--frames ${first}..${first + of("frames")}`, `--machine ${of("machine")}`, `--policy ${of("policy")}`];
     const detail = of("detail") ?? "full";
     if (detail.startsWith("precision ")) parts.push(`--precision ${detail.slice(10)}`);

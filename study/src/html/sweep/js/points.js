@@ -4,9 +4,10 @@
   const { $, html, table } = sweep.dom;
   const text = sweep.text;
   const PAGE = 50;
-  const offered = sweep.columns.filter((own) => own.name !== "point" && (own.varies || own.role === "point" || own.role === "axis" || sweep.raw.rows < 2));
+  const headlines = sweep.raw.headlines.map((name) => sweep.column(name));
+  const offered = sweep.columns.filter((own) => own.name !== "point" && (own.varies || own.role === "point" || own.role === "axis" || headlines.includes(own) || sweep.raw.rows < 2));
   const failed = sweep.done.length < sweep.all.length;
-  const usual = [...sweep.dimensions, ...sweep.raw.headlines.map((name) => sweep.column(name)), ...(failed ? [sweep.column("status")] : [])].filter(Boolean);
+  const usual = [...sweep.dimensions, ...headlines, ...(failed ? [sweep.column("status")] : [])].filter(Boolean);
   let shown = new Set(usual);
   let [sorted, down, from] = [null, false, 0];
 

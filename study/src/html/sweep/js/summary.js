@@ -5,7 +5,7 @@
   const text = sweep.text;
   const box = $("summary-of");
   if (!box) return;
-  const TRACES = 3, VALUES = 12;
+  const TRACES = 3, VALUES = 12, FAILURES = 50;
   const whole = [...box.childNodes];
   const each = sweep.raw.each === null ? undefined : sweep.column(sweep.raw.each);
 
@@ -23,7 +23,7 @@
     const shown = best.slice(0, TRACES).flatMap(({ name, row }) => [html("b", {}, text.value(result, result.values[row]), ...unit, text.within(result, row)),
       html("span", {}, ...(name ? [html("em", {}, name), " "] : []), what(row))]);
     const more = best.length > TRACES ? [html("span", {}, `and ${best.length - TRACES} more traces`)] : [];
-    return html("div", { class: best.length > 1 ? "tile-number several" : "tile-number" }, html("dt", {}, `${least ? "least" : "most"} ${result.name}`), html("dd", {}, ...shown, ...more));
+    return html("div", { class: best.length > 1 ? "tile-number several" : "tile-number" }, html("dt", {}, `${sweep.all.length === 1 ? "" : least ? "least " : "most "}${result.name}`), html("dd", {}, ...shown, ...more));
   };
 
   /** The values that are left of each dimension. */
@@ -37,12 +37,32 @@
     return rows.length === 0 ? null : table("What varies", [{ name: "Axis" }, { name: "Values", number: true }, { name: "Which" }, { name: "What it is" }], rows);
   };
 
+  /** How many points are estimates; what that means stands in the file. */
+  const estimates = () => {
+    const interval = sweep.column("cycles_interval_percent");
+    const sentence = whole.find((node) => node.id === "estimates")?.cloneNode(true);
+    const rows = sweep.filter.withFailed;
+    const count = sentence && interval ? rows.filter((row) => sweep.value(interval, row) !== null).length : 0;
+    if (count === 0) return null;
+    sentence.querySelector("span").textContent = `${count} of ${text.counted(rows.length, "point")} ${count === 1 ? "is an estimate" : "are estimates"}`;
+    return sentence;
+  };
+
+  /** Points without results. */
+  const failures = () => {
+    const done = new Set(sweep.filter.rows);
+    const rows = sweep.filter.withFailed.filter((row) => !done.has(row));
+    const why = sweep.column("error");
+    const lines = rows.slice(0, FAILURES).map((row) => ({ cells: [sweep.point.button(row), text.describe(row), why?.values[row] ?? "failed"] }));
+    return rows.length === 0 ? null : table("Points that failed", [{ name: "Point", number: true }, { name: "What" }, { name: "Why" }], lines);
+  };
+
   sweep.filter.listen(() => {
     if (sweep.filter.isAll) { box.replaceChildren(...whole); return; }
     const { rows, withFailed } = sweep.filter;
     const failed = withFailed.length - rows.length;
-    const of = `${withFailed.length} of ${sweep.all.length} points${failed > 0 ? `; ${failed} of them failed` : ""}`;
+    const of = `${withFailed.length} of ${text.counted(sweep.all.length, "point")}${failed > 0 ? `; ${failed} of them failed${failed > FAILURES ? `, of which the first ${FAILURES} are shown` : ""}` : ""}`;
     const tiles = sweep.raw.headlines.map((name) => sweep.column(name)).filter(Boolean).map(tile).filter(Boolean);
-    box.replaceChildren(...[html("p", { class: "read" }, of), tiles.length > 0 ? html("dl", { class: "numbers" }, ...tiles) : null, axes()].filter(Boolean));
+    box.replaceChildren(...[html("p", { class: "read" }, of), tiles.length > 0 ? html("dl", { class: "numbers" }, ...tiles) : null, estimates(), axes(), failures()].filter(Boolean));
   });
 })();

@@ -35,13 +35,18 @@ sweep.text = (() => {
     const own = interval ? sweep.value(interval, row) : null;
     return own === null ? "" : ` ±${GAP}${fixed(own, 1)}${GAP}%`;
   };
-  const unit = (column) => (column.unit && column.unit !== "bytes" ? `${GAP}${column.unit}` : "");
+  // One frame, two frames; ms stays ms.
+  const unit = (column, own) => (column.unit && column.unit !== "bytes" ? `${GAP}${own === 1 ? column.unit.replace(/(?<=[a-z]{3})s$/, "") : column.unit}` : "");
   return {
     fixed, number, value, within,
+    /** A value of an axis in a file: as the page and the plan write it; nothing where there is none. */
+    cell: (column, own) => (own === null ? null : value(column, own)),
+    /** How many of something, which takes an s where they are not one. */
+    counted: (count, thing) => `${count} ${thing}${count === 1 ? "" : "s"}`,
     /** The value of a column in a row. */
     at: (column, row) => value(column, column.values[row]) + within(column, row),
-    atWithUnit: (column, row) => value(column, column.values[row]) + (column.values[row] === null ? "" : unit(column)) + within(column, row),
-    withUnit: (column, own) => value(column, own) + (own === null ? "" : unit(column)),
+    atWithUnit: (column, row) => value(column, column.values[row]) + (column.values[row] === null ? "" : unit(column, column.values[row])) + within(column, row),
+    withUnit: (column, own) => value(column, own) + (own === null ? "" : unit(column, own)),
     named: (column) => (column.unit && column.unit !== "bytes" ? `${column.name} (${column.unit})` : column.name),
     percent: (share) => `${fixed(share * 100, 1)}${GAP}%`,
     signed: (share) => `${share > 0 ? "+" : ""}${fixed(share * 100, 1)}${GAP}%`,

@@ -1,0 +1,76 @@
+use std::fs;
+
+use serde_json::{Value, json};
+use tempfile::TempDir;
+
+use super::*;
+
+/// The folder of a replay with one picture for each name: as long as a PNG file must be to be one here.
+fn folder(stats: &Value, pictures: &[&str]) -> TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join(folder::STATS), stats.to_string()).unwrap();
+    pictures.iter().for_each(|name| fs::write(folder.path().join(name), b"\x89PNG\r\n\x1a\n").unwrap());
+    folder
+}
+
+fn stats() -> Value {
+    json!({ "scene": "s", "policy": "p", "width": 8, "height": 4, "frames": [{ "frame": 0, "cycles": 10 }] })
+}
+
+fn page_of(stats: &Value) -> String {
+    let folder = folder(stats, &["result.png"]);
+    let file = folder.path().join("page.html");
+    write(folder.path(), &file).unwrap();
+    fs::read_to_string(file).unwrap()
+}
+
+#[test]
+fn sizes_are_numbers_or_there_is_no_page() {
+    assert!(page_of(&stats()).contains("<li>1 frame of 8 x 4 pixels</li>"));
+    for key in ["width", "height"] {
+        for odd in [json!("1\"><script>alert(1)</script>"), json!({ "x": "<b>" }), json!(-1), json!(1.5), Value::Null] {
+            let mut stats = stats();
+            stats[key] = odd;
+            let folder = folder(&stats, &["result.png"]);
+            let error = write(folder.path(), &folder.path().join("page.html")).unwrap_err();
+            assert!(error.is_bad_data() && error.to_string().contains(key), "{error}");
+            assert!(!folder.path().join("page.html").exists());
+        }
+    }
+}
+
+/// Two frames of which the second is an estimate.
+fn estimated() -> Value {
+    let mut stats = stats();
+    let intervals = json!({ "interval_percent": { "cycles": 1.5 } });
+    stats["frames"] = json!([{ "frame": 0, "cycles": 10 }, { "frame": 1, "cycles": 2e4 as u64, "detail": intervals }]);
+    stats["cycles"] = json!(2e4 as u64 + 10);
+    stats["descriptions"] = json!({ "cycles": { "unit": "cycles", "description": "d" } });
+    let intervals = json!({ "cycles": 0.7, "rays_traced": null });
+    stats["detail"] =
+        json!({ "mode": "sampled", "fraction": 0.1, "windows": 5, "whole_frames": 1, "interval_percent": intervals });
+    stats
+}
+
+#[test]
+fn estimates_say_so() {
+    let folder = folder(&estimated(), &[]);
+    let replay = folder::Folder::read(folder.path()).unwrap();
+    let (html, charts) = page::page(&replay);
+    assert!(html.contains("20\u{202f}010 ±\u{202f}0.7\u{202f}%</td>"), "all frames: {html}");
+    assert!(html.contains("20\u{202f}000 ±\u{202f}1.5\u{202f}%</td>") && html.contains("<td class=\"num\">10</td>"));
+    assert!(html.contains("Estimates from 5 windows with 10.0 % of the tiles; 1 frame has too few tiles"), "{html}");
+    assert!(html.contains("95 % interval reaches from - to + what stands behind it; counts of work are exact.</p>"));
+    assert!(html.contains("data-within=\",1.5000\""), "the pointer tells them too");
+    assert_eq!(charts[0].csv, "frame,Cycles,Cycles_interval_percent\r\n0,10,\r\n1,20000,1.5\r\n");
+    // What is exact says nothing of it.
+    let exact = page_of(&stats());
+    assert!(!exact.split("<script").next().unwrap().contains('±') && !exact.contains("stimate"));
+    for (mode, sentence) in
+        [("counts", "No cycle was simulated: work and misses are counted"), ("all", "Nothing is estimated")]
+    {
+        let mut stats = stats();
+        stats["detail"] = json!({ "mode": mode, "windows": 0, "whole_frames": 0 });
+        assert!(page_of(&stats).contains(sentence), "{mode}");
+    }
+}
