@@ -2,7 +2,6 @@
 
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
 use std::sync::{Arc, Mutex};
-use std::time::Duration;
 
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
@@ -13,6 +12,7 @@ use rayreel_replay::{ReplayError, Stop};
 
 use crate::columns::to_dict;
 use crate::error::raise;
+use crate::wait::{LOOK, may_wait};
 use crate::wanted::Wanted;
 
 /// Batches that wait for Python.
@@ -28,7 +28,11 @@ pub struct Batches {
 
 impl Batches {
     /// Begins to make them.
-    pub fn new(trace: Arc<Trace>, wanted: Wanted, head: Head) -> Self {
+    ///
+    /// # Errors
+    /// Where [`may_wait`] refuses.
+    pub fn new(trace: Arc<Trace>, wanted: Wanted, head: Head) -> PyResult<Self> {
+        may_wait()?;
         let (give, made) = sync_channel(AHEAD);
         let (stop, places) = (Stop::default(), head.places.clone());
         let stopped = stop.clone();
@@ -38,7 +42,7 @@ impl Batches {
                 let _ = give.send(Err(error));
             }
         });
-        Self { head, made: Mutex::new(made), stop }
+        Ok(Self { head, made: Mutex::new(made), stop })
     }
 }
 
@@ -66,11 +70,12 @@ impl Batches {
     }
 
     fn __next__<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {
+        may_wait()?;
         let broken = || PyRuntimeError::new_err("another thread failed while it took a batch");
         loop {
             let next = py.detach(|| {
                 let made = self.made.lock().map_err(|_| broken())?;
-                Ok::<_, PyErr>(made.recv_timeout(Duration::from_millis(50)))
+                Ok::<_, PyErr>(made.recv_timeout(LOOK))
             })?;
             match next {
                 Ok(batch) => return Ok(Some(to_dict(py, &self.head, batch?)?)),

@@ -30,6 +30,8 @@ mod _native {
 
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        let hook = wrap_pyfunction!(crate::policy::end_policies, module)?;
+        module.py().import("atexit")?.call_method1("register", (hook,))?;
         module.add("__version__", env!("CARGO_PKG_VERSION"))?;
         module.add("MODEL_VERSION", rayreel_study::point::version::MODEL_VERSION)
     }

@@ -1,29 +1,149 @@
 //! A policy that is an object of Python: for trying an idea out. It decides each tile by itself.
 
-use std::sync::{Arc, Mutex};
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError, TryLockError, Weak};
 
+use pyo3::exceptions::{PyKeyboardInterrupt, PySystemExit};
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{PyDict, PyType};
 use rayreel_formats::scene::{Camera, Meta};
+use rayreel_replay::Stop;
 use rayreel_replay::counts::TileStats;
 use rayreel_replay::policy::{SamplePolicy, Sampler, TileView};
 
 use crate::error::refuse;
 use crate::view;
+use crate::wait::{LOOK, is_forked, within};
 
-/// What was raised: by which tile of the frame, and what. Of several tiles the first counts, whichever thread came first.
-type Failure = Arc<Mutex<Option<(u32, PyErr)>>>;
+/// The policies that may be at work; nothing once the program ends.
+static LIVE: Mutex<Option<Vec<Weak<Callee>>>> = Mutex::new(Some(Vec::new()));
+
+/// No thread: Python gives none this number.
+const NOBODY: u64 = 0;
+
+/// When the object is called, in the order of a replay.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+struct Moment {
+    frame: u32,
+    part: Part,
+}
+
+/// A part of a frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Part {
+    Begin,
+    Tile(u32),
+    End,
+}
+
+/// The object, which the threads of a replay call.
+struct Callee {
+    object: Py<PyAny>,
+    /// Ends the replay.
+    stop: Stop,
+    /// Held during a call, so the object is called once at a time. It is taken before Python is: who waits for it keeps no one else
+    /// from Python.
+    turn: Mutex<()>,
+    /// The thread that is in a call, as Python numbers threads. It changes only while Python is attached.
+    caller: AtomicU64,
+    /// What was raised first in the order of a replay, whichever thread came first.
+    failure: Mutex<Option<(Moment, PyErr)>>,
+}
+
+fn lock<T>(of: &Mutex<T>) -> MutexGuard<'_, T> {
+    of.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+impl Callee {
+    /// Calls the object, unless that is of no use any more: after a failure at an earlier moment, or a request to stop. Tiles before
+    /// the one that failed are still decided, for one of them may fail too, and then counts.
+    fn call(&self, at: Moment, what: impl FnOnce(&Bound<'_, PyAny>) -> PyResult<()>) {
+        let _turn = lock(&self.turn);
+        if lock(&self.failure).as_ref().is_some_and(|(first, _)| *first < at) {
+            return;
+        }
+        let called = Python::try_attach(|py| {
+            // Looked at while Python is attached: who asks to stop has it attached too, and so either is seen here or sees the caller.
+            if self.stop.is_requested() {
+                return Ok(());
+            }
+            let number = py.import("threading")?.call_method0("get_ident")?.extract()?;
+            self.caller.store(number, Ordering::Relaxed);
+            let called = within(&self.stop, || what(self.object.bind(py)));
+            self.caller.store(NOBODY, Ordering::Relaxed);
+            called
+        });
+        match called {
+            Some(Ok(())) => {}
+            Some(Err(error)) => self.note(at, error),
+            // The interpreter is ending.
+            None => self.stop.request(),
+        }
+    }
+
+    /// Notes what was raised. Between frames nothing else can come first, so the replay ends.
+    fn note(&self, at: Moment, error: PyErr) {
+        let mut first = lock(&self.failure);
+        if first.as_ref().is_none_or(|(known, _)| at < *known) {
+            *first = Some((at, error));
+        }
+        if !matches!(at.part, Part::Tile(_)) {
+            self.stop.request();
+        }
+    }
+
+    /// Raises an exception in the call that is being made, if one is: as soon as Python executes its next step there. A call that
+    /// waits in C ends later.
+    fn interrupt(&self, exception: &Bound<'_, PyType>) -> PyResult<()> {
+        let ctypes = exception.py().import("ctypes")?;
+        // By way of the standard library: our own call of this function would be unsafe code.
+        let raise = ctypes.getattr("pythonapi")?.getattr("PyThreadState_SetAsyncExc")?;
+        let exception = ctypes.call_method1("py_object", (exception,))?;
+        // No step of Python lies between this and the call, so the thread is still there.
+        let caller = self.caller.load(Ordering::Relaxed);
+        if caller != NOBODY {
+            raise.call1((ctypes.call_method1("c_ulong", (caller,))?, exception))?;
+        }
+        Ok(())
+    }
+
+    fn is_called(&self) -> bool {
+        matches!(self.turn.try_lock(), Err(TryLockError::WouldBlock))
+    }
+}
+
+/// Ends all replays under policies in Python, and waits for the calls that are being made. Python does so before it ends: a thread
+/// that calls it later takes the process down.
+#[pyfunction]
+pub fn end_policies(py: Python<'_>) -> PyResult<()> {
+    // A fork has none of the threads.
+    if is_forked() {
+        return Ok(());
+    }
+    let live: Vec<Arc<Callee>> =
+        lock(&LIVE).take().into_iter().flatten().filter_map(|callee| callee.upgrade()).collect();
+    for callee in live {
+        // Threads of Python end quietly by this exception.
+        callee.note(Moment { frame: 0, part: Part::Begin }, PySystemExit::new_err(()));
+        // Without it the call ends by itself.
+        let _ = callee.interrupt(&py.get_type::<PySystemExit>());
+        while callee.is_called() {
+            py.detach(|| std::thread::sleep(LOOK));
+            py.check_signals()?;
+        }
+    }
+    Ok(())
+}
 
 /// The object, with the name that results show.
 pub struct InPython {
-    object: Arc<Py<PyAny>>,
+    callee: Arc<Callee>,
     name: String,
-    failure: Failure,
 }
 
 impl InPython {
-    /// A policy of an object with a method `begin_tile`.
-    pub fn new(py: Python<'_>, object: Py<PyAny>) -> PyResult<Self> {
+    /// A policy of an object with a method `begin_tile`. `stop` ends the replay, and is requested when the object fails.
+    pub fn new(py: Python<'_>, object: Py<PyAny>, stop: Stop) -> PyResult<Self> {
         let bound = object.bind(py);
         if !bound.getattr_opt("begin_tile")?.is_some_and(|method| method.is_callable()) {
             let kind = bound.get_type().name()?;
@@ -32,15 +152,32 @@ impl InPython {
             )));
         }
         let name = match bound.getattr_opt("name")? {
-            Some(name) => name.extract::<String>()?,
+            Some(name) => {
+                name.extract().map_err(|_| refuse(format!("the name of a policy is text, not {}", name.get_type())))?
+            }
             None => bound.get_type().name()?.to_string(),
         };
-        Ok(Self { object: Arc::new(object), name, failure: Failure::default() })
+        let (turn, caller, failure) = (Mutex::default(), AtomicU64::new(NOBODY), Mutex::default());
+        let callee = Arc::new(Callee { object, stop, turn, caller, failure });
+        match &mut *lock(&LIVE) {
+            Some(live) => {
+                live.retain(|callee| callee.strong_count() > 0);
+                live.push(Arc::downgrade(&callee));
+            }
+            None => return Err(PySystemExit::new_err(())),
+        }
+        Ok(Self { callee, name })
     }
 
     /// What the object raised, if it did.
     pub fn failure(&self) -> Option<PyErr> {
-        self.failure.lock().ok()?.take().map(|(_, error)| error)
+        lock(&self.callee.failure).take().map(|(_, error)| error)
+    }
+
+    /// Raises KeyboardInterrupt in the call that is being made.
+    pub fn interrupt(&self, py: Python<'_>) {
+        // Without it the call ends by itself.
+        let _ = self.callee.interrupt(&py.get_type::<PyKeyboardInterrupt>());
     }
 }
 
@@ -55,49 +192,48 @@ impl SamplePolicy for InPython {
     }
 
     fn sampler(&self, _: &Meta) -> rayreel_replay::Result<Box<dyn Sampler>> {
-        Ok(Box::new(AtWork { object: Arc::clone(&self.object), failure: Arc::clone(&self.failure) }))
+        Ok(Box::new(AtWork { callee: Arc::clone(&self.callee), frame: 0 }))
     }
 }
 
 struct AtWork {
-    object: Arc<Py<PyAny>>,
-    failure: Failure,
+    callee: Arc<Callee>,
+    /// The frame that has begun.
+    frame: u32,
 }
 
 impl AtWork {
-    /// Notes what was raised.
-    fn note(&self, tile: u32, result: PyResult<()>) {
-        let (Err(error), Ok(mut first)) = (result, self.failure.lock()) else { return };
-        if first.as_ref().is_none_or(|(known, _)| tile < *known) {
-            *first = Some((tile, error));
-        }
-    }
-
     /// Calls a method that an object need not have.
-    fn tell(&self, method: &str, arguments: impl FnOnce(Python<'_>) -> PyResult<Py<PyAny>>) {
-        let told = Python::attach(|py| match self.object.bind(py).getattr_opt(method)? {
-            Some(method) => method.call1((arguments(py)?,)).map(drop),
+    fn tell(&self, part: Part, method: &str, argument: impl FnOnce(Python<'_>) -> PyResult<Py<PyAny>>) {
+        self.callee.call(Moment { frame: self.frame, part }, |object| match object.getattr_opt(method)? {
+            Some(method) => method.call1((argument(object.py())?,)).map(drop),
             None => Ok(()),
         });
-        self.note(0, told);
     }
 }
 
 impl Sampler for AtWork {
     fn begin_frame(&mut self, frame: u32, _: &Camera) {
-        self.tell("begin_frame", |py| Ok(frame.into_pyobject(py)?.into_any().unbind()));
+        self.frame = frame;
+        self.tell(Part::Begin, "begin_frame", |py| Ok(frame.into_pyobject(py)?.into_any().unbind()));
     }
 
     fn begin_tile(&self, tile: &mut TileView) {
-        let index = tile.index();
-        let decided = Python::attach(|py| {
-            view::lend(py, tile, |view| self.object.bind(py).call_method1("begin_tile", (view,)).map(drop))
+        let at = Moment { frame: self.frame, part: Part::Tile(tile.index()) };
+        self.callee.call(at, |object| {
+            view::lend(object.py(), tile, |view| object.call_method1("begin_tile", (view,)).map(drop))
         });
-        self.note(index, decided);
+    }
+
+    /// All tiles of these rows have begun, so the first that failed is known.
+    fn end_row(&mut self, _: &[TileStats]) {
+        if lock(&self.callee.failure).is_some() {
+            self.callee.stop.request();
+        }
     }
 
     fn end_frame(&mut self, tiles: &[TileStats]) {
-        self.tell("end_frame", |py| {
+        self.tell(Part::End, "end_frame", |py| {
             let tiles: PyResult<Vec<_>> = tiles.iter().map(|stats| about(py, stats)).collect();
             Ok(tiles?.into_pyobject(py)?.into_any().unbind())
         });

@@ -2,20 +2,23 @@
 
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use rayreel_columns::Selection;
 use rayreel_formats::Trace;
 use rayreel_machine::system::NoProbe;
+use rayreel_replay::image::files::SOFTWARE;
 use rayreel_replay::policy::SampleState;
 use rayreel_replay::sequence::{FrameResult, Simulator};
 use rayreel_replay::{
     Detail, FrameLoop, FrameReplay, NamedPolicy, Options, PathSource, ReplayError, SamplePolicy, Stop,
 };
-use rayreel_study::report::{Origin, Report};
+use rayreel_study::point::version::MODEL_VERSION;
+use rayreel_study::report::{Made, Origin, Report};
 use serde_json::Value;
 
 use crate::columns::{picture, plane};
 use crate::error::{raise, refuse};
 use crate::policy::InPython;
-use crate::wait::interruptible;
+use crate::wait::interruptible_with;
 use crate::wanted::settings;
 
 /// What is to be replayed, and how.
@@ -42,26 +45,35 @@ pub struct Frame {
 }
 
 /// Replays the frames that are asked for.
-pub fn frames_of(py: Python<'_>, trace: &Trace, request: Request) -> PyResult<(String, Vec<Frame>)> {
+pub fn frames_of(
+    py: Python<'_>,
+    (trace, file_name): (&Trace, &str),
+    request: Request,
+) -> PyResult<(String, Vec<Frame>)> {
     let name: Option<String> = request.policy.extract(py).ok();
     let (policy, machine) = settings(name.as_deref(), request.machine.as_deref(), &request.overrides)?;
     let detail: Detail = request.detail.as_deref().unwrap_or("full").parse().map_err(refuse)?;
     if machine.is_none() && request.detail.is_some() {
         return Err(refuse("detail is for a machine, and there is none; call simulate, or leave it out"));
     }
-    let all = trace.meta().frame_numbers();
-    let (first, end) = request.frames.unwrap_or((all.start, all.end));
+    let mut selection = Selection::all(trace.meta());
+    if let Some((first, end)) = request.frames {
+        selection = selection.frames(first..end).map_err(|e| raise(&e))?;
+    }
+    let frames = selection.frames;
+    let stop = Stop::default();
     let in_python = match &policy {
         Some(_) => None,
-        None => Some(InPython::new(py, request.policy.clone_ref(py))?),
+        None => Some(InPython::new(py, request.policy.clone_ref(py), stop.clone())?),
     };
-    let (ran, failure) = interruptible(py, |stop| {
+    let hurry = |py: Python<'_>| in_python.iter().for_each(|policy| policy.interrupt(py));
+    let (ran, failure) = interruptible_with(py, (&stop, hurry), || {
         let options = Options { reference: request.compare, perception: request.compare };
         let tree = machine.as_ref().map(|_| trace.topology());
         let simulator = machine.as_ref().zip(tree.as_ref()).map(|(machine, tree)| Simulator { machine, tree, detail });
         let ran = match (&policy, &in_python) {
-            (Some(policy), _) => run(trace, &policy.policy, options, (first..end, simulator, request.pictures), stop),
-            (None, Some(policy)) => run(trace, policy, options, (first..end, simulator, request.pictures), stop),
+            (Some(policy), _) => run(trace, &policy.policy, options, (frames, simulator, request.pictures), &stop),
+            (None, Some(policy)) => run(trace, policy, options, (frames, simulator, request.pictures), &stop),
             (None, None) => Ok((Vec::new(), Vec::new())),
         };
         Ok((ran, in_python.as_ref().and_then(InPython::failure)))
@@ -72,14 +84,15 @@ pub fn frames_of(py: Python<'_>, trace: &Trace, request: Request) -> PyResult<(S
     }
     let (frames, runs) = ran.map_err(|e| raise(&e))?;
     let stats: Vec<_> = frames.iter().map(|frame| frame.replay.stats.clone()).collect();
+    let origin = origin(trace, file_name)?;
     let report = |policy: &NamedPolicy| {
-        let report = Report::new(&Origin::default(), policy, trace.meta(), &stats);
+        let report = Report::new(&origin, policy, trace.meta(), &stats);
         match &machine {
             Some(machine) => report.with_machine(machine, &runs),
             None => report,
         }
     };
-    let json = match (policy, in_python) {
+    let mut json = match (policy, in_python) {
         (Some(policy), _) => serde_json::to_value(report(&policy)),
         (None, in_python) => {
             let mut stand_in = NamedPolicy::load("full", &[]).map_err(|e| raise(&e))?;
@@ -90,7 +103,18 @@ pub fn frames_of(py: Python<'_>, trace: &Trace, request: Request) -> PyResult<(S
             })
         }
     };
+    // There was no command.
+    if let Ok(Value::Object(report)) = &mut json {
+        report.shift_remove("command");
+    }
     Ok((json.map_err(|e| raise(&e))?.to_string(), frames))
+}
+
+/// What the results are of. The digest is left out: making it takes longer than a replay without a machine.
+fn origin(trace: &Trace, file_name: &str) -> PyResult<Origin> {
+    let made = Made { program: SOFTWARE.into(), model_version: MODEL_VERSION, command: String::new() };
+    let trace_fingerprint = Some(trace.fingerprint().map_err(|e| raise(&e))?.to_string());
+    Ok(Origin { made: Some(made), trace: file_name.into(), trace_fingerprint, trace_digest: None })
 }
 
 type Ran = (Vec<Frame>, Vec<rayreel_replay::simulate::MachineRun>);

@@ -22,6 +22,8 @@ use crate::wanted::{Asked, Wanted};
 #[pyclass(frozen, module = "rayreel._native")]
 pub struct Trace {
     recorded: Arc<Recorded>,
+    /// The last part of its path, as reports name it.
+    file_name: String,
 }
 
 #[pymethods]
@@ -31,7 +33,8 @@ impl Trace {
     fn new(py: Python<'_>, path: PathBuf, memory: u32) -> PyResult<Self> {
         let memory = Arc::new(Budget::new(u64::from(memory) << 20));
         let opened = py.detach(|| Recorded::open(&path, Limits { memory, ..Limits::default() }));
-        Ok(Self { recorded: Arc::new(opened.map_err(|e| raise(&e))?) })
+        let file_name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+        Ok(Self { recorded: Arc::new(opened.map_err(|e| raise(&e))?), file_name })
     }
 
     /// What was captured, by name.
@@ -71,12 +74,12 @@ impl Trace {
     fn batches(&self, what: &str, asked: Asked) -> PyResult<Batches> {
         let wanted = Wanted::new(&self.recorded, what, asked)?;
         let head = wanted.head(&self.recorded)?;
-        Ok(Batches::new(Arc::clone(&self.recorded), wanted, head))
+        Batches::new(Arc::clone(&self.recorded), wanted, head)
     }
 
     /// Replays frames, on a machine if one is named: the report as JSON, and the frames.
     fn replay(&self, py: Python<'_>, request: Request) -> PyResult<(String, Vec<Frame>)> {
-        frames_of(py, &self.recorded, request)
+        frames_of(py, (&self.recorded, &self.file_name), request)
     }
 
     /// The numbers of the frames.

@@ -12,6 +12,9 @@ use rayreel_replay::policy::{SampleState, TileView as Lent, between};
 use crate::columns::{picture, plane};
 use crate::error::refuse;
 
+/// Column and row as Python gives them, which may lie anywhere.
+type Sample = (i64, i64);
+
 scoped_tls_hkt::scoped_thread_local!(static mut LENT: for<'a> &'a mut Lent);
 
 /// A tile of the sample grid while a policy decides it. Columns and rows are those of the frame's grid.
@@ -40,10 +43,14 @@ impl TileView {
         LENT.with(|tile| if (tile.index(), tile.rect()) == (self.index, self.rect) { what(tile) } else { Err(over()) })
     }
 
-    fn inside(&self, (x, y): (u32, u32)) -> PyResult<()> {
+    /// A sample of the tile.
+    fn inside(&self, (x, y): Sample) -> PyResult<(u32, u32)> {
         let Rect { x: left, y: top, width, height } = self.rect;
-        if (left..left + width).contains(&x) && (top..top + height).contains(&y) {
-            return Ok(());
+        if let (Ok(column), Ok(row)) = (u32::try_from(x), u32::try_from(y))
+            && (left..left + width).contains(&column)
+            && (top..top + height).contains(&row)
+        {
+            return Ok((column, row));
         }
         let (right, bottom) = (left + width - 1, top + height - 1);
         Err(refuse(format!(
@@ -52,17 +59,17 @@ impl TileView {
     }
 
     /// A sample that is not decided.
-    fn open(&self, tile: &Lent, (x, y): (u32, u32)) -> PyResult<()> {
-        self.inside((x, y))?;
+    fn open(&self, tile: &Lent, sample: Sample) -> PyResult<(u32, u32)> {
+        let (x, y) = self.inside(sample)?;
         match tile.state(x, y) {
-            None => Ok(()),
+            None => Ok((x, y)),
             Some(_) => Err(refuse(format!("sample ({x}, {y}) is decided already; a policy decides each once"))),
         }
     }
 
     /// The tree of a sample that is known.
-    fn tree<'a>(&self, tile: &'a Lent, (x, y): (u32, u32)) -> PyResult<&'a [Node]> {
-        self.inside((x, y))?;
+    fn tree<'a>(&self, tile: &'a Lent, sample: Sample) -> PyResult<&'a [Node]> {
+        let (x, y) = self.inside(sample)?;
         match tile.state(x, y) {
             Some(_) => Ok(tile.tree(x, y)),
             None => Err(refuse(format!("sample ({x}, {y}) is not known yet; trace it first"))),
@@ -89,6 +96,11 @@ impl TileView {
 
 fn surface<T>(of: impl Fn(&SurfacePoint) -> T) -> impl Fn(&Node) -> Option<T> {
     move |node| node.surface.as_ref().map(&of)
+}
+
+/// A round as Python gives it.
+fn round_of(round: i64) -> PyResult<u8> {
+    u8::try_from(round).map_err(|_| refuse(format!("a round is from 0 to 255, not {round}")))
 }
 
 fn state(reference: bool) -> SampleState {
@@ -129,9 +141,10 @@ impl TileView {
 
     /// Traces a sample with all its rays.
     #[pyo3(signature = (x, y, round=0, reference=true))]
-    fn trace(&self, x: u32, y: u32, round: u8, reference: bool) -> PyResult<()> {
+    fn trace(&self, x: i64, y: i64, round: i64, reference: bool) -> PyResult<()> {
+        let round = round_of(round)?;
         self.with(|tile| {
-            self.open(tile, (x, y))?;
+            let (x, y) = self.open(tile, (x, y))?;
             tile.trace(x, y, state(reference), round);
             Ok(())
         })
@@ -139,8 +152,13 @@ impl TileView {
 
     /// Traces the samples where `mask`, of the tile's rows and columns, is true.
     #[pyo3(signature = (mask, round=0, reference=true))]
-    fn trace_mask(&self, mask: PyReadonlyArray2<'_, bool>, round: u8, reference: bool) -> PyResult<()> {
-        let (width, height) = self.size();
+    fn trace_mask(&self, mask: &Bound<'_, PyAny>, round: i64, reference: bool) -> PyResult<()> {
+        let (round, (width, height)) = (round_of(round)?, self.size());
+        let mask: PyReadonlyArray2<'_, bool> = mask.extract().map_err(|_| {
+            refuse(format!(
+                "the mask is an array of bool of two dimensions, of shape ({height}, {width}) for this tile"
+            ))
+        })?;
         if mask.shape() != [height as usize, width as usize] {
             return Err(refuse(format!("the mask has shape {:?}; the tile has ({height}, {width})", mask.shape())));
         }
@@ -148,7 +166,7 @@ impl TileView {
             let mask = mask.as_array();
             let wanted = tile.samples().zip(mask.iter()).filter(|(_, wanted)| **wanted);
             let wanted: Vec<(u32, u32)> = wanted.map(|(at, _)| at).collect();
-            wanted.iter().try_for_each(|&at| self.open(tile, at))?;
+            wanted.iter().try_for_each(|&(x, y)| self.open(tile, (x.into(), y.into())).map(drop))?;
             wanted.iter().for_each(|&(x, y)| tile.trace(x, y, state(reference), round));
             Ok(())
         })
@@ -156,12 +174,13 @@ impl TileView {
 
     /// Gives a sample what lies `share` of the way from sample `near` to sample `far`.
     #[pyo3(signature = (x, y, near, far, share=0.5, round=1))]
-    fn interpolate(&self, x: u32, y: u32, near: (u32, u32), far: (u32, u32), share: f32, round: u8) -> PyResult<()> {
+    fn interpolate(&self, x: i64, y: i64, near: Sample, far: Sample, share: f32, round: i64) -> PyResult<()> {
         if !(0.0..=1.0).contains(&share) {
             return Err(refuse(format!("a share is from 0 to 1, not {share}")));
         }
+        let round = round_of(round)?;
         self.with(|tile| {
-            self.open(tile, (x, y))?;
+            let (x, y) = self.open(tile, (x, y))?;
             let (near, far) = (self.tree(tile, near)?, self.tree(tile, far)?);
             let tree = if share <= 0.5 { between(near, far, share) } else { between(far, near, 1.0 - share) };
             tile.interpolate(x, y, &tree, round);
@@ -171,9 +190,10 @@ impl TileView {
 
     /// Gives a sample what sample `source` has.
     #[pyo3(signature = (x, y, source, round=1))]
-    fn copy(&self, x: u32, y: u32, source: (u32, u32), round: u8) -> PyResult<()> {
+    fn copy(&self, x: i64, y: i64, source: Sample, round: i64) -> PyResult<()> {
+        let round = round_of(round)?;
         self.with(|tile| {
-            self.open(tile, (x, y))?;
+            let (x, y) = self.open(tile, (x, y))?;
             let tree = self.tree(tile, source)?.to_vec();
             tile.interpolate(x, y, &tree, round);
             Ok(())
@@ -182,14 +202,14 @@ impl TileView {
 
     /// Gives a sample a colour, linear RGB, and no surface.
     #[pyo3(signature = (x, y, colour, round=1))]
-    fn paint(&self, x: u32, y: u32, colour: [f32; 3], round: u8) -> PyResult<()> {
-        let [r, g, b] = colour;
+    fn paint(&self, x: i64, y: i64, colour: [f32; 3], round: i64) -> PyResult<()> {
+        let (round, [r, g, b]) = (round_of(round)?, colour);
         let colour = Vec3 { x: r, y: g, z: b };
         let none = (None, None);
         let (surface, (reflect, refract)) = (None, none);
         let node = Node { surface, local: colour, colour, reflect, refract, hit_rays: 0, rays: 0, len: 1, age: 0 };
         self.with(|tile| {
-            self.open(tile, (x, y))?;
+            let (x, y) = self.open(tile, (x, y))?;
             tile.interpolate(x, y, &[node], round);
             Ok(())
         })
@@ -207,7 +227,8 @@ impl TileView {
         self.vectors(py, |node| Some(node.colour))
     }
 
-    /// Where the primary rays of the known samples met a surface.
+    /// Where the primary rays of the known samples met a surface. `shadows` has two bits a light, as recorded: it is 0 where nothing is
+    /// known too.
     #[getter]
     fn surfaces<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let (dict, size) = (PyDict::new(py), self.size());

@@ -1,5 +1,7 @@
 """Policies written in Python."""
 
+import time
+
 import numpy as np
 import pytest
 
@@ -114,6 +116,12 @@ def test_paint(cornell: rayreel.Trace):
         (lambda view: view.copy(view.x, view.y, (view.x + 1, view.y)), "is not known yet"),
         (lambda view: view.trace_mask(np.ones((3, 3), np.bool_)), "the mask has shape"),
         (lambda view: view.interpolate(view.x, view.y, (0, 0), (0, 0), share=2.0), "from 0 to 1"),
+        (lambda view: view.trace(-1, 0), r"sample \(-1, 0\) is not in the tile"),
+        (lambda view: view.copy(view.x, view.y, (-1, view.y)), r"sample \(-1, \d+\) is not in the tile"),
+        (lambda view: view.trace(view.x, view.y, round=256), "a round is from 0 to 255, not 256"),
+        (lambda view: view.paint(view.x, view.y, (0, 0, 0), round=-1), "a round is from 0 to 255, not -1"),
+        (lambda view: view.trace_mask(np.ones((view.height, view.width), np.uint8)), "the mask is an array of bool"),
+        (lambda view: view.trace_mask([[True]]), "the mask is an array of bool"),
     ],
 )
 def test_wrong_policies_are_told(cornell: rayreel.Trace, decide, says: str):
@@ -123,6 +131,97 @@ def test_wrong_policies_are_told(cornell: rayreel.Trace, decide, says: str):
 
     with pytest.raises(rayreel.Error, match=says):
         cornell.replay(Wrong())
+
+
+def test_a_policy_is_called_once_at_a_time(cornell: rayreel.Trace):
+    class Counts(Full):
+        now = most = 0
+
+        def begin_tile(self, view: TileView) -> None:
+            self.now += 1
+            self.most = max(self.most, self.now)
+            # Other threads have Python meanwhile.
+            time.sleep(0.002)
+            super().begin_tile(view)
+            self.now -= 1
+
+    policy = Counts()
+    cornell.replay(policy, compare=False)
+    assert (policy.now, policy.most) == (0, 1)
+
+
+@pytest.mark.parametrize(
+    "ask",
+    [
+        lambda trace, _: trace.table("samples"),
+        lambda trace, _: trace.batches("samples"),
+        lambda _, made_before: next(made_before),
+        lambda trace, _: trace.replay("full"),
+        lambda trace, _: trace.simulate(Full()),
+    ],
+)
+def test_a_policy_cannot_ask_for_more_in_begin_tile(cornell: rayreel.Trace, ask):
+    made_before = cornell.batches("steps")
+
+    class Asks(Full):
+        def begin_frame(self, frame: int) -> None:
+            self.rows = len(cornell.table("samples"))
+
+        def begin_tile(self, view: TileView) -> None:
+            ask(cornell, made_before)
+            super().begin_tile(view)
+
+    policy = Asks()
+    for replay in (cornell.replay, cornell.simulate):
+        with pytest.raises(rayreel.Error, match="cannot ask rayreel for tables or replays in begin_tile"):
+            replay(policy)
+        assert policy.rows > 0, "begin_frame may"
+
+
+class Fails(Full):
+    """Fails at some moments: frame, and method or tile."""
+
+    def __init__(self, *moments: tuple[int, str | int]) -> None:
+        self.moments, self.calls, self.frame = moments, [], -1
+
+    def _reach(self, moment: str | int) -> None:
+        self.calls.append((self.frame, moment))
+        if (self.frame, moment) in self.moments:
+            raise KeyError(f"frame {self.frame}, {moment}")
+
+    def begin_frame(self, frame: int) -> None:
+        self.frame = frame
+        self._reach("begin")
+
+    def begin_tile(self, view: TileView) -> None:
+        super().begin_tile(view)
+        self._reach(view.index)
+
+    def end_frame(self, tiles: list) -> None:
+        self._reach("end")
+
+
+@pytest.mark.parametrize("name", ["replay", "simulate"])
+@pytest.mark.parametrize(
+    ("moments", "first"),
+    [
+        ([(30, 1), (31, 0)], "frame 30, 1"),
+        ([(30, 1), (30, 0)], "frame 30, 0"),
+        ([(30, "end"), (31, 0)], "frame 30, end"),
+        ([(30, "begin"), (30, 0)], "frame 30, begin"),
+        ([(31, 0), (31, "end")], "frame 31, 0"),
+    ],
+)
+def test_the_first_failure_counts_and_ends_the_replay(teapot: rayreel.Trace, name: str, moments, first: str):
+    policy = Fails(*moments)
+    with pytest.raises(KeyError, match=first):
+        getattr(teapot, name)(policy)
+    frame, moment = min(moments, key=lambda moment: first != f"frame {moment[0]}, {moment[1]}")
+    assert max(frame for frame, _ in policy.calls) == frame, "no frame begins after it"
+    if moment == "begin":
+        assert policy.calls == [(frame, "begin")]
+    elif moment != "end":
+        assert (frame, "end") not in policy.calls
 
 
 def test_what_a_policy_raises_comes_out(cornell: rayreel.Trace):

@@ -14,8 +14,16 @@ import pytest
 import rayreel
 from rayreel import State
 
+
+class Full:
+    """Traces every sample."""
+
+    def begin_tile(self, view: rayreel.TileView) -> None:
+        view.trace_mask(np.ones((view.height, view.width), np.bool_))
+
+
 #: What only the program knows.
-PROGRAM = ["program", "model_version", "command", "trace", "trace_fingerprint", "trace_digest"]
+PROGRAM = ["command", "trace_digest"]
 
 
 def figures(stats: dict) -> dict:
@@ -38,6 +46,28 @@ def test_simulations_equal_the_programs(path: Path, program: Path, detail):
     assert figures(here.stats) == figures(there) and here.counters
     by_name = rayreel.open(path).simulate("paper-ss", set={"ti.trv_l1.size": "8KiB", "block": 4}, detail=detail)
     assert by_name.stats == here.stats
+
+
+def test_the_program_finds_the_same_run_equal(captured: Path, program: Path, tmp_path: Path):
+    here, there = tmp_path / "here.json", tmp_path / "there.json"
+    here.write_text(json.dumps(rayreel.open(captured).simulate("adaptive").stats))
+    command = [program, "replay", captured, "--json", "-q"]
+    there.write_bytes(subprocess.run(command, check=True, capture_output=True).stdout)
+    compared = subprocess.run([program, "compare", here, there], capture_output=True, text=True)
+    assert compared.returncode == 0, compared.stdout + compared.stderr
+
+
+def test_what_was_replayed_is_named(cornell: rayreel.Trace):
+    for policy in ("full", Full()):
+        stats = cornell.replay(policy).stats
+        assert stats["trace"] == "v1_0_cornell.rtrace" and stats["trace_fingerprint"] == cornell.fingerprint
+        assert stats["program"] == f"rayreel {rayreel.__version__}" and stats["model_version"] == rayreel.MODEL_VERSION
+        assert "command" not in stats and stats["trace_digest"] is None
+
+
+def test_values_may_be_numpys(cornell: rayreel.Trace):
+    config = cornell.simulate("adaptive", set={"gpu.warm_caches": np.True_, "block": np.int64(4)}).stats
+    assert config["machine_config"]["gpu.warm_caches"]["value"] is True
 
 
 def test_pictures(teapot: rayreel.Trace):
@@ -74,7 +104,9 @@ def test_what_is_not_wanted_is_not_there(cornell: rayreel.Trace):
     ("asked", "says"),
     [
         ({"policy": "adaptiv"}, "did you mean adaptive"),
-        ({"policy": "full", "frames": 8}, "8"),
+        ({"policy": "full", "frames": 8}, "frame 8 is not in the trace"),
+        ({"policy": "full", "frames": (0, 9)}, "frame 8 is not in the trace"),
+        ({"policy": "full", "frames": -1}, "frames is a whole number"),
         ({"policy": "full", "set": ["ti.trv_l1.size=8KiB"]}, "is for a machine"),
         ({"policy": 3}, "an object with a method begin_tile"),
     ],

@@ -58,6 +58,26 @@ def test_columns_frames_and_tiles(teapot: rayreel.Trace):
     assert whole.vectors("origin").shape == (len(whole), 3)
 
 
+def test_frames_and_tiles_may_be_said_in_many_ways(teapot: rayreel.Trace):
+    one = teapot.table("rays", frames=31, tiles="1")
+    for frames, tiles in [(np.int64(31), 1), ("31", np.int64(1)), (range(31, 32), range(1, 2)), ((31, 32), "1..2")]:
+        assert teapot.table("rays", frames=frames, tiles=tiles) == one
+    assert teapot.table("rays", frames="30..32") == teapot.table("rays")
+    assert list(teapot.table("rays", columns="t")) == ["t"]
+
+
+def test_tables_are_compared_by_value(cornell: rayreel.Trace):
+    rays = cornell.table("rays", columns=["kind", "t"])
+    assert rays == cornell.table("rays", columns=["kind", "t"])
+    assert not rays != cornell.table("rays", columns=["kind", "t"])
+    assert rays != cornell.table("rays", columns=["kind"]) and rays != cornell.table("rays", columns=["kind", "t"], tiles=0)
+    changed = cornell.table("rays", columns=["kind", "t"])
+    changed["t"][0] += 1
+    assert rays != changed and rays != 3 and rays != dict(rays)
+    changed["t"][0] = rays["t"][0] = np.nan
+    assert rays == changed, "no value is no value"
+
+
 def test_words(cornell: rayreel.Trace):
     rays = cornell.table("rays")
     assert rays["kind"][0] == "primary" and rays.words("kind")[rays.codes("kind")[0]] == "primary"
@@ -76,6 +96,18 @@ def test_words(cornell: rayreel.Trace):
         ({"what": "rays", "set": {"block": 4}}, "is for a policy"),
         ({"what": "rays", "frames": 7}, "frame 7 is not in the trace"),
         ({"what": "rays", "frames": range(0, 4, 2)}, "a run of numbers"),
+        ({"what": "rays", "frames": -1}, "frames is a whole number.*not -1"),
+        ({"what": "rays", "frames": (0, -1)}, "frames is a whole number.*not -1"),
+        ({"what": "rays", "frames": (0, 1, 2)}, "frames as a pair"),
+        ({"what": "rays", "frames": 0.5}, "frames is a whole number.*not 0.5"),
+        ({"what": "rays", "frames": "2..1"}, "frames are a run of numbers"),
+        ({"what": "rays", "frames": "first"}, "frames as text are A..B"),
+        ({"what": "rays", "tiles": -1}, "tiles is a whole number.*not -1"),
+        ({"what": "rays", "columns": [3]}, "columns is made of text"),
+        ({"what": "rays", "policy": 3}, "policy is the name of a preset"),
+        ({"what": "rays", "machine": 3}, "machine is the name of a preset"),
+        ({"what": "counters", "set": 3}, "set is made of text"),
+        ({"what": "counters", "interval": -1}, "interval is a whole number.*not -1"),
         ({"what": "rays", "tiles": "900"}, "tile 900 is not in the trace"),
         ({"what": "counters", "interval": 0}, "never ends"),
     ],
@@ -103,4 +135,6 @@ def test_files_that_are_no_traces(tmp_path: Path):
 def test_memory_is_bounded(cornell: rayreel.Trace):
     with pytest.raises(rayreel.Error, match="memory for decoding"):
         rayreel.open(cornell.path, memory=0)
+    with pytest.raises(rayreel.Error, match="memory is a whole number"):
+        rayreel.open(cornell.path, memory=-1)
     assert len(rayreel.open(cornell.path, memory=64).table("rays")) > 0

@@ -181,6 +181,12 @@ fn rules_of_the_interface_are_kept() {
     assert!(panics(|view| view.trace(0, 0, SampleState::Interpolated, 0)), "tracing for nothing");
     assert!(panics(|view| (0..2).for_each(|_| view.trace(0, 0, SampleState::Reference, 0))), "tracing twice");
     assert!(panics(|view| view.trace(8, 0, SampleState::Reference, 0)), "another tile");
+    let empty = |give: fn(&mut TileView)| {
+        let panicked = catch_unwind(AssertUnwindSafe(|| wrong(give))).unwrap_err();
+        assert!(panicked.downcast_ref::<String>().unwrap().contains("gave sample (0, 0) an empty tree"));
+    };
+    empty(|view| view.interpolate(0, 0, &[], 1));
+    empty(|view| view.rebuild(0, 0, 1, |_, _, _| 0));
 }
 
 #[test]

@@ -93,7 +93,11 @@ class TileView:
 
     @property
     def surfaces(self) -> dict[str, _Array]:
-        """Where the primary rays of the known samples met a surface: object (-1 for none), depth, shadows, normal, position."""
+        """Where the primary rays of the known samples met a surface: object (-1 for none), depth, shadows, normal, position.
+
+        `shadows` has two bits a light, the first light in the lowest: `shadows >> 2 * light & 3` is 0 if no ray was cast towards it, 1 if
+        it is lit, 2 if something opaque is in the way, 3 if it is seen through something transparent. It is 0 where nothing is known
+        too: mask it with `known`."""
 
     def samples(self) -> npt.NDArray[np.uint32]:
         """Column and row of all samples, row by row."""

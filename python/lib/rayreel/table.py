@@ -48,6 +48,10 @@ def tables() -> dict[str, TableInfo]:
     }
 
 
+def _equal(ours: Array, theirs: Array) -> bool:
+    return np.array_equal(ours, theirs, equal_nan=ours.dtype.kind == "f")
+
+
 class Table(Mapping[str, "Array"]):
     """Rows of a table, column by column: `table["t"]` is an array.
 
@@ -80,6 +84,14 @@ class Table(Mapping[str, "Array"]):
 
     def __contains__(self, name: object) -> bool:
         return name in self._columns
+
+    def __eq__(self, other: object) -> bool:
+        """The same rows of the same columns of the same table. What is no number equals itself: it stands for no value."""
+        if not isinstance(other, Table):
+            return NotImplemented
+        if self.info != other.info or list(self) != list(other):
+            return False
+        return all(_equal(self[name], other[name]) for name in self)
 
     def __repr__(self) -> str:
         return f"<rayreel.Table {self.info.name}: {len(self)} rows of {', '.join(self._columns)}>"

@@ -6,9 +6,11 @@ import json
 import os
 from dataclasses import dataclass
 from enum import IntEnum
-from typing import Any, Iterator, Mapping, Sequence
+from functools import partial
+from typing import Any, Iterator, Sequence
 
-from . import _native
+from . import _arguments, _native
+from ._arguments import Frames, Overrides, PresetOrFile, Tiles
 from ._native import Frame
 from .policy import Policy
 from .table import Table, tables
@@ -31,7 +33,7 @@ class State(IntEnum):
 class Result:
     """What came of a replay or a simulation."""
 
-    #: What `rayreel replay --json` prints, but for the trace's name and digest and the command.
+    #: What `rayreel replay --json` prints, but for the command, and with None for the trace's digest.
     stats: dict[str, Any]
     #: The frames, in order.
     frames: list[Frame]
@@ -46,39 +48,12 @@ class Result:
         return self.stats["counters"] or {}
 
 
-def _frames(frames: int | range | tuple[int, int] | None) -> tuple[int, int] | None:
-    if frames is None:
-        return None
-    if isinstance(frames, range):
-        if frames.step != 1 or not frames:
-            raise _native.Error(f"frames are a run of numbers, such as range(0, 60), not {frames}")
-        return frames.start, frames.stop
-    if isinstance(frames, tuple):
-        return frames
-    return frames, frames + 1
-
-
-def _overrides(overrides: Sequence[str] | Mapping[str, Any] | None) -> list[str]:
-    if overrides is None:
-        return []
-    if isinstance(overrides, str):
-        return [overrides]
-    if isinstance(overrides, Mapping):
-        text = {True: "true", False: "false"}
-        return [f"{key}={text[value] if isinstance(value, bool) else value}" for key, value in overrides.items()]
-    return list(overrides)
-
-
-def _name(name: str | os.PathLike[str] | None) -> str | None:
-    return None if name is None else os.fspath(name)
-
-
 class Trace:
     """A trace file that is open; decoding it takes at most `memory` MiB at a time."""
 
     def __init__(self, path: str | os.PathLike[str], *, memory: int = 1024) -> None:
         self.path = os.fspath(path)
-        self._native = _native.Trace(self.path, memory)
+        self._native = _native.Trace(self.path, _arguments.whole("memory", memory))
         self.meta: dict[str, Any] = self._native.meta()
 
     def __repr__(self) -> str:
@@ -99,18 +74,18 @@ class Trace:
         self,
         what: str,
         *,
-        columns: Sequence[str] | None = None,
-        frames: int | range | tuple[int, int] | None = None,
-        tiles: str | None = None,
-        policy: str | os.PathLike[str] | None = None,
-        machine: str | os.PathLike[str] | None = None,
-        set: Sequence[str] | Mapping[str, Any] | None = None,
+        columns: str | Sequence[str] | None = None,
+        frames: Frames | None = None,
+        tiles: Tiles | None = None,
+        policy: PresetOrFile | None = None,
+        machine: PresetOrFile | None = None,
+        set: Overrides | None = None,
         interval: int = 1000,
     ) -> Table:
         """A table, all of it in memory: `rays`, `hits`, `steps`, `addresses`, `samples`, `nodes`, `triangles`, `lookups`,
         `requests`, `counters` or `tiles`. The arguments are the options of `rayreel export`. Of columns that are not asked for nothing is
         kept."""
-        asked = _asked(columns, frames, tiles, policy, machine, set, interval)
+        asked = _arguments.asked(columns, frames, tiles, policy, machine, set, interval)
         columns_by_name = self._native.table(what, asked)
         return Table(tables()[what], columns_by_name)
 
@@ -118,25 +93,25 @@ class Trace:
         self,
         what: str,
         *,
-        columns: Sequence[str] | None = None,
-        frames: int | range | tuple[int, int] | None = None,
-        tiles: str | None = None,
-        policy: str | os.PathLike[str] | None = None,
-        machine: str | os.PathLike[str] | None = None,
-        set: Sequence[str] | Mapping[str, Any] | None = None,
+        columns: str | Sequence[str] | None = None,
+        frames: Frames | None = None,
+        tiles: Tiles | None = None,
+        policy: PresetOrFile | None = None,
+        machine: PresetOrFile | None = None,
+        set: Overrides | None = None,
         interval: int = 1000,
     ) -> Iterator[Table]:
         """The same table in parts of some 100 000 rows, made in the background: memory does not depend on its length."""
-        batches = self._native.batches(what, _asked(columns, frames, tiles, policy, machine, set, interval))
-        info = tables()[what]
-        return (Table(info, batch) for batch in batches)
+        batches = self._native.batches(what, _arguments.asked(columns, frames, tiles, policy, machine, set, interval))
+        # Unlike a generator, this goes on after an interruption.
+        return map(partial(Table, tables()[what]), batches)
 
     def replay(
         self,
-        policy: str | os.PathLike[str] | Policy = "adaptive",
+        policy: PresetOrFile | Policy = "adaptive",
         *,
-        set: Sequence[str] | Mapping[str, Any] | None = None,
-        frames: int | range | tuple[int, int] | None = None,
+        set: Overrides | None = None,
+        frames: Frames | None = None,
         pictures: bool = True,
         compare: bool = True,
     ) -> Result:
@@ -146,60 +121,40 @@ class Trace:
 
     def simulate(
         self,
-        policy: str | os.PathLike[str] | Policy = "adaptive",
-        machine: str | os.PathLike[str] = "sgrt-ti2",
+        policy: PresetOrFile | Policy = "adaptive",
+        machine: PresetOrFile = "sgrt-ti2",
         *,
-        set: Sequence[str] | Mapping[str, Any] | None = None,
-        frames: int | range | tuple[int, int] | None = None,
+        set: Overrides | None = None,
+        frames: Frames | None = None,
         detail: str | float = "full",
         pictures: bool = True,
         compare: bool = True,
     ) -> Result:
         """The same on a machine: a preset or a file. `detail` is that of `rayreel replay`: `full`, `all`, `counts`, a share of the
-        tiles, or `precision P`."""
-        return self._replay(policy, os.fspath(machine), set, frames, str(detail), pictures, compare)
+        tiles, or `precision P`. Under a policy of yours every cycle is simulated, whatever share is asked for."""
+        return self._replay(policy, _arguments.preset_or_file("machine", machine), set, frames, str(detail), pictures, compare)
 
     def _replay(
         self,
-        policy: str | os.PathLike[str] | Policy,
+        policy: PresetOrFile | Policy,
         machine: str | None,
-        overrides: Sequence[str] | Mapping[str, Any] | None,
-        frames: int | range | tuple[int, int] | None,
+        overrides: Overrides | None,
+        frames: Frames | None,
         detail: str | None,
         pictures: bool,
         compare: bool,
     ) -> Result:
         request = {
-            "policy": os.fspath(policy) if isinstance(policy, (str, os.PathLike)) else policy,
+            "policy": _arguments.preset_or_file("policy", policy) if isinstance(policy, (str, os.PathLike)) else policy,
             "machine": machine,
-            "overrides": _overrides(overrides),
-            "frames": _frames(frames),
+            "overrides": _arguments.overrides(overrides),
+            "frames": _arguments.frames(frames),
             "detail": detail,
-            "pictures": pictures,
-            "compare": compare,
+            "pictures": bool(pictures),
+            "compare": bool(compare),
         }
         stats, kept = self._native.replay(request)
         return Result(json.loads(stats), kept)
-
-
-def _asked(
-    columns: Sequence[str] | None,
-    frames: int | range | tuple[int, int] | None,
-    tiles: str | None,
-    policy: str | os.PathLike[str] | None,
-    machine: str | os.PathLike[str] | None,
-    overrides: Sequence[str] | Mapping[str, Any] | None,
-    interval: int,
-) -> dict[str, Any]:
-    return {
-        "columns": None if columns is None else list(columns),
-        "frames": _frames(frames),
-        "tiles": tiles,
-        "policy": _name(policy),
-        "machine": _name(machine),
-        "overrides": _overrides(overrides),
-        "interval": interval,
-    }
 
 
 def open(path: str | os.PathLike[str], *, memory: int = 1024) -> Trace:

@@ -157,7 +157,7 @@ impl TileView {
     /// Gives sample (`x`, `y`) an interpolated tree.
     ///
     /// # Panics
-    /// As [`TileView::trace`].
+    /// As [`TileView::trace`]; when the tree is empty: it has its primary hit, or a miss, at least.
     pub fn interpolate(&mut self, x: u32, y: u32, tree: &[Node], round: u8) {
         self.interpolate_made((x, y), tree, round, tree.len() as u32);
     }
@@ -165,12 +165,18 @@ impl TileView {
     /// As [`TileView::interpolate`]; so many of its hits have attributes at once.
     fn interpolate_made(&mut self, (x, y): (u32, u32), tree: &[Node], round: u8, made: u32) {
         let i = self.decide(x, y, SampleState::Interpolated, round);
-        self.known.make(i, tree);
+        self.make_known(i, (x, y), tree);
         self.count((x, y), round, |counts| {
             counts.interpolated += 1;
             counts.attributes += made;
         });
         self.attributes.make(i, made);
+    }
+
+    /// Keeps the tree of the `i`-th sample, (`x`, `y`).
+    fn make_known(&mut self, i: usize, (x, y): (u32, u32), tree: &[Node]) {
+        assert!(!tree.is_empty(), "a policy gave sample ({x}, {y}) an empty tree, without even a primary hit");
+        self.known.make(i, tree);
     }
 
     /// As [`TileView::interpolate`] with a tree that `build` appends, from what is known of the tile; `at_once` of its hits have
@@ -193,7 +199,7 @@ impl TileView {
     /// hit, and gives the number of interpolated hits. It may read what is known of the tile.
     ///
     /// # Panics
-    /// As [`TileView::trace`].
+    /// As [`TileView::interpolate`].
     pub fn rebuild(
         &mut self,
         x: u32,
@@ -228,7 +234,7 @@ impl TileView {
             _ => SampleState::Partial,
         };
         let i = self.decide(x, y, state, round);
-        self.known.make(i, &tree);
+        self.make_known(i, (x, y), &tree);
         let made = tree.len().saturating_sub(traced) as u32;
         self.attributes.make(i, tree.len() as u32);
         self.made = tree;

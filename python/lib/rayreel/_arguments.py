@@ -1,0 +1,128 @@
+"""Arguments as the native part takes them. What is wrong with one is said by its name."""
+
+from __future__ import annotations
+
+import operator
+import os
+import re
+from typing import Any, Mapping, Sequence, TypeAlias
+
+import numpy as np
+
+from ._native import Error
+
+#: A frame, a run of them (`range(0, 60)`, or its first and the one behind its last), or the same as text: `0..60`.
+Frames: TypeAlias = int | range | tuple[int, int] | str
+#: A tile, a run of them, or text such as `0..8,17`.
+Tiles: TypeAlias = int | range | str
+#: `key=value` once or several times, or values by key.
+Overrides: TypeAlias = str | Sequence[str] | Mapping[str, Any]
+#: The name of a preset, or a file.
+PresetOrFile: TypeAlias = str | os.PathLike[str]
+
+_LARGEST = 2**32 - 1
+
+
+def whole(argument: str, value: object, largest: int = _LARGEST) -> int:
+    """A whole number, of Python or NumPy."""
+    try:
+        number = operator.index(value)  # type: ignore[arg-type]
+    except TypeError:
+        number = -1
+    if not 0 <= number <= largest:
+        raise Error(f"{argument} is a whole number from 0 to {largest}, not {value!r}")
+    return number
+
+
+def _run(argument: str, wanted: range) -> tuple[int, int]:
+    if wanted.step != 1 or not wanted:
+        raise Error(f"{argument} are a run of numbers, such as range(0, 60), not {wanted}")
+    return whole(argument, wanted.start), whole(argument, wanted.stop)
+
+
+def frames(wanted: Frames | None) -> tuple[int, int] | None:
+    """The first frame, and the one behind the last."""
+    if wanted is None:
+        return None
+    if isinstance(wanted, range):
+        return _run("frames", wanted)
+    if isinstance(wanted, str):
+        found = re.fullmatch(r"\s*(\d+)\s*(?:\.\.\s*(\d+)\s*)?", wanted, re.ASCII)
+        if not found:
+            raise Error(f"frames as text are A..B with A below B, such as 0..60, or one number, not {wanted!r}")
+        first = int(found[1])
+        return _run("frames", range(first, int(found[2]) if found[2] else first + 1))
+    if isinstance(wanted, tuple):
+        if len(wanted) != 2:
+            raise Error(f"frames as a pair are the first and the one behind the last, not {wanted}")
+        return _run("frames", range(whole("frames", wanted[0]), whole("frames", wanted[1])))
+    first = whole("frames", wanted, _LARGEST - 1)
+    return first, first + 1
+
+
+def tiles(wanted: Tiles | None) -> str | None:
+    """The tiles as text."""
+    if wanted is None or isinstance(wanted, str):
+        return wanted
+    if isinstance(wanted, range):
+        first, end = _run("tiles", wanted)
+        return f"{first}..{end}"
+    return str(whole("tiles", wanted))
+
+
+def overrides(wanted: Overrides | None) -> list[str]:
+    """Each as `key=value`."""
+    if wanted is None:
+        return []
+    if isinstance(wanted, Mapping):
+        return [f"{key}={_setting(value)}" for key, value in wanted.items()]
+    return texts("set", wanted)
+
+
+def _setting(value: object) -> object:
+    if isinstance(value, (bool, np.bool_)):
+        return "true" if value else "false"
+    return value
+
+
+def texts(argument: str, wanted: str | Sequence[str]) -> list[str]:
+    """Words, of which one may stand alone."""
+    try:
+        words = [wanted] if isinstance(wanted, str) else list(wanted)
+    except TypeError:
+        words = [wanted]  # type: ignore[list-item]
+    for word in words:
+        if not isinstance(word, str):
+            raise Error(f"{argument} is made of text, not of {word!r}")
+    return words
+
+
+def preset_or_file(argument: str, wanted: PresetOrFile | None) -> str | None:
+    """The name of a preset, or of a file."""
+    if wanted is None:
+        return None
+    try:
+        return os.fsdecode(wanted)
+    except TypeError:
+        raise Error(f"{argument} is the name of a preset, or a file, not {wanted!r}") from None
+
+
+def asked(
+    columns: str | Sequence[str] | None,
+    wanted_frames: Frames | None,
+    wanted_tiles: Tiles | None,
+    policy: PresetOrFile | None,
+    machine: PresetOrFile | None,
+    wanted_overrides: Overrides | None,
+    interval: int,
+) -> dict[str, Any]:
+    """How a table is asked for."""
+    return {
+        "columns": None if columns is None else texts("columns", columns),
+        "frames": frames(wanted_frames),
+        "tiles": tiles(wanted_tiles),
+        "policy": preset_or_file("policy", policy),
+        "machine": preset_or_file("machine", machine),
+        "overrides": overrides(wanted_overrides),
+        "interval": whole("interval", interval, 2**64 - 1),
+    }
