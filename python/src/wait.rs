@@ -56,8 +56,8 @@ pub fn interruptible<T: Send>(py: Python<'_>, work: impl FnOnce(&Stop) -> PyResu
     interruptible_with(py, (&stop, |_| ()), || work(&stop))
 }
 
-/// As [`interruptible`], with a request to stop that others may make too. When Ctrl-C makes it, here or around a policy that asks for this work,
-/// `hurry` is called.
+/// As [`interruptible`], with a request to stop that others may make too. When Ctrl-C makes it, here or around a policy that asks
+/// for this work, `hurry` is called.
 ///
 /// # Errors
 /// As [`interruptible`].

@@ -10,7 +10,7 @@ use rayreel_machine::stats::Stats;
 
 use super::mode::Detail;
 
-/// Half width of an interval, at least, as a part of the value, of a frame of [`FLOOR_TILES`] tiles or more: what windows do not tell
+/// Half width of an interval, at least, as a part of the value, of a frame of 2048 tiles or more: what windows do not tell
 /// of, such as the seams between them, has been below this (see the bench `detail`).
 pub const FLOOR: f64 = 0.005;
 

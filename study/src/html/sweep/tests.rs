@@ -75,7 +75,7 @@ fn heat_maps_take_axes_that_they_have_room_for() {
     let rows = 130_u32;
     let column = |name: &str, of: fn(u32) -> i64| axis(name, Cells::Int((0..rows).map(|i| Some(of(i))).collect()));
     let time = figure("time_ms", &(0..rows).map(|i| f64::from(i * i + i % 3)).collect::<Vec<_>>());
-    let energy = figure("energy_mj", &(0..rows).map(|i| f64::from(i)).collect::<Vec<_>>());
+    let energy = figure("energy_mj", &(0..rows).map(f64::from).collect::<Vec<_>>());
     let results = table(vec![
         column("many", |i| i64::from(i / 2)),
         column("two", |i| i64::from(i % 2)),
