@@ -150,34 +150,6 @@ def test_a_policy_is_called_once_at_a_time(cornell: rayreel.Trace):
     assert (policy.now, policy.most) == (0, 1)
 
 
-@pytest.mark.parametrize(
-    "ask",
-    [
-        lambda trace, _: trace.table("samples"),
-        lambda trace, _: trace.batches("samples"),
-        lambda _, made_before: next(made_before),
-        lambda trace, _: trace.replay("full"),
-        lambda trace, _: trace.simulate(Full()),
-    ],
-)
-def test_a_policy_cannot_ask_for_more_in_begin_tile(cornell: rayreel.Trace, ask):
-    made_before = cornell.batches("steps")
-
-    class Asks(Full):
-        def begin_frame(self, frame: int) -> None:
-            self.rows = len(cornell.table("samples"))
-
-        def begin_tile(self, view: TileView) -> None:
-            ask(cornell, made_before)
-            super().begin_tile(view)
-
-    policy = Asks()
-    for replay in (cornell.replay, cornell.simulate):
-        with pytest.raises(rayreel.Error, match="cannot ask rayreel for tables or replays in begin_tile"):
-            replay(policy)
-        assert policy.rows > 0, "begin_frame may"
-
-
 class Fails(Full):
     """Fails at some moments: frame, and method or tile."""
 

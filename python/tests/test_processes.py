@@ -1,5 +1,5 @@
-"""What ends, and how: policies that do not return, forks, programs that end while a replay runs. Each in a process of its own, for
-what fails here may never end."""
+"""What ends, and how: policies that do not return or wait for themselves, forks, programs that end while a replay runs. Each in a
+process of its own, for what fails here may never end."""
 
 import os
 import subprocess
@@ -31,6 +31,38 @@ def run(program: str) -> subprocess.CompletedProcess:
     """Runs it to its end. It says so if that does not come: nothing here takes seconds."""
     whole = BEGINNING + textwrap.dedent(program)
     return subprocess.run([sys.executable, "-c", whole], capture_output=True, text=True, timeout=120)
+
+
+@pytest.mark.parametrize("name", ["replay", "simulate"])
+@pytest.mark.parametrize(
+    "ask",
+    [
+        'trace.table("samples")',
+        'trace.batches("samples")',
+        "next(made_before)",
+        'trace.replay("full")',
+        "trace.simulate(Full())",
+    ],
+)
+def test_a_policy_cannot_ask_for_more_in_begin_tile(name: str, ask: str):
+    ran = run(f"""
+        made_before = trace.batches("steps")
+
+        class Asks(Full):
+            def begin_frame(self, frame):
+                print(len(trace.table("samples")) > 0)
+
+            def begin_tile(self, view):
+                {ask}
+                super().begin_tile(view)
+
+        try:
+            trace.{name}(Asks())
+        except rayreel.Error as error:
+            print(error)
+    """)
+    refused = "a policy cannot ask rayreel for tables or replays in begin_tile; do so in begin_frame, or before"
+    assert (ran.returncode, ran.stdout) == (0, f"True\n{refused}\n"), ran.stderr
 
 
 @pytest.mark.parametrize("caught", [0, 1])
