@@ -44,6 +44,8 @@ fn a_part_is_simulated_and_the_rest_is_estimated() {
     for name in ["cycles", "energy_mj", "time_ms", "perf_per_watt", "gpu_energy_mj", "dram_bytes", "dram_reads"] {
         assert!(number(&detail["interval_percent"][name]) >= 0.2, "{name}");
     }
+    // Pass and windows may read too much together, which no difference between them shows.
+    assert!(number(&detail["interval_percent"]["dram_bytes"]) > 4.0);
     assert_eq!(
         detail["replicates"]["cycles"].as_array().map(Vec::len),
         detail["replicates"]["energy_mj"].as_array().map(Vec::len)

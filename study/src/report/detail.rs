@@ -122,7 +122,7 @@ fn replicates<'a>(run: &'a MachineRun, estimate: &'a Estimate) -> impl Iterator<
 const SEAMS_OF_DRAM: f64 = 0.015;
 
 /// Cycles in which an SRP has nothing to do come at the ends of a frame and now and then between. Windows see few of these, and what they
-/// say of the others was off by up to three times.
+/// say of the others was a quarter to two and a half times what there are (docs/detail.md).
 const SELDOM: [&str; 2] = ["srp_activity_idle", "srp_activity_border"];
 
 /// What figures are made with.
