@@ -147,6 +147,14 @@ fn pages_save_them() {
             return !svg.querySelector('parsererror') && svg.querySelectorAll('rect, path').length > 1 && svg.querySelector('text') \
                 && !/var\\(|NaN|class=/.test(c.text); })";
         page.holds(&format!("caught.some(c => c.name.endsWith('.svg')) && {sound}"));
+        // What the colours mean goes with the chart, and is below it.
+        let keyed = "[...document.querySelectorAll('section .legend')].map(list => list.closest('section')).every(part => { \
+            const names = [...part.querySelectorAll('.legend li')].map(entry => entry.textContent); \
+            return [...part.querySelectorAll('figure[data-chart]')].every(figure => { \
+                const { text } = caught.find(c => c.name === figure.dataset.chart + '.svg'); \
+                const words = [...new DOMParser().parseFromString(text, 'image/svg+xml').querySelectorAll('text')]; \
+                return names.includes(words.at(-1).textContent); }); })";
+        page.holds(keyed);
         // A chart as the command writes it has the same numbers.
         let to = results.join("charts");
         rayreel!["report", &results, "--charts", &to].expect(0);

@@ -196,8 +196,48 @@
     return `rgb(${[...pen.getImageData(0, 0, 1, 1).data].slice(0, 3).join(", ")})`;
   };
   const font = () => getComputedStyle(document.body).fontFamily;
+  const styled = (part, copy) => {
+    const own = getComputedStyle(part);
+    for (const key of STYLES) copy.setAttribute(key, plain(own.getPropertyValue(key)));
+    for (const key of ["class", "style", "tabindex", "data-mark", "data-v", "data-tip"]) copy.removeAttribute(key);
+  };
+  // What the colours mean: the list in the figure, or the nearest one before it; of that what the chart shows.
+  const keysOf = (figure) => {
+    const chart = figure.querySelector("svg.chart, table, .bars");
+    const lists = [...(figure.closest("section") ?? document).querySelectorAll(".legend")];
+    const before = lists.filter((list) => list.compareDocumentPosition(figure) & Node.DOCUMENT_POSITION_FOLLOWING);
+    const entries = [...((figure.querySelector(".legend") ?? before.at(-1) ?? lists[0])?.children ?? [])];
+    const shown = entries.filter((entry) => [...entry.querySelectorAll("svg [class]")].flatMap((part) => [...part.classList]).every((name) => chart.getElementsByClassName(name).length > 0));
+    return shown.length > 0 ? shown : entries;
+  };
+  /** Draws the keys of a figure below its chart, in rows of this width; how high they are. */
+  const legend = (made, figure, width, top) => {
+    let [x, row] = [0, 0];
+    const entries = keysOf(figure);
+    for (const entry of entries) {
+      const [own, symbol] = [getComputedStyle(entry), entry.querySelector("svg")];
+      const [, , wide, high] = symbol?.getAttribute("viewBox").split(" ").map(Number) ?? [0, 0, 0, 0];
+      pen.font = `${own.fontWeight} 12px ${font()}`;
+      const room = wide + 6 + pen.measureText(entry.textContent).width + 16;
+      if (x > 0 && x + room > width) [x, row] = [0, row + 1];
+      const y = top + row * 20;
+      if (symbol) {
+        const group = element("g", { transform: `translate(${x} ${y + 8 - high / 2})` });
+        for (const part of symbol.children) {
+          const copy = part.cloneNode(true);
+          styled(part, copy);
+          group.append(copy);
+        }
+        made.append(group);
+      }
+      made.append(element("text", { x: x + wide + (wide > 0 ? 6 : 0), y: y + 12, "font-size": 12, "font-weight": own.fontWeight, fill: plain(own.color) }, entry.textContent));
+      x += room;
+    }
+    return entries.length > 0 ? (row + 1) * 20 + 12 : 0;
+  };
   const sheet = (made, figure, width, height) => {
-    const [w, h] = [width + 24, height + 24];
+    const below = legend(made, figure, width, height + 12);
+    const [w, h] = [width + 24, height + 24 + below];
     for (const [key, value] of Object.entries({ viewBox: `-12 -12 ${w} ${h}`, width: w, height: h, "font-family": font() })) made.setAttribute(key, value);
     made.prepend(element("rect", { x: -12, y: -12, width: w, height: h, fill: getComputedStyle(figure).backgroundColor }));
     return new XMLSerializer().serializeToString(made);
@@ -206,9 +246,7 @@
     const copy = chart.cloneNode(true);
     const [from, to] = [chart, copy].map((own) => [own, ...own.querySelectorAll("*")]);
     from.forEach((part, i) => {
-      const own = getComputedStyle(part);
-      for (const key of STYLES) to[i].setAttribute(key, plain(own.getPropertyValue(key)));
-      for (const key of ["class", "style", "tabindex", "data-mark", "data-v", "data-tip"]) to[i].removeAttribute(key);
+      styled(part, to[i]);
       if (part.dataset.tip) to[i].append(element("title", {}, part.dataset.tip));
     });
     const { width, height } = chart.viewBox.baseVal;
