@@ -1,7 +1,7 @@
 //! `rayreel aov`: what a frame holds beside its colours, as layers of an EXR file.
 
 use std::io::Read;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use anyhow::{Result, bail};
 use rayreel_columns::{ColumnsError, aov};
@@ -18,7 +18,7 @@ use rayreel_tracer::TraceSettings;
 use rayreel_tracer::{CaptureOutcome, CaptureOutput, capture};
 use serde_json::json;
 
-use crate::common::{GridArgs, build, meta, open, print, samples, size, tile_of};
+use crate::common::{GridArgs, build, check_output, meta, open, print, samples, size, tile_of};
 use crate::exit::Exit;
 use crate::progress;
 use crate::scene_args::SceneArgs;
@@ -65,6 +65,7 @@ pub fn run(args: &Args) -> Result<Exit> {
         bail!("{} is written as EXR; let its name end in .exr", args.output.display());
     }
     let policy = NamedPolicy::load(&args.policy, &args.overrides)?;
+    check_output(&args.output, &[Path::new(&args.scene.scene), Path::new(&args.policy)])?;
     // Lives as long as the trace in it.
     let folder = tempfile::tempdir()?;
     if let (true, Some(flag)) = (is_trace(&args.scene.scene), scene_flag(args)) {

@@ -4,6 +4,7 @@ use std::io::Write;
 use std::path::Path;
 
 use anyhow::{Context, Result, bail};
+use rayreel_formats::durable::WholeFile;
 use rayreel_formats::scene::Meta;
 use rayreel_formats::trace::Trace;
 use rayreel_replay::image::Image;
@@ -133,6 +134,19 @@ pub fn keep_input(output: &Path, input: &Path) -> Result<()> {
     if place(output).is_some_and(|to| Some(to) == place(input)) {
         bail!("{} is what is read; name another file to write", output.display());
     }
+    Ok(())
+}
+
+/// Refuses an output that cannot be written, or would take the place of one of `inputs`: before the work is done that it is for.
+/// Inputs that are no files, such as names of presets, do not matter.
+pub fn check_output(output: &Path, inputs: &[&Path]) -> Result<()> {
+    inputs.iter().try_for_each(|input| keep_input(output, input))?;
+    if output.is_dir() {
+        bail!("{} is a folder; name a file to write", output.display());
+    }
+    // It is there for a moment only.
+    let begun = WholeFile::create(output).with_context(|| format!("cannot write {}", output.display()))?;
+    drop(begun);
     Ok(())
 }
 

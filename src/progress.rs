@@ -17,7 +17,9 @@ static SIGNAL: OnceLock<Stop> = OnceLock::new();
 static HEARD: AtomicBool = AtomicBool::new(false);
 
 /// Handles Ctrl-C, SIGTERM and SIGHUP from now on. Until [`stop_on_signal`] is called one of them ends the process at once, with the
-/// code of an interruption: nothing is half written then, because files are written whole.
+/// code of an interruption. No file is half written then, because each gets its name once it is whole; but nothing is cleaned up, so
+/// one that is being written just then stays behind as `.NAME.PID-NUMBER.partial`, as after a kill. Commands that write for long
+/// therefore look at the request, and clean up as they end; those that do not (`render`, `report`, `sweep merge`) write little.
 pub fn handle_signals() {
     SIGNAL.get_or_init(|| {
         let stop = Stop::default();

@@ -1,11 +1,11 @@
 //! `rayreel render`: the reference picture straight from the tracer.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use anyhow::{Result, bail};
 use rayreel_replay::image::{files, srgb};
 
-use crate::common::{GridArgs, build, meta, render, tile_of};
+use crate::common::{GridArgs, build, check_output, meta, render, tile_of};
 use crate::exit::Exit;
 use crate::scene_args::SceneArgs;
 
@@ -31,6 +31,7 @@ pub fn run(args: &Args) -> Result<Exit> {
         Some("exr") => true,
         _ => bail!("cannot tell the picture format of {}; end it in .png or .exr", args.output.display()),
     };
+    check_output(&args.output, &[Path::new(&args.scene.scene)])?;
     let scene = args.scene.load(args.frame, 1)?;
     let built = build(&scene)?;
     let image =

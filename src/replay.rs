@@ -14,7 +14,7 @@ use rayreel_machine::timeline::Timeline;
 use rayreel_replay::error::RequestError;
 use rayreel_replay::image::files::{ExrNotes, SOFTWARE};
 use rayreel_replay::sequence::{FrameLoop, FrameResult, Simulator};
-use rayreel_replay::{Detail, NamedPolicy, Options, PathSource, ReplayError, Stop};
+use rayreel_replay::{Detail, NamedPolicy, Options, PathSource, ReplayError};
 use rayreel_study::cluster::shell::line;
 use rayreel_study::files::write_named;
 use rayreel_study::point::pictures::{FramePictures, remove, remove_numbered};
@@ -22,10 +22,10 @@ use rayreel_study::point::version::MODEL_VERSION;
 use rayreel_study::report::{Made, Origin, Report};
 use serde_json::json;
 
-use crate::common::{frames, print};
+use crate::common::{check_output, frames, print};
 use crate::detail::DetailArgs;
 use crate::exit::Exit;
-use crate::progress::Progress;
+use crate::progress::{self, Progress};
 use crate::traces::TraceArgs;
 
 /// All figures and counters, in the folder of `--out`.
@@ -53,7 +53,7 @@ pub struct Args {
     machine: String,
     /// Override a value; may be given several times.
     ///
-    /// Keys that begin with gpu, ti, l2, dram, srp, layout, raster, energy or area are the machine's, such as
+    /// Keys that begin with gpu, ti, processor, l2, dram, srp, layout, raster, energy or area are the machine's, such as
     /// ti.trv_l1.size=32KiB; all others are the policy's, such as block=4 or similarity.normal_deg=12.
     #[arg(long = "set", value_name = "KEY=VALUE")]
     overrides: Vec<String>,
@@ -86,6 +86,10 @@ pub fn run(args: &Args, quiet: bool) -> Result<Exit> {
     let machine = load_machine(args, &machine)?;
     let detail = detail(args)?;
     let trace = args.trace.open()?;
+    if let Some(timeline) = &args.timeline {
+        let inputs = [args.trace.path(), Some(Path::new(&args.policy)), Some(Path::new(&args.machine))];
+        check_output(timeline, &inputs.into_iter().flatten().collect::<Vec<_>>())?;
+    }
     if let Some(out) = &args.out {
         std::fs::create_dir_all(out).with_context(|| format!("cannot create folder {}", out.display()))?;
     }
@@ -224,7 +228,9 @@ fn replay(
     let watch = Watch::new(|now| bar.borrow_mut().set(done.get() + now, || format!("tile {now} of the frame")));
     let tree = machine.map(|_| trace.topology());
     let simulator = machine.zip(tree.as_ref()).map(|(machine, tree)| Simulator { machine, tree, detail });
-    let mut frame_loop = FrameLoop::new(trace, &policy.policy, Options::default(), &Stop::never())?;
+    // Not earlier: reading the trace and its digest do not look at it.
+    let stop = progress::stop_on_signal();
+    let mut frame_loop = FrameLoop::new(trace, &policy.policy, Options::default(), &stop)?;
     frame_loop.run(frames, simulator, &mut (timeline.as_mut(), watch), sink)?;
     if let (Some(file), Some(timeline)) = (&args.timeline, timeline) {
         write_named(file, timeline.to_json().as_bytes())?;

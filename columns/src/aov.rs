@@ -59,8 +59,9 @@ pub fn channels(trace: &Trace, policy: &NamedPolicy, frame: u32, stop: &Stop) ->
     let states = &replayed.states;
     let is_traced = |x, y| f32::from(u8::from(states.state(x, y) != SampleState::Interpolated));
     let n = planes.samples;
-    let traced = (0..planes.width * planes.height).map(|i| {
-        let (x, y) = (i % planes.width * n, i / planes.width * n);
+    let row = planes.width as usize;
+    let traced = (0..row * planes.height as usize).map(|i| {
+        let (x, y) = ((i % row) as u32 * n, (i / row) as u32 * n);
         (0..n * n).map(|s| is_traced(x + s % n, y + s / n)).sum::<f32>() / (n * n) as f32
     });
     all.push(Channel { name: "policy.traced".into(), values: Values::Floats(traced.collect()) });
@@ -124,8 +125,8 @@ impl Planes {
             (whole(What::Hits, batch, "x"), whole(What::Hits, batch, "y"), whole(What::Hits, batch, "ray"));
         let n = self.samples;
         let first = |row: &usize| ray[*row] == 0 && x[*row] % n == 0 && y[*row] % n == 0;
-        let width = self.width;
-        let pixel = |row: usize| (y[row] / n * width + x[row] / n) as usize;
+        let width = self.width as usize;
+        let pixel = |row: usize| (y[row] / n) as usize * width + (x[row] / n) as usize;
         let rows: Vec<usize> = (0..batch.rows()).filter(first).collect();
         for (place, (_, column)) in OF_HITS.into_iter().enumerate() {
             if let (Values::Floats(to), Some(Column::F32(from))) =
@@ -152,11 +153,12 @@ impl Planes {
     /// Adds what the samples of pixels cost.
     fn samples(&mut self, batch: &Batch) {
         let (x, y) = (whole(What::Samples, batch, "x"), whole(What::Samples, batch, "y"));
-        let n = self.samples;
+        let (n, width) = (self.samples, self.width as usize);
+        let pixel = |row: usize| (y[row] / n) as usize * width + (x[row] / n) as usize;
         for (place, (_, column)) in (OF_HITS.len() + OF_THINGS.len()..).zip(OF_SAMPLES) {
             if let Values::Whole(to) = &mut self.channels[place].values {
                 let from = whole(What::Samples, batch, column);
-                (0..batch.rows()).for_each(|row| to[(y[row] / n * self.width + x[row] / n) as usize] += from[row]);
+                (0..batch.rows()).for_each(|row| to[pixel(row)] += from[row]);
             }
         }
     }

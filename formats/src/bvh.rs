@@ -49,12 +49,18 @@ impl Child {
     pub const ROOT: Self = Self(0);
 
     /// The inner node `index`.
+    ///
+    /// # Panics
+    /// When `index` is not below [`Child::MAX_INDEX`].
     pub fn inner(index: u32) -> Self {
         assert!(index < Self::MAX_INDEX);
         Self(index)
     }
 
     /// A leaf of `count` triangles from `first` on; an empty leaf has `count` 0.
+    ///
+    /// # Panics
+    /// When `first` is not below [`Child::MAX_INDEX`], or `count` is above [`MAX_LEAF_TRIANGLES`].
     pub fn leaf(first: u32, count: u32) -> Self {
         assert!(first < Self::MAX_INDEX && count <= MAX_LEAF_TRIANGLES);
         Self(Self::LEAF | count << Self::FIRST_BITS | first)

@@ -2,7 +2,8 @@
 //!
 //! Every decoder of this crate takes a [`Limits`]. A length found in a file is compared with its limit before anything
 //! is allocated, and even then memory grows only as data really arrives. The fields on disk are wider than these
-//! limits: a limit can be raised without a change of format.
+//! limits: a limit can be raised without a change of format. Some have a hard end, and their fields
+//! say which: numbers in memory have 32 bits, and a reference to a child has 28.
 
 use std::sync::Arc;
 
@@ -23,19 +24,21 @@ pub struct Limits {
     pub max_chunk_packed_bytes: u64,
     /// Longest payload of one chunk after decompression, in bytes; also the longest decoded column. Default 2 GiB.
     pub max_chunk_raw_bytes: u64,
-    /// Most chunks in one file, without the index itself. Default 64 Mi; each costs a reader 52 bytes of memory.
+    /// Most chunks in one file, without the index itself. Default 64 Mi; each costs a reader 52 bytes of memory. Set no
+    /// more than 2^32 - 1.
     pub max_index_entries: u64,
     /// Most columns in one `TILE` chunk. Default 32; the format can hold 255.
     pub max_columns_per_tile: u32,
-    /// Most samples in one tile. Default 2^20, a tile of 1024 x 1024 samples.
+    /// Most samples in one tile. Default 2^20, a tile of 1024 x 1024 samples, which is also the largest there is.
     pub max_samples_per_tile: u64,
-    /// Most ray-tree nodes (closest-hit rays) in one tile. Default 2^24, 16 rays for each of 2^20 samples.
+    /// Most ray-tree nodes (closest-hit rays) in one tile. Default 2^24, 16 rays for each of 2^20 samples. Set no more than 2^27: a node has
+    /// up to 17 rays, which are numbered with 32 bits.
     pub max_nodes_per_tile: u64,
-    /// Most traversal steps in one tile. Default 2^28.
+    /// Most traversal steps in one tile. Default 2^28. Never more than 2^32 - 1.
     pub max_path_steps_per_tile: u64,
-    /// Most nodes in the BVH. Default 2^28.
+    /// Most nodes in the BVH. Default 2^28, and never more.
     pub max_bvh_nodes: u64,
-    /// Most triangles in the BVH. Default 2^28.
+    /// Most triangles in the BVH. Default 2^28, and never more.
     pub max_triangles: u64,
     /// Most bytes that decoding one metadata chunk may allocate. Default 64 MiB.
     pub max_metadata_bytes: u64,
@@ -86,7 +89,8 @@ impl Limits {
     /// uniform tile stays far below.
     pub(crate) fn path_steps_max(&self, bytes: usize, rays: u64) -> u64 {
         let earned = (bytes as u64).saturating_mul(1024).saturating_add(rays.saturating_mul(16));
-        self.max_path_steps_per_tile.min((16_u64 << 20).saturating_add(earned))
+        // Spans of paths are `u32`.
+        self.max_path_steps_per_tile.min(u32::MAX.into()).min((16_u64 << 20).saturating_add(earned))
     }
 
     /// A share of the memory for something that says that it needs so many bytes.
@@ -111,6 +115,8 @@ mod tests {
         assert_eq!(limits.path_steps_max(0, 0), 16 << 20);
         assert_eq!(limits.path_steps_max(1000, 1 << 21), (16 << 20) + 1_024_000 + (32 << 20));
         assert_eq!(limits.path_steps_max(usize::MAX, 1), limits.max_path_steps_per_tile, "never more than that");
+        let raised = Limits { max_path_steps_per_tile: u64::MAX, ..Limits::default() };
+        assert_eq!(raised.path_steps_max(usize::MAX, 1), u64::from(u32::MAX), "spans of paths hold no more");
         assert_eq!((limits.nodes_max(0), limits.nodes_max(1000)), (2 << 20, (2 << 20) + 64_000));
         assert_eq!((Limits::tiles_max(10), Limits::unpacked_max(1)), ((4 << 20) + 640, (16 << 20) + 256));
         assert!(limits.nodes_max(12_000) * 40 < 1 << 30, "12 KB earn less than a gigabyte");

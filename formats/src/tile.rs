@@ -5,7 +5,8 @@ use crate::math::Vec3;
 use crate::oct::Oct;
 use crate::scene::{MAX_LIGHTS, Rect};
 
-/// Deepest ray tree, in bounces: the class of a ray must fit 16 bits.
+/// Deepest ray tree, in bounces: one less than the 16 bits of a class have room for, so the class of a child can be computed of any ray
+/// of a tree, whether it has that child or not.
 pub const MAX_DEPTH: u32 = 14;
 
 /// The columns of a tile, each readable by itself (with those it is predicted from: see [`Column::needs`]).
@@ -83,11 +84,17 @@ impl RayClass {
     pub const PRIMARY: Self = Self(1);
 
     /// The reflection child.
+    ///
+    /// # Panics
+    /// Beyond a depth of [`MAX_DEPTH`] (a debug build; else the class is that of another ray).
     pub fn reflection(self) -> Self {
         Self(self.0 * 2)
     }
 
     /// The refraction child.
+    ///
+    /// # Panics
+    /// As [`RayClass::reflection`].
     pub fn refraction(self) -> Self {
         Self(self.0 * 2 + 1)
     }
@@ -98,6 +105,9 @@ impl RayClass {
     }
 
     /// Bounces before this ray: 0 for the primary ray.
+    ///
+    /// # Panics
+    /// When it is 0, which is no class (a debug build; else the number has no meaning).
     pub fn depth(self) -> u32 {
         15 - self.0.leading_zeros()
     }
@@ -198,6 +208,9 @@ pub struct Tree {
 
 impl Tree {
     /// The node indices of sample `sample`; the first is the primary ray.
+    ///
+    /// # Panics
+    /// When there is no such sample.
     #[inline]
     pub fn sample(&self, sample: usize) -> std::ops::Range<usize> {
         self.first[sample] as usize..self.first[sample + 1] as usize
@@ -214,6 +227,9 @@ impl Tree {
     }
 
     /// Per node the index of its parent node; a primary ray is its own parent.
+    ///
+    /// # Panics
+    /// When a node's class is 0, or deeper than [`MAX_DEPTH`] and one.
     pub fn parents(&self) -> Vec<u32> {
         // The last node seen of each depth: in depth-first order a node's parent is the last one a level up.
         let mut last = [0u32; MAX_DEPTH as usize + 2];
@@ -311,6 +327,9 @@ pub struct Paths {
 
 impl Paths {
     /// The steps of ray `ray`.
+    ///
+    /// # Panics
+    /// When there is no such ray, or its span is not among the steps.
     #[inline]
     pub fn ray(&self, ray: usize) -> &[u8] {
         let (start, len) = self.spans[ray];
@@ -346,6 +365,10 @@ pub struct Tile {
 
 /// The colour of one sample from its nodes in depth-first order: children are added to their parent, deepest first,
 /// reflection before refraction.
+///
+/// # Panics
+/// When the nodes are no tree in depth-first order: one lacks a child that it says it has, or more subtrees than a tree of
+/// [`MAX_DEPTH`] has stand side by side.
 pub fn composite(nodes: &[RayNode], radiance: &[Radiance]) -> Vec3 {
     // Colours of finished subtrees whose parent is still to come; reading backwards, a node finds its children on top.
     let mut done = [Vec3::ZERO; MAX_DEPTH as usize + 2];

@@ -211,6 +211,38 @@ fn files_are_not_lost_by_a_repair() {
     assert_eq!(fs::read_dir(bench.folder.path()).unwrap().count(), 4, "no temporary file is left");
 }
 
+/// What a killed repair left is written over. A file or a link that only has its name is somebody's own.
+#[test]
+fn only_a_file_that_a_repair_left_is_written_over() {
+    let bench = Bench::new();
+    let whole = sample_bytes();
+    fs::write(&bench.input, &whole).unwrap();
+    let temporary = bench.folder.path().join("out.repairing");
+    let run = || repair(&bench.input, &bench.output, &Limits::default());
+    for left in [&whole[..0], &whole[..20], &whole[..100]] {
+        fs::write(&temporary, left).unwrap();
+        run().unwrap();
+        fs::remove_file(&bench.output).unwrap();
+        assert!(!temporary.exists());
+    }
+    let refused = || assert!(matches!(run(), Err(Error::Occupied { by: Occupant::File { .. }, .. })));
+    fs::write(&temporary, "my notes on what I am repairing").unwrap();
+    refused();
+    assert_eq!(fs::read(&temporary).unwrap(), b"my notes on what I am repairing");
+    fs::remove_file(&temporary).unwrap();
+    #[cfg(unix)]
+    {
+        let mine = bench.folder.path().join("mine");
+        fs::write(&mine, &whole).unwrap();
+        std::os::unix::fs::symlink(&mine, &temporary).unwrap();
+        refused();
+        assert!(fs::symlink_metadata(&temporary).unwrap().is_symlink() && fs::read(&mine).unwrap() == whole);
+        fs::remove_file(&temporary).unwrap();
+    }
+    fs::create_dir(&temporary).unwrap();
+    refused();
+}
+
 #[derive(Debug)]
 struct Counting {
     bytes: Vec<u8>,

@@ -10,8 +10,9 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use rayreel_formats::budget::Budget;
+use rayreel_formats::bvh::Child;
 use rayreel_formats::tile::Column;
-use rayreel_formats::trace::{Codec, Trace};
+use rayreel_formats::trace::{Codec, LeafTests, PackedColumn, PathSink, Scratch, Trace};
 use rayreel_formats::{Error, Limits};
 use trace_support::Random;
 use trace_support::forge::{Chunk, change, put_together, take_apart};
@@ -244,6 +245,70 @@ fn raw_lengths_are_checked() {
             assert!(read.is_err(), "codec {codec}, column {}: a wrong raw length was accepted", column.name());
         }
     }
+}
+
+/// Counts the steps that it is given.
+#[derive(Default)]
+struct Counted(u64);
+
+impl PathSink for Counted {
+    fn visit(&mut self, _: u32, _: u8) {
+        self.0 += 1;
+    }
+    fn leaf(&mut self, _: Child, tests: LeafTests) {
+        self.0 += u64::from(tests.count());
+    }
+    fn pop(&mut self, _: u32, _: bool) {
+        self.0 += 1;
+    }
+    fn end(&mut self, _: bool, _: u32) {}
+}
+
+/// The share of the memory is taken by what the directory promises, so no more than that is decoded.
+#[test]
+fn paths_have_no_more_steps_than_their_directory_promises() {
+    let content = Content::random(21, (16, 16), 16, 40, 3, 2);
+    let trace = Trace::from_bytes(content.bytes(|_| Codec::Context), Limits::default()).expect("it opens");
+    let (tile, packed) = trace.packed_tile(3, 0).expect("it is there");
+    let (rays, scratch) = (tile.tree.ray_count(), &mut Scratch::default());
+    assert!(trace.paths(&tile, &packed, scratch).expect("they are sound") == content.tiles[0].paths);
+    let mut all = Counted::default();
+    trace.paths_to(&tile, &packed, scratch, &mut all).expect("they are sound");
+    let cases = [
+        (0, "too few for"),
+        (4 * rays - 1, "too few for"),
+        (4 * rays, "more steps than the directory promises"),
+        (4 * rays + all.0 / 2, "more steps than the directory promises"),
+        (4 * rays + all.0 - 1, "more steps than the directory promises"),
+    ];
+    for (raw_len, why) in cases {
+        let lie = PackedColumn { raw_len, ..packed.clone() };
+        let mut seen = Counted::default();
+        let errors = [
+            trace.paths(&tile, &lie, scratch).map(drop).expect_err("a lie").to_string(),
+            trace.paths_to(&tile, &lie, scratch, &mut seen).map(drop).expect_err("a lie").to_string(),
+        ];
+        for error in errors {
+            assert!(error.contains("column paths") && error.contains(why), "{raw_len}: {error}");
+        }
+        // The end of one path, its pops and the tests of a leaf, may be out before it is noticed.
+        assert!(seen.0 <= raw_len.saturating_sub(4 * rays) + 150, "{raw_len}: {} steps came", seen.0);
+    }
+}
+
+/// A tree of misses has no canonical bytes of hits, and a list of them all the same.
+#[test]
+fn misses_take_their_share_of_the_memory() {
+    let content = Content::random(4, (32, 32), 32, 0, 1, 1);
+    let bytes = content.bytes(|_| Codec::Context);
+    let open = |memory| {
+        let limits = Limits { memory: Arc::new(Budget::new(memory)), ..Limits::default() };
+        Trace::from_bytes(bytes.clone(), limits).expect("it opens")
+    };
+    let hits = |memory| open(memory).tile(3, 0, &[Column::Hits]);
+    assert!(open(20_000).tile(3, 0, &[Column::Tree]).is_ok());
+    assert!(hits(20_000).expect_err("1024 nodes take more").to_string().contains("memory for decoding"));
+    assert_eq!(hits(30_000).expect("they fit").hits, content.tiles[0].hits);
 }
 
 /// A small file that claims many frames costs no more than what it holds.

@@ -23,9 +23,9 @@ use crate::work::layout::Layout;
 use crate::work::topology::Topology;
 use crate::work::{TileWork, cost};
 
-/// Cycles without any finished ray, tile or memory response after which the machine is taken to stand still. The longest
-/// legal silence is that of a refresh or of a full kernel batch, thousands of cycles.
-const DEADLOCK_CYCLES: u64 = 4_000_000;
+/// Steps without any finished ray, tile or memory response after which the machine is taken to stand still, if nothing is under way in
+/// the memory either. Steps, not cycles: a batch of a slow SRP, or a line of a slow DRAM, may take any time, but takes it in few of them.
+const DEADLOCK_STEPS: u64 = 4_000_000;
 
 /// Events between two looks at how much is done.
 const EVENTS_BETWEEN_LOOKS: u32 = 32;
@@ -52,8 +52,8 @@ pub struct System<'a, M> {
     memory: M,
     now: TiCycle,
     arrived: Vec<Response>,
-    /// The last cycle at which a tile was given, a ray finished or a line arrived.
-    progress: TiCycle,
+    /// Steps since a tile was given, a ray finished or a line arrived.
+    idle_steps: u64,
     tiles: u64,
     /// Runs a cycle. Called through a pointer, for that is most of the simulator: with the memory of this crate it is compiled here,
     /// once, and not again in every crate that simulates.
@@ -235,7 +235,7 @@ impl<'a, M: Memory> System<'a, M> {
             memory,
             now: TiCycle(0),
             arrived: Vec::new(),
-            progress: TiCycle(0),
+            idle_steps: 0,
             tiles: 0,
             step,
         }
@@ -262,7 +262,7 @@ impl<'a, M: Memory> System<'a, M> {
         core.srp.give_tile(self.now, work);
         core.srp_wake = When::at(self.now);
         self.tiles += 1;
-        self.progress = self.now;
+        self.idle_steps = 0;
     }
 
     /// Runs until a core has a free tile slot, and says which: the first such core, at the first such cycle.
@@ -323,7 +323,8 @@ impl<'a, M: Memory> System<'a, M> {
         let next = if takes || self.is_done() { When::at(self.now + 1) } else { self.next_event() };
         let next = next.cycle().ok_or_else(|| self.deadlock())?;
         debug_assert!(next > self.now, "an event in the past");
-        if next - self.progress > DEADLOCK_CYCLES {
+        self.idle_steps += 1;
+        if self.idle_steps > DEADLOCK_STEPS && self.memory.is_idle(self.now) {
             return Err(self.deadlock());
         }
         self.now = next;
@@ -345,7 +346,7 @@ impl<'a, M: Memory> System<'a, M> {
                 core.tick_srp(now, &mut self.memory);
             }
             if core.ti_wake.is_due(now) && core.tick_ti(now, self.tree, &self.layout, &mut self.memory) {
-                self.progress = now;
+                self.idle_steps = 0;
             }
         }
         self.release_tiles();
@@ -365,7 +366,7 @@ impl<'a, M: Memory> System<'a, M> {
     fn deliver(&mut self) {
         for response in self.arrived.drain(..) {
             let core = &mut self.cores[usize::from(response.port.0 / self.ports_per_core)];
-            self.progress = self.now;
+            self.idle_steps = 0;
             if response.port.0 % self.ports_per_core < self.ports_per_core - SRP_PORTS {
                 core.ti.fill(self.now, response.port, response.line);
                 core.ti_wake = When::at(self.now);

@@ -157,9 +157,23 @@ fn impossible_values_are_named() {
         (&["ti.ist_entries=129"], "from 1 to 128"),
         (
             &["ti.trv_l1.size=24KiB"],
-            "ti.trv_l1.size = 24576 bytes in 4 ways of 64-byte lines is not a power-of-two number of sets",
+            "ti.trv_l1.size = 24576 bytes in 4 ways of 64-byte lines is not a power-of-two number of sets; 16KiB or 32KiB would do",
         ),
-        (&["ti.trv_l1.size=1KiB", "ti.trv_l1.ways=32"], "ti.trv_l1.ways = 32 is more than the 16 lines"),
+        (
+            &["ti.trv_l1.size=1KiB", "ti.trv_l1.ways=32"],
+            "ti.trv_l1.ways = 32 is more than the 16 lines of 64 bytes in ti.trv_l1.size; 2KiB would do",
+        ),
+        (&["srp.l1.size=1MiB", "srp.l1.ways=3"], "number of sets; 768KiB would do"),
+        (
+            &["ti.ist=0"],
+            "where ti.pipeline = \"parallel\"; only \"unified\", \"gathering\" and \"software\" do without",
+        ),
+        (
+            &["energy.dram_power_down_uw=38001"],
+            "energy.dram_power_down_uw = 38001 is more than energy.dram_background_uw = 38000",
+        ),
+        (&["energy.dram_background_uw=12899"], "energy.dram_power_down_uw = 12900 is more than"),
+        (&["energy.box_test_pj=0.0004"], "from 0 to 1000000 in steps of 0.001 pJ"),
         (&["ti.trv_l1.ways=0"], "from 1 to 64"),
         (&["ti.trv_l1.size=2MiB"], "a size from 1KiB to 1MiB, such as 16KiB"),
         (&["ti.trv_l1.size=16kb"], "a size from 1KiB"),
@@ -219,6 +233,32 @@ fn impossible_values_are_named() {
     }
     assert!(load("sgrt-ti3", &[]).unwrap_err().to_string().contains("did you mean sgrt-ti2 or sgrt-ti1?"));
     assert!(load("no/such.toml", &[]).unwrap_err().to_string().contains("cannot read the machine file no/such.toml"));
+}
+
+/// What was set over a machine is blamed where it is at fault: the machine alone is sound.
+#[test]
+fn conflicts_name_the_override_that_made_them() {
+    for (name, overrides, start) in [
+        ("sgrt-ti2", &["ti.trv_l1.size=3KiB"][..], "override \"ti.trv_l1.size=3KiB\": ti.trv_l1.size = 3072 bytes"),
+        ("sgrt-ti2", &["ti.trv_l1.ways=3"], "override \"ti.trv_l1.ways=3\": ti.trv_l1.size = 16384 bytes in 3 ways"),
+        ("sgrt-ti2", &["l2.line_bytes=48"], "override \"l2.line_bytes=48\": "),
+        ("sgrt-ti2", &["ti.pipeline=unified"], "override \"ti.pipeline=unified\": ti.pipeline = \"unified\" tests"),
+        ("sgrt-ti2", &["gpu.cores=1", "ti.ist=0"], "override \"ti.ist=0\": ti.ist = 0 leaves nobody"),
+        ("raycore", &["ti.ist=2"], "override \"ti.ist=2\": "),
+        ("sgrt-ti2", &["dram.tras=28"], "override \"dram.tras=28\": dram.trcd = 29 is more than"),
+        ("sgrt-ti2", &["dram.trfc=6200"], "override \"dram.trfc=6200\": dram.trefi = "),
+        ("sgrt-ti2", &["dram.interleave_bytes=4096"], "override \"dram.interleave_bytes=4096\": dram."),
+        ("mimd-trax", &["processor.kernel_mix.special_percent=99"], "override \"processor.kernel_mix.special_percent="),
+        ("sgrt-ti2", &["srp.kernels.control.stages=0"], "override \"srp.kernels.control.stages=0\": "),
+        ("raycore", &["srp.kernels.control.stages=4"], "override \"srp.kernels.control.stages=4\": "),
+        ("sgrt-ti2", &["energy.dram_background_uw=0"], "override \"energy.dram_background_uw=0\": "),
+    ] {
+        let text = load(name, overrides).expect_err(&format!("{overrides:?}")).to_string();
+        assert!(text.starts_with(start), "{text:?} does not begin with {start:?}");
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let own = file(folder.path(), "own.toml", "extends = \"sgrt-ti2\"\nti.trv_l1.size = \"3KiB\"").unwrap_err();
+    assert!(own.to_string().contains("own.toml: ti.trv_l1.size = 3072 bytes"), "{own}");
 }
 
 #[test]

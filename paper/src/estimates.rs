@@ -1,6 +1,7 @@
 //! Which figures of the study are estimates, and how far they may be off.
 
 use rayreel_replay::Detail;
+use rayreel_replay::detail::WHY_WHOLE;
 use rayreel_study::schema::{Gain, Point};
 
 use crate::setup::Setup;
@@ -18,10 +19,7 @@ pub fn note(setup: &Setup, points: &[Point]) -> Option<String> {
     };
     let (simulated, estimated) = counted(points);
     if estimated == 0 {
-        return Some(format!(
-            "Frames have too few tiles to take a sample, or tiles too alike or too different ({}): every cycle was simulated.",
-            setup.detail
-        ));
+        return Some(format!("Every cycle was simulated, though {} was asked for: {WHY_WHOLE}.", setup.detail));
     }
     let mut note = format!(
         "Cycles, power, energy and gains of {estimated} of {simulated} points are estimates from simulations {what}; rays, samples \

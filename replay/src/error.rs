@@ -135,19 +135,23 @@ pub enum RequestError {
         /// What is empty.
         what: &'static str,
     },
-    /// The blocks of the policy do not fit the tiles of the trace.
+    /// The blocks of the policy, or the entries of its history, do not fit the tiles of the trace.
     #[error(
-        "blocks of {block} samples do not fill tiles of {tile} samples; choose a block that divides {tile} ({blocks}), or \
-         capture with a tile size that is a multiple of {block} (such as {tiles})"
+        "{key} = {edge} does not divide tiles of {tile} samples; choose one that does ({edges}), or capture with a tile size \
+         that is a multiple of {multiple} (such as {tiles})"
     )]
     TileSize {
+        /// The key of the policy.
+        key: &'static str,
+        /// Its value, samples.
+        edge: u32,
         /// Tile edge of the trace, samples.
         tile: u32,
-        /// Block edge of the policy, samples.
-        block: u32,
-        /// The blocks that would work.
-        blocks: String,
-        /// Some tile sizes that would work.
+        /// The values that would do.
+        edges: String,
+        /// What suits all that the policy has, samples.
+        multiple: u32,
+        /// Some tile sizes that would do.
         tiles: String,
     },
 }

@@ -84,7 +84,8 @@ pub fn simulate<S: PathSource + ?Sized, P: Probe>(
     probe: &mut P,
 ) -> Result<MachineFrame> {
     let (replay, mut runs) = simulate_all(replayer, frame, tree, &[machine], probe)?;
-    let MachineRun { stats, energy, paths, estimate } = runs.pop().unwrap_or_default();
+    let nothing = || ReplayError::Usage { detail: "a machine was simulated, and gave nothing".into() };
+    let MachineRun { stats, energy, paths, estimate } = runs.pop().ok_or_else(nothing)?;
     Ok(MachineFrame { replay, stats, energy, paths, estimate })
 }
 

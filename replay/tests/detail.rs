@@ -101,6 +101,15 @@ fn the_functional_pass_finds_about_the_misses_of_a_simulation() {
     }
 }
 
+/// A batch of a slow SRP takes longer than any other silence, and ends.
+#[test]
+fn slow_parts_are_no_deadlock() {
+    let set = ["srp.clock_mhz=100", "srp.inspector_cycles=1000", "ti.clock_mhz=5000"].map(String::from);
+    let machine = NamedMachine::load("raycore", &set).unwrap();
+    let stats = run(&trace("v1_0_cornell.rtrace"), "full", &machine, "full").run.unwrap().stats;
+    assert!(stats.cycles > 10_000_000, "{}", stats.cycles);
+}
+
 /// Traces everything, and cannot begin a frame again.
 struct TracesAll;
 

@@ -124,10 +124,20 @@ fn errors_name_key_range_and_neighbours() {
         (message("adaptive", &["=3"]), "write key=value"),
         (message("adaptive", &["similarity.convexity=2"]), "a number from 0 to 1, or \"off\""),
         (message("adaptive", &["shade=light"]), "\"colour\" or \"attributes\""),
-        (message("adaptive", &["shade=attributes"]), "shade_ambient = 0.0 is not allowed; it must be above 0"),
-        (message("kim2016", &["shade_ambient=0"]), "it must be above 0 with shade = \"attributes\""),
+        (message("adaptive", &["shade=attributes"]), "shade_ambient = 0.0 is not allowed; it must be 0.000001 or more"),
+        (message("kim2016", &["shade_ambient=1e-46"]), "it must be 0.000001 or more with shade = \"attributes\""),
         (message("kim2016", &["shade_ambient=11"]), "a number from 0 to 10"),
         (message("kim2016", &["secondary=true"]), "secondary = true is not allowed; it must be false with shade"),
+        // What was set is at fault, not the preset that it was set over.
+        (message("kim2016", &["secondary=true"]), "override \"secondary=true\": secondary = true"),
+        (
+            message("multirate", &["coarsest=2"]),
+            "override \"coarsest=2\": coarsest = 2 is not allowed; it must be a value not below",
+        ),
+        (
+            message("multirate", &["finest=16"]),
+            "override \"finest=16\": finest = 16 is not allowed; it must be a value up to that",
+        ),
         (message("full", &["block=2"]), "policy of kind \"full\""),
         (message("adaptve", &[]), "did you mean adaptive"),
         (message("no/such/file.toml", &[]), "cannot read the policy file no/such/file.toml"),

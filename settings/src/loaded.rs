@@ -12,6 +12,9 @@ use crate::file::File;
 use crate::schema::{Schema, nest};
 use crate::source::{Class, Sourced};
 
+/// [`Sourced::from`] of what was set over presets and files.
+const OVERRIDE: &str = "override";
+
 /// The values of a preset or file, those of what it extends under them, and overrides over them.
 #[derive(Clone, Debug)]
 pub struct Loaded {
@@ -85,7 +88,7 @@ impl Loaded {
             let key = self.schema.find(name, value, &origin)?;
             let value = Schema::accept(key, value, &origin)?;
             let (class, source) = (Class::Override, "command line".into());
-            changes.push(Sourced { key: key.name, value, class, source, from: "override".into() });
+            changes.push(Sourced { key: key.name, value, class, source, from: OVERRIDE.into() });
             Ok(())
         })?;
         let kind = changes.iter().find(|v| !self.family.kinds.is_empty() && v.key == "kind");
@@ -101,6 +104,14 @@ impl Loaded {
     /// The value of a key.
     pub fn get(&self, key: &str) -> Option<&Value> {
         self.values.iter().find(|v| v.key == key).map(|v| &v.value)
+    }
+
+    /// The override that set a key, as errors say it; nothing if none did.
+    pub fn overridden(&self, key: &str) -> Option<String> {
+        let found = self.values.iter().find(|v| v.key == key && v.from == OVERRIDE)?;
+        // Sizes as they are written, and neither these nor words in quotes.
+        let value = self.schema.get(key)?.rule.show(&found.value);
+        Some(format!("override \"{key}={}\"", value.trim_matches('"')))
     }
 
     /// The struct of all values.

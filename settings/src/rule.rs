@@ -19,7 +19,7 @@ pub enum Rule {
     Size(u64, u64),
     /// True or false.
     Flag,
-    /// Picojoules from 0 to this, kept to the femtojoule.
+    /// Picojoules from 0 to this, kept to the femtojoule; what would be kept as 0 must be 0.
     Energy(u32),
     /// A number from 0 to this.
     Number(f64),
@@ -41,7 +41,9 @@ impl Rule {
             Self::Flag => keep(value.is_bool()),
             Self::Energy(max) => {
                 let pj = number(value).filter(|pj| (0.0..=f64::from(*max)).contains(pj))?;
-                Some(Value::Float((pj * 1000.0).round() / 1000.0))
+                let kept = (pj * 1000.0).round() / 1000.0;
+                // An event that was given an energy must not turn into a free one.
+                (kept > 0.0 || pj == 0.0).then_some(Value::Float(kept))
             }
             Self::Number(max) => keep(number(value).is_some_and(|v| (0.0..=*max).contains(&v))),
             Self::Limit(max) => {
@@ -59,7 +61,7 @@ impl Rule {
             Self::Count(low, high) => format!("an integer from {low} to {high}"),
             Self::Size(low, high) => format!("a size from {} to {}, such as 16KiB", Bytes(*low), Bytes(*high)),
             Self::Flag => "true or false".into(),
-            Self::Energy(max) => format!("a number of picojoules from 0 to {max}"),
+            Self::Energy(max) => format!("a number of picojoules from 0 to {max} in steps of 0.001 pJ"),
             Self::Number(max) => format!("a number from 0 to {max}"),
             Self::Limit(max) => format!("a number from 0 to {max}, or \"off\""),
         }
@@ -119,6 +121,9 @@ mod tests {
         assert_eq!(accept(Rule::Size(1, 1 << 20), "\"16KiB\"").unwrap(), "16384");
         assert_eq!(accept(Rule::Energy(100), "1.23456").unwrap(), "1.235");
         assert_eq!(accept(Rule::Energy(100), "7").unwrap(), "7.0");
+        assert_eq!(accept(Rule::Energy(100), "0.0005").unwrap(), "0.001");
+        assert_eq!(accept(Rule::Energy(100), "0.0004"), None, "half a step is not free");
+        assert_eq!(accept(Rule::Energy(100), "0.0").unwrap(), "0.0");
         assert_eq!(accept(Rule::OneOf(&[2, 4]), "4").unwrap(), "4");
         assert_eq!(accept(Rule::OneOf(&[2, 4]), "3"), None);
         assert_eq!(accept(Rule::Limit(1.0), "\"off\"").unwrap(), "\"off\"");

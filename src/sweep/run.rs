@@ -84,7 +84,12 @@ fn chosen(text: &str, offset: usize) -> Result<Shard> {
         anyhow::bail!("--shard auto needs one of {} in the environment; give the index itself", names.join(", "));
     };
     let index = value.parse::<usize>().ok().and_then(|index| index.checked_sub(*first));
-    let index = index.ok_or_else(|| anyhow::anyhow!("{name} is {value:?}, no index from {first}"))? + offset;
+    let index = index.ok_or_else(|| anyhow::anyhow!("{name} is {value:?}, no index from {first}"))?;
+    let index = index.checked_add(offset).ok_or_else(|| {
+        anyhow::anyhow!(
+            "--index-offset {offset} is too large for {name}={value}; give the number of the first shard of this array"
+        )
+    })?;
     format!("{index}/{count}").parse().map_err(|e: String| anyhow::anyhow!("--shard auto with {name}={value}: {e}"))
 }
 
@@ -204,7 +209,7 @@ fn host() -> String {
     named.or_else(kernel).filter(|name| !name.is_empty()).unwrap_or_else(|| "unknown".into())
 }
 
-/// A name that no other attempt has.
+/// A name that another attempt is most unlikely to have: 48 bits of a hash of machine, process and time.
 fn attempt() -> String {
     let now = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |t| t.as_nanos());
     let text = format!("{} {} {now}", host(), std::process::id());

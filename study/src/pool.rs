@@ -80,6 +80,8 @@ impl Pool {
 
     /// Runs `work`, which may fail, on `items`. After an error no other item is begun.
     ///
+    /// It also ends well when [`Self::stop`] was requested, with items that were never begun: whoever needs them all looks at that.
+    ///
     /// # Errors
     /// The first error in the order of the items.
     pub fn each<T: Sync, E: Send>(&self, items: &[T], work: impl Fn(&T) -> Result<(), E> + Sync) -> Result<(), E> {

@@ -30,9 +30,13 @@ struct Simulated {
 }
 
 fn simulated() -> Simulated {
+    simulated_on("sgrt-ti2")
+}
+
+fn simulated_on(machine: &str) -> Simulated {
     let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../traces/v1_0_cornell.rtrace");
     let trace = Trace::open(&path, Limits::default()).unwrap();
-    let machine = NamedMachine::load("sgrt-ti2", &[]).unwrap();
+    let machine = NamedMachine::load(machine, &[]).unwrap();
     let policy = NamedPolicy::load("adaptive", &[]).unwrap();
     let tree = trace.topology();
     let simulator = Some(Simulator { machine: &machine, tree: &tree, detail: Detail::Full });
@@ -136,7 +140,10 @@ fn the_page_says_what_is_estimated() {
     let mut whole = frame.estimated("0.1", &[]);
     whole.estimate.as_mut().map(|estimate| (estimate.windows, estimate.whole_frames) = (0, 1)).unwrap();
     let told = page(whole.clone());
-    assert!(told.contains("nothing is estimated; 1 frame has too few tiles") && !told.contains('±'), "{told}");
+    assert!(
+        told.contains("nothing is estimated; 1 frame was simulated whole (too few tiles") && !told.contains('±'),
+        "{told}"
+    );
     assert!(frame.json(&whole)["detail"]["interval_percent"].as_object().unwrap().is_empty());
 }
 
@@ -172,6 +179,29 @@ fn counts_have_no_time() {
     assert_eq!((&json["detail"]["mode"], &json["detail"]["fraction"]), (&"counts".into(), &0.0.into()));
     let page = frame.report(&[run]).to_string();
     assert!(page.contains("no cycle was simulated") && !page.contains("T&I units, %"), "{page}");
+}
+
+/// Instructions take time to count: what they cost is not known then, nor is what contains it.
+#[test]
+fn counts_of_processors_know_no_energy_of_instructions() {
+    let frame = simulated_on("mimd-trax");
+    let run = frame.estimated("counts", &[]);
+    let (json, full) = (frame.json(&run), frame.json(&frame.run));
+    let dynamic = |json: &Value, name: &str| {
+        let parts = json["energy"].as_array().unwrap();
+        parts.iter().find(|part| part["name"] == name).unwrap()["dynamic_mj"].as_f64()
+    };
+    for name in ["processors", "data_l1", "code_l1"] {
+        assert_eq!((dynamic(&json, name), dynamic(&full, name).is_some()), (None, true), "{name}");
+    }
+    assert!(dynamic(&json, "ray_buffers") > Some(0.0) && dynamic(&json, "dram") > Some(0.0));
+    for key in ["energy_mj", "energy_per_ray_nj"] {
+        assert!(json["gpu"][key].is_null() && full["gpu"][key].as_f64() > Some(0.0), "{key}: {}", json["gpu"]);
+    }
+    let page = frame.report(&[run]).to_string();
+    let line = |start: &str| page.lines().find(|line| line.trim_start().starts_with(start)).unwrap().to_owned();
+    assert!(line("processors").split_whitespace().nth(1) == Some("-"), "{page}");
+    assert!(line("energy a ray").ends_with('-') && page.contains("is not known"), "{page}");
 }
 
 #[test]

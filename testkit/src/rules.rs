@@ -116,10 +116,10 @@ impl Judge<'_> {
         // Where colours say all there is to say, hits are not looked at.
         match rules.first {
             First::Colours if !is_near => return false,
-            First::Colours if primary && below => return same_kind,
+            First::Colours if primary => return same_kind,
             _ => {}
         }
-        if self.alike(a, b) { is_near && (below || self.alike_below(a, b)) } else { same_kind && primary }
+        if self.alike(a, b) { is_near && (primary || below || self.alike_below(a, b)) } else { same_kind && primary }
     }
 
     /// May the contributions of `a` and `b` be interpolated?

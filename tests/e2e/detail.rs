@@ -104,7 +104,26 @@ fn uniform_frames_are_simulated_whole_and_that_is_said() {
         assert!(all["detail"]["windows"].as_u64() > Some(0) && off.abs() < 0.005, "{machine}: {off}");
     }
     let page = rayreel!["replay", "--quiet", &file, "--detail", "5%"].expect(0).out;
-    assert!(page.contains("too few tiles, or tiles too alike or too different") && !page.contains('±'), "{page}");
+    assert!(
+        page.contains("1 frame was simulated whole (too few tiles, tiles too alike") && !page.contains('±'),
+        "{page}"
+    );
+}
+
+#[test]
+fn machines_without_traversal_units_are_not_sampled() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("c.rtrace");
+    capture("cornell", "--size 256x256 --samples 1x1 --tile 16 --depth 0", &file);
+    let of = |options: &str| replay(&file, &format!("--policy adaptive --detail {options}")).expect(0).json();
+    for machine in ["mimd-trax", "gr6500"] {
+        let (sampled, full) = (of(&format!("5% --machine {machine}")), of(&format!("full --machine {machine}")));
+        assert_eq!((&sampled["cycles"], &sampled["detail"]["whole_frames"]), (&full["cycles"], &json!(1)), "{machine}");
+        assert!(of(&format!("counts --machine {machine}"))["cycles"].is_null());
+    }
+    // Sixteen tiles a core are sixty-four in flight, of 256: no part of the frame is like another.
+    let many = of("5% --machine sgrt-ti2 --set gpu.tiles_in_flight=16");
+    assert_eq!(many["detail"]["whole_frames"], json!(1));
 }
 
 #[test]

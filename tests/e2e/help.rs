@@ -4,6 +4,8 @@ use std::collections::BTreeSet;
 use std::ffi::OsString;
 use std::fs;
 
+use rayreel_machine::config::schema::KEYS;
+
 use crate::common::{BLESS, blessing, repository, run};
 
 /// The help of a command, by the words that call it.
@@ -50,6 +52,18 @@ fn help_is_as_agreed() {
     let files: BTreeSet<String> =
         fs::read_dir(&folder).unwrap().map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
     assert_eq!(files, found.into_iter().map(|(name, _)| name).collect(), "commands that are gone; {BLESS}");
+}
+
+/// `replay --set` tells machine and policy apart by the first part of a key; its help names all that are the machine's.
+#[test]
+fn the_help_of_set_names_every_table_of_a_machine() {
+    let text = help(&["replay".to_owned()]);
+    let words = text.split_whitespace().collect::<Vec<_>>().join(" ");
+    let list = words.split("Keys that begin with ").nth(1).and_then(|rest| rest.split(" are the machine's").next());
+    let said: Vec<&str> = list.unwrap().split([',', ' ']).filter(|word| !word.is_empty() && *word != "or").collect();
+    let mut tables: Vec<&str> = KEYS.iter().filter_map(|key| key.name.split('.').next()).collect();
+    tables.dedup();
+    assert_eq!(said, tables);
 }
 
 /// Every flag says what it does.

@@ -214,3 +214,34 @@ fn a_sequence_goes_on() {
         fs::remove_file(&again).unwrap();
     }
 }
+
+/// A signal while pictures were written left their temporary files.
+#[test]
+fn a_signal_ends_a_replay_in_order() {
+    let folder = tempfile::tempdir().unwrap();
+    let (trace, out) = (folder.path().join("a.rtrace"), folder.path().join("out"));
+    let scene = common::scenes::moving(folder.path());
+    capture(&scene, "--size 512x384 --samples 1x1 --frames 0..3", &trace);
+    let args = ["replay", "--quiet", "--machine", "none", "--out"].map(std::ffi::OsString::from);
+    let args = [&args[..], &[out.clone().into(), trace.into()]].concat();
+    let names = || {
+        let entries = fs::read_dir(&out).into_iter().flatten();
+        entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect::<Vec<_>>()
+    };
+    let unfinished = || names().iter().any(|name| name.ends_with(".partial"));
+    let mut hit = 0;
+    for _ in 0..5 {
+        let _ = fs::remove_dir_all(&out);
+        let mut child = common::command(&args).spawn().unwrap();
+        while !unfinished() && child.try_wait().unwrap().is_none() {}
+        let sent = Command::new("sh").args(["-c", &format!("kill -TERM {}", child.id())]).status().unwrap();
+        let ended = child.wait_with_output().unwrap();
+        assert!(!unfinished(), "{:?}", names());
+        if sent.success() && ended.status.code() == Some(75) {
+            hit += 1;
+            assert_eq!(String::from_utf8(ended.stderr).unwrap(), "interrupted\n");
+            assert!(!out.join("stats.json").exists(), "nothing says that this is whole");
+        }
+    }
+    assert!(hit > 0, "the replay was never hit; make it longer");
+}

@@ -16,6 +16,34 @@ fn inputs_are_not_overwritten() {
     assert_eq!(fs::read(&trace).unwrap(), bytes);
 }
 
+/// What takes long to make is refused before it is made, and the file that is there stays.
+#[test]
+fn places_are_looked_at_before_the_work() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    capture("cornell", "--size 32x16 --samples 1x1", &at("a.rtrace"));
+    fs::write(at("p.toml"), "extends = \"full\"\n").unwrap();
+    let bytes = |name: &str| fs::read(at(name)).unwrap();
+    let (trace, policy) = (bytes("a.rtrace"), bytes("p.toml"));
+    let timeline = |to: &str| rayreel!["replay", &at("a.rtrace"), "--policy", &at("p.toml"), "--timeline", &at(to)];
+    for (to, said) in [
+        ("a.rtrace", "a.rtrace is what is read; name another file to write"),
+        ("p.toml", "p.toml is what is read"),
+        ("none/t.json", "none/t.json: No such file or directory"),
+        (".", "is a folder; name a file to write"),
+    ] {
+        let ran = timeline(to).expect(2);
+        assert!(ran.err.contains(said) && ran.out.is_empty(), "{ran:?}");
+    }
+    assert_eq!((bytes("a.rtrace"), bytes("p.toml")), (trace, policy));
+    let ran = rayreel!["render", "cornell", "-o", &at("none/a.png")].expect(2);
+    assert!(ran.err.contains("none/a.png: No such file or directory"), "{ran:?}");
+    fs::copy(at("a.rtrace"), at("a.exr")).unwrap();
+    let ran = rayreel!["aov", &at("a.exr"), "-o", &at("a.exr")].expect(2);
+    assert!(ran.err.contains("a.exr is what is read"), "{ran:?}");
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 3, "nothing is left behind");
+}
+
 /// A sweep of one point, merged.
 fn merged(folder: &std::path::Path) -> std::path::PathBuf {
     capture("cornell", "--size 32x16 --samples 1x1", &folder.join("a.rtrace"));

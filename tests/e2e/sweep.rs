@@ -199,6 +199,12 @@ fn shards_on_the_command_line_make_the_whole() {
     place.run("run {split} --shard 0/3 --quiet").expect(0);
     place.run("merge {split}").expect(0);
     assert!(results(&place.path("split")) == results(&place.path("whole")));
+    // It wrapped round to shard 0.
+    let last = usize::MAX;
+    let mut child = common::command(&place.args(&format!("run {{split}} --shard auto/3 --index-offset {last}")));
+    let ended = child.env("SLURM_ARRAY_TASK_ID", "1").output().unwrap();
+    assert_eq!(ended.status.code(), Some(2));
+    assert!(String::from_utf8(ended.stderr).unwrap().contains(&format!("--index-offset {last} is too large")));
     for (words, want) in [
         ("run {split} --shard 3/3", "is no shard"),
         ("run {split} --shard auto/3", "needs one of SLURM_ARRAY_TASK_ID"),

@@ -109,7 +109,10 @@ impl Intervals {
     /// Looks every `cycles` cycles.
     pub fn new(config: &MachineConfig, cycles: u64) -> Self {
         let names = names(config);
-        let code = |names: &Names, name: &str| names.iter().position(|other| other == name).unwrap_or(0) as u32;
+        let code = |names: &Names, name: &str| {
+            let place = names.iter().position(|other| other == name);
+            place.expect("`names` took them all from the same counters of the same machine") as u32
+        };
         let shaped = Stats::shaped(config);
         let found = shaped.cores.first().into_iter().flat_map(of_core);
         let codes = found.map(|found| (code(&names[0], &found.unit), code(&names[1], &found.name))).collect();

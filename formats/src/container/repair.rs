@@ -1,15 +1,18 @@
 //! Makes a valid file of what is whole in a damaged or unfinished one.
 
 use std::collections::{BTreeSet, HashSet};
-use std::fs::{self, OpenOptions};
+use std::fs::{self, File, OpenOptions};
+use std::io;
 use std::path::Path;
 
 use super::chunk_file::ChunkFile;
 use super::chunk_header::{CHUNK_HEADER_LEN, ChunkHeader, ChunkRecord};
 use super::index::Index;
+use super::reader::read_file_header;
+use super::resume::header_is_torn;
 use super::scan::{DamagedRange, Scan, scan_file};
 use super::walk::STEP;
-use super::writer::{Writer, lock, with_suffix};
+use super::writer::{Writer, behind, open_locked, with_suffix};
 use crate::error::{Error, Occupant, Result};
 use crate::id::{ChunkId, ChunkKind, FormatVersion, NONE};
 use crate::limits::Limits;
@@ -41,10 +44,11 @@ pub struct RepairReport {
 /// frame its `FRAM` and its tiles. Chunks are copied as they are, those of unknown kinds too. `input` is only read.
 ///
 /// Works on finished files, `NAME.partial`, truncated and damaged files. Until it is done, the output is
-/// `OUTPUT.repairing`, which is removed if the repair fails.
+/// `OUTPUT.repairing`, which is removed if the repair fails. What a killed repair left there is written over; any other file of that
+/// name is refused.
 ///
 /// # Errors
-/// [`Error::Usage`] if input and output are the same file; [`Error::Occupied`] if there is an output; the errors of
+/// [`Error::Usage`] if input and output are the same file; [`Error::Occupied`] if there is an output, or one in the making; the errors of
 /// [`scan`](super::scan()); [`Error::Damaged`] if no chunk is whole.
 pub fn repair(input: &Path, output: &Path, limits: &Limits) -> Result<RepairReport> {
     refuse_existing(input, output)?;
@@ -59,15 +63,17 @@ pub fn repair(input: &Path, output: &Path, limits: &Limits) -> Result<RepairRepo
     let absent = |id: &ChunkId| !kept.iter().any(|record| record.id == *id);
     let indispensable = [ChunkId::META, ChunkId::BVH].into_iter().filter(absent).collect();
     let version = scan.version.unwrap_or(FormatVersion::CURRENT);
+    let output = &behind(output)?;
     let temporary = with_suffix(output, ".repairing")?;
-    let finished = create(&temporary, output, version)
-        .and_then(|mut writer| kept.iter().try_for_each(|record| writer.copy(&file, record)).map(|()| writer))
-        .and_then(Writer::finish)
-        .inspect_err(|error| {
-            if !matches!(error, Error::Occupied { .. }) {
-                fs::remove_file(&temporary).ok();
-            }
-        })?;
+    let remove = |_: &Error| _ = fs::remove_file(&temporary);
+    let own = open_locked(&temporary, || open_temporary(&temporary))?;
+    // Another repair may have finished since this one began.
+    refuse_existing(input, output).inspect_err(remove)?;
+    own.set_len(0).map_err(|error| Error::io(&temporary, "truncate", error))?;
+    // Its unfinished file is not `OUTPUT.partial`, since that may be the input.
+    let mut writer = Writer::start(own, temporary.clone(), output.clone(), version).inspect_err(remove)?;
+    kept.iter().try_for_each(|record| writer.copy(&file, record)).inspect_err(remove)?;
+    let finished = writer.finish().inspect_err(remove)?;
     Ok(RepairReport {
         file_len: finished.len,
         kept: finished.chunks,
@@ -131,14 +137,29 @@ fn lost(kept: &[ChunkRecord], scan: &Scan, expected: Option<&[ChunkId]>) -> Vec<
     lost.into_iter().collect()
 }
 
-/// A writer of `temporary`. Its unfinished file is not `OUTPUT.partial`, since that may be the input.
-fn create(temporary: &Path, output: &Path, version: FormatVersion) -> Result<Writer> {
-    let io = |error| Error::io(temporary, "create", error);
+/// Makes the temporary file, or opens the one that a killed repair left: that begins as a trace does. Anything else is somebody's own
+/// file, and a link leads to one.
+fn open_temporary(temporary: &Path) -> Result<File> {
     let mut options = OpenOptions::new();
-    let file = options.read(true).write(true).create(true).truncate(false).open(temporary).map_err(io)?;
-    lock(&file, temporary)?;
-    file.set_len(0).map_err(io)?;
-    Writer::start(file, temporary.to_path_buf(), output.to_path_buf(), version)
+    options.read(true).write(true);
+    let opened = match options.clone().create_new(true).open(temporary) {
+        Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {
+            let hint = "it is no file that a repair left; name another output, or move it away";
+            let foreign = || Error::occupied(temporary, Occupant::File { hint });
+            match fs::symlink_metadata(temporary) {
+                Ok(found) if found.is_file() => {}
+                Err(error) if error.kind() == io::ErrorKind::NotFound => return open_temporary(temporary),
+                _ => return Err(foreign()),
+            }
+            let file = ChunkFile::open(temporary, Limits::default())?;
+            if !header_is_torn(&file)? {
+                read_file_header(&file).map_err(|_| foreign())?;
+            }
+            options.open(temporary)
+        }
+        opened => opened,
+    };
+    opened.map_err(|error| Error::io(temporary, "create", error))
 }
 
 impl Writer {
@@ -168,5 +189,32 @@ impl Writer {
         }
         self.push(ChunkRecord { offset: at, ..*record }, directory.as_ref());
         Ok(())
+    }
+}
+
+#[cfg(all(test, unix))]
+mod tests {
+    use super::*;
+    use crate::container::writer::is_still;
+
+    /// Another repair finishes and gives its file its name, after this one has opened it and before it has the lock.
+    #[test]
+    fn a_repair_that_another_has_finished_is_not_truncated() {
+        let folder = tempfile::tempdir().unwrap();
+        let (temporary, output) = (folder.path().join("out.repairing"), folder.path().join("out"));
+        fs::write(&temporary, crate::container::file_header::FileHeader::encode(FormatVersion::CURRENT)).unwrap();
+        let mut opened = 0;
+        let own = open_locked(&temporary, || {
+            let file = open_temporary(&temporary)?;
+            opened += 1;
+            if opened == 1 {
+                fs::rename(&temporary, &output).unwrap();
+            }
+            Ok(file)
+        });
+        let own = own.unwrap();
+        assert!(opened == 2 && is_still(&own, &temporary));
+        own.set_len(0).unwrap();
+        assert_eq!(fs::metadata(&output).unwrap().len(), 32);
     }
 }

@@ -12,7 +12,7 @@ use super::index::Index;
 use super::reader::read_file_header;
 use super::tile::TileDirectory;
 use super::walk::{Verdict, judge};
-use super::writer::{BUFFER_LEN, Writer, is_still, lock, partial_path};
+use super::writer::{BUFFER_LEN, Writer, behind, is_still, lock, partial_path};
 use crate::error::{Error, Fault, Result, Unknown, check_limit};
 use crate::id::{ChunkId, ChunkKind, FormatVersion};
 use crate::limits::Limits;
@@ -110,7 +110,8 @@ impl Writer {
     /// [`Error::Occupied`] if another process is writing the file; [`Error::Damaged`] if its header is;
     /// [`Error::Unsupported`] if it is no trace or a newer version began it; [`Error::LimitExceeded`]; [`Error::Io`].
     pub fn resume(path: &Path, limits: &Limits) -> Result<Option<Resumed>> {
-        let partial = partial_path(path)?;
+        let path = behind(path)?;
+        let partial = partial_path(&path)?;
         let out = match OpenOptions::new().read(true).write(true).open(&partial) {
             Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
             other => other.map_err(|error| Error::io(&partial, "open", error))?,
@@ -122,7 +123,7 @@ impl Writer {
         let file = ChunkFile::open(&partial, limits.clone())?;
         let (index, ids, end) =
             if header_is_torn(&file)? { Default::default() } else { whole_chunks(&file, whole_header(&file)?)? };
-        Ok(Some(Resumed { out, partial, path: path.to_path_buf(), index, ids, end, file }))
+        Ok(Some(Resumed { out, partial, path, index, ids, end, file }))
     }
 }
 
@@ -137,7 +138,7 @@ fn whole_header(file: &ChunkFile) -> Result<u64> {
 }
 
 /// Whether the process was killed before the whole file header was written: the file is a beginning of it.
-fn header_is_torn(file: &ChunkFile) -> Result<bool> {
+pub(super) fn header_is_torn(file: &ChunkFile) -> Result<bool> {
     if file.len() == 0 {
         return Ok(true);
     }

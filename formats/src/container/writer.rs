@@ -54,18 +54,19 @@ pub struct Writer {
 }
 
 impl Writer {
-    /// Starts a new file. `path` itself may exist: it is replaced by [`Writer::finish`], and left alone until then.
+    /// Starts a new file. `path` itself may exist: it is replaced by [`Writer::finish`], and left alone until then. If it is a link,
+    /// what it names is replaced, and the unfinished file lies there.
     ///
     /// # Errors
     /// [`Error::Occupied`] if a killed capture left `NAME.partial`; resume it or [`Writer::discard`] it.
     /// [`Error::Io`], among others if the folder does not exist.
     pub fn create(path: &Path) -> Result<Self> {
-        behind_links(path).map_err(|error| Error::io(path, "create", error))?;
-        let partial = partial_path(path)?;
-        let file = OpenOptions::new().read(true).write(true).create_new(true).open(&partial);
-        let file = file.map_err(|error| match error.kind() {
+        let path = behind(path)?;
+        let partial = partial_path(&path)?;
+        let new = || OpenOptions::new().read(true).write(true).create_new(true).open(&partial);
+        let refused = |error: io::Error| match error.kind() {
             io::ErrorKind::AlreadyExists => {
-                // Its writer may live: it is not for another to continue then.
+                // While its writer lives, nobody else may continue it, and the error says who that is.
                 if let Ok(other) = File::open(&partial)
                     && let Err(alive) = lock(&other, &partial)
                 {
@@ -75,8 +76,9 @@ impl Writer {
                 Error::occupied(&partial, Occupant::File { hint })
             }
             _ => Error::io(&partial, "create", error),
-        })?;
-        Self::start(file, partial, path.to_path_buf(), FormatVersion::CURRENT)
+        };
+        let file = open_locked(&partial, || new().map_err(refused))?;
+        Self::start(file, partial, path, FormatVersion::CURRENT)
     }
 
     /// Deletes the `NAME.partial` of a killed capture, if there is one that nobody is writing.
@@ -96,9 +98,8 @@ impl Writer {
         fs::remove_file(&partial).map_err(|error| Error::io(&partial, "delete", error))
     }
 
-    /// Writes the file header to an empty file.
+    /// Writes the file header to an empty file, which the caller has locked.
     pub(super) fn start(file: File, partial: PathBuf, path: PathBuf, version: FormatVersion) -> Result<Self> {
-        lock(&file, &partial)?;
         let out = BufWriter::with_capacity(BUFFER_LEN, file);
         let mut writer =
             Self { out, partial, path, offset: 0, index: Index::default(), ids: HashSet::new(), broken: false };
@@ -179,7 +180,8 @@ impl Writer {
     /// Writes index and trailer, forces everything to the disk, and gives the file its name in one step.
     ///
     /// # Errors
-    /// [`Error::Usage`] if an earlier write failed; [`Error::Io`]. `NAME.partial` is left behind.
+    /// [`Error::Usage`] if an earlier write failed; [`Error::Io`]. `NAME.partial` is left behind, unless the error is that the folder
+    /// could not be forced to the disk: then the file is complete under its name, and a power cut may take the name away.
     pub fn finish(mut self) -> Result<Finished> {
         let chunks = self.index.chunks.len() as u64;
         let raw = self.index.encode();
@@ -190,18 +192,36 @@ impl Writer {
         self.flush()?;
         self.out.get_ref().sync_all().map_err(|error| Error::io(&self.partial, "write", error))?;
         fs::rename(&self.partial, &self.path).map_err(|error| Error::io(&self.path, "rename to", error))?;
-        // The file is complete either way.
-        sync_folder_of(&self.path).ok();
+        sync_folder_of(&self.path).map_err(|error| Error::io(&self.path, "force to the disk the name of", error))?;
         Ok(Finished { path: self.path, len: self.offset, chunks })
     }
 }
 
-/// `NAME.partial` in the same folder.
+/// `NAME.partial` in the same folder. If `path` is a link, beside what it names.
 ///
 /// # Errors
-/// [`Error::Usage`] if `path` does not end in a file name.
+/// [`Error::Usage`] if `path` does not end in a file name; [`Error::Io`] if it is a device or a pipe.
 pub fn partial_path(path: &Path) -> Result<PathBuf> {
-    with_suffix(path, PARTIAL)
+    with_suffix(&behind(path)?, PARTIAL)
+}
+
+/// Where a trace of this name lies.
+pub(super) fn behind(path: &Path) -> Result<PathBuf> {
+    behind_links(path).map_err(|error| Error::io(path, "create", error))
+}
+
+/// Locks the file that `open` gives. Between the two another process may delete it, or finish it and give it its name; then it is
+/// not to be written to, and `open` is asked again.
+pub(super) fn open_locked(path: &Path, mut open: impl FnMut() -> Result<File>) -> Result<File> {
+    // Nobody is that unlucky: the end is for file systems on which one file has two numbers.
+    for _ in 0..100 {
+        let file = open()?;
+        lock(&file, path)?;
+        if is_still(&file, path) {
+            return Ok(file);
+        }
+    }
+    Err(Error::io(path, "lock", io::Error::other("it is another file whenever it is looked at")))
 }
 
 /// The same path with something after its file name.
@@ -236,5 +256,55 @@ pub(super) fn is_still(file: &File, path: &Path) -> bool {
     {
         let _ = (file, path);
         true
+    }
+}
+
+#[cfg(all(test, unix))]
+mod tests {
+    use std::os::unix::fs::symlink;
+
+    use super::*;
+    use crate::limits::Limits;
+
+    /// Another process deletes the first file before it is locked: what is written to it would be lost.
+    #[test]
+    fn a_file_that_was_deleted_before_it_was_locked_is_not_written() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("t.partial");
+        let mut opened = 0;
+        let file = open_locked(&path, || {
+            let file = File::create_new(&path).map_err(|error| Error::io(&path, "create", error))?;
+            opened += 1;
+            if opened == 1 {
+                fs::remove_file(&path).unwrap();
+            }
+            Ok(file)
+        });
+        assert!(is_still(&file.unwrap(), &path));
+        assert_eq!(opened, 2);
+    }
+
+    #[test]
+    fn a_link_stays_and_what_it_names_is_replaced() {
+        let folder = tempfile::tempdir().unwrap();
+        let disk = folder.path().join("disk");
+        fs::create_dir(&disk).unwrap();
+        let (link, real) = (folder.path().join("t"), disk.join("real"));
+        fs::write(&real, "old").unwrap();
+        symlink(&real, &link).unwrap();
+        let partial = disk.canonicalize().unwrap().join("real.partial");
+        drop(Writer::create(&link).unwrap());
+        assert!(partial.exists() && partial_path(&link).unwrap() == partial);
+        Writer::discard(&link).unwrap();
+        assert!(!partial.exists());
+        drop(Writer::create(&link).unwrap());
+        Writer::resume(&link, &Limits::default()).unwrap().unwrap().go_on().unwrap().finish().unwrap();
+        assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
+        assert!(!partial.exists() && fs::read(&real).unwrap().starts_with(&super::super::file_header::MAGIC));
+        fs::write(&real, "old").unwrap();
+        let finished = Writer::create(&link).unwrap().finish().unwrap();
+        assert_eq!(finished.path, real.canonicalize().unwrap());
+        assert_eq!(fs::metadata(&link).unwrap().len(), finished.len);
+        assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
     }
 }

@@ -189,6 +189,9 @@ pub fn parse_paths(bytes: &[u8], rays: usize) -> Result<Paths, String> {
         if start > bytes.len() as u64 {
             return Err("the paths are longer than their column".into());
         }
+        if start > u64::from(u32::MAX) {
+            return Err("the paths have more than 2^32 - 1 steps".into());
+        }
     }
     let steps = input.0.to_vec();
     if steps.len() as u64 != start || steps.iter().any(|&s| s > crate::tile::step::PASS) {

@@ -111,7 +111,7 @@ impl Camera {
     /// The payload of a `FRAM` chunk.
     ///
     /// # Errors
-    /// Never: a camera has a fixed size.
+    /// Those of the encoder, of which a camera meets none: its size is fixed and far below the limit.
     pub fn to_payload(&self) -> Result<Vec<u8>> {
         encode("camera", self)
     }

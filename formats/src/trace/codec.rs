@@ -179,7 +179,7 @@ impl TileCodec<'_> {
     pub fn decode_tree(&self, rect: Rect, packed: &PackedColumn) -> Result<Tree> {
         check_limit("samples per tile", rect.len() as u64, self.limits.max_samples_per_tile)?;
         let depth = self.meta.max_depth;
-        let _share = self.reserve(Column::Tree, packed)?;
+        let _share = self.reserve(packed, packed.raw_len.saturating_mul(12))?;
         // A node takes a canonical byte at least, so none beyond that number is decoded.
         let nodes = self.limits.max_nodes_per_tile.min(packed.raw_len);
         let limits = Limits { max_nodes_per_tile: nodes, ..self.limits.clone() };
@@ -203,7 +203,10 @@ impl TileCodec<'_> {
         order: &CodingOrder<'_>,
         packed: &PackedColumn,
     ) -> Result<(Vec<Hit>, RayRebuilder<'_>)> {
-        let _share = self.reserve(Column::Hits, packed)?;
+        named(Column::Hits, promises(packed, canonical::hits_length(order.tree)))?;
+        // A hit comes to 72 bytes with what its ray is rebuilt from. A miss has no canonical byte, and its place in these lists all the same.
+        let misses = order.tree.nodes.iter().filter(|node| !node.hit).count() as u64;
+        let _share = self.reserve(packed, packed.raw_len.saturating_mul(6).saturating_add(28 * misses))?;
         let decoded = decode(
             packed,
             |bytes| {
@@ -230,7 +233,8 @@ impl TileCodec<'_> {
         (hits, rays): (&[Hit], &RayRebuilder<'_>),
         packed: &PackedColumn,
     ) -> Result<Vec<Radiance>> {
-        let _share = self.reserve(Column::Radiance, packed)?;
+        named(Column::Radiance, promises(packed, canonical::radiance_length(order.tree)))?;
+        let _share = self.reserve(packed, packed.raw_len.saturating_mul(3))?;
         let decoded = decode(
             packed,
             |bytes| radiance::decode(bytes, order, hits, rays),
@@ -246,11 +250,12 @@ impl TileCodec<'_> {
     /// When it is damaged or over a limit.
     pub fn decode_paths(&self, tile: &Tile, packed: &PackedColumn, scratch: &mut Scratch) -> Result<Paths> {
         let (tree, rect, lights) = (&tile.tree, tile.rect, self.lights());
-        let _share = self.reserve(Column::Paths, packed)?;
+        let limits = self.paths_limits(tree, packed)?;
+        let _share = self.reserve_paths(tree, packed)?;
         let scratch = &mut scratch.paths;
         let decoded = decode(
             packed,
-            |bytes| paths::decode(bytes, &CodingOrder::new(tree, rect), lights, self.topology, self.limits, scratch),
+            |bytes| paths::decode(bytes, &CodingOrder::new(tree, rect), lights, self.topology, &limits, scratch),
             |bytes| canonical::parse_paths(bytes, tree.ray_count() as usize),
             canonical::paths_length,
         );
@@ -261,17 +266,27 @@ impl TileCodec<'_> {
 }
 
 impl TileCodec<'_> {
-    /// A share of the memory for decoding a column: what its canonical bytes come to in memory. More than that is not decoded, and a
-    /// column that has fewer is refused.
-    fn reserve(&self, column: Column, packed: &PackedColumn) -> Result<Share<'_>> {
-        let times = match column {
-            Column::Tree => 12,
-            Column::Hits => 6,
-            Column::Radiance => 3,
-            Column::Paths => 2,
-        };
-        let bytes = packed.raw_len.saturating_mul(times).saturating_add(packed.bytes.len() as u64);
-        self.limits.reserve(bytes)
+    /// A share of the memory for decoding a column that comes to so many bytes beside its packed ones. More than its directory promises
+    /// is not decoded, and a column that has less is refused.
+    fn reserve(&self, packed: &PackedColumn, bytes: u64) -> Result<Share<'_>> {
+        self.limits.reserve(bytes.saturating_add(packed.bytes.len() as u64))
+    }
+
+    /// A share for paths: of a list of steps that grows half is in use, and every ray has its place in lists, whatever its steps.
+    fn reserve_paths(&self, tree: &Tree, packed: &PackedColumn) -> Result<Share<'_>> {
+        self.reserve(packed, packed.raw_len.saturating_mul(2).saturating_add(28 * tree.ray_count()))
+    }
+
+    /// What decoding the paths of this tree may cost. Their canonical bytes are a length (4 bytes) for each ray and a byte for each
+    /// step, so more steps than that leaves are not decoded. Paths that rays share are decoded once and count for each ray.
+    fn paths_limits(&self, tree: &Tree, packed: &PackedColumn) -> Result<Limits> {
+        let (rays, promised) = (tree.ray_count(), packed.raw_len);
+        let steps = promised.checked_sub(4 * rays).ok_or_else(|| {
+            let detail = format!("the {promised} bytes that the directory promises are too few for {rays} rays");
+            Error::column(NONE, NONE, Column::Paths.name(), detail)
+        })?;
+        let most = self.limits.max_path_steps_per_tile.min(steps);
+        Ok(Limits { max_path_steps_per_tile: most, ..self.limits.clone() })
     }
 
     /// As [`TileCodec::decode_paths`], but the paths go to `sink`, each once. Only paths by the column codec are known to
@@ -286,11 +301,12 @@ impl TileCodec<'_> {
         scratch: &mut Scratch,
         sink: &mut S,
     ) -> Result<SharedPaths> {
-        let _share = self.reserve(Column::Paths, packed)?;
+        let limits = self.paths_limits(&tile.tree, packed)?;
+        let _share = self.reserve_paths(&tile.tree, packed)?;
         let (order, lights, scratch) = (CodingOrder::new(&tile.tree, tile.rect), self.lights(), &mut scratch.paths);
         let decoded = decode(
             packed,
-            |bytes| paths::decode_to(bytes, &order, lights, self.topology, self.limits, scratch, sink),
+            |bytes| paths::decode_to(bytes, &order, lights, self.topology, &limits, scratch, sink),
             |_| Err("plain paths are not known to lead through the tree".into()),
             |paths| paths.rays.iter().map(|&path| 4 + u64::from(paths.steps[path as usize])).sum(),
         );
@@ -318,9 +334,14 @@ fn decode<T>(
         Codec::CONTEXT => context(bytes)?,
         other => return Err(format!("coded by codec {other}, which this build does not know; use a newer rayreel")),
     };
-    match length(&decoded) {
-        length if length == *raw_len => Ok(decoded),
-        length => Err(format!("it has {length} canonical bytes, not the {raw_len} that the directory promises")),
+    promises(packed, length(&decoded)).map(|()| decoded)
+}
+
+/// Refuses a column that has another number of canonical bytes than its directory promises.
+fn promises(packed: &PackedColumn, length: u64) -> std::result::Result<(), String> {
+    match packed.raw_len {
+        promised if promised == length => Ok(()),
+        promised => Err(format!("it has {length} canonical bytes, not the {promised} that the directory promises")),
     }
 }
 

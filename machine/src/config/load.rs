@@ -48,7 +48,7 @@ impl NamedMachine {
             name = format!("{name}+{}", text.trim());
         }
         let config = loaded.build()?;
-        check::check(&config, &loaded.origin)?;
+        check::check(&config).map_err(|found| found.blame(|key| loaded.overridden(key), &loaded.origin))?;
         Ok(Self { name, chain: loaded.chain, config, values: loaded.values })
     }
 
@@ -77,6 +77,6 @@ impl MachineConfig {
     pub fn check(&self) -> Result<()> {
         let table = Table::try_from(self).map_err(|e| MachineError::Usage { detail: e.to_string() })?;
         MACHINES.check(table)?;
-        Ok(check::check(self, "machine")?)
+        Ok(check::check(self).map_err(|found| found.blame(|_| None, "machine"))?)
     }
 }

@@ -52,7 +52,8 @@ impl Shader {
             gbuffer_bytes: config.raster.gbuffer_bytes.into(),
             direct: gpu.interface == Interface::Direct,
             message_bytes,
-            message_cycles: message_bytes.map(|bytes| bytes.div_ceil(width).max(1)),
+            // An ideal link takes no time, as in `srp::Interface`.
+            message_cycles: message_bytes.map(|bytes| if config.srp.ideal { 0 } else { bytes.div_ceil(width).max(1) }),
             line_bytes: config.l2.line_bytes.into(),
         }
     }

@@ -163,6 +163,26 @@ fn one_ray_at_a_time_finds_what_a_simulation_finds() {
     }
 }
 
+/// An ideal link carries the same bytes, and is never busy.
+#[test]
+fn the_interface_is_busy_as_long_as_that_of_a_simulation() {
+    for (sets, is_busy) in [(&[][..], true), (&["srp.ideal=true"], false), (&["gpu.interface=memory"], false)] {
+        let (tree, config) = (balanced_topology(8, 2), config(sets));
+        let work = tiles(&tree, 6);
+        let mut machine = FunctionalMachine::new(&config, &tree, SHAPE);
+        work.iter().for_each(|tile| machine.feed(Arc::clone(tile)));
+        machine.finish();
+        let of = |stats: &Stats| {
+            let mut sum = crate::srp::InterfaceCounters::default();
+            stats.cores.iter().for_each(|core| sum += core.srp.interface);
+            sum
+        };
+        let (counted, simulated) = (of(&machine.stats()), of(&simulated(&config, &tree, &work)));
+        assert_eq!(counted, simulated, "{sets:?}");
+        assert!((counted.ray_busy > 0) == is_busy && counted.ray_bytes > 0, "{sets:?}: {counted:?}");
+    }
+}
+
 #[test]
 fn the_clock_is_near_that_of_a_simulation() {
     for sets in

@@ -13,15 +13,15 @@ use super::topology::Topology;
 use crate::counters::counters;
 
 counters! {
-    /// Work that paths ask for, whatever machine does it.
+    /// Work that paths ask for, whatever machine does it, and whether it does it: a rasteriser finds what primaries see without them.
     pub struct PathCounts {
-        rays: "rays", "paths";
-        node_visits: "events", "inner nodes visited";
-        triangle_tests: "events", "triangles tested";
-        pushes: "events", "children put on the stack";
-        pops: "events", "children taken from the stack and visited";
-        culled: "events", "children taken from the stack that lie behind the closest hit";
-        hits: "events", "triangle tests that found a closer hit";
+        rays: "rays", "recorded paths of the traced rays, primaries included that a rasteriser replaces";
+        node_visits: "events", "inner nodes visited on these paths (paths/rays)";
+        triangle_tests: "events", "triangles tested on these paths (paths/rays)";
+        pushes: "events", "children put on the stack on these paths (paths/rays)";
+        pops: "events", "children taken from the stack and visited on these paths (paths/rays)";
+        culled: "events", "children taken from the stack on these paths (paths/rays) that lie behind the closest hit";
+        hits: "events", "triangle tests on these paths (paths/rays) that found a closer hit";
     }
 }
 

@@ -31,13 +31,17 @@ pub struct Estimate {
     pub windows: u64,
     /// Frames.
     pub frames: u64,
-    /// Frames that were simulated whole, for they have too few tiles, or tiles too alike or too different.
+    /// Frames that were simulated whole: see [`WHY_WHOLE`].
     pub whole_frames: u64,
     /// Degrees of freedom of the intervals; 0 where all frames were simulated whole.
     pub freedom: u32,
     /// The run, estimated again without a part of the windows each.
     pub replicates: Vec<Replicate>,
 }
+
+/// Why a frame is simulated whole though a sample was asked for, as pages say it.
+pub const WHY_WHOLE: &str = "too few tiles, tiles too alike or too different, a precision that no sample reaches, or a machine that gathers \
+                             rays or traces them by threads";
 
 /// The least half widths of intervals, as parts of the value.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -138,7 +142,10 @@ fn student(freedom: u32) -> f64 {
     match freedom {
         0 => FIRST[0],
         1..=30 => FIRST[freedom as usize - 1],
-        31..=60 => 2.021,
+        // That of the least of them: wider rather than narrower.
+        31..=39 => 2.040,
+        40..=59 => 2.021,
+        60..=119 => 2.000,
         _ => 1.980,
     }
 }

@@ -81,9 +81,7 @@ struct Now {
 impl BlockSampler {
     fn new(policy: &Policy, meta: &Meta) -> Result<Self> {
         let rules = Rules::new(policy, meta)?;
-        let mut edges = RateController::blocks(policy);
-        edges.extend(rules.history.as_ref().map(|history| history.step));
-        check_tile(meta.tile, &edges)?;
+        check_tile(meta.tile, policy)?;
         let has_rates = policy.multirate().is_some() || matches!(policy, Policy::Foveated(_));
         let histories = match policy {
             Policy::Temporal(temporal) => {

@@ -44,6 +44,23 @@ impl Policy {
         }
     }
 
+    /// The edges that tiles must be multiples of: where finer blocks are possible too, they divide these.
+    pub(super) fn edges(&self) -> Vec<Edge> {
+        let nested = |edge| Edge { key: "coarsest", edge, allowed: NESTED_EDGES };
+        match self {
+            Self::Full => Vec::new(),
+            Self::Adaptive(Adaptive { block, .. })
+            | Self::Whitted1980(Whitted1980 { block, .. })
+            | Self::Mitchell1987(Mitchell1987 { block, .. })
+            | Self::Jin2009(Jin2009 { block, .. }) => vec![Edge { key: "block", edge: *block, allowed: BLOCK_EDGES }],
+            Self::Multirate(multirate) => vec![nested(multirate.coarsest)],
+            Self::Foveated(foveated) => vec![nested(foveated.coarsest)],
+            Self::Temporal(Temporal { multirate, history, .. }) => {
+                vec![nested(multirate.coarsest), Edge { key: "history.step", edge: history.step, allowed: STEPS }]
+            }
+        }
+    }
+
     /// The values by which each tile has a block that follows the frame before, if it has.
     pub(super) fn multirate(&self) -> Option<&Multirate> {
         match self {
@@ -54,14 +71,30 @@ impl Policy {
     }
 }
 
+/// An edge that tiles must be a multiple of.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Edge {
+    /// The key that it is set by.
+    pub key: &'static str,
+    /// Samples.
+    pub edge: u32,
+    /// What the key may be.
+    pub allowed: &'static [i64],
+}
+
 /// Block edges where all tiles have the same.
-const BLOCK: Rule = OneOf(&[2, 3, 4, 8, 16]);
+const BLOCK_EDGES: &[i64] = &[2, 3, 4, 8, 16];
+const BLOCK: Rule = OneOf(BLOCK_EDGES);
 
 /// Priorities of [`Jin2009`].
 const PRIORITY: Rule = OneOf(&[0, 1, 2]);
 
 /// Block edges of tiles that differ in their blocks: each divides the next.
-const NESTED: Rule = OneOf(&[2, 4, 8, 16]);
+const NESTED_EDGES: &[i64] = &[2, 4, 8, 16];
+const NESTED: Rule = OneOf(NESTED_EDGES);
+
+/// From one entry of a history to the next.
+const STEPS: &[i64] = &[1, 2, 4];
 
 settings! {
     /// The values of [`Policy::Adaptive`].
@@ -100,7 +133,7 @@ settings! {
     #[serde(deny_unknown_fields)]
     pub struct HistoryRules {
         /// Entries stand where both coordinates are multiples of this.
-        step: u32 = OneOf(&[1, 2, 4]), "from one entry of the history to the next", "samples";
+        step: u32 = OneOf(STEPS), "from one entry of the history to the next", "samples";
         depth: u32 = Count(0, 14), "hits below so many bounces are kept of a sample";
         refresh: u32 = Count(1, 1024), "of so many samples one looks for its lights in any case, another one in each frame";
         /// Of the lights of a tile that were known and looked for all the same, so many may be found otherwise.

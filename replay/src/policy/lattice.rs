@@ -1,5 +1,6 @@
 //! Where the R-samples of a frame stand.
 
+use super::kinds::{Edge, Policy};
 use crate::error::{RequestError, Result};
 
 /// The R-sample grid of a frame.
@@ -37,18 +38,21 @@ impl SampleLattice {
     }
 }
 
-/// Tiles must begin at R-samples of every block that they may have.
+/// Tiles must begin at R-samples of every block that they may have, and at entries of the history.
 ///
 /// # Errors
 /// [`RequestError::TileSize`].
-pub fn check_tile(tile: u32, blocks: &[u32]) -> Result<()> {
-    let Some(&block) = blocks.iter().find(|b| !tile.is_multiple_of(**b)) else { return Ok(()) };
-    let fit = |b: &u32| tile.is_multiple_of(*b);
-    let blocks: Vec<_> = [2, 3, 4, 8, 16].into_iter().filter(fit).map(|b| b.to_string()).collect();
-    let below = tile / block * block;
-    let tiles: Vec<_> = [below, below + block].into_iter().filter(|&t| t > 0).map(|t| t.to_string()).collect();
-    let blocks = if blocks.is_empty() { "none does".into() } else { blocks.join(", ") };
-    Err(RequestError::TileSize { tile, block, blocks, tiles: tiles.join(" or ") }.into())
+pub fn check_tile(tile: u32, policy: &Policy) -> Result<()> {
+    let edges = policy.edges();
+    let Some(&Edge { key, edge, allowed }) = edges.iter().find(|e| !tile.is_multiple_of(e.edge)) else { return Ok(()) };
+    // One edge, or powers of two: the largest is a multiple of all.
+    let multiple = edges.iter().map(|e| e.edge).fold(1, u32::max);
+    let fit = |edge: &&i64| u32::try_from(**edge).is_ok_and(|edge| tile.is_multiple_of(edge));
+    let edges: Vec<_> = allowed.iter().filter(fit).map(i64::to_string).collect();
+    let below = tile / multiple * multiple;
+    let tiles: Vec<_> = [below, below + multiple].into_iter().filter(|&t| t > 0).map(|t| t.to_string()).collect();
+    let edges = if edges.is_empty() { "none does".into() } else { edges.join(", ") };
+    Err(RequestError::TileSize { key, tile, edge, edges, multiple, tiles: tiles.join(" or ") }.into())
 }
 
 #[cfg(test)]

@@ -42,7 +42,7 @@ impl NamedPolicy {
             loaded.set(text)?;
             name = format!("{name}+{text}");
         }
-        check_order(|key| loaded.get(key), &loaded.origin)?;
+        check_order(|key| loaded.get(key), &loaded.origin, |key| loaded.overridden(key))?;
         Ok(Self { name, policy: loaded.build()? })
     }
 
@@ -81,6 +81,6 @@ impl Policy {
     pub fn check(&self) -> Result<()> {
         let table = Table::try_from(self).map_err(|e| ReplayError::Usage { detail: e.to_string() })?;
         POLICIES.check(table.clone())?;
-        Ok(check_order(|key| table.get(key), "policy")?)
+        Ok(check_order(|key| table.get(key), "policy", |_| None)?)
     }
 }

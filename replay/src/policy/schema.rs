@@ -56,33 +56,48 @@ pub fn keys(kind: &str) -> Option<&'static [Key]> {
     KINDS.contains(&kind).then(|| (POLICIES.schema)(kind).keys())
 }
 
-/// Checks what one key alone cannot show: that ranges are not empty, and that values go together. `get` knows the values.
+/// Least ambient light of `shade = "attributes"`: colours are divided by it where no light is seen, and stay numbers.
+const AMBIENT_MIN: f64 = 1e-6;
+
+/// Checks what one key alone cannot show: that ranges are not empty, and that values go together. `get` knows the values;
+/// `origin` says where they are from, and `set` what set a single one, if something did.
 ///
 /// # Errors
 /// [`SettingsError::BadValue`].
-pub(super) fn check_order<'a>(get: impl Fn(&str) -> Option<&'a Value>, origin: &str) -> Result<()> {
+pub(super) fn check_order<'a>(
+    get: impl Fn(&str) -> Option<&'a Value>,
+    origin: &str,
+    set: impl Fn(&str) -> Option<String>,
+) -> Result<()> {
     let number = |name: &str| match get(name)? {
         Value::Integer(i) => Some(*i as f64),
         value => value.as_float(),
     };
+    // The first key is at fault; what set one of the two by itself is where that is from.
+    let bad = |keys: [&str; 2], allowed: String| {
+        let said = keys.iter().find_map(|key| set(key)).unwrap_or_else(|| origin.to_owned());
+        get(keys[0]).map_or(Ok(()), |value| Err(SettingsError::bad_value(&said, keys[0], value, allowed)))
+    };
     let ordered =
         [("finest", "coarsest"), ("finest", "start"), ("start", "coarsest"), ("raise", "lower"), ("inner", "outer")];
     for (small, large) in ordered {
-        if let (Some(low), Some(high), Some(value)) = (number(small), number(large), get(small))
+        if let (Some(low), Some(high)) = (number(small), number(large))
             && low > high
         {
-            let allowed = format!("a value up to that of {large}, which is {high}");
-            return Err(SettingsError::bad_value(origin, small, value, allowed));
+            if set(small).is_none() && set(large).is_some() {
+                bad([large, small], format!("a value not below that of {small}, which is {low}"))?;
+            }
+            bad([small, large], format!("a value up to that of {large}, which is {high}"))?;
         }
     }
-    let is_shaded = get("shade").and_then(Value::as_str) == Some(Shade::Attributes.name());
-    if let Some(ambient) = get("shade_ambient").filter(|_| is_shaded && number("shade_ambient") == Some(0.0)) {
-        let allowed = "above 0 with shade = \"attributes\"";
-        return Err(SettingsError::bad_value(origin, "shade_ambient", ambient, allowed));
+    if get("shade").and_then(Value::as_str) != Some(Shade::Attributes.name()) {
+        return Ok(());
     }
-    if let Some(secondary) = get("secondary").filter(|on| is_shaded && on.as_bool() == Some(true)) {
-        let allowed = "false with shade = \"attributes\", which shades whole samples";
-        return Err(SettingsError::bad_value(origin, "secondary", secondary, allowed));
+    if number("shade_ambient").is_some_and(|ambient| ambient < AMBIENT_MIN) {
+        bad(["shade_ambient", "shade"], format!("{AMBIENT_MIN} or more with shade = \"attributes\""))?;
+    }
+    if get("secondary").and_then(Value::as_bool) == Some(true) {
+        bad(["secondary", "shade"], "false with shade = \"attributes\", which shades whole samples".into())?;
     }
     Ok(())
 }

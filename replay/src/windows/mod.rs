@@ -18,7 +18,7 @@ mod window;
 use std::sync::Arc;
 
 use rayreel_formats::scene::Meta;
-use rayreel_machine::config::MachineConfig;
+use rayreel_machine::config::{MachineConfig, Pipeline};
 use rayreel_machine::energy::EnergyReport;
 use rayreel_machine::system::Probe;
 use rayreel_machine::work::check::PathCounts;
@@ -31,7 +31,7 @@ use crate::policy::Sampler;
 use crate::simulate::{MachineRun, check_kernels, frame_shape, pass_all};
 use crate::source::PathSource;
 use pass::{MachinePass, Passed, Room, Shared};
-use places::{Places, Tiles};
+use places::{Places, Tiles, UnderWay};
 
 /// A frame is uniform of which this part of the work lies in parts that are alike: those whose sizes differ by less than [`ALIKE`]. Of
 /// twelve scenes under three policies the most uniform has 0.25, a triangle before half a sky 0.40 to 0.53, nothing but sky 0.92 and more.
@@ -59,7 +59,9 @@ pub fn simulate_estimated<S: PathSource + ?Sized, P: Probe>(
 ) -> Result<(FrameReplay, Vec<MachineRun>)> {
     let mut simulation = Simulation { replayer, frame, tree, detail, probe };
     let tiles = tiles(simulation.replayer.source().meta());
-    let places: Vec<_> = machines.iter().map(|(_, config)| Places::of(detail, tiles, slots(config))).collect();
+    let places =
+        |config| Places::of(detail, tiles, under_way(config)).filter(|_| detail == Detail::All || is_sampled(config));
+    let places: Vec<_> = machines.iter().map(|(_, config)| places(config)).collect();
     // A policy that cannot begin a frame again can be counted: that takes one pass.
     let begin = simulation.replayer.fork();
     let sampled = begin.is_some() && places.iter().any(Option::is_some);
@@ -87,6 +89,18 @@ pub fn simulate_estimated<S: PathSource + ?Sized, P: Probe>(
 /// Tiles that a machine works on at a time.
 fn slots(config: &MachineConfig) -> usize {
     (config.gpu.cores * config.gpu.tiles_in_flight.clamp(1, 255)) as usize
+}
+
+/// Whether a sample can stand for a frame on this machine. Where rays are gathered, or traced by threads, the pass tells too little of
+/// how the time goes, and intervals missed more often than they state (docs/detail.md).
+fn is_sampled(config: &MachineConfig) -> bool {
+    !matches!(config.ti.pipeline, Pipeline::Gathering | Pipeline::Software)
+}
+
+/// What a machine has under way at a time, at most.
+fn under_way(config: &MachineConfig) -> UnderWay {
+    let ti = &config.ti;
+    UnderWay { slots: slots(config), rays: config.gpu.cores * ti.trv * ti.rays_per_trv }
 }
 
 /// The tiles of a frame.
@@ -151,13 +165,16 @@ impl<S: PathSource + ?Sized, P: Probe> Simulation<'_, '_, S, P> {
         if self.detail == Detail::Counts {
             return Ok(counted(config, &passed));
         }
-        for _ in 0..PASSES {
+        for pass in 1..=PASSES {
             let Some(held) = places.filter(|_| self.has_typical_parts(&passed.sizes, slots(config))) else { break };
             let run = extrapolate::extrapolate(config, &passed, self.detail);
             let Detail::Precision(wanted) = self.detail else { return Ok(run) };
             let width = widest(&run);
             if width <= wanted.fraction() {
                 return Ok(run);
+            }
+            if pass == PASSES {
+                break;
             }
             // The width falls with the square root of the number of windows.
             let factor = (width / wanted.fraction()).powi(2) * 1.3;
@@ -171,7 +188,7 @@ impl<S: PathSource + ?Sized, P: Probe> Simulation<'_, '_, S, P> {
         }
         begin.into_iter().for_each(|begin| self.replayer.restore(begin));
         let (_, mut runs) = self.whole(&[machine])?;
-        Ok(runs.pop().unwrap_or_default())
+        runs.pop().ok_or_else(|| ReplayError::Usage { detail: "a machine was simulated, and gave nothing".into() })
     }
 
     /// Whether windows can stand for a frame of these tiles. Under `all` they stand for themselves, uniform or not.
@@ -245,7 +262,7 @@ fn is_uniform(tiles: &[f64], slots: usize) -> bool {
 
 /// The wider of the intervals of cycles and energy, as a part of the value.
 fn widest(run: &MachineRun) -> f64 {
-    let Some(estimate) = &run.estimate else { return 0.0 };
+    let Some(estimate) = &run.estimate else { return f64::INFINITY };
     let (cycles, energy) = (run.stats.cycles as f64, run.energy.gpu_fj() as f64);
     let floors = estimate.floors();
     let part = |value: f64, floor, of: fn(&Replicate) -> f64| estimate.half_width(value, floor, of) / value.max(1.0);

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
+use std::time::Duration;
 
 use rayon::Scope;
 use rayreel_machine::config::MachineConfig;
@@ -13,7 +14,7 @@ use rayreel_machine::work::topology::Topology;
 
 use super::places::{Place, Places};
 use super::window::{Measured, Window};
-use crate::error::Result;
+use crate::error::{ReplayError, Result};
 use crate::stop::Stop;
 
 /// What came of a pass for one machine.
@@ -86,10 +87,24 @@ impl Room {
         Self { free: Mutex::new(windows), freed: Condvar::new() }
     }
 
+    /// Waits for a place and takes it. A thread of the pool works on meanwhile: the window that it waits for may be its own to simulate.
     fn take(&self) {
-        let free = self.free.lock().unwrap_or_else(PoisonError::into_inner);
-        let mut free = self.freed.wait_while(free, |free| *free == 0).unwrap_or_else(PoisonError::into_inner);
-        *free -= 1;
+        loop {
+            let mut free = self.free.lock().unwrap_or_else(PoisonError::into_inner);
+            if *free > 0 {
+                *free -= 1;
+                return;
+            }
+            drop(free);
+            let longest = match rayon::yield_now() {
+                None => Duration::from_secs(1),
+                Some(rayon::Yield::Executed) => Duration::ZERO,
+                Some(rayon::Yield::Idle) => Duration::from_millis(1),
+            };
+            let free = self.free.lock().unwrap_or_else(PoisonError::into_inner);
+            let waited = self.freed.wait_timeout_while(free, longest, |free| *free == 0);
+            drop(waited.unwrap_or_else(PoisonError::into_inner));
+        }
     }
 
     fn give(&self) {
@@ -210,7 +225,14 @@ impl<'a> MachinePass<'a> {
         'a: 's,
     {
         let OpenWindow { number, place, from, begin, measured_from, measured_to, tiles, .. } = window;
-        let (Some(measured_from), Some(measured_to)) = (measured_from, measured_to) else { return };
+        let (Some(measured_from), Some(measured_to)) = (measured_from, measured_to) else {
+            // A sample less is no harm; but what stands for itself is part of the frame.
+            if place.is_certain {
+                let missed = ReplayError::Usage { detail: format!("window {number} of a frame was not reached") };
+                self.windows.lock().unwrap_or_else(PoisonError::into_inner).insert(number, Err(missed));
+            }
+            return;
+        };
         let mut features = measured_to;
         features.add_part(&measured_from, -1.0);
         let warm_up = measured_from.size() - begin;
@@ -237,5 +259,31 @@ impl<'a> MachinePass<'a> {
             windows: windows.into_values().collect::<Result<_>>()?,
             caches: self.config.gpu.warm_caches.then(|| self.functional.caches().clone()),
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::atomic::{AtomicUsize, Ordering};
+
+    use super::*;
+
+    /// The only thread of a pool waits for windows that nobody else could simulate.
+    #[test]
+    fn who_waits_for_room_works_meanwhile() {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+        let (room, done) = (Room::new(1), AtomicUsize::new(0));
+        pool.install(|| {
+            rayon::in_place_scope(|scope| {
+                for _ in 0..3 {
+                    room.take();
+                    scope.spawn(|_| {
+                        let _occupied = Occupied(&room);
+                        done.fetch_add(1, Ordering::Relaxed);
+                    });
+                }
+            });
+        });
+        assert_eq!(done.into_inner(), 3);
     }
 }

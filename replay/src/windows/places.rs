@@ -15,9 +15,12 @@ const FEWEST_WINDOWS: usize = 24;
 const LENGTH: (f64, f64) = (2.0, 4.0);
 /// What is simulated before a window and not measured, in tiles: until the machine is as full as it was.
 const WARM_UP: f64 = 1.0;
-/// Samples of a tile that these lengths are made for. Of smaller tiles it takes more: what is under way at the ends of a window are rays,
-/// and no fewer of them if tiles are small.
+/// Samples of a tile that these lengths are made for, with as many rays in the T&I units and [`SLOTS`] tiles in the slots. Of smaller tiles it
+/// takes more: what is under way at the ends of a window are rays, and no fewer of them if tiles are small. So it does where more of
+/// either is under way.
 const TILE: f64 = 1024.0;
+/// See [`TILE`].
+const SLOTS: f64 = 8.0;
 /// More of the tiles than this, warm-up included, are not worth a sample: the frame is simulated whole.
 const WORTH: f64 = 0.6;
 /// A frame of which the fewest and shortest windows are more than this is simulated whole too: there intervals missed more often than they
@@ -51,20 +54,30 @@ pub struct Tiles {
     pub samples: u32,
 }
 
+/// What a machine has under way at a time, at most.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct UnderWay {
+    /// Tiles.
+    pub slots: usize,
+    /// Rays in its T&I units.
+    pub rays: u32,
+}
+
 /// The windows of a frame, in order.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Places {
     list: Vec<Place>,
-    slots: usize,
+    under_way: UnderWay,
 }
 
 impl Places {
-    /// The windows of a frame of `tiles` tiles on a machine with `slots` tile slots; nothing where the frame is to be simulated
+    /// The windows of a frame of `tiles` tiles on a machine that has so much under way; nothing where the frame is to be simulated
     /// whole. `share` is the part of the tiles to be measured.
-    pub fn sample(Tiles { count: tiles, samples }: Tiles, slots: usize, share: f64) -> Option<Self> {
+    pub fn sample(Tiles { count: tiles, samples }: Tiles, under_way: UnderWay, share: f64) -> Option<Self> {
+        let UnderWay { slots, rays } = under_way;
         let (tiles, edge) = (tiles as f64, slots as f64 / 2.0);
-        let of_small = (TILE / f64::from(samples.max(1))).max(1.0);
-        let (shortest, longest, warm_up) = (LENGTH.0 * of_small, LENGTH.1 * of_small, WARM_UP * of_small);
+        let factor = (f64::from(rays).max(TILE) / f64::from(samples.max(1))).max(slots as f64 / SLOTS).max(1.0);
+        let (shortest, longest, warm_up) = (LENGTH.0 * factor, LENGTH.1 * factor, WARM_UP * factor);
         let length = (share * tiles / FEWEST_WINDOWS as f64).clamp(shortest, longest);
         let windows = ((share * tiles / length).round() as usize).max(FEWEST_WINDOWS);
         let simulated = |windows: usize, length: f64| windows as f64 * (length + warm_up) + 2.0 * edge + warm_up;
@@ -82,11 +95,12 @@ impl Places {
         let start = Place { begin: 0.0, from: 0.0, to: first, is_certain: true };
         let end = Place { begin: last - warm_up, from: last, to: f64::INFINITY, is_certain: true };
         let list = std::iter::once(start).chain((0..windows).map(window)).chain([end]).collect();
-        Some(Self { list, slots })
+        Some(Self { list, under_way })
     }
 
     /// Windows that follow one another, so that all tiles are simulated; nothing for a frame that is too small.
-    pub fn all(tiles: usize, slots: usize) -> Option<Self> {
+    pub fn all(tiles: usize, under_way: UnderWay) -> Option<Self> {
+        let slots = under_way.slots;
         let length = slots.max(4) * LONG_WINDOW;
         let windows = tiles / length;
         let window = |i: usize| {
@@ -94,16 +108,16 @@ impl Places {
             let to = if i + 1 == windows { f64::INFINITY } else { from + length as f64 };
             Place { begin: (from - LONG_WARM_UP * slots as f64).max(0.0), from, to, is_certain: true }
         };
-        (windows >= 2).then(|| Self { list: (0..windows).map(window).collect(), slots })
+        (windows >= 2).then(|| Self { list: (0..windows).map(window).collect(), under_way })
     }
 
     /// The windows of what a frame is to be simulated with, as [`Places::sample`] or [`Places::all`].
-    pub fn of(detail: Detail, tiles: Tiles, slots: usize) -> Option<Self> {
+    pub fn of(detail: Detail, tiles: Tiles, under_way: UnderWay) -> Option<Self> {
         match detail {
             Detail::Full | Detail::Counts => None,
-            Detail::All => Self::all(tiles.count, slots),
-            Detail::Sampled(share) => Self::sample(tiles, slots, share.fraction()),
-            Detail::Precision(_) => Self::sample(tiles, slots, 0.0),
+            Detail::All => Self::all(tiles.count, under_way),
+            Detail::Sampled(share) => Self::sample(tiles, under_way, share.fraction()),
+            Detail::Precision(_) => Self::sample(tiles, under_way, 0.0),
         }
     }
 
@@ -111,7 +125,7 @@ impl Places {
     pub fn more(&self, tiles: Tiles, factor: f64) -> Option<Self> {
         let sampled = self.list.iter().filter(|place| !place.is_certain);
         let measured: f64 = sampled.map(|place| place.to - place.from).sum();
-        Self::sample(tiles, self.slots, factor * measured / tiles.count as f64)
+        Self::sample(tiles, self.under_way, factor * measured / tiles.count as f64)
     }
 
     /// The windows, in order.
@@ -121,7 +135,7 @@ impl Places {
 
     /// Tile slots of the machine.
     pub fn slots(&self) -> usize {
-        self.slots
+        self.under_way.slots
     }
 }
 
@@ -129,27 +143,44 @@ impl Places {
 mod tests {
     use super::*;
 
+    const USUAL: UnderWay = UnderWay { slots: 8, rays: 1024 };
+
     fn tiles(count: usize) -> Tiles {
         Tiles { count, samples: 1024 }
     }
 
     #[test]
     fn small_tiles_make_windows_of_more() {
-        let of = |samples| Places::sample(Tiles { count: 8192, samples }, 8, 0.05).unwrap().list[1];
+        let of = |samples| Places::sample(Tiles { count: 8192, samples }, USUAL, 0.05).unwrap().list[1];
         let (usual, small, large) = (of(1024), of(256), of(48 * 48));
         assert_eq!((usual.to - usual.from, usual.from - usual.begin), (4.0, 1.0));
         assert!((small.to - small.from - 16.0).abs() < 1e-9 && (small.from - small.begin - 4.0).abs() < 1e-9);
         assert_eq!(large, usual);
         assert_eq!(
-            Places::sample(Tiles { count: 512, samples: 64 }, 8, 0.05),
+            Places::sample(Tiles { count: 512, samples: 64 }, USUAL, 0.05),
             None,
             "too few for one window of each kind"
         );
     }
 
     #[test]
+    fn windows_are_longer_where_more_is_under_way() {
+        let length = |under_way| {
+            let place = Places::sample(tiles(8192), under_way, 0.05).unwrap().list[1];
+            (place.to - place.from, place.from - place.begin)
+        };
+        assert_eq!(length(USUAL), (4.0, 1.0));
+        assert_eq!(length(UnderWay { slots: 2, rays: 64 }), (4.0, 1.0));
+        for under_way in [UnderWay { slots: 16, ..USUAL }, UnderWay { rays: 2048, ..USUAL }] {
+            let (measured, warm_up) = length(under_way);
+            assert!((measured - 8.0).abs() < 1e-9 && (warm_up - 2.0).abs() < 1e-9, "{under_way:?}");
+        }
+        assert_eq!(Places::sample(tiles(625), UnderWay { slots: 64, ..USUAL }, 0.05), None);
+    }
+
+    #[test]
     fn windows_are_as_many_as_asked_for_and_evenly_spread() {
-        let places = Places::sample(tiles(8192), 8, 0.05).unwrap();
+        let places = Places::sample(tiles(8192), USUAL, 0.05).unwrap();
         assert_eq!(places.list.len(), 102 + 2);
         let middle = &places.list[1..103];
         let part = 8184.0 / 102.0;
@@ -165,17 +196,17 @@ mod tests {
 
     #[test]
     fn small_frames_are_simulated_whole() {
-        assert_eq!(Places::sample(tiles(64), 8, 0.1), None);
-        assert_eq!(Places::sample(tiles(2048), 8, 0.5), None, "with warm-up that is all of it");
-        assert!(Places::sample(tiles(512), 8, 0.1).is_some());
-        assert!(Places::sample(tiles(232), 8, 0.05).is_some());
-        assert_eq!(Places::sample(tiles(231), 8, 0.05), None);
-        assert_eq!(Places::all(64, 8), None);
+        assert_eq!(Places::sample(tiles(64), USUAL, 0.1), None);
+        assert_eq!(Places::sample(tiles(2048), USUAL, 0.5), None, "with warm-up that is all of it");
+        assert!(Places::sample(tiles(512), USUAL, 0.1).is_some());
+        assert!(Places::sample(tiles(232), USUAL, 0.05).is_some());
+        assert_eq!(Places::sample(tiles(231), USUAL, 0.05), None);
+        assert_eq!(Places::all(64, USUAL), None);
     }
 
     #[test]
     fn where_all_is_simulated_one_window_follows_the_other() {
-        let places = Places::all(2050, 8).unwrap();
+        let places = Places::all(2050, USUAL).unwrap();
         assert_eq!(places.list.len(), 16);
         assert!(places.list.windows(2).all(|pair| pair[0].to == pair[1].from));
         assert_eq!((places.list[0].from, places.list[15].to), (0.0, f64::INFINITY));

@@ -1,7 +1,7 @@
 //! Blocks on disk, shared by all processes that read the same version of an object.
 //!
 //! ```text
-//! <folder>/<hash of location, version and length>/object         what it is, for people; its date is the last use
+//! <folder>/<hash of location, version and length>/object         what it is, for people; its date: when it was last opened
 //!                                                 <start>-<len>  a block: its bytes, then a hash; hexadecimal numbers
 //! ```
 //!
@@ -9,28 +9,27 @@
 //! Its hash covers its place too. Whatever is missing, damaged or deleted meanwhile is fetched again.
 
 use std::collections::BTreeMap;
-use std::fs::{self, File};
+use std::fs;
 use std::io;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
-use std::time::{Duration, Instant, SystemTime};
+use std::time::{Duration, Instant};
 
 use rayreel_formats::durable::{create_folders, write_whole};
 
 use super::memory::{contains, overlaps};
+use super::room::trim;
 use crate::cache::CacheFolder;
 
 /// Digits of the name of an object's folder.
-const KEY_LEN: usize = 32;
+pub(super) const KEY_LEN: usize = 32;
 /// Bytes of the hash behind a block.
 const HASH_LEN: usize = 32;
 /// How long a list of the folder is used before it is read again: other processes add files.
 const LIST_FOR: Duration = Duration::from_secs(1);
-/// Age at which an unfinished file is taken to be left by a killed process.
-const ABANDONED: Duration = Duration::from_secs(3600);
 /// The file that says what the object is.
-const LABEL: &str = "object";
+pub(super) const LABEL: &str = "object";
 
 /// The blocks of one version of an object.
 #[derive(Debug)]
@@ -110,16 +109,22 @@ impl DiskCache {
             return None;
         }
         let path = self.folder.join(name(range));
-        let whole = fs::read(&path).ok().and_then(|mut bytes| {
-            let len = bytes.len().checked_sub(HASH_LEN)?;
-            let hash = bytes.split_off(len);
-            (len as u64 == range.end - range.start && hash == self.hash(range, &bytes).as_bytes()).then_some(bytes)
-        });
-        if whole.is_none() {
+        let whole = fs::read(&path).map(|bytes| self.checked(range, bytes));
+        if !matches!(whole, Ok(Some(_))) {
             self.lock().blocks.remove(&range.start);
+        }
+        // A block that cannot be read now, because too many files are open, may be sound: only what was read condemns it.
+        if matches!(whole, Ok(None)) {
             fs::remove_file(&path).ok();
         }
-        whole
+        whole.ok().flatten()
+    }
+
+    /// The bytes of a block without the hash behind them, if length and hash are right.
+    fn checked(&self, range: &Range<u64>, mut bytes: Vec<u8>) -> Option<Vec<u8>> {
+        let len = bytes.len().checked_sub(HASH_LEN)?;
+        let hash = bytes.split_off(len);
+        (len as u64 == range.end - range.start && hash == self.hash(range, &bytes).as_bytes()).then_some(bytes)
     }
 
     /// Drops all blocks with some of these bytes; the folder of the cache.
@@ -177,7 +182,7 @@ fn name(range: &Range<u64>) -> String {
 }
 
 /// The range of a block, by its name.
-fn range_of(name: &str) -> Option<Range<u64>> {
+pub(super) fn range_of(name: &str) -> Option<Range<u64>> {
     let (start, len) = name.split_once('-')?;
     let (start, len) = (u64::from_str_radix(start, 16).ok()?, u64::from_str_radix(len, 16).ok()?);
     (len > 0).then_some(start..start.checked_add(len)?)
@@ -201,7 +206,7 @@ fn add(blocks: &mut BTreeMap<u64, u64>, range: &Range<u64>) -> Vec<Range<u64>> {
     within
 }
 
-fn names(folder: &Path) -> impl Iterator<Item = String> {
+pub(super) fn names(folder: &Path) -> impl Iterator<Item = String> {
     let entries = fs::read_dir(folder).into_iter().flatten().flatten();
     entries.filter_map(|entry| entry.file_name().into_string().ok())
 }
@@ -214,65 +219,12 @@ fn list(folder: &Path) -> BTreeMap<u64, u64> {
     blocks
 }
 
-/// Makes room. Drops the unfinished files of killed processes in `current`, the folder of the object that is being
-/// read; then other objects, those not opened for longest first, until the cache holds at most `target` bytes. Whoever
-/// reads a dropped object fetches it again.
-///
-/// Gives the bytes of the blocks that are left.
-fn trim(cache: &CacheFolder, current: &Path, target: u64) -> u64 {
-    drop_abandoned(current);
-    let mut objects = cached_objects(&cache.path);
-    objects.sort();
-    let mut total: u64 = objects.iter().map(|object| object.bytes).sum();
-    for object in objects.iter().filter(|object| object.folder != current) {
-        if total <= target {
-            break;
-        }
-        // A reader that adds a block meanwhile keeps the folder alive; it is dropped another time.
-        fs::remove_dir_all(&object.folder).ok();
-        total -= object.bytes;
-    }
-    total
-}
-
-fn drop_abandoned(folder: &Path) {
-    for name in names(folder).filter(|name| name.starts_with('.')) {
-        let path = folder.join(name);
-        if age(&path).is_some_and(|age| age > ABANDONED) {
-            fs::remove_file(path).ok();
-        }
-    }
-}
-
-/// An object in the cache. The one not opened for longest sorts first.
-#[derive(PartialEq, Eq, PartialOrd, Ord)]
-struct CachedObject {
-    opened: SystemTime,
-    folder: PathBuf,
-    /// Bytes of its blocks.
-    bytes: u64,
-}
-
-/// All objects of a cache folder. Whatever else lies in it is left alone.
-fn cached_objects(cache: &Path) -> Vec<CachedObject> {
-    let is_key = |name: &String| name.len() == KEY_LEN && name.chars().all(|c| c.is_ascii_hexdigit());
-    let object = |name: String| {
-        let folder = cache.join(name);
-        let opened =
-            fs::metadata(folder.join(LABEL)).or_else(|_| fs::metadata(&folder)).and_then(|file| file.modified());
-        let bytes = names(&folder).filter_map(|name| range_of(&name)).map(|range| range.end - range.start).sum();
-        Some(CachedObject { opened: opened.ok()?, folder, bytes })
-    };
-    names(cache).filter(is_key).filter_map(object).collect()
-}
-
-fn age(path: &Path) -> Option<Duration> {
-    SystemTime::now().duration_since(File::open(path).ok()?.metadata().ok()?.modified().ok()?).ok()
-}
-
 #[cfg(test)]
 mod tests {
+    use std::time::SystemTime;
+
     use super::*;
+    use crate::remote::room::{ABANDONED, cached_objects, drop_objects};
 
     #[test]
     fn no_block_lies_within_another() {
@@ -312,7 +264,7 @@ mod tests {
         assert_eq!(again.find(&(101..103)), Some(100..104));
         assert_eq!(again.load(&(100..104)), Some(b"abcd".to_vec()));
         assert!(again.folder.join(LEFT).exists(), "its process may live");
-        let file = File::options().write(true).open(again.folder.join(LEFT)).unwrap();
+        let file = fs::File::options().write(true).open(again.folder.join(LEFT)).unwrap();
         file.set_modified(SystemTime::now() - 2 * ABANDONED).unwrap();
         DiskCache::open(&cache, "s3://a/b", "one 5000").unwrap();
         assert!(!again.folder.join(LEFT).exists());
@@ -323,6 +275,45 @@ mod tests {
             assert_eq!((again.load(&(100..104)), again.find(&(100..104))), (None, None));
         }
         assert_eq!(DiskCache::open(&cache, "s3://a/b", "two 5000").unwrap().find(&(100..104)), None, "another version");
+    }
+
+    /// An error while a block is read says nothing about the block. A link to itself cannot be read, by root either.
+    #[cfg(unix)]
+    #[test]
+    fn a_block_that_cannot_be_read_is_not_deleted() {
+        let folder = tempfile::tempdir().unwrap();
+        let cache = CacheFolder { path: folder.path().to_path_buf(), max_bytes: 1000 };
+        let disk = DiskCache::open(&cache, "s3://a/b", "one 5000").unwrap();
+        disk.store(&(100..104), b"abcd");
+        let (block, aside) = (disk.folder.join("64-4"), folder.path().join("aside"));
+        fs::rename(&block, &aside).unwrap();
+        std::os::unix::fs::symlink("64-4", &block).unwrap();
+        assert_eq!((disk.load(&(100..104)), disk.find(&(100..104))), (None, None), "it is fetched");
+        assert!(fs::symlink_metadata(&block).is_ok(), "and stays");
+        fs::rename(&aside, &block).unwrap();
+        let again = DiskCache::open(&cache, "s3://a/b", "one 5000").unwrap();
+        assert_eq!(again.load(&(100..104)), Some(b"abcd".to_vec()));
+    }
+
+    /// Two objects of 100 bytes and one of 50 that is being read; what a killed process left counts, what this one writes does not.
+    #[test]
+    fn only_what_is_gone_makes_room() {
+        let folder = tempfile::tempdir().unwrap();
+        let cache = CacheFolder { path: folder.path().to_path_buf(), max_bytes: 1000 };
+        let open = |name: &str| DiskCache::open(&cache, name, "one 5000").unwrap();
+        let (stuck, other, current) = (open("s3://a/stuck"), open("s3://a/other"), open("s3://a/current"));
+        stuck.store(&(0..100), &[1; 100]);
+        other.store(&(0..70), &[2; 70]);
+        fs::write(other.folder.join(".0-46.1-1.partial"), [0; 30]).unwrap();
+        current.store(&(0..50), &[3; 50]);
+        fs::write(current.folder.join(format!(".64-4.{}-1.partial", std::process::id())), [0; 30]).unwrap();
+        let remove = |path: &Path| {
+            if path == stuck.folder { Err(io::ErrorKind::PermissionDenied.into()) } else { fs::remove_dir_all(path) }
+        };
+        let trimmed = |target| drop_objects(cached_objects(&cache.path), &current.folder, target, remove);
+        assert_eq!(trimmed(250), 250, "it fits");
+        assert_eq!(trimmed(0), 150, "one cannot be deleted, one is being read");
+        assert!(stuck.folder.exists() && !other.folder.exists());
     }
 
     /// A look at the disk, for what may be dropped, misses blocks that another thread is writing.

@@ -33,13 +33,23 @@ impl Effect {
         (known().count() > 1).then(|| Self { overall: sum / f64::from(count), ends: [least, most], means })
     }
 
-    /// How far an end lies from the mean over all, as a share of that.
-    pub fn end(&self, end: usize) -> f64 {
-        let mean = self.means[self.ends[end]].unwrap_or(self.overall);
-        if self.overall == 0.0 { 0.0 } else { (mean - self.overall) / self.overall.abs() }
+    /// How far a mean lies from the mean over all, as a share of that. Where the mean over all is 0, as that of -5 and 5, it is a
+    /// share of the mean magnitude of the means; 0 where they all are 0.
+    pub fn relative(&self, mean: f64) -> f64 {
+        let magnitude = || {
+            let known = || self.means.iter().flatten();
+            known().map(|mean| mean.abs()).sum::<f64>() / known().count().max(1) as f64
+        };
+        let whole = if self.overall == 0.0 { magnitude() } else { self.overall.abs() };
+        if whole == 0.0 { 0.0 } else { (mean - self.overall) / whole }
     }
 
-    /// The distance of the ends, as a share of the mean over all.
+    /// How far an end lies from the mean over all ([`Self::relative`]).
+    pub fn end(&self, end: usize) -> f64 {
+        self.relative(self.means[self.ends[end]].unwrap_or(self.overall))
+    }
+
+    /// The distance of the ends, as a share of the same.
     pub fn share(&self) -> f64 {
         self.end(1) - self.end(0)
     }
@@ -72,6 +82,17 @@ mod tests {
         close(Effect::new(&b, &time).unwrap().share(), 4.0 / 22.0);
         // An axis that changes nothing.
         close(Effect::new(&a, &Cells::Float(vec![Some(5.0); 6])).unwrap().share(), 0.0);
+    }
+
+    /// These were "no change".
+    #[test]
+    fn around_zero_it_is_a_share_of_the_magnitude() {
+        let a = Dimension::new(&axis("a", Cells::Int(vec![Some(1), Some(2)])));
+        let effect = Effect::new(&a, &Cells::Float(vec![Some(-5.0), Some(5.0)])).unwrap();
+        assert_eq!(effect.overall, 0.0);
+        close(effect.end(0), -1.0);
+        close(effect.share(), 2.0);
+        close(Effect::new(&a, &Cells::Float(vec![Some(0.0); 2])).unwrap().share(), 0.0);
     }
 
     #[test]

@@ -50,7 +50,7 @@ pub struct Largest {
     pub b: Option<f64>,
     /// (b - a) / |a|; none from zero, and where one side has no value.
     pub relative: Option<f64>,
-    /// How far that may be off, with a probability of 95 %; none where both values are exact.
+    /// How far `relative` may be off, with a probability of 95 %; none where both values are exact, and where that is none.
     pub interval: Option<f64>,
 }
 
@@ -177,7 +177,7 @@ fn change(a: &Field, b: &Field, pairs: &Pairs, estimates: [&Estimates; 2], toler
                 a: x,
                 b: y,
                 relative,
-                interval: (interval > 0.0).then_some(interval),
+                interval: relative.and((interval > 0.0).then_some(interval)),
             });
         }
     }

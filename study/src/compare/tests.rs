@@ -58,6 +58,20 @@ fn from_zero_and_from_nothing_no_tolerance_helps() {
     assert_eq!(found.results[0].largest.point, "on m l1=1", "the first of equal ones");
 }
 
+/// The interval of a ratio stood as how far a change from zero may be off, which has none.
+#[test]
+fn a_change_that_has_no_size_has_no_interval() {
+    let estimated = |time: f64| {
+        let mut table = sweep(&[1], &[time]);
+        table.fields.push(words("interval_percent", Role::Config, &[r#"{"time_ms":5.0}"#]));
+        table
+    };
+    let largest = |a, b| compare(&estimated(a), &estimated(b)).results[0].largest.clone();
+    let (sized, from_zero) = (largest(1.0, 2.0), largest(0.0, 7.0));
+    assert!(sized.relative == Some(1.0) && sized.interval.is_some_and(|part| part > 0.1), "{sized:?}");
+    assert_eq!((from_zero.relative, from_zero.interval), (None, None));
+}
+
 #[test]
 fn points_appear_and_vanish() {
     let found = compare(&sweep(&[1, 2], &[1.0, 2.0]), &sweep(&[2, 3], &[2.0, 3.0]));

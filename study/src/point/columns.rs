@@ -10,6 +10,10 @@ use std::path::Path;
 use crate::error::{Result, StudyError};
 use crate::files::write_whole;
 use crate::point::row::Column;
+use rayreel_settings::files;
+
+/// Most bytes of what columns are: some hundreds for each.
+const COLUMNS_MAX: u64 = 1 << 24;
 
 /// Keeps in `folder` what columns are.
 ///
@@ -19,7 +23,7 @@ pub fn write_columns(folder: &Path, columns: &[Column]) -> Result<()> {
     let bytes = serde_json::to_vec(columns).map_err(StudyError::json)?;
     let path = folder.join(format!("{}.json", name(&bytes)));
     // A file that was damaged is written again.
-    let whole = fs::read(&path).is_ok_and(|held| held == bytes);
+    let whole = files::read(&path, COLUMNS_MAX).is_ok_and(|held| held == bytes);
     if whole { Ok(()) } else { write_whole(&path, &bytes) }
 }
 
@@ -30,7 +34,7 @@ pub fn write_columns(folder: &Path, columns: &[Column]) -> Result<()> {
 pub fn read_columns(folder: &Path) -> Result<BTreeMap<String, Column>> {
     let mut all = BTreeMap::new();
     for file in listing(folder, "json")? {
-        let bytes = rayreel_settings::files::read(&file, 1 << 24).map_err(|e| StudyError::io(&file, "read", e))?;
+        let bytes = files::read(&file, COLUMNS_MAX).map_err(|e| StudyError::io(&file, "read", e))?;
         let columns: Vec<Column> = serde_json::from_slice(&bytes).map_err(|e| {
             let detail = format!("does not say what columns are: {e}; remove it, and the next run writes it again");
             StudyError::input(&file, detail)

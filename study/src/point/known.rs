@@ -12,12 +12,7 @@ use rayreel_replay::Detail;
 const EXTENT: [(&str, &str, &str, &str); 3] = [
     ("detail_fraction", "fraction", "1", "share of the tiles that was simulated cycle by cycle; the rest is estimated"),
     ("detail_windows", "windows", "windows", "windows of tiles that were simulated cycle by cycle"),
-    (
-        "detail_whole_frames",
-        "whole_frames",
-        "frames",
-        "frames that were simulated whole: with too few tiles, or tiles too alike or too different",
-    ),
+    ("detail_whole_frames", "whole_frames", "frames", "frames that were simulated whole though a sample was asked for"),
 ];
 
 /// Figures that have a column for their interval; those of all others stand in [`INTERVALS`].

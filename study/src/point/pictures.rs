@@ -114,8 +114,9 @@ fn shrunk(picture: Srgb8, by: u32) -> Srgb8 {
     if by == 1 || width == 0 || height == 0 {
         return picture;
     }
-    let mean = |i: u32| {
-        let (left, top) = (i % width * by, i / width * by);
+    let (pixels, row) = (width as usize * height as usize, width as usize);
+    let mean = |i: usize| {
+        let (left, top) = ((i % row) as u32 * by, (i / row) as u32 * by);
         let mut sums = [0u32; 3];
         for (x, y) in (top..top + by).flat_map(|y| (left..left + by).map(move |x| (x, y))) {
             let pixel = picture.pixels[y as usize * picture.width as usize + x as usize];
@@ -123,7 +124,7 @@ fn shrunk(picture: Srgb8, by: u32) -> Srgb8 {
         }
         sums.map(|sum| (sum / (by * by)) as u8)
     };
-    Srgb8 { width, height, pixels: (0..width * height).map(mean).collect() }
+    Srgb8 { width, height, pixels: (0..pixels).map(mean).collect() }
 }
 
 #[cfg(test)]

@@ -9,6 +9,9 @@ use serde::{Deserialize, Serialize};
 use crate::error::{Result, StudyError};
 use crate::point::row::Row;
 
+/// Most bytes of a segment: some kilobytes for each of its rows.
+pub(crate) const SEGMENT_MAX: u64 = 1 << 28;
+
 /// Version of the layout of segments.
 const LAYOUT: u32 = 1;
 

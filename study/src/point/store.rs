@@ -11,17 +11,17 @@
 //! results are equal bytes.
 
 use std::collections::BTreeMap;
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use rayreel_formats::durable;
+use rayreel_settings::files;
 
 use crate::error::{Result, StudyError};
 use crate::files::write_whole;
 use crate::point::columns::{listing, read_columns, write_columns};
 use crate::point::details::Details;
 use crate::point::row::{Column, Row};
-use crate::point::segment::{Belonging, decode, encode};
+use crate::point::segment::{Belonging, SEGMENT_MAX, decode, encode};
 
 /// What stands in its segments instead of a plan.
 const NO_PLAN: Belonging<'static> = Belonging { plan: "none", bucket: 0 };
@@ -29,6 +29,9 @@ const NO_PLAN: Belonging<'static> = Belonging { plan: "none", bucket: 0 };
 /// Endings of its files.
 const ROW: &str = "seg";
 const DETAILS: &str = "details";
+
+/// Most bytes of details: pictures of any size may have been wanted of many frames.
+const DETAILS_MAX: u64 = 1 << 30;
 
 /// A folder of results.
 #[derive(Clone, Debug)]
@@ -66,13 +69,13 @@ impl Store {
 
     /// The row of this key, if it is there and whole.
     pub fn row(&self, key: &str) -> Option<Row> {
-        let mut rows = decode(&fs::read(self.file(key, ROW)).ok()?, NO_PLAN)?;
+        let mut rows = decode(&files::read(&self.file(key, ROW), SEGMENT_MAX).ok()?, NO_PLAN)?;
         rows.pop().filter(|row| rows.is_empty() && row.key == key)
     }
 
     /// The details of this key with so many pictures, if they are there and whole.
     pub fn details(&self, key: &str, pictures: usize) -> Option<Details> {
-        let details = Details::decode(&fs::read(self.file(key, DETAILS)).ok()?)?;
+        let details = Details::decode(&files::read(&self.file(key, DETAILS), DETAILS_MAX).ok()?)?;
         (details.pictures.len() == pictures).then_some(details)
     }
 
@@ -114,6 +117,8 @@ impl Store {
 
 #[cfg(test)]
 mod tests {
+    use std::fs;
+
     use serde_json::{Map, json};
 
     use super::*;
@@ -172,6 +177,31 @@ mod tests {
         fs::copy(store.file("a", ROW), store.file("b", ROW)).unwrap();
         assert_eq!(store.row("b"), None);
         assert_eq!(store.rows().unwrap().len(), 1);
+    }
+
+    /// The first was waited for, the second read without end.
+    #[test]
+    #[cfg(unix)]
+    fn pipes_and_devices_are_no_results() {
+        let folder = tempfile::tempdir().unwrap();
+        let store = Store::open(folder.path()).unwrap();
+        let place = |name: &str| folder.path().join(name);
+        for name in ["a.seg", "a.details"] {
+            assert!(std::process::Command::new("mkfifo").arg(place(name)).status().unwrap().success());
+        }
+        std::os::unix::fs::symlink("/dev/zero", place("b.seg")).unwrap();
+        std::os::unix::fs::symlink("/dev/zero", place("b.details")).unwrap();
+        for key in ["a", "b"] {
+            assert_eq!((store.row(key), store.details(key, 3)), (None, None));
+        }
+        assert!(store.rows().unwrap().is_empty());
+        // What columns are is read before it is written, to see whether it is there.
+        let (kept, columns) = row("c");
+        store.keep_row(&kept, &columns).unwrap();
+        let file = listing(&store.columns(), "json").unwrap().pop().unwrap();
+        fs::remove_file(&file).unwrap();
+        assert!(std::process::Command::new("mkfifo").arg(&file).status().unwrap().success());
+        assert!(store.keep_row(&kept, &columns).unwrap_err().to_string().contains("cannot write"));
     }
 
     #[test]

@@ -59,8 +59,12 @@ impl TileCache {
         &self.trace
     }
 
+    /// Where a tile is kept; nowhere if the trace has no such tile, and then the trace says so.
     fn slot(&self, frame: u32, index: u32) -> Option<&KeptTile> {
         let meta = self.trace.meta();
+        if index >= meta.tile_count() {
+            return None;
+        }
         let frame = frame.wrapping_sub(meta.first_frame) as usize;
         self.tiles.get(frame * meta.tile_count() as usize + index as usize)
     }
@@ -189,6 +193,19 @@ mod tests {
         assert_eq!((both.0, both.1.rays()), (first.0, first.1.rays()));
         drop(other);
         assert_eq!(used(), alone);
+    }
+
+    /// It was the first tile of the frame behind it.
+    #[test]
+    fn a_tile_that_is_not_there_is_an_error() {
+        let mut cache = TileCache::new(trace(), &Room::new(1 << 30));
+        let (frame, count) = (cache.meta().first_frame, cache.meta().tile_count());
+        // As if there were such a frame, and its first tile were known.
+        cache.tiles.push(KeptTile::default());
+        let known = cache.packed_tile(frame, 0).unwrap();
+        cache.tiles[count as usize].tile.set(known).ok().unwrap();
+        let (found, want) = (cache.tile(frame, count), TileSource::tile(cache.trace(), frame, count));
+        assert_eq!(found.unwrap_err().to_string(), want.unwrap_err().to_string());
     }
 
     #[test]

@@ -163,7 +163,8 @@ impl Known<'_> {
         let mut value = json!(figures);
         if self.whole {
             value["counters"] = counters(run);
-            value["energy"] = json!(components(&run.energy, figures.time_ms, false));
+            let timeless = run.estimate.as_ref().is_some_and(|estimate| estimate.detail == Detail::Counts);
+            value["energy"] = json!(components(self.config, &run.energy, figures.time_ms, timeless));
         }
         let numbers = cells(&value).filter_map(|cell| Some((cell.name, cell.value.as_f64()?)));
         numbers.chain([(DRAM_BYTES.to_owned(), run.stats.memory.traffic.total() as f64)]).collect()

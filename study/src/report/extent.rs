@@ -3,6 +3,7 @@
 use serde_json::Value;
 
 use rayreel_replay::Detail;
+use rayreel_replay::detail::WHY_WHOLE;
 
 /// How much of a run was simulated.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -38,16 +39,14 @@ impl<'a> Extent<'a> {
         let Self { mode, windows, .. } = self;
         let whole = match self.whole_frames {
             0 => String::new(),
-            1 => "; 1 frame has too few tiles, or tiles too alike or too different, and was simulated whole".to_owned(),
-            n => format!(
-                "; {n} frames have too few tiles, or tiles too alike or too different, and were simulated whole"
-            ),
+            1 => format!("; 1 frame was simulated whole ({WHY_WHOLE})"),
+            n => format!("; {n} frames were simulated whole ({WHY_WHOLE})"),
         };
         if *mode == Detail::Full.mode() {
             Vec::new()
         } else if *mode == Detail::Counts.mode() {
             let energies = if self.has_processors {
-                "energies are those of caches and DRAM: instructions are not counted"
+                "energies are those of caches and DRAM; what instructions cost, and so the sum, is not known"
             } else {
                 "energies lack leakage, clocks and what waiting costs"
             };

@@ -196,7 +196,7 @@ impl Report {
         let timeless = detail.is_counts();
         self.counters = if timeless { counters::timeless(&machine.config, &all) } else { counters::counters(&all) };
         self.units = if timeless { Value::Null } else { counters::units(&all.stats) };
-        self.energy = Some(run::components(&all.energy, self.run.time_ms, timeless));
+        self.energy = Some(run::components(&machine.config, &all.energy, self.run.time_ms, timeless));
         self.area_mm2 = run::area(&machine.config);
         self.detail = Some(detail);
         self.machine_config = machine_config(machine);

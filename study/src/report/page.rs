@@ -11,11 +11,15 @@ use crate::report::format::{amount, digits, grouped, percent};
 use rayreel_machine::AreaReport;
 use rayreel_machine::config::{Dram, MachineConfig};
 use rayreel_machine::counters::Activity;
-use rayreel_machine::energy::{Component, Group, watts};
+use rayreel_machine::energy::{Component, EnergyReport, Group, watts};
 use rayreel_machine::srp::KernelId;
 use rayreel_machine::stats::Stats;
 use rayreel_machine::work::layout::Region;
+use rayreel_replay::Detail;
 use rayreel_replay::simulate::MachineRun;
+
+/// The row of the sum of all components.
+const WHOLE_GPU: &str = "whole GPU";
 
 /// Writes the page of a report's machine, if it has one.
 pub(super) fn write(f: &mut Formatter<'_>, report: &Report) -> fmt::Result {
@@ -253,25 +257,30 @@ fn memory(f: &mut Formatter<'_>, config: &MachineConfig, stats: &Stats) -> fmt::
 
 fn power(f: &mut Formatter<'_>, config: &MachineConfig, run: &MachineRun) -> fmt::Result {
     let total = run.energy.gpu_fj();
+    // Where no cycle was simulated some components may be unknown: no part of a sum can be told then.
+    let timeless = run.estimate.as_ref().is_some_and(|estimate| estimate.detail == Detail::Counts);
+    let unknown = if timeless { EnergyReport::timed_components(config) } else { &[] };
     let milliwatts = |fj: u128| match run.stats.cycles {
         0 => "-".to_owned(),
         cycles => format!("{:.1}", watts(fj, cycles, config.ti.clock_mhz) * 1e3),
     };
     let (scale, unit) = if total < 20_000_000_000_000 { (1e-9, "uJ") } else { (1e-12, "mJ") };
     let joules = |fj: u128| format!("{:.2}", fj as f64 * scale);
-    let part = |fj: u128| if total == 0 { "-".into() } else { format!("{:.1}", 100.0 * fj as f64 / total as f64) };
+    let has_parts = total > 0 && unknown.is_empty();
+    let part = |fj: u128| if !has_parts { "-".into() } else { format!("{:.1}", 100.0 * fj as f64 / total as f64) };
     let (dynamic, leakage) = (format!("dynamic {unit}"), format!("leakage {unit}"));
     writeln!(f, "\n{:<15}{dynamic:>15}{leakage:>14}{:>12}{:>12}", "power", "mW", "% of GPU")?;
     let mut row = |name: &str, dynamic: u128, leakage: u128| {
         let all = dynamic + leakage;
-        let (dynamic, leakage) = (joules(dynamic), joules(leakage));
+        let is_known = !unknown.contains(&name) && (unknown.is_empty() || name != WHOLE_GPU);
+        let (dynamic, leakage) = (if is_known { joules(dynamic) } else { "-".into() }, joules(leakage));
         writeln!(f, "  {name:<13}{dynamic:>15}{leakage:>14}{:>12}{:>12}", milliwatts(all), part(all))
     };
     for Component { name, dynamic_fj, leakage_fj, .. } in &run.energy.components {
         row(name, *dynamic_fj, *leakage_fj)?;
     }
     let sum = |of: fn(&Component) -> u128| run.energy.components.iter().map(of).sum();
-    row("whole GPU", sum(|c| c.dynamic_fj), sum(|c| c.leakage_fj))
+    row(WHOLE_GPU, sum(|c| c.dynamic_fj), sum(|c| c.leakage_fj))
 }
 
 /// Area by component, and rays a second for it.
@@ -289,5 +298,5 @@ fn area(f: &mut Formatter<'_>, report: &Report, config: &MachineConfig) -> fmt::
     if ti > 0 {
         row("T&I units", ti, report.run.mrays_per_mm2)?;
     }
-    row("whole GPU", all, report.run.gpu_mrays_per_mm2)
+    row(WHOLE_GPU, all, report.run.gpu_mrays_per_mm2)
 }

@@ -22,6 +22,7 @@ impl RunFigures {
         let over = |mm2: f64| mrays_per_s.and_then(|mrays| ratio(mrays, mm2));
         let has_units = config.ti.pipeline != Pipeline::Software;
         let timeless = run.estimate.as_ref().is_some_and(|estimate| estimate.detail == Detail::Counts);
+        let knows_all = !timeless || EnergyReport::timed_components(config).is_empty();
         Self {
             cycles: (!timeless).then_some(cycles),
             time_ms: (!timeless).then_some(seconds * 1e3),
@@ -31,7 +32,7 @@ impl RunFigures {
             // Processors do the work of the T&I units and of the SRPs: there is no unit to measure alone.
             ti: if has_units { cost(run.energy.ti_fj()) } else { RunCost::default() },
             ti_with_memory: has_units.then(|| cost(run.energy.ti_with_memory_fj())),
-            gpu: Some(cost(run.energy.gpu_fj())),
+            gpu: Some(if knows_all { cost(run.energy.gpu_fj()) } else { RunCost::default() }),
             ti_area_mm2: has_units.then(|| area.ti_mm2()),
             gpu_area_mm2: Some(area.gpu_mm2()),
             mrays_per_mm2: over(area.ti_mm2()),
@@ -60,8 +61,8 @@ pub struct ComponentReport {
     pub name: &'static str,
     /// `ti`, `srp` or `memory`.
     pub group: &'static str,
-    /// Dynamic energy, mJ.
-    pub dynamic_mj: f64,
+    /// Dynamic energy, mJ; null where no cycle was simulated and it follows from what takes time to count.
+    pub dynamic_mj: Option<f64>,
     /// Leakage, mJ; of the DRAM its background; null where no cycle was simulated.
     pub leakage_mj: Option<f64>,
     /// Mean power, W.
@@ -69,12 +70,18 @@ pub struct ComponentReport {
 }
 
 /// The components of a run of `time_ms`; `timeless` if no cycle was simulated.
-pub(super) fn components(energy: &EnergyReport, time_ms: Option<f64>, timeless: bool) -> Vec<ComponentReport> {
+pub(super) fn components(
+    config: &MachineConfig,
+    energy: &EnergyReport,
+    time_ms: Option<f64>,
+    timeless: bool,
+) -> Vec<ComponentReport> {
+    let unknown = if timeless { EnergyReport::timed_components(config) } else { &[] };
     let mj = |fj: u128| fj as f64 * 1e-12;
     let component = |c: &rayreel_machine::energy::Component| ComponentReport {
         name: c.name,
         group: c.group.name(),
-        dynamic_mj: mj(c.dynamic_fj),
+        dynamic_mj: (!unknown.contains(&c.name)).then(|| mj(c.dynamic_fj)),
         leakage_mj: (!timeless).then(|| mj(c.leakage_fj)),
         power_w: time_ms.and_then(|ms| ratio(mj(c.total_fj()), ms)),
     };

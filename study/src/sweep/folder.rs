@@ -18,7 +18,7 @@ use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use crate::error::{Result, StudyError};
-use crate::files::write_whole;
+use crate::files::write_once;
 use crate::sweep::plan::{BUCKET, Plan};
 use rayreel_formats::durable;
 use rayreel_settings::files;
@@ -53,7 +53,9 @@ impl Folder {
     /// The folder holds another plan, or cannot be written.
     pub fn create(path: &Path, plan: Plan) -> Result<(Self, Created)> {
         let (id, file) = (plan.id(), path.join(PLAN));
-        if file.exists() {
+        durable::create_folders(path).map_err(|e| StudyError::io(path, "create", e))?;
+        // Of two plans for one folder at the same moment one is refused: that there was none a moment ago does not count.
+        if file.exists() || !write_once(&file, &id, &plan.to_json()?)? {
             let known = Self::open(path)?;
             if known.id == id {
                 return Ok((known, Created::Known));
@@ -67,8 +69,6 @@ impl Folder {
             );
             return Err(StudyError::input(path, detail));
         }
-        durable::create_folders(path).map_err(|e| StudyError::io(path, "create", e))?;
-        write_whole(&file, &plan.to_json()?)?;
         Ok((Self { path: path.into(), plan, id }, Created::New))
     }
 

@@ -7,17 +7,21 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
+use std::thread::sleep;
+use std::time::Duration;
 
 use crate::error::{Result, StudyError};
 use crate::files::write_whole;
 use crate::point::columns::listing;
 use crate::point::row::Row;
-use crate::point::segment::{Belonging, Writer, decode, encode};
+use crate::point::segment::{Belonging, SEGMENT_MAX, Writer, decode, encode};
 use crate::sweep::folder::Folder;
 use rayreel_settings::files;
 
-/// Most bytes of a segment: some kilobytes for each of its rows.
-const SEGMENT_MAX: u64 = 1 << 28;
+/// How often a bucket is listed whose segments go away while they are read, and how long before it is listed again. Once would do on
+/// a disk; other machines may see a sealed file somewhat after the segments that it took the place of went away.
+const LISTINGS: usize = 20;
+const PAUSE: Duration = Duration::from_millis(50);
 
 /// What a bucket holds.
 #[derive(Clone, Debug, Default)]
@@ -77,24 +81,31 @@ pub fn seal(folder: &Folder, bucket: usize) -> Result<bool> {
 /// Reads a bucket.
 ///
 /// # Errors
-/// When the folder cannot be read.
+/// When the folder cannot be read; a segment that has a name and is not there.
 pub fn read(folder: &Folder, bucket: usize) -> Result<Bucket> {
-    // A segment may go away between the listing and its reading, because somebody sealed the bucket: then the sealed file is
-    // there. Seals come once a bucket, so this ends.
+    let mut listings = 1;
     loop {
         let mut held = Bucket::default();
         held.sealed = held.add(folder, bucket, &folder.sealed(bucket))?.unwrap_or(false);
-        let mut gone = false;
+        let mut gone = None;
         for path in listing(&folder.segments(bucket), "seg")? {
             match held.add(folder, bucket, &path)? {
-                None => gone = true,
+                None => gone = Some(path),
                 Some(true) => held.segments.push(path),
                 Some(false) => {}
             }
         }
-        if !gone || held.sealed {
-            return Ok(held);
+        // A segment may go away between the listing and its reading, because somebody sealed the bucket: then the sealed file is
+        // there. A link to nothing is listed for ever.
+        match gone.filter(|_| !held.sealed) {
+            None => return Ok(held),
+            Some(path) if listings == LISTINGS || path.is_symlink() => {
+                let detail = "it has a name and is not there, as a link to nothing; remove it, and its points are computed again";
+                return Err(StudyError::input(&path, detail));
+            }
+            Some(_) => sleep(PAUSE),
         }
+        listings += 1;
     }
 }
 

@@ -44,7 +44,7 @@ pub trait PathSink {
     fn end(&mut self, empty: bool, steps: u32);
 }
 
-/// Nobody: what an encoder passes on.
+/// Drops what it is given. An encoder has the steps already and needs no sink.
 impl PathSink for () {
     #[inline(always)]
     fn visit(&mut self, _: u32, _: u8) {}

@@ -248,8 +248,12 @@ impl<C: Coder, R: Run> PathCoder<'_, C, R> {
                 },
             };
             if !C::ENCODES && u64::from(walk.steps) > self.budget {
-                return Err("the paths have more steps than a tile may hold");
+                return Err(TOO_MANY_STEPS);
             }
+        }
+        // A path can end before it is looked at above, and a tile has many.
+        if !C::ENCODES && u64::from(walk.steps) > self.budget {
+            return Err(TOO_MANY_STEPS);
         }
         if C::ENCODES && walk.given.next().is_some() {
             return Err("it goes on where the traversal ends");
@@ -353,6 +357,9 @@ impl<C: Coder, R: Run> PathCoder<'_, C, R> {
         Ok(None)
     }
 }
+
+/// What is said of paths that do not end where they should.
+const TOO_MANY_STEPS: &str = "the paths have more steps than the directory promises, or than a tile may hold";
 
 /// Whether a step is an outcome of an inner node.
 #[inline(always)]

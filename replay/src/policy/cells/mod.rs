@@ -44,7 +44,7 @@ pub fn sampler(policy: &Policy, meta: &Meta) -> Result<Option<Box<dyn Sampler>>>
         }
     };
     policy.check()?;
-    check_tile(meta.tile, &[sampler.block(0)])?;
+    check_tile(meta.tile, policy)?;
     Ok(Some(sampler))
 }
 

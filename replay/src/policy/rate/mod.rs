@@ -19,7 +19,7 @@ use rayreel_formats::scene::{Camera, Meta};
 
 use crate::counts::TileStats;
 use crate::policy::target::{FirstFrame, LimitController};
-use crate::policy::{Foveated, Jin2009, Mitchell1987, Multirate, Policy, Temporal, Whitted1980};
+use crate::policy::{Adaptive, Foveated, Jin2009, Mitchell1987, Multirate, Policy, Temporal, Whitted1980};
 
 /// What a tile is sampled with.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -113,34 +113,16 @@ impl RateController {
         Self { columns, rows, tile: meta.tile, grid: meta.grid(), policy: policy.clone(), history: None, target }
     }
 
-    /// The blocks that a tile may have, smallest first.
-    pub fn blocks(policy: &Policy) -> Vec<u32> {
-        let range = |finest: u32, coarsest: u32| {
-            std::iter::successors(Some(finest), |b| Some(b * 2)).take_while(|b| *b <= coarsest).collect()
-        };
-        match policy {
-            Policy::Full => vec![1],
-            Policy::Whitted1980(Whitted1980 { block, .. })
-            | Policy::Mitchell1987(Mitchell1987 { block, .. })
-            | Policy::Jin2009(Jin2009 { block, .. }) => vec![*block],
-            Policy::Adaptive(adaptive) => vec![adaptive.block],
-            Policy::Multirate(multirate) | Policy::Temporal(Temporal { multirate, .. }) => {
-                range(multirate.finest, multirate.coarsest)
-            }
-            Policy::Foveated(foveated) => range(foveated.finest, foveated.coarsest),
-        }
-    }
-
     /// The rates of `frame`.
     pub fn rates(&self, frame: u32, camera: &Camera) -> Rates {
         let count = (self.columns * self.rows) as usize;
         let mut first = None;
         let tiles = match &self.policy {
             Policy::Full => vec![(1, 1.0); count],
-            Policy::Whitted1980(_) | Policy::Mitchell1987(_) | Policy::Jin2009(_) => {
-                Self::blocks(&self.policy).into_iter().flat_map(|block| vec![(block, 1.0); count]).collect()
-            }
-            Policy::Adaptive(adaptive) => vec![(adaptive.block, 1.0); count],
+            Policy::Adaptive(Adaptive { block, .. })
+            | Policy::Whitted1980(Whitted1980 { block, .. })
+            | Policy::Mitchell1987(Mitchell1987 { block, .. })
+            | Policy::Jin2009(Jin2009 { block, .. }) => vec![(*block, 1.0); count],
             Policy::Foveated(rings) => (0..self.columns * self.rows).map(|tile| self.foveated(rings, tile)).collect(),
             Policy::Multirate(multirate) | Policy::Temporal(Temporal { multirate, .. }) => {
                 match (&self.history, &self.target) {

@@ -100,8 +100,7 @@ impl Tests {
             if !within(colour, limit) {
                 return false;
             }
-            let excused = if self.secondary { self.unlike_primary.min(self.unlike) } else { self.unlike_primary };
-            if colour < excused * limit {
+            if colour < self.unlike_primary * limit {
                 return same_kind(a, b);
             }
         }
@@ -112,12 +111,12 @@ impl Tests {
         }
         let Some(limit) = limit else { return !self.secondary || self.alike_below(a, b, compared) };
         let colour = known.unwrap_or_else(|| colour(compared));
-        match is_alike {
-            false => colour < limit * self.unlike_primary,
-            // A NaN is never within a limit.
-            true if !within(colour, limit) => false,
-            true => !self.secondary || colour < limit * self.unlike || self.alike_below(a, b, compared),
+        if colour < limit * self.unlike_primary {
+            return true;
         }
+        // A NaN is never within a limit.
+        let is_near = is_alike && within(colour, limit);
+        is_near && (!self.secondary || colour < limit * self.unlike || self.alike_below(a, b, compared))
     }
 
     /// As [`Tests::similar`] for two subtrees below similar hits, whose contributions reach the samples with weights

@@ -59,7 +59,10 @@ fn estimates_say_so() {
     let (html, charts) = page::page(&replay);
     assert!(html.contains("20\u{202f}010 ±\u{202f}0.7\u{202f}%</td>"), "all frames: {html}");
     assert!(html.contains("20\u{202f}000 ±\u{202f}1.5\u{202f}%</td>") && html.contains("<td class=\"num\">10</td>"));
-    assert!(html.contains("Estimates from 5 windows with 10.0 % of the tiles; 1 frame has too few tiles"), "{html}");
+    assert!(
+        html.contains("Estimates from 5 windows with 10.0 % of the tiles; 1 frame was simulated whole (too few tiles"),
+        "{html}"
+    );
     assert!(html.contains("95 % interval reaches from - to + what stands behind it; counts of work are exact.</p>"));
     assert!(html.contains("data-within=\",1.5000\""), "the pointer tells them too");
     assert_eq!(charts[0].csv, "frame,Cycles,Cycles_interval_percent\r\n0,10,\r\n1,20000,1.5\r\n");

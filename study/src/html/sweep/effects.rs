@@ -80,8 +80,7 @@ fn tip(field: &Field, dimension: &Dimension, effect: &Effect) -> String {
     let mut text = format!("{} by {}", field.name, dimension.name);
     for (value, mean) in dimension.values.iter().zip(&effect.means).take(24) {
         let Some(mean) = mean else { continue };
-        let share = if effect.overall == 0.0 { 0.0 } else { (mean - effect.overall) / effect.overall.abs() };
-        text += &format!("\n{value}: {} {} ({})", number(*mean), unit(field), signed_percent(share));
+        text += &format!("\n{value}: {} {} ({})", number(*mean), unit(field), signed_percent(effect.relative(*mean)));
     }
     if dimension.values.len() > 24 {
         text += "\n…";

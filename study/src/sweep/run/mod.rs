@@ -72,8 +72,9 @@ pub fn run(folder: &Folder, settings: &Settings<'_>, mut tell: impl FnMut(&RunPr
             Ok(())
         },
     );
-    ended?;
-    saver.flush_all()?;
+    // What is computed is written whatever ended the run, and the error that ended it is told before one of these writes.
+    let flushed = saver.flush_all();
+    ended.and(flushed)?;
     progress.saved = outcome.computed;
     progress.done = outcome.computed as f64;
     tell(&progress);

@@ -86,22 +86,95 @@ impl<'a> Saver<'a> {
         Ok(())
     }
 
-    /// Writes all rows that are not on disk yet.
+    /// Writes all rows that are not on disk yet. A bucket that cannot be written keeps none of the others from it; the first error is
+    /// told.
     pub fn flush_all(&mut self) -> Result<()> {
         let buckets: Vec<usize> = self.pending.keys().copied().collect();
-        buckets.into_iter().try_for_each(|bucket| self.flush(bucket))
+        let mut ended = Ok(());
+        for bucket in buckets {
+            // Written whatever came of those before it.
+            ended = ended.and(self.flush(bucket));
+        }
+        ended
     }
 
     /// Writes the rows of a bucket; seals it when this shard has done its part. Another shard may have done the rest.
     fn flush(&mut self, bucket: usize) -> Result<()> {
-        if let Some(rows) = self.pending.remove(&bucket).filter(|rows| !rows.is_empty()) {
-            segment::write(self.folder, bucket, self.number, &rows, &self.settings.writer)?;
+        if let Some(rows) = self.pending.get(&bucket).filter(|rows| !rows.is_empty()) {
+            segment::write(self.folder, bucket, self.number, rows, &self.settings.writer)?;
             self.number += 1;
         }
+        // Not before they are written: after an error they are tried once more.
+        self.pending.remove(&bucket);
         if self.left.get(&bucket) == Some(&0) {
             segment::seal(self.folder, bucket)?;
             self.left.remove(&bucket);
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::fs;
+    use std::path::Path;
+    use std::time::Duration;
+
+    use rayreel_formats::Limits;
+    use rayreel_formats::trace::Trace;
+    use rayreel_replay::Stop;
+
+    use super::*;
+    use crate::point::segment::Writer;
+    use crate::sweep::plan::locate::Text;
+    use crate::sweep::plan::{Plan, Sources};
+    use crate::sweep::reused::ReusedRows;
+    use crate::sweep::shard::Shard;
+
+    fn open(location: &str) -> Result<Trace, String> {
+        Trace::open(Path::new(location), Limits::default()).map_err(|e| e.to_string())
+    }
+
+    /// Two buckets of points.
+    fn folder(path: &Path) -> Folder {
+        let trace = concat!(env!("CARGO_MANIFEST_DIR"), "/../traces/v1_0_cornell.rtrace");
+        let text = format!(
+            "traces = [{trace:?}]\npolicies = [\"adaptive\"]\nmachines = [\"none\"]\n[[axis]]\nname = \"normal\"\n\
+             key = \"similarity.normal_deg\"\nrange = {{ from = 1, to = 70 }}\n"
+        );
+        let text = Text { name: "plan.toml", text: &text };
+        let sources = Sources { text, folder: Path::new(""), traces: None, detail: None, stem: "plan", open: &open };
+        Folder::create(path, Plan::new(&sources).unwrap()).unwrap().0
+    }
+
+    /// Rows of a bucket that could not be written for a moment were lost, and with them those of the buckets behind it.
+    #[test]
+    fn rows_stay_until_they_are_written() {
+        let place = tempfile::tempdir().unwrap();
+        let (folder, reused) = (folder(place.path()), ReusedRows::default());
+        let settings = Settings {
+            shard: Shard::WHOLE,
+            threads: 1,
+            memory: 0,
+            flush: Duration::ZERO,
+            writer: Writer { attempt: "a".into(), host: "here".into() },
+            stop: Stop::never(),
+            open: &open,
+            reused: &reused,
+        };
+        let (mut saver, mut outcome) = (Saver::new(&folder, &settings), Outcome::default());
+        for point in [0, BUCKET] {
+            let key = folder.plan().points[point].key.clone();
+            let row = Row { key, error: Some("of some kind".into()), figures: Default::default() };
+            saver.take(point, row, Vec::new(), &mut outcome).unwrap();
+        }
+        let rows = |bucket| segment::read(&folder, bucket).unwrap().rows.len();
+        fs::create_dir_all(folder.path().join("segments")).unwrap();
+        fs::write(folder.segments(0), "in the way").unwrap();
+        assert!(saver.flush_all().is_err());
+        assert_eq!((rows(1), saver.waiting()), (1, 1));
+        fs::remove_file(folder.segments(0)).unwrap();
+        saver.flush_all().unwrap();
+        assert_eq!((rows(0), rows(1), saver.waiting()), (1, 1, 0));
     }
 }

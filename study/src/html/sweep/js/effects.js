@@ -19,7 +19,9 @@
     const overall = sum / count;
     const least = means.reduce((a, b) => (b.mean < a.mean ? b : a));
     const most = means.reduce((a, b) => (b.mean > a.mean ? b : a));
-    const share = (mean) => (overall === 0 ? 0 : (mean - overall) / Math.abs(overall));
+    // As `Effect::relative`: a share of the mean over all, or where that is 0 of the means' mean magnitude.
+    const whole = overall === 0 ? means.reduce((all, own) => all + Math.abs(own.mean), 0) / means.length : Math.abs(overall);
+    const share = (mean) => (whole === 0 ? 0 : (mean - overall) / whole);
     return { dimension, means, overall, least, most, share, low: share(least.mean), high: share(most.mean), size: share(most.mean) - share(least.mean) };
   };
   const all = (result) => sweep.dimensions.map((own) => effect(own, result)).filter(Boolean).sort((a, b) => b.size - a.size);
