@@ -257,8 +257,8 @@ fn conflicts_name_the_override_that_made_them() {
         assert!(text.starts_with(start), "{text:?} does not begin with {start:?}");
     }
     let folder = tempfile::tempdir().unwrap();
-    let own = file(folder.path(), "own.toml", "extends = \"sgrt-ti2\"\nti.trv_l1.size = \"3KiB\"").unwrap_err();
-    assert!(own.to_string().contains("own.toml: ti.trv_l1.size = 3072 bytes"), "{own}");
+    let refused = file(folder.path(), "own.toml", "extends = \"sgrt-ti2\"\nti.trv_l1.size = \"3KiB\"").unwrap_err();
+    assert!(refused.to_string().contains("own.toml: ti.trv_l1.size = 3072 bytes"), "{refused}");
 }
 
 #[test]

@@ -243,7 +243,7 @@ fn wrong_policies_are_named() {
         ("--set similarity.normal_deg=200", vec!["similarity.normal_deg", "0 to 180"]),
         ("--set block", vec!["key=value"]),
         ("--policy full --set block=4", vec!["block", "full"]),
-        ("--set block=3", vec!["blocks of 3", "tiles of 32", "2, 4, 8"]),
+        ("--set block=3", vec!["block = 3", "tiles of 32", "2, 4, 8"]),
     ] {
         let ran = replay(&file, options).expect(2).says(&words);
         assert_eq!(ran.out, "", "{options}");

@@ -66,12 +66,12 @@ pub fn repair(input: &Path, output: &Path, limits: &Limits) -> Result<RepairRepo
     let output = &behind(output)?;
     let temporary = with_suffix(output, ".repairing")?;
     let remove = |_: &Error| _ = fs::remove_file(&temporary);
-    let own = open_locked(&temporary, || open_temporary(&temporary))?;
+    let locked = open_locked(&temporary, || open_temporary(&temporary))?;
     // Another repair may have finished since this one began.
     refuse_existing(input, output).inspect_err(remove)?;
-    own.set_len(0).map_err(|error| Error::io(&temporary, "truncate", error))?;
+    locked.set_len(0).map_err(|error| Error::io(&temporary, "truncate", error))?;
     // Its unfinished file is not `OUTPUT.partial`, since that may be the input.
-    let mut writer = Writer::start(own, temporary.clone(), output.clone(), version).inspect_err(remove)?;
+    let mut writer = Writer::start(locked, temporary.clone(), output.clone(), version).inspect_err(remove)?;
     kept.iter().try_for_each(|record| writer.copy(&file, record)).inspect_err(remove)?;
     let finished = writer.finish().inspect_err(remove)?;
     Ok(RepairReport {
@@ -204,7 +204,7 @@ mod tests {
         let (temporary, output) = (folder.path().join("out.repairing"), folder.path().join("out"));
         fs::write(&temporary, crate::container::file_header::FileHeader::encode(FormatVersion::CURRENT)).unwrap();
         let mut opened = 0;
-        let own = open_locked(&temporary, || {
+        let locked = open_locked(&temporary, || {
             let file = open_temporary(&temporary)?;
             opened += 1;
             if opened == 1 {
@@ -212,9 +212,9 @@ mod tests {
             }
             Ok(file)
         });
-        let own = own.unwrap();
-        assert!(opened == 2 && is_still(&own, &temporary));
-        own.set_len(0).unwrap();
+        let locked = locked.unwrap();
+        assert!(opened == 2 && is_still(&locked, &temporary));
+        locked.set_len(0).unwrap();
         assert_eq!(fs::metadata(&output).unwrap().len(), 32);
     }
 }

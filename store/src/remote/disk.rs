@@ -19,17 +19,14 @@ use std::time::{Duration, Instant};
 use rayreel_formats::durable::{create_folders, write_whole};
 
 use super::memory::{contains, overlaps};
+use super::places::{KEY_LEN, LABEL, name, names, range_of};
 use super::room::trim;
 use crate::cache::CacheFolder;
 
-/// Digits of the name of an object's folder.
-pub(super) const KEY_LEN: usize = 32;
 /// Bytes of the hash behind a block.
 const HASH_LEN: usize = 32;
 /// How long a list of the folder is used before it is read again: other processes add files.
 const LIST_FOR: Duration = Duration::from_secs(1);
-/// The file that says what the object is.
-pub(super) const LABEL: &str = "object";
 
 /// The blocks of one version of an object.
 #[derive(Debug)]
@@ -177,17 +174,6 @@ impl DiskCache {
     }
 }
 
-fn name(range: &Range<u64>) -> String {
-    format!("{:x}-{:x}", range.start, range.end - range.start)
-}
-
-/// The range of a block, by its name.
-pub(super) fn range_of(name: &str) -> Option<Range<u64>> {
-    let (start, len) = name.split_once('-')?;
-    let (start, len) = (u64::from_str_radix(start, 16).ok()?, u64::from_str_radix(len, 16).ok()?);
-    (len > 0).then_some(start..start.checked_add(len)?)
-}
-
 /// The block that holds `wanted`. Since none lies within another, that is the one of the nearest start, or none.
 fn holder(blocks: &BTreeMap<u64, u64>, wanted: &Range<u64>) -> Option<Range<u64>> {
     let (&start, &end) = blocks.range(..=wanted.start).next_back()?;
@@ -204,11 +190,6 @@ fn add(blocks: &mut BTreeMap<u64, u64>, range: &Range<u64>) -> Vec<Range<u64>> {
     within.iter().for_each(|old| _ = blocks.remove(&old.start));
     blocks.insert(range.start, range.end);
     within
-}
-
-pub(super) fn names(folder: &Path) -> impl Iterator<Item = String> {
-    let entries = fs::read_dir(folder).into_iter().flatten().flatten();
-    entries.filter_map(|entry| entry.file_name().into_string().ok())
 }
 
 fn list(folder: &Path) -> BTreeMap<u64, u64> {
@@ -239,15 +220,6 @@ mod tests {
         for (wanted, held) in [(6..22, Some(5..22)), (19..28, Some(18..28)), (6..23, None), (26..30, Some(25..30))] {
             assert_eq!(holder(&blocks, &wanted), held, "{wanted:?}");
         }
-    }
-
-    #[test]
-    fn names_are_read_back() {
-        assert_eq!(range_of(&name(&(255..1000))), Some(255..1000));
-        assert_eq!(
-            ["object", ".12-3", ".64-4.77-1.partial", "5-0", "ffffffffffffffff-1", "x-1", ""].map(range_of),
-            [const { None }; 7]
-        );
     }
 
     /// What a killed process leaves is never taken for a block, and goes when it is old.

@@ -7,7 +7,7 @@ use std::time::{Duration, SystemTime};
 
 use rayreel_formats::durable::PARTIAL;
 
-use super::disk::{KEY_LEN, LABEL, names, range_of};
+use super::places::{KEY_LEN, LABEL, names, range_of};
 use crate::cache::CacheFolder;
 
 /// Age at which an unfinished file is taken to be left by a killed process.
@@ -80,7 +80,7 @@ pub(super) fn cached_objects(cache: &Path) -> Vec<CachedObject> {
 
 /// Bytes of the blocks and unfinished files in the folder of an object, and those of unfinished files of this process alone.
 fn held(folder: &Path) -> (u64, u64) {
-    let own = format!(".{}-", std::process::id());
+    let of_this_process = format!(".{}-", std::process::id());
     let (mut bytes, mut writing) = (0, 0);
     for name in names(folder) {
         if let Some(range) = range_of(&name) {
@@ -88,7 +88,7 @@ fn held(folder: &Path) -> (u64, u64) {
         } else if name.starts_with('.') && name.ends_with(PARTIAL) {
             let len = fs::symlink_metadata(folder.join(&name)).map_or(0, |file| file.len());
             bytes += len;
-            writing += if name.contains(&own) { len } else { 0 };
+            writing += if name.contains(&of_this_process) { len } else { 0 };
         }
     }
     (bytes, writing)
