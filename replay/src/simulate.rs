@@ -83,10 +83,14 @@ pub fn simulate<S: PathSource + ?Sized, P: Probe>(
     machine: (&str, &MachineConfig),
     probe: &mut P,
 ) -> Result<MachineFrame> {
-    let (replay, mut runs) = simulate_all(replayer, frame, tree, &[machine], probe)?;
-    let nothing = || ReplayError::Usage { detail: "a machine was simulated, and gave nothing".into() };
-    let MachineRun { stats, energy, paths, estimate } = runs.pop().ok_or_else(nothing)?;
+    let (replay, runs) = simulate_all(replayer, frame, tree, &[machine], probe)?;
+    let MachineRun { stats, energy, paths, estimate } = only(runs)?;
     Ok(MachineFrame { replay, stats, energy, paths, estimate })
+}
+
+/// The run of the one machine that was simulated.
+pub(crate) fn only(mut runs: Vec<MachineRun>) -> Result<MachineRun> {
+    runs.pop().ok_or_else(|| ReplayError::Usage { detail: "a machine was simulated, and gave nothing".into() })
 }
 
 /// The same on several machines: the frame is replayed once, and each of them does all its work. `probe` watches the first.

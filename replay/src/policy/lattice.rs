@@ -68,4 +68,23 @@ mod tests {
         let every = SampleLattice { width: 3, height: 1, block: 1 };
         assert_eq!(every.columns(0, 3).count(), 3);
     }
+
+    #[test]
+    fn tiles_that_do_not_suit_a_policy_name_the_key_at_fault() {
+        let check = |name: &str, set: &[&str], tile| {
+            let set: Vec<String> = set.iter().map(|text| (*text).to_owned()).collect();
+            let named = crate::policy::NamedPolicy::load(name, &set).unwrap();
+            check_tile(tile, &named.policy).map_err(|error| error.to_string())
+        };
+        let multirate = check("multirate", &[], 20).unwrap_err();
+        assert!(multirate.starts_with("coarsest = 8 does not divide tiles of 20 samples"), "{multirate}");
+        assert!(multirate.contains("(2, 4), or capture") && multirate.ends_with("a multiple of 8 (such as 16 or 24)"));
+        // Blocks fit, entries of the history do not.
+        let blocks = ["start=2", "finest=2", "coarsest=2"];
+        let temporal = check("temporal", &blocks, 18).unwrap_err();
+        assert!(temporal.starts_with("history.step = 4 ") && temporal.contains("(1, 2)"), "{temporal}");
+        let step = [&blocks[..], &["history.step=2"]].concat();
+        assert_eq!(check("temporal", &step, 18), Ok(()));
+        assert_eq!(check("full", &[], 17), Ok(()));
+    }
 }

@@ -28,7 +28,7 @@ use crate::detail::{Detail, Estimate, Replicate};
 use crate::error::{ReplayError, Result};
 use crate::frame::{FrameReplay, PassedFrame, Replayer};
 use crate::policy::Sampler;
-use crate::simulate::{MachineRun, check_kernels, frame_shape, pass_all};
+use crate::simulate::{MachineRun, check_kernels, frame_shape, only, pass_all};
 use crate::source::PathSource;
 use pass::{MachinePass, Passed, Room, Shared};
 use places::{Places, Tiles, UnderWay};
@@ -187,8 +187,8 @@ impl<S: PathSource + ?Sized, P: Probe> Simulation<'_, '_, S, P> {
             }
         }
         begin.into_iter().for_each(|begin| self.replayer.restore(begin));
-        let (_, mut runs) = self.whole(&[machine])?;
-        runs.pop().ok_or_else(|| ReplayError::Usage { detail: "a machine was simulated, and gave nothing".into() })
+        let (_, runs) = self.whole(&[machine])?;
+        only(runs)
     }
 
     /// Whether windows can stand for a frame of these tiles. Under `all` they stand for themselves, uniform or not.

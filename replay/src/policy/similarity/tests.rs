@@ -123,6 +123,11 @@ fn secondary_hits_are_compared_where_colours_do_not_excuse_them() {
     assert_eq!(run(&ids), (true, 1), "primary hits only");
     assert_eq!(run(&Similarity { secondary: true, ..ids.clone() }), (false, 2));
     assert_eq!(run(&Similarity { secondary: true, ..Similarity::NONE }), (true, 2));
-    let excused = Similarity { secondary: true, colour: Limit::At(0.1), unlike: Limit::At(0.5), ..ids };
+    let near = Similarity { secondary: true, colour: Limit::At(0.1), ..ids };
+    assert_eq!(run(&Similarity { unlike: Limit::At(0.5), ..near.clone() }), (true, 1));
+    // What excuses unlike primary hits excuses what lies below alike ones too; where colours come first, no hit is looked at.
+    let excused = Similarity { unlike_primary: Limit::At(0.5), ..near.clone() };
+    assert_eq!(run(&near), (false, 2));
     assert_eq!(run(&excused), (true, 1));
+    assert_eq!(run(&Similarity { first: First::Colours, ..excused }), (true, 0));
 }
