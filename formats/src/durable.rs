@@ -27,17 +27,43 @@ pub fn write_whole(path: &Path, parts: &[&[u8]]) -> io::Result<()> {
     replace(path, |file| parts.iter().try_for_each(|part| file.write_all(part)))
 }
 
+/// Writes a file that never changes, unless there is one: whether it was written. Of several threads and processes that write it at
+/// once one does. Bytes and name are on the disk when this returns `true`.
+///
+/// The folder must exist.
+///
+/// # Errors
+/// Those of the system. If there was no file there is none then, unless only the name could not be forced to the disk.
+pub fn write_once(path: &Path, bytes: &[u8]) -> io::Result<bool> {
+    let (file, temporary) = create_temporary(path)?;
+    let written = fill_and_sync(file, |file| file.write_all(bytes));
+    // Unlike a rename it never takes the place of a file.
+    let linked = written.and_then(|()| match fs::hard_link(&temporary, path) {
+        Err(error) if path.exists() || error.kind() == io::ErrorKind::AlreadyExists => Ok(false),
+        // A file system without second names: the last of several that write at once wins there.
+        Err(_) => fs::rename(&temporary, path).map(|()| true),
+        Ok(()) => Ok(true),
+    });
+    // A rename has taken it; else, if this fails, nothing more can be done.
+    fs::remove_file(&temporary).ok();
+    if linked? { sync_folder_of(path).map(|()| true) } else { Ok(false) }
+}
+
 /// Gives `path` what `fill` writes, or leaves it alone.
 fn replace(path: &Path, fill: impl FnOnce(&mut File) -> io::Result<()>) -> io::Result<()> {
     let path = &behind_links(path)?;
-    let (mut file, temporary) = create_temporary(path)?;
-    let written = fill(&mut file).and_then(|()| file.sync_all());
-    drop(file);
-    written.and_then(|()| fs::rename(&temporary, path)).inspect_err(|_| {
+    let (file, temporary) = create_temporary(path)?;
+    fill_and_sync(file, fill).and_then(|()| fs::rename(&temporary, path)).inspect_err(|_| {
         // If this fails too, nothing more can be done; the first error is the one to report.
         fs::remove_file(&temporary).ok();
     })?;
     sync_folder_of(path)
+}
+
+/// Closes the file too.
+fn fill_and_sync(mut file: File, fill: impl FnOnce(&mut File) -> io::Result<()>) -> io::Result<()> {
+    fill(&mut file)?;
+    file.sync_all()
 }
 
 /// A file that is written bit by bit and yet is whole or absent: for what does not fit into memory. Until
@@ -205,6 +231,27 @@ mod tests {
         assert_eq!(replace(&path, full).unwrap_err().kind(), io::ErrorKind::StorageFull);
         assert_eq!(fs::read(&path).unwrap(), b"old");
         assert_eq!(names(folder.path()), ["a.bin"]);
+    }
+
+    #[test]
+    fn a_file_that_never_changes_is_written_once() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.bin");
+        assert!(write_once(&path, b"first").unwrap());
+        assert!(!write_once(&path, b"second").unwrap());
+        assert_eq!((fs::read(&path).unwrap(), names(folder.path())), (b"first".to_vec(), vec!["a.bin".to_string()]));
+        let nowhere = write_once(&folder.path().join("no/a.bin"), b"x").unwrap_err();
+        assert_eq!(nowhere.kind(), io::ErrorKind::NotFound);
+        let both = folder.path().join("b.bin");
+        let write = |byte| write_once(&both, &[byte; 5000]).unwrap();
+        let written = std::thread::scope(|scope| {
+            let writers: Vec<_> = (0..8u8).map(|byte| scope.spawn(move || write(byte))).collect();
+            writers.into_iter().map(|writer| writer.join().unwrap()).filter(|written| *written).count()
+        });
+        assert_eq!(written, 1, "of several that write at once one does");
+        let bytes = fs::read(&both).unwrap();
+        assert!(bytes.len() == 5000 && bytes.iter().all(|byte| *byte == bytes[0]), "whole");
+        assert_eq!(names(folder.path()), ["a.bin", "b.bin"]);
     }
 
     #[test]

@@ -55,7 +55,7 @@ impl Folder {
         let (id, file) = (plan.id(), path.join(PLAN));
         durable::create_folders(path).map_err(|e| StudyError::io(path, "create", e))?;
         // Of two plans for one folder at the same moment one is refused: that there was none a moment ago does not count.
-        if file.exists() || !write_once(&file, &id, &plan.to_json()?)? {
+        if file.exists() || !write_once(&file, &plan.to_json()?)? {
             let known = Self::open(path)?;
             if known.id == id {
                 return Ok((known, Created::Known));
