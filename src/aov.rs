@@ -18,7 +18,7 @@ use rayreel_tracer::TraceSettings;
 use rayreel_tracer::{CaptureOutcome, CaptureOutput, capture};
 use serde_json::json;
 
-use crate::common::{GridArgs, build, check_output, meta, open, print, samples, size, tile_of};
+use crate::common::{GridArgs, build, check_output, keep_scene, meta, open, print, samples, size, tile_of};
 use crate::exit::Exit;
 use crate::progress;
 use crate::scene_args::SceneArgs;
@@ -108,6 +108,7 @@ fn scene_flag(args: &Args) -> Option<&'static str> {
 fn traced(args: &Args, path: PathBuf) -> Result<Trace> {
     let frame = args.frame.unwrap_or(0);
     let scene = args.scene.load(frame, 1)?;
+    keep_scene(&args.output, &scene)?;
     let built = build(&scene)?;
     let grid = GridArgs {
         size: args.size.unwrap_or(GridArgs::SIZE),

@@ -10,7 +10,7 @@ use rayreel_formats::trace::Codec;
 use rayreel_tracer::{CaptureOutcome, CaptureOutput, Captured, capture};
 use serde_json::json;
 
-use crate::common::{GridArgs, build, frames, meta, print, print_json, si, tile_of};
+use crate::common::{GridArgs, build, frames, keep_scene, meta, print, print_json, si, tile_of};
 use crate::exit::Exit;
 use crate::progress::{self, Progress};
 use crate::scene_args::SceneArgs;
@@ -77,6 +77,7 @@ pub fn run(args: &Args, quiet: bool) -> Result<Exit> {
     }
     let (first, count) = args.frames;
     let scene = args.scene.load(first, count)?;
+    keep_scene(&args.output, &scene)?;
     if args.force && !args.resume {
         Writer::discard(&args.output)?;
     }

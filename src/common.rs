@@ -69,6 +69,11 @@ pub fn tile_of(samples: u32) -> u32 {
     (2..).map(|blocks| 16 * blocks).find(|tile| tile % samples == 0).unwrap_or(32)
 }
 
+/// Parses how many of something.
+pub fn count(text: &str) -> Result<usize, String> {
+    text.parse().map_err(|_| "give a whole number from 0 on".to_string())
+}
+
 /// Parses `A..B` or `A` to first frame and number of frames.
 pub fn frames(text: &str) -> Result<(u32, u32), String> {
     let wrong = || "give frames as A..B with A below B, such as 0..60, or one number".to_string();
@@ -137,6 +142,11 @@ pub fn keep_input(output: &Path, input: &Path) -> Result<()> {
     Ok(())
 }
 
+/// Refuses an output that would take the place of a file that a scene is made of.
+pub fn keep_scene(output: &Path, scene: &Scene) -> Result<()> {
+    scene.files.iter().try_for_each(|file| keep_input(output, file))
+}
+
 /// Refuses an output that cannot be written, or would take the place of one of `inputs`: before the work is done that it is for.
 /// Inputs that are no files, such as names of presets, do not matter.
 pub fn check_output(output: &Path, inputs: &[&Path]) -> Result<()> {
@@ -167,7 +177,7 @@ pub fn si(value: f64) -> String {
         v if v >= 1e9 => (1e9, " G"),
         v if v >= 1e6 => (1e6, " M"),
         v if v >= 1e3 => (1e3, " k"),
-        _ => return format!("{value:.0}"),
+        _ => return format!("{value:.0} "),
     };
     format!("{:.2}{unit}", value / scale)
 }

@@ -7,7 +7,7 @@ use rayreel_study::StudyError;
 use rayreel_study::compare::run::ACROSS;
 use rayreel_study::compare::{Comparison, Options, Select, Side, json, text};
 
-use crate::common::{print, print_json};
+use crate::common::{count, print, print_json};
 use crate::exit::{self, Exit};
 
 /// Compare two results of sweeps, or two runs: which values changed, by how much, which points came and went. Exits with 1 if
@@ -35,7 +35,7 @@ pub struct Args {
     #[arg(long, value_name = "COLUMN")]
     across: Vec<String>,
     /// Print so many of each list; 0 is all.
-    #[arg(long, default_value_t = 20, value_name = "N")]
+    #[arg(long, default_value_t = 20, value_name = "N", value_parser = count)]
     top: usize,
     /// Print JSON.
     #[arg(long)]

@@ -1,13 +1,13 @@
 //! What `trim`, `recompress` and `merge` share: a trace is written whole or not at all.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use anyhow::{Result, bail};
 use rayreel_formats::Error;
 use rayreel_formats::container::{Writer, partial_path};
 use rayreel_formats::trace::{Keep, Part, rewrite};
 
-use crate::common::{lacks, open, print};
+use crate::common::{keep_input, lacks, open, print};
 use crate::exit::Exit;
 use crate::progress::{self, Progress};
 
@@ -23,16 +23,20 @@ pub struct OutputArgs {
 }
 
 impl OutputArgs {
-    /// Writes the trace and says what it holds.
-    pub fn write(&self, parts: &[Part<'_>], keep: &Keep, quiet: bool) -> Result<Exit> {
+    /// Writes the trace and says what it holds; `inputs` are the files that its parts are read from, which stay.
+    pub fn write(&self, inputs: &[&Path], parts: &[Part<'_>], keep: &Keep, quiet: bool) -> Result<Exit> {
         let name = self.output.display();
         if self.output.is_dir() {
             bail!("{name} is a folder; name a file in it");
         }
+        inputs.iter().try_for_each(|input| keep_input(&self.output, input))?;
         if self.output.exists() && !self.force {
             bail!("{name} already exists; give another name, or --force to replace it");
         }
         if self.force {
+            // What is discarded may be whole, and named as one of the traces.
+            let partial = partial_path(&self.output)?;
+            inputs.iter().try_for_each(|input| keep_input(&partial, input))?;
             Writer::discard(&self.output)?;
         }
         let frames: u64 = parts.iter().map(|part| part.frames.len() as u64).sum();

@@ -74,7 +74,7 @@ pub fn run(args: &Args, quiet: bool) -> Result<Exit> {
     let format = output_format(args)?;
     let (policy, machine) = settings(args)?;
     check(args)?;
-    args.trace.path().map_or(Ok(()), |trace| keep_input(&args.output, trace))?;
+    keep_inputs(args)?;
     let trace = args.trace.open()?;
     let mut data = Data::new(&trace, args.what);
     data.selection = selection(args, trace.meta()).map_err(plain)?;
@@ -104,6 +104,13 @@ pub fn run(args: &Args, quiet: bool) -> Result<Exit> {
         print(&format!("{}: {rows} rows of table {}, {bytes} bytes\n", args.output.display(), args.what.name()))?;
     }
     Ok(Exit::Done)
+}
+
+/// Refuses a table in the place of the trace, the policy or the machine. Names of presets do not matter.
+fn keep_inputs(args: &Args) -> Result<()> {
+    let named = [&args.policy, &args.machine].map(|name| name.as_ref().map(Path::new));
+    let mut inputs = named.into_iter().chain([args.trace.path()]).flatten();
+    inputs.try_for_each(|input| keep_input(&args.output, input))
 }
 
 /// What is wrong with the trace or the replay, as other commands say it.

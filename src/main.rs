@@ -2,6 +2,7 @@
 
 mod anchors;
 mod aov;
+mod arguments;
 mod capture;
 mod common;
 mod compare;
@@ -33,7 +34,7 @@ mod verify;
 use std::process::ExitCode;
 use std::sync::LazyLock;
 
-use clap::{CommandFactory, Parser, Subcommand};
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use exit::Exit;
 use rayreel_formats::container::FormatVersion;
 use rayreel_study::point::version::{ESTIMATE_VERSION, MODEL_VERSION};
@@ -97,7 +98,8 @@ static LONG_VERSION: LazyLock<String> = LazyLock::new(|| {
 
 fn main() -> ExitCode {
     progress::handle_signals();
-    let cli = Cli::parse();
+    let given = arguments::with_numbers(Cli::command()).get_matches();
+    let cli = Cli::from_arg_matches(&given).unwrap_or_else(|error| error.exit());
     if let Err(error) = rayon::ThreadPoolBuilder::new().num_threads(cli.threads.into()).build_global() {
         eprintln!("error: cannot start {} threads: {error}", cli.threads);
         return Exit::Usage.into();

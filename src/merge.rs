@@ -1,6 +1,6 @@
 //! `rayreel merge`: frames of several traces in one.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use anyhow::Result;
 use rayreel_formats::tile::Column;
@@ -29,5 +29,6 @@ pub fn run(args: &Args, quiet: bool) -> Result<Exit> {
     let parts: Vec<Part<'_>> =
         traces.iter().map(|trace| Part { trace, frames: trace.meta().frame_numbers() }).collect();
     let keep = Keep { tiles: None, columns: Column::ALL.to_vec(), codec: None, level: 9 };
-    args.output.write(&parts, &keep, quiet)
+    let inputs: Vec<&Path> = args.traces.iter().map(PathBuf::as_path).collect();
+    args.output.write(&inputs, &parts, &keep, quiet)
 }

@@ -71,11 +71,7 @@ pub fn run(args: &Args, quiet: bool) -> Result<Exit> {
         bail!("--systems compares machines, and --machine none replays without one; leave one of them out");
     }
     let machines = if args.machine == "none" { None } else { Some(Machines::load(&args.machine, args.warm)?) };
-    for folder in [&args.cache, &args.out] {
-        std::fs::create_dir_all(folder).with_context(|| format!("cannot create folder {}", folder.display()))?;
-    }
     let stop = progress::stop_on_signal();
-    let Some(_alone) = alone(&args.cache, &stop)? else { return Ok(Exit::Interrupted) };
     let size = args.size.unwrap_or(if args.full { SIZE_FULL } else { SIZE });
     let detail = args.detail.asked().unwrap_or_else(rayreel_paper::detail);
     if detail == Detail::Counts {
@@ -92,6 +88,12 @@ pub fn run(args: &Args, quiet: bool) -> Result<Exit> {
         tool: TOOL.into(),
         ..Setup::new(scenes(args)?, machines)?
     };
+    // What takes no trace to know is refused before anything is written.
+    setup.check()?;
+    for folder in [&args.cache, &args.out] {
+        std::fs::create_dir_all(folder).with_context(|| format!("cannot create folder {}", folder.display()))?;
+    }
+    let Some(_alone) = alone(&args.cache, &stop)? else { return Ok(Exit::Interrupted) };
     let folders = Folders { cache: args.cache.clone(), out: args.out.clone(), reuse: args.reuse.clone() };
     let mut bar: Option<Progress> = None;
     let ended = rayreel_paper::run(&setup, &folders, rayon::current_num_threads(), &stop, &mut |now| {

@@ -28,5 +28,10 @@ pub fn run(args: &Args, quiet: bool) -> Result<Exit> {
     let trace = args.trace.open()?;
     let codec = Some(args.codec.codec(args.level));
     let keep = Keep { tiles: None, columns: Column::ALL.to_vec(), codec, level: args.level };
-    args.output.write(&[Part { trace: &trace, frames: trace.meta().frame_numbers() }], &keep, quiet)
+    args.output.write(
+        args.trace.path().as_slice(),
+        &[Part { trace: &trace, frames: trace.meta().frame_numbers() }],
+        &keep,
+        quiet,
+    )
 }

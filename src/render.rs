@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Result, bail};
 use rayreel_replay::image::{files, srgb};
 
-use crate::common::{GridArgs, build, check_output, meta, render, tile_of};
+use crate::common::{GridArgs, build, check_output, keep_scene, meta, render, tile_of};
 use crate::exit::Exit;
 use crate::scene_args::SceneArgs;
 
@@ -33,6 +33,7 @@ pub fn run(args: &Args) -> Result<Exit> {
     };
     check_output(&args.output, &[Path::new(&args.scene.scene)])?;
     let scene = args.scene.load(args.frame, 1)?;
+    keep_scene(&args.output, &scene)?;
     let built = build(&scene)?;
     let image =
         render(&scene, &built, &meta(&scene, &args.grid, tile_of(args.grid.samples), args.frame, 1), args.frame)?;

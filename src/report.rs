@@ -1,16 +1,24 @@
 //! `rayreel report`: a study, a replay or the results of a sweep as one page.
 
+use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Result, bail};
 use rayreel_study::analysis::load;
 use rayreel_study::html::{self, Written, replay};
+use rayreel_study::point::pictures::is_picture;
 use rayreel_study::point::wanted::Kind;
 use rayreel_study::schema;
 use serde_json::json;
 
 use crate::common::{keep_input, print, print_json};
 use crate::exit::Exit;
+
+/// The figures of a replay, in its folder.
+const STATS: &str = "stats.json";
+
+/// The points of a study as rows, which `rayreel paper` writes beside it.
+const ROWS: &str = "paper.json";
 
 /// Make one HTML page of a study that `rayreel paper` wrote, of a replay, or of the results of a sweep.
 ///
@@ -58,7 +66,7 @@ fn kind(text: &str) -> Result<Kind, String> {
 }
 
 pub fn run(args: &Args) -> Result<Exit> {
-    if args.input.file_name().is_some_and(|name| name == "stats.json" || name == schema::FILE) {
+    if args.input.file_name().is_some_and(|name| name == STATS || name == schema::FILE) {
         let folder = args.input.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
         bail!("{} is a part of its folder; name the folder: {}", args.input.display(), folder.display());
     }
@@ -131,6 +139,7 @@ fn animate(args: &Args, kind: Kind) -> Result<Exit> {
         bail!("--animate is for the folder of a replay, and {} has no stats.json; leave it out", args.input.display());
     }
     let file = args.output.clone().unwrap_or_else(|| args.input.join(format!("{}.apng", kind.name())));
+    keep_results(&args.input, &file)?;
     let frames = replay::animate(&args.input, kind, args.fps, &file)?;
     let bytes = std::fs::metadata(&file)?.len();
     if args.json {
@@ -139,6 +148,21 @@ fn animate(args: &Args, kind: Kind) -> Result<Exit> {
         print(&format!("{}: {}, {:.2} MB\n", file.display(), many(frames, "frame"), bytes as f64 * 1e-6))?;
     }
     Ok(Exit::Done)
+}
+
+/// Refuses a page or an animation in the place of the figures and pictures of `folder`.
+fn keep_results(folder: &Path, file: &Path) -> Result<()> {
+    let Ok(found) = file.canonicalize() else { return Ok(()) };
+    for name in [STATS, schema::FILE, ROWS] {
+        keep_input(file, &folder.join(name))?;
+    }
+    if replay::is_of_replay(folder) {
+        let name = found.file_name().and_then(OsStr::to_str).filter(|name| is_picture(name));
+        return name.map_or(Ok(()), |name| keep_input(file, &folder.join(name)));
+    }
+    // What is wrong with a study is said when its page is made.
+    let study = html::load(folder).unwrap_or_default();
+    study.pictures().try_for_each(|name| keep_input(file, &folder.join(name)))
 }
 
 fn many(number: usize, thing: &str) -> String {
@@ -151,6 +175,7 @@ fn megabytes(written: &Written) -> String {
 
 fn study(args: &Args) -> Result<Exit> {
     let file = args.output.clone().unwrap_or_else(|| args.input.join("report.html"));
+    keep_results(&args.input, &file)?;
     let written = if replay::is_of_replay(&args.input) {
         replay::write(&args.input, &file)?
     } else {

@@ -53,5 +53,5 @@ pub fn run(args: &Args, quiet: bool) -> Result<Exit> {
     }
     let columns = if args.columns.is_empty() { Column::ALL.to_vec() } else { args.columns.clone() };
     let keep = Keep { tiles: args.tiles.as_ref().map(|_| selection.tiles), columns, codec: None, level: 9 };
-    args.output.write(&[Part { trace: &trace, frames: selection.frames }], &keep, quiet)
+    args.output.write(args.trace.path().as_slice(), &[Part { trace: &trace, frames: selection.frames }], &keep, quiet)
 }

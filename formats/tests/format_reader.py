@@ -217,8 +217,9 @@ class Bvh:
         self.triangles = list(zip(corners[0::3], corners[1::3], corners[2::3]))
         xyz = [[struct.unpack("<f", struct.pack("<I", bits))[0] for bits in sums(v)] for _ in range(3)]
         self.positions = list(zip(*xyz))
-        self.normals = [(u & 0xFFFF, w & 0xFFFF) for u, w in zip(sums(v), sums(v))]
+        self.normals = list(zip(sums(v), sums(v)))
         f.end()
+        check(all(code < 1 << 16 for normal in self.normals for code in normal), "a normal has more than 16 bits")
         check(all(c < v for c in corners), "a vertex is not there")
         check(all(math.isfinite(c) for p in self.positions for c in p), "a vertex is not finite")
         for o, m in surfaces:

@@ -111,6 +111,10 @@ fn tree_payloads_that_lie_are_refused() {
     let mut longer = bytes.clone();
     longer.push(0);
     assert!(decode(&longer).is_err());
+    // The last byte is the highest of a normal's code, which has two.
+    let mut more = bytes.clone();
+    *more.last_mut().expect("it is not empty") += 1;
+    assert!(decode(&more).is_err());
     for count in 0..4 {
         for value in [0, 1, u32::MAX, 1 << 28] {
             let mut forged = bytes.clone();

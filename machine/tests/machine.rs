@@ -286,7 +286,7 @@ fn files_extend_presets_and_files() {
         ("[ti]\ntrv = 4", "gpu.cores is missing; set it, or write extends"),
         ("extends = ", "is not a valid machine"),
         ("extends = \"sgrt-ti2\"\n[ti]\ntvr = 4", "did you mean ti.trv"),
-        ("extends = \"sgrt-ti2\"\n[ti]\ntrv = { value = 4, class = \"memory\" }", "ti.trv.source = \"(missing)\""),
+        ("extends = \"sgrt-ti2\"\n[ti]\ntrv = { value = 4, class = \"memory\" }", "ti.trv.source is missing"),
         (
             "extends = \"sgrt-ti2\"\n[ti]\ntrv = { value = 4, class = \"memory\", source = \" \" }",
             "ti.trv.source = \" \"",

@@ -4,7 +4,7 @@ use rayreel_replay::Detail;
 use rayreel_replay::detail::WHY_WHOLE;
 use rayreel_study::schema::{Gain, Point};
 
-use crate::setup::Setup;
+use crate::setup::{self, Setup};
 
 /// A sentence for readers; nothing without a machine, or if every cycle was simulated.
 pub fn note(setup: &Setup, points: &[Point]) -> Option<String> {
@@ -19,7 +19,8 @@ pub fn note(setup: &Setup, points: &[Point]) -> Option<String> {
     };
     let (simulated, estimated) = counted(points);
     if estimated == 0 {
-        return Some(format!("Every cycle was simulated, though {} was asked for: {WHY_WHOLE}.", setup.detail));
+        let asked = if setup.detail == setup::detail() { "is the default" } else { "was asked for" };
+        return Some(format!("Every cycle was simulated, though {} {asked}: {WHY_WHOLE}.", setup.detail));
     }
     let mut note = format!(
         "Cycles, power, energy and gains of {estimated} of {simulated} points are estimates from simulations {what}; rays, samples \
@@ -49,4 +50,20 @@ fn counted(points: &[Point]) -> (usize, usize) {
     let simulated = points.iter().filter(|p| !costs(p).is_empty()).count();
     let estimated = points.iter().filter(|p| costs(p).iter().any(|cost| cost.interval.is_some())).count();
     (simulated, estimated)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::setup::Machines;
+
+    #[test]
+    fn nobody_is_said_to_have_asked_for_the_default() {
+        let machines = Machines::load("sgrt-ti2", false).unwrap();
+        let mut setup = Setup::new([rayreel_scenes::load("cornell").unwrap()], Some(machines)).unwrap();
+        let said = |setup: &Setup| note(setup, &[]).unwrap();
+        assert!(said(&setup).contains("though 0.05 is the default: "), "{}", said(&setup));
+        setup.detail = Detail::Sampled(rayreel_replay::detail::Share::from_millionths(100_000).unwrap());
+        assert!(said(&setup).contains("though 0.1 was asked for: "), "{}", said(&setup));
+    }
 }

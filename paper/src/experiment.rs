@@ -32,6 +32,7 @@ const ROWS: &str = "paper.json";
 /// The first thing that fails; [`PaperError::is_interruption`] once `stop` is requested: what is finished is kept, and the next run
 /// goes on there.
 pub fn run(setup: &Setup, folders: &Folders, threads: usize, stop: &Stop, tell: &mut Tell<'_>) -> Result<Finished> {
+    setup.check()?;
     let mut plan = Plan::new(setup, folders.cache.clone());
     let experiment = Experiment {
         points: points::plan(setup, &mut plan),

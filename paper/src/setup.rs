@@ -4,9 +4,11 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use rayreel_machine::config::{NamedMachine, Pipeline};
+use rayreel_machine::srp::{Needs, missing_kernels};
 use rayreel_replay::NamedPolicy;
 use rayreel_replay::detail::{Detail, Share};
 use rayreel_scenes::Scene;
+use rayreel_study::StudyError;
 
 use crate::error::Result;
 use crate::policies::{self, Contender};
@@ -127,6 +129,24 @@ impl Setup {
         let tool = concat!("rayreel ", env!("CARGO_PKG_VERSION")).to_owned();
         let (size, detail, command) = (SIZE, detail(), String::new());
         Ok(Self { stages, policies, machines, size, full: false, systems: false, detail, command, tool })
+    }
+
+    /// Refuses a machine that cannot run all policies of the experiment. It takes no trace to know that.
+    ///
+    /// # Errors
+    /// Which policy needs what the machine does not have.
+    pub fn check(&self) -> Result<()> {
+        let Some(Machines { whole, .. }) = &self.machines else { return Ok(()) };
+        // All others test for similarity and interpolate.
+        let needing = self.policies.iter().find(|(_, named)| named.policy.kind() != "full");
+        let missing = missing_kernels(&whole.config, &Needs { similarity: true, interpolate: true, look_back: false });
+        let Some((policy, _)) = needing.filter(|_| !missing.is_empty()) else { return Ok(()) };
+        let (machine, kernels, policy) = (&whole.name, missing.join(" and "), policy.name);
+        let detail = format!(
+            "machine {machine} has no kernel {kernels}, which policy {policy} of the experiment needs; name another machine, or give it \
+             one (srp.kernels.*.stages)"
+        );
+        Err(StudyError::Usage { detail }.into())
     }
 
     /// Whether a policy has rates that vary over the picture.

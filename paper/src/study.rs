@@ -5,6 +5,7 @@ use std::sync::Arc;
 use rayreel_machine::config::schema::KEYS;
 use rayreel_machine::config::{NamedMachine, Sourced};
 use rayreel_replay::NamedPolicy;
+use rayreel_study::html::has_counterpart;
 use rayreel_study::policy_text;
 use rayreel_study::schema::{ConfigValue, ModeRays, Policy, SCHEMA, Scene, Study};
 
@@ -29,7 +30,8 @@ pub(crate) struct Experiment {
 pub fn study(setup: &Setup, experiment: &Experiment, results: &Results) -> Result<Study> {
     let animation = experiment.animation.as_ref();
     let points = points::points(setup, &experiment.points, results);
-    let mut notes = notes(setup, experiment);
+    let scenes: Vec<Scene> = (0..setup.stages.len()).map(|scene| scene_of(setup, experiment, results, scene)).collect();
+    let mut notes = notes(setup, experiment, &scenes);
     notes.extend(estimates::note(setup, &points));
     Ok(Study {
         schema: SCHEMA,
@@ -43,7 +45,7 @@ pub fn study(setup: &Setup, experiment: &Experiment, results: &Results) -> Resul
         notes,
         // Named beforehand: the best of several after the fact would flatter.
         headline_policy: Some("multirate".into()),
-        scenes: (0..setup.stages.len()).map(|scene| scene_of(setup, experiment, results, scene)).collect(),
+        scenes,
         policies: policies(setup)?,
         points,
         references: reference::references(),
@@ -102,21 +104,23 @@ fn config(machine: &NamedMachine) -> Vec<ConfigValue> {
 }
 
 /// What a reader has to know, above all what was left out.
-fn notes(setup: &Setup, experiment: &Experiment) -> Vec<String> {
+fn notes(setup: &Setup, experiment: &Experiment, scenes: &[Scene]) -> Vec<String> {
     let (w, h) = setup.size;
+    let has_units = setup.machines.as_ref().is_some_and(|machines| machines.alone.is_some());
     let mut notes = Vec::new();
     if setup.size != SIZE_FULL {
         let (width, height) = SIZE_FULL;
+        // Of finer pictures it would be the other way round.
+        let why = if w <= width && h <= height {
+            ", where neighbouring samples lie closer together, which as a rule makes gains larger"
+        } else {
+            ""
+        };
         notes.push(format!(
-            "Pictures have {w}x{h} pixels; the paper's have {width}x{height}, where neighbouring samples are more alike and all \
-             gains are larger: rayreel paper --full."
+            "Pictures have {w}x{h} pixels; the paper's have {width}x{height}{why}: rayreel paper --full."
         ));
     }
-    notes.push(
-        "The paper's models are not public: these scenes are of the same kind and triangle count, no more. It does not state its \
-         angle between normals; ours is 10 degrees."
-            .into(),
-    );
+    notes.push(models(scenes));
     if setup.machines.is_none() {
         notes.push("No machine: rays and pictures only.".into());
     }
@@ -128,9 +132,8 @@ fn notes(setup: &Setup, experiment: &Experiment) -> Vec<String> {
         }
         if setup.machines.is_some() {
             let simulated = animation.simulated(setup);
-            note += &format!(
-                "; {simulated} of them are simulated on the machine (T&I units alone), under some of the policies"
-            );
+            let part = if has_units { " (T&I units alone)" } else { "" };
+            note += &format!("; {simulated} of them are simulated on the machine{part}, under some of the policies");
         }
         note += ". In it multi-rate policies have the frames before to go by; all other results are of one frame without history.";
         notes.push(note);
@@ -143,8 +146,69 @@ fn notes(setup: &Setup, experiment: &Experiment) -> Vec<String> {
     }
     let without = |entry: &&Contender| !entry.whole && entry.modes.iter().any(|when| when.now(setup.full));
     let names: Vec<&str> = setup.policies.iter().map(|(entry, _)| *entry).filter(without).map(|e| e.name).collect();
-    if !names.is_empty() && setup.machines.is_some() {
+    // Where processors do the work of the T&I units, there is only the whole.
+    if !names.is_empty() && has_units {
         notes.push(format!("Under {} the T&I units alone are simulated, not the whole GPU.", names.join(", ")));
     }
     notes
+}
+
+/// How far the scenes are from the paper's.
+fn models(scenes: &[Scene]) -> String {
+    let (like, unlike): (Vec<&Scene>, Vec<&Scene>) = scenes.iter().partition(|scene| has_counterpart(scene));
+    let named = |scenes: &[&Scene]| scenes.iter().map(|scene| scene.name.as_str()).collect::<Vec<_>>().join(", ");
+    let is = |scenes: &[&Scene]| if scenes.len() == 1 { "is" } else { "are" };
+    let alike = match (like.is_empty(), unlike.is_empty()) {
+        (_, true) => ": these scenes are of the same kind and triangle count, no more".to_owned(),
+        (true, _) => format!(", and {} {} like none of them", named(&unlike), is(&unlike)),
+        _ => format!(
+            ": {} {} of the same kind and triangle count, no more, and {} {} like none of them",
+            named(&like),
+            is(&like),
+            named(&unlike),
+            is(&unlike)
+        ),
+    };
+    format!(
+        "The paper's models are not public{alike}. It does not state its angle between normals; ours is 10 degrees."
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::setup::Machines;
+
+    fn scene(name: &str, triangles: u64) -> Scene {
+        Scene { name: name.into(), triangles, paper_triangles: reference::triangles(name), ..Scene::default() }
+    }
+
+    #[test]
+    fn only_scenes_that_are_like_the_papers_are_called_so() {
+        let [teapot, cornell, other] = [scene("teapot", 15_168), scene("cornell", 36), scene("noise", 400)];
+        let note = models(std::slice::from_ref(&teapot));
+        assert!(note.contains("public: these scenes are of the same kind and triangle count, no more. It"), "{note}");
+        let note = models(&[teapot, cornell.clone(), other]);
+        assert!(note.contains("teapot is of the same kind") && note.contains("cornell, noise are like none"), "{note}");
+        let note = models(&[cornell]);
+        assert!(note.contains("cornell is like none") && !note.contains("same kind"), "{note}");
+        // The name alone makes no teapot.
+        assert!(models(&[scene("teapot", 12)]).contains("teapot is like none"));
+    }
+
+    fn notes_of(size: (u32, u32), machine: Option<&str>) -> String {
+        let machines = machine.map(|name| Machines::load(name, false).unwrap());
+        let setup = Setup { size, ..Setup::new([rayreel_scenes::load("cornell").unwrap()], machines).unwrap() };
+        let none = Experiment { points: Vec::new(), animation: None, ablations: Vec::new(), systems: Vec::new() };
+        notes(&setup, &none, &[scene("cornell", 36)]).join("\n")
+    }
+
+    #[test]
+    fn notes_hold_for_this_run() {
+        assert!(notes_of((512, 256), None).contains("closer together"));
+        assert!(!notes_of((4096, 2048), None).contains("closer together"));
+        assert!(!notes_of(SIZE_FULL, None).contains("Pictures have"));
+        assert!(notes_of(SIZE_FULL, Some("sgrt-ti2")).contains("the T&I units alone are simulated"));
+        assert!(!notes_of(SIZE_FULL, Some("mimd-trax")).contains("T&I units"), "it has none");
+    }
 }

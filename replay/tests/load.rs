@@ -165,7 +165,7 @@ fn files_are_completed_from_the_preset_of_their_kind() {
     );
     assert!(!values.sampling.similarity.shadow);
     for (text, part) in [
-        ("block = 4", "kind = \"(missing)\" is not allowed"),
+        ("block = 4", "kind is missing; it must be"),
         ("kind = \"adaptive\"\nblok = 4", "did you mean block?"),
         ("kind = \"adaptive\"\n[similarity]\nnormal_deg = true", "mine.toml: similarity.normal_deg = true"),
         ("kind = ", "is not valid TOML"),

@@ -62,6 +62,27 @@ fn smoothing_that_is_off_leaves_faces_flat() {
 }
 
 #[test]
+fn triangles_that_are_tiny_beside_the_model_are_told() {
+    let load = |size: f32| {
+        let tiny = "v 0 0 0\nv 0.01 0 0\nv 0 0.01 0\n";
+        let floor = format!("v 0 0 0\nv {size} 0 0\nv 0 0 {size}\n");
+        let obj = format!("{tiny}{tiny}{floor}f 1 2 3\nf 4 5 6\nf 7 8 9\n");
+        let scene = load_in(&folder(&[("a.obj", &obj)]), "a.obj").expect("it loads");
+        warnings(&scene)
+            .into_iter()
+            .map(|(_, words)| words)
+            .filter(|words| words.contains("padded"))
+            .collect::<Vec<_>>()
+    };
+    assert_eq!(load(300.0), Vec::<String>::new());
+    let [words] = &load(400.0)[..] else { panic!("one warning") };
+    assert!(
+        words.starts_with("a.obj: the model is 4e2 units large, and half of its triangles are smaller than 1e-2: "),
+        "{words}"
+    );
+}
+
+#[test]
 fn sizes_and_places_that_floats_hold_badly_are_told() {
     let load = |scale: f32, away: f32| {
         let corner = |x: f32, y: f32| format!("v {} {} 0\n", x * scale + away, y * scale);

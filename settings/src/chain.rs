@@ -6,8 +6,9 @@ use toml::Value;
 
 use crate::error::{Result, SettingsError};
 use crate::family::{Family, is_path};
-use crate::file::{File, wrong_kind};
+use crate::file::File;
 use crate::files::{TEXT_MAX, read_text};
+use crate::rule::Rule;
 
 /// Files that may extend one another in a row.
 const CHAIN_MAX: usize = 16;
@@ -80,7 +81,11 @@ fn base(family: &Family, file: &File) -> Result<Option<String>> {
     if file.extends.is_some() || family.kinds.is_empty() {
         return Ok(file.extends.clone());
     }
-    let kind = file.kind.ok_or_else(|| wrong_kind(family, &Value::String("(missing)".into()), &file.origin))?;
+    let kind = file.kind.ok_or_else(|| SettingsError::Unsaid {
+        origin: file.origin.clone(),
+        key: "kind".into(),
+        allowed: Rule::Word(family.kinds).describe(),
+    })?;
     Ok((file.origin != preset_origin(kind)).then(|| kind.to_owned()))
 }
 

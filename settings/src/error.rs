@@ -111,6 +111,16 @@ pub enum SettingsError {
         /// What is allowed.
         allowed: String,
     },
+    /// What a value or a file must say of itself is left out.
+    #[error("{origin}: {key} is missing; it must be {allowed}")]
+    Unsaid {
+        /// Where.
+        origin: String,
+        /// The key.
+        key: String,
+        /// What is allowed.
+        allowed: String,
+    },
     /// Values cannot stand together.
     #[error("{origin}: {detail}")]
     Conflict {

@@ -84,16 +84,19 @@ impl File {
         if let Some(part) = parts.keys().find(|part| !PARTS.contains(&part.as_str())) {
             return Err(schema.unknown(&format!("{}.{part}", key.name), near(part, PARTS), &self.origin));
         }
-        let missing = Value::String("(missing)".into());
-        let part = |name: &str| parts.get(name).unwrap_or(&missing);
         let wrong = |name: &str, allowed: &str| {
-            SettingsError::bad_value(&self.origin, &format!("{}.{name}", key.name), part(name), allowed)
+            let (origin, key, allowed) = (self.origin.clone(), format!("{}.{name}", key.name), allowed.to_owned());
+            match parts.get(name) {
+                Some(value) => SettingsError::bad_value(&origin, &key, value, allowed),
+                None => SettingsError::Unsaid { origin, key, allowed },
+            }
         };
-        let class = part("class").as_str().and_then(Class::parse);
+        let class = parts.get("class").and_then(Value::as_str).and_then(Class::parse);
         let class = class.ok_or_else(|| wrong("class", &Class::RULE.describe()))?;
         let source = parts.get("source").and_then(Value::as_str).map(str::trim).filter(|s| !s.is_empty());
         let source = source.ok_or_else(|| wrong("source", "a text that says where the value is from"))?.into();
-        let value = Schema::accept(key, part("value"), &self.origin)?;
+        let value = parts.get("value").ok_or_else(|| wrong("value", &key.rule.describe()))?;
+        let value = Schema::accept(key, value, &self.origin)?;
         Ok(Sourced { key: key.name, value, class, source, from: self.name.clone() })
     }
 }

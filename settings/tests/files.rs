@@ -118,7 +118,7 @@ fn errors_say_what_and_where() {
     );
     assert_eq!(
         error("[top]\nround = { value = true, class = \"paper\" }"),
-        "table mine: top.round.source = \"(missing)\" is not allowed; it must be a text that says where the value is from"
+        "table mine: top.round.source is missing; it must be a text that says where the value is from"
     );
     assert_eq!(error("[topp]\nround = true"), "table mine: no key \"topp.round\" in a table; did you mean top.round?");
     assert_eq!(error("top = 3"), "table mine: top = 3 is not allowed; it must be a table with width, round");
@@ -162,7 +162,7 @@ fn a_kind_has_a_preset_of_its_name() {
     plate.set("kind=deep").unwrap();
     assert_eq!(depth(&plate).as_deref(), Some("3"));
     let error = |text: &str| PLATES.parse("mine", text).unwrap_err().to_string();
-    assert_eq!(error("depth = 3"), "plate mine: kind = \"(missing)\" is not allowed; it must be \"flat\" or \"deep\"",);
+    assert_eq!(error("depth = 3"), "plate mine: kind is missing; it must be \"flat\" or \"deep\"",);
     assert!(error("extends = \"soup\"\nkind = \"flat\"").contains("must be \"deep\", the kind of what it extends"));
     assert!(error("extends = \"flat\"\ndepth = 3").contains("in a flat plate"));
 }

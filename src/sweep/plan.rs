@@ -9,7 +9,7 @@ use rayreel_study::sweep::plan::Plan;
 use serde_json::json;
 
 use super::folder::{FolderArgs, opener, read};
-use crate::common::{print, print_json};
+use crate::common::{count, print, print_json};
 use crate::exit::Exit;
 use crate::traces::CacheArgs;
 
@@ -29,7 +29,7 @@ pub struct Args {
     #[arg(long)]
     dry_run: bool,
     /// Points to show.
-    #[arg(long, default_value_t = 5, value_name = "N")]
+    #[arg(long, default_value_t = 5, value_name = "N", value_parser = count)]
     show: usize,
     /// Time that a shard should take on one core.
     #[arg(long, default_value = "15m", value_name = "TIME", value_parser = duration)]

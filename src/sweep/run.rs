@@ -33,7 +33,7 @@ pub struct Args {
     #[arg(long, value_name = "i/n")]
     shard: Option<String>,
     /// Added to the index of auto/n: the first shard of a split array.
-    #[arg(long, default_value_t = 0, value_name = "K", requires = "shard")]
+    #[arg(long, default_value_t = 0, value_name = "K", requires = "shard", value_parser = crate::common::count)]
     index_offset: usize,
     #[command(flatten)]
     run: RunArgs,

@@ -155,6 +155,99 @@ fn names_may_hold_any_text() {
     well_formed(&text);
 }
 
+/// What is said of the paper's scenes and figures is said of those that have any.
+#[test]
+fn sentences_hold_for_the_scenes_that_are_there() {
+    let alike = "Its scenes are of the same kind and size as these, but not the same models.";
+    let (zone, last) = ("The shaded zone is what the paper states", "The last rows are the paper's");
+    let page = |study: &Study| page(study).replace("&#39;", "'");
+    let text = page(&study());
+    for sentence in
+        [alike, "Brackets show", "the paper's performance per watt", zone, last, "geometric mean at the right"]
+    {
+        assert!(text.contains(sentence), "{sentence}");
+    }
+    assert!(
+        text.contains("multirate: scenes in a mode with both more performance per watt"),
+        "a scene counts in each mode"
+    );
+    assert!(!text.contains("is similar changes from"), "nobody looked");
+
+    let mut mixed = study();
+    mixed.scenes[1].paper_triangles = None;
+    let text = page(&mixed);
+    assert!(!text.contains(alike) && text.contains("it has none like chess."));
+
+    // A model of a user's, in one mode, on a machine without T&I units.
+    let mut custom = study();
+    custom.scenes.truncate(1);
+    // A name of the paper's on another model.
+    custom.scenes[0].triangles = 12;
+    custom.points.retain(|point| point.scene == "teapot" && point.mode == "2x2");
+    custom.points.iter_mut().for_each(|point| (point.ti, point.ti_gain, point.scene) = (None, None, "noise".into()));
+    let text = page(&custom);
+    assert!(text.contains("None of these scenes is like one of the paper's."));
+    for sentence in
+        [alike, "Brackets show", "the paper's performance per watt", zone, last, "geometric mean at the right"]
+    {
+        assert!(!text.contains(sentence), "{sentence}");
+    }
+    assert!(text.contains("multirate: scenes with both"));
+    assert!(text.contains("Energy of the whole GPU, mJ") && text.contains("GPU energy, mJ a frame"));
+}
+
+/// Small frames cost little: what is written has digits, and the files of charts keep the unit of the study.
+#[test]
+fn energies_and_times_have_a_unit_of_their_size() {
+    let text = page(&study());
+    for words in ["energy, mJ", "GPU time, ms", "GPU energy, mJ", "1.20 mJ", "<td class=\"num\">0.500</td>"] {
+        assert!(text.contains(words), "{words}");
+    }
+    assert!(!text.contains("µ"), "what has digits stays as it is");
+    let small = |scale: f64| {
+        let mut study = study();
+        for point in &mut study.points {
+            point.energy.iter_mut().for_each(|part| part.mj *= scale);
+            for cost in [&mut point.ti, &mut point.gpu].into_iter().flatten() {
+                (cost.time_ms, cost.energy_mj) = (cost.time_ms * scale, cost.energy_mj * scale);
+            }
+        }
+        for frame in study.tracks.iter_mut().flat_map(|track| &mut track.frames) {
+            frame.energy_mj = frame.energy_mj.map(|mj| mj * scale);
+            frame.time_ms = frame.time_ms.map(|ms| ms * scale);
+        }
+        study
+    };
+    let text = page(&small(1e-3));
+    for words in [
+        "energy, µJ",
+        "frame, µJ;",
+        "GPU time, µs",
+        "GPU energy, µJ",
+        "1.20 µJ",
+        "<td class=\"num\">0.500</td>",
+        "T&amp;I energy, µJ a frame",
+        "Energy of the T&amp;I units, µJ",
+        "Time of a frame, µs",
+        "data-unit=\"µJ\"",
+    ] {
+        assert!(text.contains(words), "{words}");
+    }
+    assert!(!text.contains(">0.000<") && !text.contains(" mJ"), "no cell is without digits");
+    assert!(page(&small(1e-6)).contains("energy, nJ"));
+
+    let folder = tempfile::tempdir().unwrap();
+    write(folder.path());
+    let charts = |scale: f64| {
+        fs::write(folder.path().join(FILE), serde_json::to_string(&small(scale)).unwrap()).unwrap();
+        let names = html::write_charts(folder.path(), folder.path()).unwrap();
+        (names, fs::read_to_string(folder.path().join("energy-2x2-teapot.csv")).unwrap())
+    };
+    let ((names, of_large), (small_names, of_small)) = (charts(1.0), charts(1e-3));
+    assert_eq!(names, small_names, "files of charts keep their names");
+    assert!(of_large.contains(",full,trv,0.5\r\n") && of_small.contains(",full,trv,0.0005\r\n"), "{of_small}");
+}
+
 /// Whatever is missing is left out; nothing is made up for it.
 #[test]
 fn a_study_may_lack_anything() {

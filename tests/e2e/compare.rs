@@ -45,6 +45,11 @@ fn two_runs_are_compared() {
     fs::write(&c, replay(&trace, "--machine sgrt-ti1 --policy full").expect(0).out).unwrap();
     let told = rayreel!["compare", &a, &b].expect(0).out;
     assert!(told.starts_with("equal: 1 point, "), "{told}");
+    // Other programs write 15.0 as 15.
+    let rewritten = folder.path().join("rewritten.json");
+    fs::write(&rewritten, fs::read_to_string(&a).unwrap().replace(".0,", ",").replace(".0\n", "\n")).unwrap();
+    assert_ne!(fs::read(&a).unwrap(), fs::read(&rewritten).unwrap());
+    rayreel!["compare", &a, &rewritten].expect(0).prints(&["equal: 1 point, "]);
     let told = rayreel!["compare", &a, &c, "--top", "0"].expect(1).out;
     for words in ["machine", "sgrt-ti2 -> sgrt-ti1", "adaptive -> full", "rays_traced", "gpu_energy_mj"] {
         assert!(told.contains(words), "{words}: {told}");
@@ -75,4 +80,5 @@ fn errors_say_what_to_do() {
     rayreel!["compare", dir, &run].expect(2).says(&["no results.parquet", "rayreel sweep merge"]);
     rayreel!["report", dir].expect(2).says(&["no results.parquet", "rayreel sweep merge"]);
     rayreel!["report", &bad].expect(65).says(&["bad.parquet"]);
+    rayreel!["report", &run].expect(2).says(&["run.json: it is JSON", "give the folder"]);
 }

@@ -26,9 +26,31 @@ def check(path):
         classes = ["busy", "bypass", "fetch", "memory", "mshr", "blocked", "starved"]
         return sum(n(f"{unit}/{name}") for name in classes)
 
-    def l1(unit, read, late=0):
+    # Prices are of a cache of one size; those of another are in proportion to CACTI's energies, by straight lines between them.
+    cacti_reads = [(8, 8500), (16, 9500), (32, 11600), (64, 15600), (128, 23500), (256, 34300), (512, 62800)]
+    cacti_fills = [(8, 12750), (16, 19238), (32, 29580), (64, 47970), (128, 84600), (256, 141488), (512, 292020)]
+    whole = lambda value: int(value + Fraction(1, 2))
+
+    def cacti(table, size):
+        right = next((i for i, (kib, _) in enumerate(table) if kib * 1024 >= size), len(table) - 1) or 1
+        (x0, y0), (x1, y1) = table[right - 1], table[right]
+        distance = whole(abs(Fraction(size, 1024) - x0) * (y1 - y0) / (x1 - x0))
+        return y0 + distance if size >= x0 * 1024 else y0 - distance
+
+    def cache(unit, prices, of, size, late=0):
+        priced = constant[f"energy.{of}_priced_size"]
+        longer = Fraction(line, constant["energy.priced_line_bytes"])
+        read, fill = (lambda s: cacti(cacti_reads, s)), (lambda s: max(cacti(cacti_fills, s), cacti(cacti_reads, s)))
+        scaled = lambda name, table, lines: whole(fj(name) * lines * Fraction(table(size), table(priced)))
         tags = n(f"{unit}/misses") + n(f"{unit}/merges")
-        return (n(f"{unit}/hits") + late) * fj(read) + tags * fj("l1_miss_pj") + n(f"{unit}/fills") * fj("l1_fill_pj")
+        return (
+            (n(f"{unit}/hits") + late) * scaled(prices, read, longer)
+            + tags * scaled(f"{of}_miss_pj", read, 1)
+            + n(f"{unit}/fills") * scaled(f"{of}_fill_pj", fill, longer)
+        )
+
+    def l1(unit, read, size, late=0):
+        return cache(unit, read, "l1", constant[size], late)
 
     # A bypass passes the whole pipeline of its unit.
     depth = {"parallel": ["inner"], "single": ["inner", "leaf", "stack"], "unified": ["inner", "leaf", "stack", "ist"]}
@@ -68,22 +90,21 @@ def check(path):
             + n("ti/ist/bypasses") * constant["ti.ist_cycles"] * fj("bypass_stage_pj")
             + running("ti/ist/test") * fj("ist_clock_pj"),
             1, ists * constant["energy.ist_leakage_uw"], 0),
-        "trv_l1": (l1("ti/trv/l1", "trv_l1_read_pj", n("ti/trv/buffer/late_reads")), tree, 0, trvs * constant["ti.trv_l1.size"]),
-        "ist_l1": (l1("ti/ist/l1", "ist_l1_read_pj", n("ti/ist/buffer/late_reads")), tree, 0, ists * constant["ti.ist_l1.size"]),
+        "trv_l1": (l1("ti/trv/l1", "trv_l1_read_pj", "ti.trv_l1.size", n("ti/trv/buffer/late_reads")), tree, 0, trvs * constant["ti.trv_l1.size"]),
+        "ist_l1": (l1("ti/ist/l1", "ist_l1_read_pj", "ti.ist_l1.size", n("ti/ist/buffer/late_reads")), tree, 0, ists * constant["ti.ist_l1.size"]),
         "ray_buffers": (
             (rays + writes) * fj("ray_buffer_write_pj") + (rays + reads) * fj("ray_buffer_read_pj")
             + parked * fj("accumulate_pj") + updates * fj("reorder_pj"),
             tree, 0, buffers),
         "crossbar": (2 * n("ti/ist/tasks") * fj("crossbar_pj"), tree, 0, 0),
         "srp": (ops * fj("srp_op_pj") + array * fj("srp_clock_pj"), 1, cores * constant["energy.srp_leakage_uw"], 0),
-        "srp_l1": (l1("srp/l1", "srp_l1_read_pj"), tree, 0, cores * constant["srp.l1.size"]),
+        "srp_l1": (l1("srp/l1", "srp_l1_read_pj", "srp.l1.size"), tree, 0, cores * constant["srp.l1.size"]),
         "local_memory": (
             n("srp/local/reads") * fj("local_read_pj") + n("srp/local/writes") * fj("local_write_pj"),
             tree, 0, cores * constant["srp.local_memory"]),
         "interface": (link * fj("interface_pj_per_byte"), tree, 0, 0),
         "l2": (
-            n("l2/hits") * fj("l2_read_pj") + (n("l2/misses") + n("l2/merges")) * fj("l2_miss_pj") + n("l2/fills") * fj("l2_fill_pj"),
-            tree, 0, constant["l2.size"]),
+            cache("l2", "l2_read_pj", "l2", constant["l2.size"]), tree, 0, constant["l2.size"]),
         "network": (n("l2/lookups") * (constant["l2.request_bytes"] + line) * fj("network_pj_per_byte"), tree, 0, 0),
         "dram": (
             n("dram/activates") * fj("dram_row_pj") + n("dram/reads") * fj("dram_read_pj")

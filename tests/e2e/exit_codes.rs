@@ -67,6 +67,15 @@ fn wrong_usage_is_2() {
         ("replay {}/a.rtrace --machine none --warm", "--warm is for"),
         ("replay {}/a.rtrace --set gpu.warm_caches=maybe", "gpu.warm_caches"),
         ("paper --machine none --warm", "--warm is for"),
+        (
+            "paper --scene cornell --machine raycore --cache {}/cache --out {}/out",
+            "no kernel similarity and interpolate",
+        ),
+        ("render cornell -o {}/x.png --frame -1", "-1 is not in 0..="),
+        ("trim {}/a.rtrace -o {}/x --frames -1", "A..B"),
+        ("compare {}/a.rtrace {}/a.rtrace --top -1", "a whole number from 0 on"),
+        ("compare {}/a.rtrace {}/a.rtrace", "a.rtrace: it is a trace, and holds no results"),
+        ("report {}/a.rtrace", "a.rtrace: it is a trace, and holds no results"),
         ("replay {}/a.rtrace --set ti.trvs=2", "did you mean ti.trv"),
         ("replay {}/a.rtrace --set dram.channels=0", "dram.channels"),
         ("replay {}/a.rtrace --frames 0..2", "frame 1"),
@@ -87,6 +96,7 @@ fn wrong_usage_is_2() {
         expect(folder, line, 2, word);
     }
     assert!(!folder.join("x").exists() && !folder.join("x.partial").exists(), "nothing is left behind");
+    assert!(!folder.join("cache").exists() && !folder.join("out").exists(), "paper begins with what it can know");
 }
 
 /// As a trace that is not there: the name is wrong, not what stands in the file.

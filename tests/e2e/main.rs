@@ -31,6 +31,7 @@ mod guards;
 mod help;
 mod history;
 mod hostile;
+mod inputs;
 #[cfg(unix)]
 mod kill;
 mod models;

@@ -197,10 +197,13 @@ impl<'a> Input<'a> {
         let mut coordinate = || self.planes(count).map(sums);
         let (xs, ys, zs, us, vs) = (coordinate()?, coordinate()?, coordinate()?, coordinate()?, coordinate()?);
         let number = |bits: u32| f32::from_bits(bits);
-        let vertex = |i: usize| Vertex {
-            position: Vec3::new(number(xs[i]), number(ys[i]), number(zs[i])),
-            normal: Oct { u: us[i] as u16, v: vs[i] as u16 },
+        let vertex = |i: usize| {
+            Some(Vertex {
+                position: Vec3::new(number(xs[i]), number(ys[i]), number(zs[i])),
+                // What is above 16 bits would be in no digest, which hashes what a writer would write.
+                normal: Oct { u: u16::try_from(us[i]).ok()?, v: u16::try_from(vs[i]).ok()? },
+            })
         };
-        Some((0..count).map(vertex).collect())
+        (0..count).map(vertex).collect()
     }
 }

@@ -1,9 +1,9 @@
 //! Energy per event and leakage. Component names are those of the report.
 
-use rayreel_settings::Rule::Integer;
-use rayreel_settings::{Picojoules, settings};
+use rayreel_settings::Rule::{Integer, Size};
+use rayreel_settings::{Bytes, Picojoules, settings};
 
-use super::rules::{EVENT, LEAKAGE};
+use super::rules::{EVENT, LEAKAGE, SMALL};
 
 settings! {
     /// Energy per event, pJ, and leakage. Component names are those of the report.
@@ -14,7 +14,7 @@ settings! {
         ray_setup_pj: Picojoules = EVENT, "ray setup", "pJ";
         bypass_stage_pj: Picojoules = EVENT, "a stage of a pipeline that an operation passes as a bypass", "pJ";
         trv_clock_pj: Picojoules = EVENT, "a cycle of a traversal unit whose clock runs: rays are in it", "pJ";
-        ist_clock_pj: Picojoules = EVENT, "a cycle of an intersection unit whose clock runs: rays are in the T&I unit", "pJ";
+        ist_clock_pj: Picojoules = EVENT, "a cycle of an intersection unit whose clock runs: a task is in it", "pJ";
         processor_clock_pj: Picojoules = EVENT, "a cycle of a processor whose clock runs: warps are in it", "pJ";
         instruction_pj: Picojoules = EVENT, "an instruction of a warp: fetch, decode, control", "pJ";
         lane_pj: Picojoules = EVENT, "an instruction in a lane: operands and result", "pJ";
@@ -41,6 +41,9 @@ settings! {
         l2_read_pj: Picojoules = EVENT, "L2: read of a line that hits", "pJ";
         l2_miss_pj: Picojoules = EVENT, "L2: a lookup that misses", "pJ";
         l2_fill_pj: Picojoules = EVENT, "L2: fill of a line", "pJ";
+        l1_priced_size: Bytes = SMALL, "size of the first-level cache that the energies of first-level caches are of", "bytes";
+        l2_priced_size: Bytes = Size(4 << 10, 64 << 20), "size of the L2 that the energies of the L2 are of", "bytes";
+        priced_line_bytes: u32 = Integer(16, 256), "line size of the caches that these energies are of", "bytes";
         raster_triangle_pj: Picojoules = EVENT, "a triangle in a tile: transformed, binned, set up", "pJ";
         raster_sample_pj: Picojoules = EVENT, "a sample of a triangle: coverage, depth, attributes", "pJ";
         interface_pj_per_byte: Picojoules = EVENT, "direct interface", "pJ per byte";
@@ -60,6 +63,6 @@ settings! {
         processor_leakage_uw: u64 = LEAKAGE, "logic leakage of a processor", "uW";
         raster_leakage_uw: u64 = LEAKAGE, "logic leakage of a rasteriser, on machines that have one", "uW";
         srp_leakage_uw: u64 = LEAKAGE, "logic leakage of an SRP", "uW";
-        clock_tree_percent: u64 = Integer(0, 100), "clock tree: share of dynamic energy of on-chip components whose clock is gated access by access", "%";
+        clock_tree_percent: u64 = Integer(0, 100), "clock tree: surcharge on the dynamic energy of on-chip components whose clock is gated access by access", "%";
     }
 }

@@ -18,9 +18,14 @@
 //!   word instead of line by line; it stands with the SRP, for it does the work of both;
 //! - a unified pipeline tests triangles in the traversal unit, and their energy stands there.
 
+mod cache_prices;
 mod others;
+mod rounding;
 
-use crate::config::{Energy, Interface, L1, MachineConfig, Picojoules, Pipeline, PrimaryVisibility};
+use cache_prices::CachePrices;
+use rounding::nearest;
+
+use crate::config::{Interface, L1, MachineConfig, Picojoules, Pipeline, PrimaryVisibility};
 use crate::memory::{CacheCounters, ChannelCounters};
 use crate::srp::SrpStats;
 use crate::stats::Stats;
@@ -232,13 +237,13 @@ impl<'a> Sums<'a> {
             ),
             of(
                 "trv_l1",
-                &l1_events(energy, &self.trv_l1, self.trv_buffer.late_reads, energy.trv_l1_read_pj),
+                &self.l1(&ti.trv_l1, energy.trv_l1_read_pj, &self.trv_l1, self.trv_buffer.late_reads),
                 0,
                 trvs * l1_bytes(&ti.trv_l1),
             ),
             of(
                 "ist_l1",
-                &l1_events(energy, &self.ist_l1, self.ist_buffer.late_reads, energy.ist_l1_read_pj),
+                &self.l1(&ti.ist_l1, energy.ist_l1_read_pj, &self.ist_l1, self.ist_buffer.late_reads),
                 0,
                 ists * l1_bytes(&ti.ist_l1),
             ),
@@ -275,10 +280,16 @@ impl<'a> Sums<'a> {
         let (l1_size, local_size) = (l1_bytes(&self.config.srp.l1), self.config.srp.local_memory.0);
         [
             self.clocked("srp", Group::Srp, &srp, self.cores * energy.srp_leakage_uw),
-            of("srp_l1", &l1_events(energy, &l1, 0, energy.srp_l1_read_pj), 0, self.cores * l1_size),
+            of("srp_l1", &self.l1(&self.config.srp.l1, energy.srp_l1_read_pj, &l1, 0), 0, self.cores * l1_size),
             of("local_memory", &local, 0, self.cores * local_size),
             of("interface", &[(bytes, energy.interface_pj_per_byte)], 0, 0),
         ]
+    }
+
+    /// Events of first-level caches; a later read of a line that had missed is a read.
+    fn l1(&self, of: &L1, read: Picojoules, counted: &CacheCounters, late_reads: u64) -> [(u64, Picojoules); 3] {
+        let CacheCounters { hits, misses, merges, fills, .. } = counted;
+        CachePrices::of_l1(self.config, of, read).of(hits + late_reads, misses + merges, *fills)
     }
 
     /// Stages that a bypass passes in a traversal unit.
@@ -296,8 +307,7 @@ impl<'a> Sums<'a> {
     fn memory(&self) -> [Component; 4] {
         let (energy, l2, dram) = (&self.config.energy, &self.stats.memory.l2, &self.dram);
         let network = l2.lookups * u64::from(self.config.l2.request_bytes + self.config.l2.line_bytes);
-        let l2 =
-            [(l2.hits, energy.l2_read_pj), (l2.misses + l2.merges, energy.l2_miss_pj), (l2.fills, energy.l2_fill_pj)];
+        let l2 = CachePrices::of_l2(self.config).of(l2.hits, l2.misses + l2.merges, l2.fills);
         let rows = [
             (dram.activates, energy.dram_row_pj),
             (dram.reads, energy.dram_read_pj),
@@ -370,17 +380,8 @@ fn l1_bytes(l1: &L1) -> u64 {
     l1.size.0
 }
 
-fn l1_events(energy: &Energy, l1: &CacheCounters, late_reads: u64, read: Picojoules) -> [(u64, Picojoules); 3] {
-    [(l1.hits + late_reads, read), (l1.misses + l1.merges, energy.l1_miss_pj), (l1.fills, energy.l1_fill_pj)]
-}
-
 fn dynamic(events: &[(u64, Picojoules)]) -> u128 {
     events.iter().map(|(count, energy)| u128::from(*count) * u128::from(energy.femtojoules)).sum()
-}
-
-/// Division rounded to the nearest, halves up.
-fn nearest(value: u128, by: u128) -> u128 {
-    (value + by / 2) / by
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! Components that only some machines have: processors, and a rasteriser.
 
-use super::{Component, Group, Sums, l1_bytes, l1_events};
+use super::{Component, Group, Sums, l1_bytes};
 use crate::config::Picojoules;
 use crate::memory::CacheCounters;
 use crate::srp::RasterCounters;
@@ -39,10 +39,14 @@ impl Sums<'_> {
             ),
             of(
                 "data_l1",
-                &[&[(all.words, energy.word_pj)][..], &l1_events(energy, &self.trv_l1, 0, none)].concat(),
+                &[&[(all.words, energy.word_pj)][..], &self.l1(&config.ti.trv_l1, none, &self.trv_l1, 0)].concat(),
                 count * l1_bytes(&config.ti.trv_l1),
             ),
-            of("code_l1", &l1_events(energy, &code, 0, none), count * l1_bytes(&config.processor.code_l1)),
+            of(
+                "code_l1",
+                &self.l1(&config.processor.code_l1, none, &code, 0),
+                count * l1_bytes(&config.processor.code_l1),
+            ),
             of("stacks", &[], count * config.stack_bytes()),
             of("ray_buffers", &records, config.ray_buffer_bytes()),
         ]

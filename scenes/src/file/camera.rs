@@ -29,6 +29,13 @@ pub(crate) struct CameraTable {
     interpolation: Option<Interpolation>,
 }
 
+impl CameraTable {
+    /// The camera path that the table of the scene file `file` names.
+    pub fn path_file(&self, file: &Path) -> Option<PathBuf> {
+        self.path.as_ref().map(|path| file.parent().unwrap_or(Path::new("")).join(path))
+    }
+}
+
 /// `[[camera.keyframes]]`.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -64,8 +71,7 @@ pub(crate) fn cameras(
         tell_first(file, keyframes[0].frame, warnings);
         return Ok(cameras);
     }
-    if let Some(path) = &table.path {
-        let path = file.parent().unwrap_or(Path::new("")).join(path);
+    if let Some(path) = table.path_file(file) {
         let (first, cameras) = camera::read_numbered(&path)?;
         tell_first(&path, first, warnings);
         return Ok(cameras);

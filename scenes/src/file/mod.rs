@@ -96,6 +96,8 @@ pub fn load_scene_file(path: &Path, options: &LoadOptions) -> Result<Scene, Scen
             scene.cameras = vec![camera; frames as usize];
         }
     }
+    scene.files.push(path.to_owned());
+    scene.files.extend(table.camera.as_ref().and_then(|camera| camera.path_file(path)));
     scene.validate()?;
     Ok(scene)
 }

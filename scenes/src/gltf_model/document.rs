@@ -40,6 +40,13 @@ impl Source {
         self.document.as_json()
     }
 
+    /// The model, and the files of buffers and pictures that it names.
+    pub fn files(&self) -> Vec<PathBuf> {
+        let buffers = self.root().buffers.iter().map(|buffer| &buffer.uri);
+        let named = buffers.chain(self.root().images.iter().map(|image| &image.uri)).flatten();
+        std::iter::once(self.path.clone()).chain(named.filter_map(|uri| uri::file(&self.path, uri))).collect()
+    }
+
     /// A place in the file, such as `accessor 3`.
     pub fn at(&self, part: impl Into<String>) -> Location {
         Location::Part { path: self.path.clone(), part: part.into() }

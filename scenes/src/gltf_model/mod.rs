@@ -15,7 +15,7 @@ mod primitive;
 mod textures;
 mod uri;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use glam::{DAffine3, Vec3};
 
@@ -52,6 +52,8 @@ pub(crate) struct GltfModel {
     /// Frames of its animation, at least one.
     pub frames: u64,
     pub warnings: Vec<Warning>,
+    /// The model's own, and those that it names.
+    pub files: Vec<PathBuf>,
 }
 
 /// Meshes that move, as they are seen on the whole.
@@ -99,8 +101,8 @@ pub(crate) fn load_gltf(path: &Path, options: &LoadOptions) -> Result<GltfModel,
     };
     let cameras = lens.as_ref().map(camera).transpose()?.unwrap_or_default();
     let textures = model.pictures.into_list();
-    let warnings = warnings.into_list();
-    Ok(GltfModel { mesh, film, objects, materials, textures, lights, cameras, frames, warnings })
+    let (warnings, files) = (warnings.into_list(), source.files());
+    Ok(GltfModel { mesh, film, objects, materials, textures, lights, cameras, frames, warnings, files })
 }
 
 /// Frames of the animation: one at its start, and each whole one until its end.

@@ -18,8 +18,8 @@ const BASE64: GeneralPurpose = GeneralPurpose::new(
 
 /// The bytes that `uri` in the file at `model` names; `what` is their kind, `at` where the URI stands.
 pub(crate) fn read(model: &Path, at: &Location, what: &str, uri: &str, most: u64) -> Result<Vec<u8>, SceneError> {
-    if let Some(data) = uri.split_at_checked(5).filter(|(scheme, _)| scheme.eq_ignore_ascii_case("data:")) {
-        return decode(at, what, data.1);
+    if let Some(data) = inside(uri) {
+        return decode(at, what, data);
     }
     let file = local(model, at, what, uri)?;
     let missing = |source| SceneError::missing(at.clone(), what, &file, source);
@@ -29,6 +29,17 @@ pub(crate) fn read(model: &Path, at: &Location, what: &str, uri: &str, most: u64
         return Err(SceneError::Limit { at: at.clone(), what: text, fix: "make it smaller".into() });
     }
     rayreel_settings::files::read(&file, most).map_err(missing)
+}
+
+/// What follows `data:`, where the data stands in the URI itself.
+fn inside(uri: &str) -> Option<&str> {
+    let (scheme, data) = uri.split_at_checked(5)?;
+    scheme.eq_ignore_ascii_case("data:").then_some(data)
+}
+
+/// The file that a URI in the file at `model` names; nothing if its data stands in the URI, or it names none that would be read.
+pub(crate) fn file(model: &Path, uri: &str) -> Option<PathBuf> {
+    inside(uri).is_none().then(|| local(model, &Location::File(model.to_owned()), "file", uri).ok()).flatten()
 }
 
 fn decode(at: &Location, what: &str, data: &str) -> Result<Vec<u8>, SceneError> {

@@ -30,6 +30,7 @@ impl SceneBuilder {
             sky: defaults::soft_sky(),
             cameras: Vec::new(),
             warnings: Vec::new(),
+            files: Vec::new(),
         };
         Self { scene }
     }

@@ -5,7 +5,10 @@ mod polygon;
 mod text;
 mod triangles;
 
-use std::{io, path::Path};
+use std::{
+    io,
+    path::{Path, PathBuf},
+};
 
 use rayreel_settings::files;
 
@@ -34,6 +37,8 @@ pub struct ObjModel {
     pub textures: Vec<Texture>,
     /// What was odd and how it was handled.
     pub warnings: Vec<Warning>,
+    /// The files that were read: the model, its libraries and their textures.
+    pub files: Vec<PathBuf>,
 }
 
 /// Loads an OBJ model with its material libraries and textures.
@@ -57,15 +62,18 @@ pub fn load_obj(path: impl AsRef<Path>) -> Result<ObjModel, SceneError> {
     let checked = text::check(path, &source, &mut warnings)?;
     drop(source);
     let mut textures = TextureSet::default();
-    let mut materials = load_libraries(path, &checked, &mut textures, &mut warnings)?;
+    let mut files = vec![path.to_owned()];
+    let mut materials = load_libraries(path, &checked, (&mut textures, &mut files), &mut warnings)?;
     let slots = material_slots(path, &checked, &mut materials, &mut warnings);
     let raw = triangles::triangles(path, &checked, &slots, &mut warnings)?;
+    files.extend(textures.files());
     Ok(ObjModel {
         mesh: triangles::join(raw),
         objects: checked.objects,
         materials,
         textures: textures.into_list(),
         warnings: warnings.into_list(),
+        files,
     })
 }
 
@@ -81,7 +89,7 @@ fn read_text(path: &Path, warnings: &mut Warnings) -> io::Result<String> {
 fn load_libraries(
     path: &Path,
     checked: &CheckedObj,
-    textures: &mut TextureSet,
+    (textures, files): (&mut TextureSet, &mut Vec<PathBuf>),
     warnings: &mut Warnings,
 ) -> Result<Vec<Material>, SceneError> {
     let folder = path.parent().unwrap_or(Path::new(""));
@@ -104,6 +112,7 @@ fn load_libraries(
             let text = read_text(&library, warnings)
                 .map_err(|source| SceneError::missing(at.clone(), "material library", &library, source))?;
             mtl::read(&library, &text, &mut materials, textures, warnings)?;
+            files.push(library);
         }
     }
     Ok(materials)

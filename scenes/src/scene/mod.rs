@@ -2,6 +2,8 @@
 
 mod hash;
 
+use std::path::PathBuf;
+
 use glam::{Vec2, Vec3};
 
 use crate::warnings::Warning;
@@ -32,6 +34,8 @@ pub struct Scene {
     pub cameras: Vec<Camera>,
     /// Oddities of the input that were handled, each with a count.
     pub warnings: Vec<Warning>,
+    /// The files that it is made of: scene file, model, materials, buffers, pictures, camera path. None of a built-in scene.
+    pub files: Vec<PathBuf>,
 }
 
 /// An indexed triangle mesh. `positions`, `normals` and `uvs` have the same length.

@@ -1,11 +1,13 @@
 //! Reading results from the folder of a sweep or from a Parquet file.
 
-use std::io::ErrorKind;
+use std::fs::File;
+use std::io::{ErrorKind, Read};
 use std::path::{Path, PathBuf};
 
 use crate::error::{Result, StudyError};
 use crate::sweep::folder::PLAN;
 use crate::table::Results;
+use rayreel_formats::container::MAGIC;
 use rayreel_settings::files;
 
 /// The results in the folder of a sweep.
@@ -34,13 +36,42 @@ pub fn load(path: &Path) -> Result<(Results, PathBuf)> {
         };
         return Err(missing(path, detail));
     }
+    refuse_trace(&file)?;
     let bytes = files::read(&file, RESULTS_MAX).map_err(|e| match e.kind() {
         ErrorKind::NotFound | ErrorKind::NotADirectory | ErrorKind::InvalidInput | ErrorKind::InvalidData => {
             missing(&file, format!("cannot read it: {e}"))
         }
         _ => StudyError::io(&file, "read", e),
     })?;
+    if is_json(&bytes) {
+        let detail =
+            "it is JSON, and no Parquet file; give the folder that it lies in, or a file of `rayreel sweep merge`";
+        return Err(missing(&file, detail.into()));
+    }
     Ok((decode(bytes, &file)?, file))
+}
+
+/// Whether bytes are a run or a study, as far as the first of them tells.
+pub(crate) fn is_json(bytes: &[u8]) -> bool {
+    bytes.iter().find(|byte| !byte.is_ascii_whitespace()) == Some(&b'{')
+}
+
+/// Refuses a trace in the place of results, before all of it is read.
+///
+/// # Errors
+/// The file begins as a trace does.
+pub(crate) fn refuse_trace(file: &Path) -> Result<()> {
+    let mut begin = Vec::new();
+    // Neither a device nor a pipe is opened.
+    let open = || files::check(file, u64::MAX).and_then(|()| File::open(file));
+    // What cannot be read is said when all of it is read.
+    let read = open().and_then(|file| file.take(MAGIC.len() as u64).read_to_end(&mut begin));
+    if read.is_err() || begin != MAGIC {
+        return Ok(());
+    }
+    let detail =
+        "it is a trace, and holds no results; `rayreel replay` makes results of it, `rayreel diff` compares two traces";
+    Err(StudyError::input(file, detail))
 }
 
 #[cfg(feature = "parquet")]

@@ -263,10 +263,22 @@ impl ConfigChanges<'_> {
             let keys: BTreeSet<&String> = rows.iter().flatten().flat_map(|config| config.keys()).collect();
             for key in keys {
                 let values = rows.map(|config| config.and_then(|config| config.get(key).cloned()));
+                if let [Some(of_a), Some(of_b)] = &values
+                    && same_number(of_a, of_b)
+                {
+                    continue;
+                }
                 differ(&mut self.keys, self.select, key, point, values);
             }
         }
     }
+}
+
+/// Whether two texts are one number: other programs write 15.0 as 15. Whole numbers are not rounded.
+fn same_number(a: &str, b: &str) -> bool {
+    let whole = |text: &str| text.parse::<i128>().is_ok();
+    let number = |text: &str| text.parse::<f64>().ok().filter(|number| number.is_finite());
+    !(whole(a) && whole(b)) && number(a).is_some_and(|a| number(b) == Some(a))
 }
 
 /// Counts a change of a point, if it is one; the first is kept with its values.

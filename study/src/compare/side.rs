@@ -25,8 +25,9 @@ impl Side {
         if path.is_dir() {
             return Ok(Self::Table(load::load(path)?.0));
         }
+        load::refuse_trace(path)?;
         let bytes = files::read(path, load::RESULTS_MAX).map_err(|source| StudyError::io(path, "read", source))?;
-        if bytes.iter().find(|byte| !byte.is_ascii_whitespace()) == Some(&b'{') {
+        if load::is_json(&bytes) {
             return Ok(Self::Run(run::decode(&bytes, path)?));
         }
         Ok(Self::Table(load::load(path)?.0))

@@ -134,6 +134,25 @@ fn configuration_states_and_columns_are_compared_too() {
     assert!(Select::new(&["***".into()], &[]).unwrap_err().to_string().contains("***"));
 }
 
+/// Other programs that write JSON leave out the zero.
+#[test]
+fn numbers_of_the_configuration_are_compared_as_values() {
+    let with = |value: &str| {
+        let mut table = sweep(&[1], &[1.0]);
+        table.fields[5] = words("machine_config", Role::Config, &[&format!(r#"{{"energy.box_test_pj":{value}}}"#)]);
+        table
+    };
+    for (a, b, changed) in [
+        ("15.0", "15", false),
+        ("1e3", "1000", false),
+        ("15.0", "15.5", true),
+        ("\"off\"", "0", true),
+        ("9007199254740993", "9007199254740992", true),
+    ] {
+        assert_eq!(!compare(&with(a), &with(b)).configuration.is_empty(), changed, "{a} and {b}");
+    }
+}
+
 #[test]
 fn what_changed_most_comes_first() {
     let with = |x: f64, y: f64, z: f64| {

@@ -6,6 +6,7 @@
 mod charts;
 mod error;
 mod load;
+mod magnitude;
 mod modes;
 mod page;
 mod parts;
@@ -21,6 +22,7 @@ use std::path::Path;
 use charts::file::Saved;
 pub use error::ReportError;
 pub use load::load;
+pub use view::has_counterpart;
 
 use crate::analysis::load as results;
 use crate::files::{write_named, write_whole};

@@ -2,8 +2,9 @@
 
 use crate::html::charts::gallery::Gallery;
 use crate::html::charts::svg::{COLOURS, marker};
+use crate::html::magnitude::{ENERGY, Unit, for_all};
 use crate::html::parts::{legend, line_key, symbol};
-use crate::schema::{GainBand, Point, Study};
+use crate::schema::{GainBand, Point, Scene, Study};
 
 /// A study with what several sections look up in it.
 pub struct StudyView<'a> {
@@ -149,6 +150,18 @@ impl<'a> StudyView<'a> {
         self.study.references.gains.iter().find(|band| band.scene == scene)
     }
 
+    /// Whether any scene has a performance per watt in the paper.
+    pub fn has_bands(&self) -> bool {
+        self.points.iter().any(|point| self.band(&point.scene).is_some())
+    }
+
+    /// The unit of all energies of whole frames.
+    pub fn energy_unit(&self) -> Unit {
+        let parts = |point: &&Point| point.energy.iter().map(|part| part.mj).sum::<f64>();
+        let whole = |point: &&Point| point.gpu.map_or(0.0, |cost| cost.energy_mj);
+        for_all(&ENERGY, self.points.iter().flat_map(|point| [parts(point), whole(point)]))
+    }
+
     /// The points of a policy in a mode, one for each scene that has the mode; nothing if one is missing.
     pub fn everywhere(&self, mode: &str, policy: &str) -> Option<Vec<&'a Point>> {
         let scenes = self.scenes(mode);
@@ -179,6 +192,15 @@ impl<'a> StudyView<'a> {
         });
         candidates.max_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))).map(|(_, _, policy)| policy)
     }
+}
+
+/// By how much a scene may have more or fewer triangles than the paper's of that name: user's models may have any name.
+const TRIANGLES_OFF: f64 = 0.1;
+
+/// Whether a scene is of the kind and size of one of the paper's.
+pub fn has_counterpart(scene: &Scene) -> bool {
+    let paper = scene.paper_triangles.filter(|paper| *paper > 0);
+    paper.is_some_and(|paper| (scene.triangles as f64 / paper as f64 - 1.0).abs() <= TRIANGLES_OFF)
 }
 
 /// Gain in performance per watt (T&I units alone, or else the whole GPU) and PSNR, infinite for identical pictures.

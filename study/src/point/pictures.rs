@@ -85,6 +85,15 @@ pub fn prefix(frame: u64, several: bool) -> String {
     if several { format!("frame_{frame:04}_") } else { String::new() }
 }
 
+/// Whether a file of this name is a picture of a replay: [`FramePictures::write`] gives such names.
+pub fn is_picture(name: &str) -> bool {
+    let numbered = name.strip_prefix("frame_").and_then(|rest| rest.split_once('_'));
+    let number = |text: &str| !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit());
+    let alone = numbered.filter(|(frame, _)| number(frame)).map_or(name, |(_, rest)| rest);
+    let kind = |stem: &str| Kind::ALL.iter().any(|kind| kind.name() == stem);
+    alone == EXR || alone.strip_suffix(".png").is_some_and(kind)
+}
+
 /// Removes from `folder` the pictures that an earlier replay of a trace of several frames left of these frames. One of a trace of a
 /// single frame does not write over them, and they would be taken for its own.
 ///

@@ -252,7 +252,11 @@ fn memory(f: &mut Formatter<'_>, config: &MachineConfig, stats: &Stats) -> fmt::
         return Ok(());
     }
     let latency = super::run::ratio(latency, dram.read_lines as f64);
-    writeln!(f, "  a read takes {} in controller and DRAM, on average", amount(latency, "ns"))
+    let latency = amount(latency, "ns");
+    writeln!(
+        f,
+        "  a read takes {latency} on average from a channel's queue to its last data, without controller and crossings"
+    )
 }
 
 fn power(f: &mut Formatter<'_>, config: &MachineConfig, run: &MachineRun) -> fmt::Result {

@@ -63,6 +63,13 @@ pub struct Study {
 }
 
 impl Study {
+    /// The names of the pictures that it shows, relative to its folder; some may stand there twice.
+    pub fn pictures(&self) -> impl Iterator<Item = &str> {
+        let of_maps = self.maps.iter().flat_map(|map| [Some(&map.similarity), map.rate.as_ref(), map.picture.as_ref()]);
+        let of_maps = of_maps.flatten().map(String::as_str);
+        self.viewer.iter().flat_map(|set| set.images.names()).chain(of_maps)
+    }
+
     /// The same without pictures: no viewer and no maps, so that it needs no other files.
     #[must_use]
     pub fn without_pictures(self) -> Self {

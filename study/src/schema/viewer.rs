@@ -43,6 +43,15 @@ pub struct ViewerImages {
     pub rate: Option<String>,
 }
 
+impl ViewerImages {
+    /// The names of the files.
+    pub fn names(&self) -> impl Iterator<Item = &str> {
+        [&self.reference, &self.result, &self.error, &self.flip, &self.similarity, &self.rate]
+            .into_iter()
+            .filter_map(|name| name.as_deref())
+    }
+}
+
 /// A tile.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]

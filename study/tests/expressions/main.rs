@@ -29,6 +29,31 @@ fn cases() -> Cases {
     serde_json::from_str(CASES).unwrap()
 }
 
+/// Expressions at the bounds of both readers, and such as are just beyond: each that can be read is true of the large point.
+fn bounds() -> (Vec<String>, Vec<String>) {
+    let within = |n: usize, open: &str, close: &str| format!("{}2{} = 2", open.repeat(n), close.repeat(n));
+    let lists = |n: usize| format!("{}2{} = {}2{}", "[".repeat(n), "]".repeat(n), "[".repeat(n), "]".repeat(n));
+    let nots = |n: usize| format!("{}true", "not ".repeat(n));
+    // The sign of the comparison is one of all.
+    let minus = |n: usize| format!("{}2 = 2", "-".repeat(n - 1));
+    let chain = |n: usize| format!("2{} = 2", "*1".repeat(n - 1));
+    let long = |n: usize| format!("2 ={}2", " ".repeat(n - 4));
+    let one_of = |n: usize| format!("2 in [{}2]", "3,".repeat(n));
+    let good = [within(74, "(", ")"), lists(74), nots(200), minus(199), chain(200), long(10_000), one_of(4000)];
+    let beyond = [
+        within(75, "(", ")"),
+        within(20_000, "(", ")"),
+        "(".repeat(20_000),
+        lists(75),
+        nots(202),
+        minus(201),
+        chain(201),
+        long(10_001),
+        one_of(5000),
+    ];
+    (good.into(), beyond.into())
+}
+
 /// What `exclude` says.
 fn excludes(expression: &str, point: &Point) -> Result<bool, String> {
     let environment = environment();
@@ -50,11 +75,17 @@ fn plans_exclude_what_the_table_says() {
         let error = excludes(expression, &all.points["small"]).expect_err(expression);
         assert!(error.contains("exclude "), "{error}");
     }
+    let (good, beyond) = bounds();
+    good.iter().for_each(|expression| assert_eq!(excludes(expression, &all.points["large"]), Ok(true), "{expression}"));
+    for expression in &beyond {
+        excludes(expression, &all.points["large"]).expect_err(expression);
+    }
 }
 
 /// Skipped, saying so, where Node is not installed: a browser runs the same script in `tests/e2e/sweep_page.rs`.
 #[test]
 fn the_page_shows_what_the_table_says() {
+    let bounds = serde_json::to_string(&bounds()).unwrap();
     let script = format!(
         "const sweep = {{}};\n{LANGUAGE}\nconst all = {CASES};\n
          const truth = (expression, point) => {{
@@ -70,6 +101,15 @@ fn the_page_shows_what_the_table_says() {
          for (const expression of all.errors) {{
            const found = truth(expression, all.points.small);
            if (typeof found !== 'string') wrong.push(`${{expression}} is ${{found}} and no error`);
+         }}
+         const [good, beyond] = {bounds};
+         for (const expression of good) {{
+           const found = truth(expression, all.points.large);
+           if (found !== true) wrong.push(`${{expression}} is ${{found}}`);
+         }}
+         for (const expression of beyond) {{
+           const found = truth(expression, all.points.large);
+           if (!/^at (character|the end).*at most/.test(found)) wrong.push(`${{expression}} is ${{found}}`);
          }}
          console.log(wrong.length === 0 ? `${{all.cases.length}} hold` : wrong.join('\\n'));"
     );

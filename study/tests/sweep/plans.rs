@@ -101,6 +101,7 @@ fn each_detail_is_a_point_of_its_own() {
 #[test]
 fn bad_plans_are_one_error_with_its_place() {
     let axis = |body: &str| format!("policies = [\"full\"]\n[[axis]]\nname = \"x\"\n{body}");
+    let named = |name: &str| axis("key = \"ti.trv\"\nvalues = [1]").replace("\"x\"", &format!("{name:?}"));
     let cases = [
         (
             "policies = [\"full\"]\npolicy = \"full\"".to_owned(),
@@ -159,6 +160,17 @@ fn bad_plans_are_one_error_with_its_place() {
         (
             "policies = [\"full\"]\n[[axis]]\nname = \"cycles\"\nkey = \"ti.trv\"\nvalues = [1]".to_owned(),
             "plan.toml:4:8: axis \"cycles\": results have a column of that name",
+        ),
+        (
+            named("Cycles"),
+            "plan.toml:4:8: axis \"Cycles\": results have a column \"cycles\", which databases take for the same",
+        ),
+        (named("MACHINE"), "results have a column \"machine\""),
+        (named("Rays_Primary_Full"), "results have a column \"rays_primary_full\""),
+        (named("detail_fraction"), "axis \"detail_fraction\": results have a column of that name"),
+        (
+            named("l1") + "\n[[axis]]\nname = \"L1\"\nkey = \"ti.ist\"\nvalues = [1]",
+            "plan.toml:8:8: a second axis \"L1\" beside \"l1\", which databases take for the same; give it another name",
         ),
     ];
     for (body, want) in cases {

@@ -40,8 +40,9 @@ pub const ANCHORS: &[Anchor] = &[
         why: &[Why {
             of: &[],
             below: "A ray takes 35 to 64 node visits and triangle tests in these scenes, one a cycle in each of six pipelines: \
-                    47 to 87 Mrays/s at most at 500 MHz. The stated peak leaves 12.6 a ray, so it is one of short rays. The \
-                    pipelines issue in nearly every cycle in which they have rays, a part of them bypasses.",
+                    47 to 87 Mrays/s at most at 500 MHz. One pipeline a unit is an assumption, for the report gives no count. With \
+                    it the stated peak leaves 12.6 a ray, so it is one of short rays, or units have more pipelines. Ours issue in \
+                    nearly every cycle in which they have rays, a part of them bypasses.",
             above: "",
         }],
     },

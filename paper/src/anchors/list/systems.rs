@@ -21,8 +21,9 @@ pub const ANCHORS: &[Anchor] = &[
     },
     Anchor {
         name: "throughput of a multiprocessor",
-        source: "Kim et al. 2010 (CICC), abstract: at most 0.673 Mrays/s with twelve scalar processors; at least 21 % of the \
-                 peak, as RayCore Lite reaches in a Cornell box (semiiphub.com)",
+        source: "Kim et al. 2010 (CICC), abstract: at most 0.673 Mrays/s with twelve stream processors; at least 21 % of the \
+                 peak, as RayCore Lite reaches in a Cornell box (semiiphub.com). Kim et al. 2012 (MRTP, JSSC), abstract: the same \
+                 rate, power and size for three times twelve; which abstract is right is not known",
         unit: "Mrays/s",
         low: Some(0.141),
         high: Some(0.673),
@@ -34,7 +35,8 @@ pub const ANCHORS: &[Anchor] = &[
         why: &[Why {
             of: &[],
             below: "The stated rate is a peak, and leaves 1800 instructions a ray at 100 MHz; here a ray takes 23 to 54 node visits \
-                    of 65 instructions and 9 to 17 triangles of 69, in warps of which fewer than half of the lanes are at work.",
+                    of 65 instructions and 9 to 17 triangles of 69, in warps of which fewer than half of the lanes are at work. If \
+                    the rate is that of three multiprocessors, the bounds of one are 0.047 to 0.224.",
             above: "",
         }],
     },

@@ -36,6 +36,11 @@ impl TextureSet {
         Ok(self.textures.len() - 1)
     }
 
+    /// The files that were read; one that is colour and mask stands there twice.
+    pub fn files(&self) -> impl Iterator<Item = PathBuf> {
+        self.keys.iter().map(|(file, _)| file.clone())
+    }
+
     /// The textures in the order of their indices.
     pub fn into_list(self) -> Vec<Texture> {
         self.textures

@@ -27,6 +27,8 @@ pub struct Line {
 pub struct Lines<'a> {
     /// Unit of a value read out.
     pub unit: &'a str,
+    /// How many of it one of the stored unit is: the file of the values keeps the stored one.
+    pub scale: f64,
     /// Frames, ascending.
     pub frames: &'a [u32],
     /// The lines.
@@ -53,7 +55,7 @@ impl Lines<'_> {
         let mut svg = Svg::new(WIDTH, HEIGHT);
         for tick in y.ticks() {
             svg.line([left, y.at(tick)], [right, y.at(tick)], "grid");
-            svg.text(left - 5.0, y.at(tick) + 4.0, "tick e", &y.label(tick));
+            svg.text(left - 5.0, y.at(tick) + 4.0, "tick e", &y.times(self.scale).label(tick * self.scale));
         }
         // There is no frame one and a half.
         for tick in x.ticks().into_iter().filter(|tick| (tick - tick.round()).abs() < 1e-9) {
@@ -112,13 +114,14 @@ impl Lines<'_> {
             }
             drawing = true;
         }
-        let list = |values: &[Option<f64>]| {
-            values.iter().map(|v| v.map(short).unwrap_or_default()).collect::<Vec<_>>().join(",")
+        let list = |values: &mut dyn Iterator<Item = Option<f64>>| {
+            values.map(|v| v.map(short).unwrap_or_default()).collect::<Vec<_>>().join(",")
         };
+        let values = line.values.iter().map(|value| value.map(|value| value * self.scale));
         let mut data =
-            format!("{} data-name=\"{}\" data-v=\"{}\"", dashed(line.dash), escape(&line.name), list(&line.values));
+            format!("{} data-name=\"{}\" data-v=\"{}\"", dashed(line.dash), escape(&line.name), list(&mut { values }));
         if !line.intervals.is_empty() {
-            data += &format!(" data-within=\"{}\"", list(&line.intervals));
+            data += &format!(" data-within=\"{}\"", list(&mut line.intervals.iter().copied()));
         }
         svg.path(&d, &format!("line {}", line.class), &data);
     }

@@ -53,6 +53,11 @@ impl Scale {
         named.into_iter().step_by(every.max(1)).collect()
     }
 
+    /// The same axis in another unit: its ticks stand where they stood and are so many times as much.
+    pub fn times(&self, scale: f64) -> Self {
+        Self { domain: self.domain.map(|end| end * scale), step: self.step * scale, ..*self }
+    }
+
     /// A tick as text, with the places that tell it from its neighbours.
     pub fn label(&self, tick: f64) -> String {
         let most = self.domain[0].abs().max(self.domain[1].abs());
@@ -115,6 +120,9 @@ mod tests {
         let millions = Scale::nice([0.0, 9.1e6], 4, [0.0, 1.0]);
         let labels: Vec<String> = millions.ticks().into_iter().map(|tick| millions.label(tick)).collect();
         assert_eq!(labels, ["0", "5M", "10M"]);
+        let small = Scale::nice([0.0, 0.0012], 4, [0.0, 1.0]);
+        let labels: Vec<String> = small.ticks().into_iter().map(|tick| small.times(1e3).label(tick * 1e3)).collect();
+        assert_eq!(labels, ["0", "0.5", "1.0", "1.5"]);
     }
 
     #[test]

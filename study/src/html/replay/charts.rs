@@ -35,7 +35,7 @@ pub fn over_frames(stats: &Value, figures: &[Figure], drawn: &Gallery) -> String
         let line = Line { name: (*name).into(), values, intervals, class: "p0".into(), dash: "" };
         // Of a picture's likeness a few hundredths count: its axis does not begin at zero.
         let zero = !matches!(*key, "psnr_db" | "ssim");
-        let lines = Lines { unit: "", frames: &numbers, lines: vec![line], zero };
+        let lines = Lines { unit: "", scale: 1.0, frames: &numbers, lines: vec![line], zero };
         drawn.card(&["frames", key], name, &lines.draw(&format!("Line chart: {name} over frames")), "")
     };
     let charts: String = figures.iter().map(chart).collect();

@@ -1,6 +1,7 @@
 //! The animation, frame by frame.
 
 use crate::html::charts::lines::{Line, Lines};
+use crate::html::magnitude::{ENERGY, TIME, Unit, for_all};
 use crate::html::modes::mode_name;
 use crate::html::parts::{Head, Section, grid, how_to_read, table};
 use crate::html::text::{escape, fixed, or_dash, percent, plus_minus, psnr};
@@ -19,6 +20,19 @@ const PLOTS: [Plot; 6] = [
     ("Time of a frame, ms", "ms", |f| f.time_ms, true),
 ];
 
+/// What the figures of the tracks are of, as a chart and as a column name it: a machine without T&I units has only the whole.
+fn part(view: &StudyView<'_>) -> [&'static str; 2] {
+    let is_whole = view.points.iter().any(|p| p.gpu.is_some()) && view.points.iter().all(|p| p.ti.is_none());
+    if is_whole { ["whole GPU", "GPU"] } else { ["T&I units", "T&I"] }
+}
+
+/// The unit of a figure over some tracks; `stored` is that of the study.
+fn unit_of(tracks: &[&Track], stored: &'static str, value: fn(&TrackFrame) -> Option<f64>) -> Unit {
+    let values = || tracks.iter().flat_map(|track| &track.frames).filter_map(value);
+    let known = [ENERGY, TIME].into_iter().find(|units| units[0].name == stored);
+    known.map_or(Unit { name: stored, scale: 1.0 }, |units| for_all(&units, values()))
+}
+
 /// The section.
 pub fn section(view: &StudyView<'_>) -> Option<Section> {
     let mut groups: Vec<(&str, &str)> = Vec::new();
@@ -34,7 +48,7 @@ pub fn section(view: &StudyView<'_>) -> Option<Section> {
         html += &format!("<h3>{} <small>{}</small></h3>\n", escape(scene), escape(&mode_name(mode).to_lowercase()));
         html += &view.legend_of_lines(&policies);
         html += &grid(&PLOTS.iter().map(|plot| chart(view, scene, &tracks, plot)).collect::<String>());
-        html += &totals(scene, &tracks);
+        html += &totals(scene, &tracks, part(view)[1]);
     }
     if !html.is_empty() {
         html += &how_to_read(
@@ -46,7 +60,8 @@ pub fn section(view: &StudyView<'_>) -> Option<Section> {
     Section::new("animation", "The animation, frame by frame", html)
 }
 
-fn chart(view: &StudyView<'_>, scene: &str, tracks: &[&Track], (title, unit, value, zero): &Plot) -> String {
+fn chart(view: &StudyView<'_>, scene: &str, tracks: &[&Track], (title, stored, value, zero): &Plot) -> String {
+    let unit = unit_of(tracks, stored, *value);
     // Frames without any value are left out: where only some are simulated, the line goes from one to the next.
     let known = tracks.iter().flat_map(|t| t.frames.iter().filter(|f| value(f).is_some()).map(|f| f.frame));
     let mut frames: Vec<u32> = known.collect();
@@ -68,19 +83,22 @@ fn chart(view: &StudyView<'_>, scene: &str, tracks: &[&Track], (title, unit, val
     }
     let means = lines.iter().map(|l| {
         let known: Vec<f64> = l.values.iter().flatten().copied().collect();
-        format!("{} {}", l.name, fixed(known.iter().sum::<f64>() / known.len() as f64, 3))
+        format!("{} {}", l.name, fixed(known.iter().sum::<f64>() / known.len() as f64 * unit.scale, 3))
     });
-    let label = format!("Line chart, {scene}: {title} over frames. Means: {}.", means.collect::<Vec<_>>().join(", "));
-    let drawn = Lines { unit, frames: &frames, lines, zero: *zero }.draw(&label);
-    view.charts.card(&["animation", &tracks[0].mode, scene, title], title, &drawn, "")
+    // The file of the chart keeps its name and its unit, whatever is written here.
+    let shown = title.replace("T&I units", part(view)[0]).replace(&format!(", {stored}"), &format!(", {}", unit.name));
+    let label = format!("Line chart, {scene}: {shown} over frames. Means: {}.", means.collect::<Vec<_>>().join(", "));
+    let drawn = Lines { unit: unit.name, scale: unit.scale, frames: &frames, lines, zero: *zero }.draw(&label);
+    view.charts.card(&["animation", &tracks[0].mode, scene, title], &shown, &drawn, "")
 }
 
-fn totals(scene: &str, tracks: &[&Track]) -> String {
+fn totals(scene: &str, tracks: &[&Track], part: &str) -> String {
+    let unit = unit_of(tracks, "mJ", |frame| frame.energy_mj);
     let columns = [
         Head::words("Policy"),
         Head::number("Frames"),
         Head::number("Rays traced of all"),
-        Head::number("T&I energy, mJ a frame"),
+        Head::number(&format!("{part} energy, {} a frame", unit.name)),
         Head::number("PSNR"),
         Head::number("Flicker"),
     ];
@@ -97,7 +115,7 @@ fn totals(scene: &str, tracks: &[&Track]) -> String {
             escape(&track.policy),
             track.frames.len().to_string(),
             percent(traced as f64 / (full as f64).max(1.0)),
-            or_dash(energy, |e| fixed(e, 3) + &plus_minus(Some(within))),
+            or_dash(energy, |e| fixed(e * unit.scale, 3) + &plus_minus(Some(within))),
             psnr(track.psnr_db),
             or_dash(track.flicker, |f| fixed(f, 4)),
         ];

@@ -1,6 +1,8 @@
 //! Energy by component.
 
+use crate::html::charts::scale::Scale;
 use crate::html::charts::stacked::{Part, StackedRow, stacked};
+use crate::html::magnitude::Unit;
 use crate::html::modes::{by_mode, mode_name};
 use crate::html::parts::{Head, Section, details, grid, how_to_read, key, legend, table};
 use crate::html::text::{digits, escape, fixed, or_dash, percent};
@@ -16,15 +18,17 @@ pub fn section(view: &StudyView<'_>) -> Option<Section> {
     if view.points.iter().all(|p| p.energy.is_empty()) {
         return None;
     }
+    let unit = view.energy_unit();
     let mut html = legend(&GROUPS.iter().map(|(_, name, class)| key(class, name)).collect::<String>());
     html += &by_mode(view, |mode| {
-        grid(&view.scenes(mode).iter().map(|scene| chart(view, scene, mode)).collect::<String>())
+        grid(&view.scenes(mode).iter().map(|scene| chart(view, scene, mode, unit)).collect::<String>())
     });
-    html += &how_to_read(
-        "Energy of the whole GPU for the scene's frame, mJ; shades are the components of a group. Shorter is better. A component \
+    html += &how_to_read(&format!(
+        "Energy of the whole GPU for the scene's frame, {}; shades are the components of a group. Shorter is better. A component \
          that stays long where rays are saved is what limits the gain.",
-    );
-    html += &details("Numbers: every component", &by_mode(view, |mode| numbers(view, mode)));
+        unit.name
+    ));
+    html += &details("Numbers: every component", &by_mode(view, |mode| numbers(view, mode, unit)));
     Section::new("energy", "Energy by component", html)
 }
 
@@ -32,7 +36,12 @@ fn total(point: &Point) -> f64 {
     point.energy.iter().map(|c| c.mj).sum()
 }
 
-fn chart(view: &StudyView<'_>, scene: &str, mode: &str) -> String {
+/// An energy with its unit.
+fn amount(mj: f64, unit: Unit) -> String {
+    format!("{} {}", digits(mj * unit.scale), unit.name)
+}
+
+fn chart(view: &StudyView<'_>, scene: &str, mode: &str, unit: Unit) -> String {
     let points: Vec<&Point> = view.of(scene, mode).into_iter().filter(|p| !p.energy.is_empty()).collect();
     let most = points.iter().map(|p| total(p)).fold(0.0, f64::max);
     if points.is_empty() {
@@ -40,21 +49,18 @@ fn chart(view: &StudyView<'_>, scene: &str, mode: &str) -> String {
     }
     let row = |point: &&Point| StackedRow::Bar {
         name: point.policy.clone(),
-        parts: parts(point),
-        text: format!("{} mJ", digits(total(point))),
+        parts: parts(point, unit),
+        text: amount(total(point), unit),
     };
-    let text: Vec<String> = points.iter().map(|p| format!("{} {} mJ", p.policy, digits(total(p)))).collect();
+    let text: Vec<String> = points.iter().map(|p| format!("{} {}", p.policy, amount(total(p), unit))).collect();
     let label = format!("Stacked bars, {scene}: energy by component. {}.", text.join("; "));
     let rows: Vec<StackedRow> = points.iter().map(row).collect();
-    view.charts.card(
-        &["energy", mode, scene],
-        scene,
-        &stacked(&rows, most, |scale, tick| scale.label(tick), &label),
-        "",
-    )
+    // The bars, and the file of their values, stay in the unit of the study; only what is written is in the other.
+    let tick = |scale: &Scale, tick: f64| scale.times(unit.scale).label(tick * unit.scale);
+    view.charts.card(&["energy", mode, scene], scene, &stacked(&rows, most, tick, &label), "")
 }
 
-fn parts(point: &Point) -> Vec<Part> {
+fn parts(point: &Point, unit: Unit) -> Vec<Part> {
     let all = total(point).max(f64::MIN_POSITIVE);
     let mut parts = Vec::new();
     let mut add = |components: Vec<&Component>, group: &str, class: &str| {
@@ -65,10 +71,10 @@ fn parts(point: &Point) -> Vec<Part> {
                 class: class.into(),
                 opacity: (1.0 - 0.13 * i as f64).max(0.3),
                 tip: format!(
-                    "{}\n{} ({group})\n{} mJ, {}",
+                    "{}\n{} ({group})\n{}, {}",
                     point.policy,
                     component.component,
-                    digits(component.mj),
+                    amount(component.mj, unit),
                     percent(component.mj / all)
                 ),
             });
@@ -82,7 +88,7 @@ fn parts(point: &Point) -> Vec<Part> {
     parts
 }
 
-fn numbers(view: &StudyView<'_>, mode: &str) -> String {
+fn numbers(view: &StudyView<'_>, mode: &str, unit: Unit) -> String {
     let points =
         || view.scenes(mode).into_iter().flat_map(|scene| view.of(scene, mode)).filter(|p| !p.energy.is_empty());
     let mut names: Vec<&str> = Vec::new();
@@ -93,11 +99,12 @@ fn numbers(view: &StudyView<'_>, mode: &str) -> String {
     }
     let mut columns = vec![Head::words("Scene"), Head::words("Policy"), Head::number("All")];
     columns.extend(names.iter().map(|name| Head::number(name)));
+    let cell = |mj: f64| fixed(mj * unit.scale, 3);
     let row = |point: &Point| {
-        let mut cells = vec![escape(&point.scene), escape(&point.policy), fixed(total(point), 3)];
+        let mut cells = vec![escape(&point.scene), escape(&point.policy), cell(total(point))];
         let of = |name: &&str| point.energy.iter().find(|c| c.component == *name);
-        cells.extend(names.iter().map(|name| or_dash(of(name), |c| fixed(c.mj, 3))));
+        cells.extend(names.iter().map(|name| or_dash(of(name), |c| cell(c.mj))));
         (String::new(), cells)
     };
-    table(&format!("{}: energy, mJ", mode_name(mode)), &columns, &points().map(row).collect::<Vec<_>>())
+    table(&format!("{}: energy, {}", mode_name(mode), unit.name), &columns, &points().map(row).collect::<Vec<_>>())
 }

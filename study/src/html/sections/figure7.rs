@@ -4,11 +4,33 @@ use crate::html::charts::bars::{Bar, Group, grouped};
 use crate::html::modes::{by_mode, mode_name, mode_reference};
 use crate::html::parts::{Head, Section, details, how_to_read, key, legend, symbol, table};
 use crate::html::text::{escape, factor, or_dash, plus_minus};
-use crate::html::view::{StudyView, geometric_mean, mean_interval};
-use crate::schema::{Gain, Point};
+use crate::html::view::{StudyView, geometric_mean, has_counterpart, mean_interval};
+use crate::schema::{Gain, Point, Scene};
 
 /// Name and colour class of the three bars of a scene.
 const BARS: [(&str, &str); 3] = [("performance", "b0"), ("power", "b1"), ("performance per watt", "b2")];
+
+/// What the marks of the paper's values mean.
+const BRACKETS: &str =
+    " Brackets show what the paper states: from least to most, or an arrow where it states a least value only.";
+
+/// How the paper's scenes are like these.
+fn models(scenes: &[Scene]) -> String {
+    // Nothing is known of scenes that the study does not list.
+    if scenes.is_empty() {
+        return String::new();
+    }
+    let unlike: Vec<&str> =
+        scenes.iter().filter(|scene| !has_counterpart(scene)).map(|scene| scene.name.as_str()).collect();
+    match unlike.len() {
+        0 => " Its scenes are of the same kind and size as these, but not the same models.".into(),
+        n if n == scenes.len() => " None of these scenes is like one of the paper's.".into(),
+        _ => format!(
+            " The paper's scenes are of the same kind and size as these, but not the same models; it has none like {}.",
+            unlike.join(", ")
+        ),
+    }
+}
 
 /// How far they may be off.
 fn intervals(gain: Option<Gain>) -> [Option<f64>; 3] {
@@ -31,13 +53,14 @@ pub fn section(view: &StudyView<'_>) -> Option<Section> {
     }
     let bars: String = BARS.iter().map(|(name, class)| key(class, name)).collect();
     let bracket = symbol("<path d=\"M4 2h8M8 2v12M4 14h8\" class=\"paper\"/>", "the paper's performance per watt");
+    let bracket = if view.has_bands() { bracket } else { String::new() };
     let mut html = legend(&(bars + &bracket)) + &format!("<div class=\"grid two\">\n{charts}</div>\n");
-    html += &how_to_read(
+    html += &how_to_read(&format!(
         "Each bar is the adaptive policy relative to tracing every sample in the same scene and mode; the line at 1× is the \
-         reference. Bars of performance and performance per watt should be high, power near 1×. Brackets show what the paper \
-         states: from least to most, or an arrow where it states a least value only. Its scenes are of the same kind and size \
-         as these, but not the same models.",
-    );
+         reference. Bars of performance and performance per watt should be high, power near 1×.{}{}",
+        if view.has_bands() { BRACKETS } else { "" },
+        models(&view.study.scenes)
+    ));
     if let Some(power) = view.study.references.power {
         html +=
             &how_to_read(&format!("The paper states {} of the reference's power, mean of all scenes.", factor(power)));
@@ -77,7 +100,8 @@ fn chart(view: &StudyView<'_>, mode: &str, policy: &str) -> String {
     let name = format!("{}: {policy} against {}", mode_name(mode), mode_reference(mode));
     let label = format!("Bar chart. {name}, {alone}; performance per watt: {}.", text.join(", "));
     let words = ["figure7", mode, policy];
-    view.charts.card(&words, &name, &grouped(&groups, &label), &format!("{alone}; geometric mean at the right."))
+    let mean = if points.len() > 1 { "; geometric mean at the right." } else { "." };
+    view.charts.card(&words, &name, &grouped(&groups, &label), &format!("{alone}{mean}"))
 }
 
 fn numbers(view: &StudyView<'_>, mode: &str) -> String {

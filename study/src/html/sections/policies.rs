@@ -2,6 +2,7 @@
 
 use crate::html::charts::bars::{HorizontalBar, rows};
 use crate::html::charts::scatter::{Dot, frontier, scatter};
+use crate::html::magnitude::{TIME, for_all};
 use crate::html::modes::{by_mode, mode_name};
 use crate::html::parts::{Head, Section, details, grid, how_to_read, table};
 use crate::html::text::{amount, count, decibels, escape, factor, fixed, or_dash, percent, plus_minus, psnr};
@@ -25,10 +26,9 @@ pub fn section(view: &StudyView<'_>) -> Option<Section> {
     );
     html += "<h3 id=\"bars\">Performance per watt of every policy</h3>\n";
     html += &by_mode(view, |mode| grid(&bars(view, mode)));
-    html += &how_to_read(
-        "Factors over tracing every sample. The shaded zone is what the paper states for its policy in this scene. Behind each \
-         bar stands its PSNR.",
-    );
+    let zone =
+        if view.has_bands() { " The shaded zone is what the paper states for its policy in this scene." } else { "" };
+    html += &how_to_read(&format!("Factors over tracing every sample.{zone} Behind each bar stands its PSNR."));
     html += &details("Numbers of every policy", &by_mode(view, |mode| numbers(view, mode)));
     Section::new("policies", "All policies: efficiency against quality", html)
 }
@@ -133,15 +133,17 @@ fn bars(view: &StudyView<'_>, mode: &str) -> String {
 }
 
 fn numbers(view: &StudyView<'_>, mode: &str) -> String {
+    let energy = view.energy_unit();
+    let time = for_all(&TIME, view.points.iter().filter_map(|point| point.gpu).map(|cost| cost.time_ms));
     let columns = [
         Head::words("Scene"),
         Head::words("Policy"),
         Head::number("Rays traced"),
         Head::number("of all"),
         Head::number("Mean rate"),
-        Head::number("GPU time, ms"),
+        Head::number(&format!("GPU time, {}", time.name)),
         Head::number("GPU power, W"),
-        Head::number("GPU energy, mJ"),
+        Head::number(&format!("GPU energy, {}", energy.name)),
         Head::number("T&I perf/W, frames/J"),
         Head::number("PSNR"),
     ];
@@ -154,9 +156,9 @@ fn numbers(view: &StudyView<'_>, mode: &str) -> String {
                 count(point.rays_traced),
                 percent(point.rays_traced as f64 / point.rays_full.max(1) as f64),
                 fixed(point.mean_rate, 3),
-                cost(point.gpu, |c| fixed(c.time_ms, 3), |i| i.cycles),
+                cost(point.gpu, |c| fixed(c.time_ms * time.scale, 3), |i| i.cycles),
                 cost(point.gpu, |c| fixed(c.power_w, 3), |i| i.power_w),
-                cost(point.gpu, |c| fixed(c.energy_mj, 3), |i| i.energy_mj),
+                cost(point.gpu, |c| fixed(c.energy_mj * energy.scale, 3), |i| i.energy_mj),
                 cost(point.ti, |c| fixed(c.perf_per_watt, 1), |i| i.perf_per_watt),
                 or_dash(point.quality.filter(|_| point.kind != "full"), |q| psnr(q.psnr_db)),
             ];

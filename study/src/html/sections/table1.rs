@@ -4,7 +4,7 @@ use crate::html::modes::{by_mode, mode_name, mode_reference};
 use crate::html::parts::{Head, Section, details, how_to_read, table};
 use crate::html::text::{decibels, escape, fixed, or_dash, psnr};
 use crate::html::view::StudyView;
-use crate::schema::Point;
+use crate::schema::{PaperPsnr, Point};
 
 /// The section.
 pub fn section(view: &StudyView<'_>) -> Option<Section> {
@@ -13,12 +13,23 @@ pub fn section(view: &StudyView<'_>) -> Option<Section> {
         return None;
     }
     let mut html = by_mode(view, |mode| psnr_table(view, mode));
-    html += &how_to_read(
+    let last = if view.modes().into_iter().any(|mode| !stated(view, mode).is_empty()) {
+        " The last rows are the paper's, measured on its own models."
+    } else {
+        ""
+    };
+    html += &how_to_read(&format!(
         "PSNR on 8-bit sRGB against the picture with every sample traced, same mode; higher is closer. Above about 40 dB the \
-         difference is hard to see. The last rows are the paper's, measured on its own models.",
-    );
+         difference is hard to see.{last}"
+    ));
     html += &details("SSIM, FLIP and the worst tile", &by_mode(view, |mode| others(view, mode)));
     Section::new("table1", "Table 1: image quality", html)
+}
+
+/// The paper's PSNR by scene, for the scenes of the study that it has.
+fn stated<'a>(view: &StudyView<'a>, mode: &str) -> Vec<&'a PaperPsnr> {
+    let scenes = view.scenes(mode);
+    view.study.references.psnr.iter().filter(|p| p.mode == mode && scenes.contains(&p.scene.as_str())).collect()
 }
 
 fn psnr_table(view: &StudyView<'_>, mode: &str) -> String {
@@ -41,13 +52,11 @@ fn psnr_table(view: &StudyView<'_>, mode: &str) -> String {
         let class = if view.headline == Some(policy) { "strong" } else { "" };
         rows.push((class.into(), cells));
     }
-    let stated = &view.study.references.psnr;
-    if stated.iter().any(|p| p.mode == mode) {
+    let stated = stated(view, mode);
+    if !stated.is_empty() {
         let mut cells = vec!["the paper".to_owned()];
-        let values: Vec<Option<f64>> = scenes
-            .iter()
-            .map(|scene| stated.iter().find(|p| p.mode == mode && p.scene == *scene).map(|p| p.psnr_db))
-            .collect();
+        let values: Vec<Option<f64>> =
+            scenes.iter().map(|scene| stated.iter().find(|p| p.scene == *scene).map(|p| p.psnr_db)).collect();
         cells.extend(values.iter().map(|v| or_dash(*v, decibels)));
         let least = values.iter().flatten().copied().fold(f64::INFINITY, f64::min);
         cells.push(or_dash(least.is_finite().then_some(least), decibels));

@@ -3,7 +3,8 @@
 use std::collections::BTreeSet;
 
 use crate::error::Result;
-use crate::figures::is_key;
+use crate::figures::{columns, figures};
+use crate::point::known;
 use crate::sweep::plan::Plan;
 use crate::sweep::plan::axis::Axis;
 use crate::sweep::plan::file::PlanFile;
@@ -48,6 +49,32 @@ fn both_set<'a>(before: &'a [Axis], axis: &'a Axis) -> Option<(&'a str, &'a str)
     })
 }
 
+/// Why there cannot be an axis of a name beside another that is the same without case.
+fn second(other: &str, name: &str) -> String {
+    let alike =
+        if other == name { String::new() } else { format!(" beside {other:?}, which databases take for the same") };
+    format!("a second axis {name:?}{alike}; give it another name")
+}
+
+/// The column of results that a name is, or is but for its case. What only some machines count is not looked at.
+fn column_like(name: &str) -> Option<String> {
+    let results = figures().iter().map(|figure| figure.name).chain(columns().iter().map(|column| column.name.as_str()));
+    let mut all = RESERVED.iter().copied().chain(results);
+    let of_estimates = || Some(name.to_ascii_lowercase()).filter(|name| known::role(name).is_some());
+    all.find(|column| column.eq_ignore_ascii_case(name)).map(str::to_owned).or_else(of_estimates)
+}
+
+/// Why a name is that of a column already. Databases such as DuckDB do not tell columns apart by case.
+fn taken(name: &str) -> Option<String> {
+    let column = column_like(name)?;
+    let detail = if column == name {
+        "results have a column of that name".to_owned()
+    } else {
+        format!("results have a column {column:?}, which databases take for the same")
+    };
+    Some(format!("axis {name:?}: {detail}; take another"))
+}
+
 /// Checks the axes against one another and against the columns of results.
 ///
 /// # Errors
@@ -55,8 +82,8 @@ fn both_set<'a>(before: &'a [Axis], axis: &'a Axis) -> Option<(&'a str, &'a str)
 pub fn check_axes(file: &PlanFile, axes: &[Axis], text: Text<'_>) -> Result<()> {
     for (i, (axis, at)) in axes.iter().zip(&file.axis).enumerate() {
         let name_at = at.get_ref().name.span();
-        if axes[..i].iter().any(|other| other.name == axis.name) {
-            return Err(text.error(&name_at, format!("a second axis {:?}; give it another name", axis.name)));
+        if let Some(other) = axes[..i].iter().find(|other| other.name.eq_ignore_ascii_case(&axis.name)) {
+            return Err(text.error(&name_at, second(&other.name, &axis.name)));
         }
         if WORDS.contains(&axis.name.as_str()) {
             let detail = format!("axis {:?}: that is a word of the language of exclude; take another", axis.name);
@@ -66,8 +93,7 @@ pub fn check_axes(file: &PlanFile, axes: &[Axis], text: Text<'_>) -> Result<()> 
             let detail = format!("axes {other:?} and {:?} both set {key}; let only one of them set it", axis.name);
             return Err(text.error(&at.span(), detail));
         }
-        if RESERVED.contains(&axis.name.as_str()) || is_key(&axis.name) {
-            let detail = format!("axis {:?}: results have a column of that name; take another", axis.name);
+        if let Some(detail) = taken(&axis.name) {
             return Err(text.error(&name_at, detail));
         }
         if let Some(first) = axes[..i].iter().find(|other| axis.zip.is_some() && other.zip == axis.zip) {

@@ -43,7 +43,7 @@ counters! {
         bus_busy: "dram cycles", "data on the data bus";
         read_lines: "lines", "lines read";
         write_lines: "lines", "lines written";
-        read_latency: "dram cycles", "from queue entry to the last data of each read line, summed";
+        read_latency: "dram cycles", "from entry into the channel's queue to the last data of each read line, summed; controller and clock crossings not included";
         refused_reads: "events", "read requests refused because the queue was full";
         refused_writes: "events", "write requests refused because the queue was full";
     }

@@ -91,10 +91,29 @@ sweep.language = (() => {
     return MATH[sign](Number(a), Number(b));
   };
 
+  // The bounds of `exclude`, which counts the same (`bounded` in `plan/filter.rs`; brackets in brackets are its parser's bound): what
+  // is longer or deeper would need a deep stack.
+  const LENGTH_MAX = 10000, SIGNS_MAX = 200, DEPTH_MAX = 74;
+  const SIGN = /[-+*/%~|.([{<>=]|[\p{Alphabetic}\p{N}_]+/gu;
+  const JOINING = new Set(["not", "if", "and", "or"]);
+
+  /** Refuses what is too long or has too many signs. */
+  const bounded = (text) => {
+    const all = [...text];
+    if (all.length > LENGTH_MAX) fail(text, all.slice(0, LENGTH_MAX).join("").length, `an expression has at most ${LENGTH_MAX} characters`);
+    let signs = 0;
+    for (const { 0: sign, index } of text.matchAll(SIGN)) {
+      if (/^[\p{Alphabetic}\p{N}_]/u.test(sign) && !JOINING.has(sign)) continue;
+      signs += 1;
+      if (signs > SIGNS_MAX) fail(text, index, `an expression has at most ${SIGNS_MAX} signs and brackets`);
+    }
+  };
+
   /** A function from what gives the value of a name to the truth of the expression; `known` says which names there are. */
   const compile = (text, known, hint = () => "") => {
+    bounded(text);
     const list = tokens(text);
-    let next = 0;
+    let next = 0, depth = 0;
     const now = () => list[next];
     const take = (...kinds) => (kinds.includes(now().kind) ? list[next++] : null);
     const wanted = (kind) => take(kind) ?? fail(text, now().at, `${kind} is missing here`);
@@ -104,11 +123,25 @@ sweep.language = (() => {
       for (let sign = take(...kinds); sign; sign = take(...kinds)) { const [a, b, kind] = [left, inner(), sign.kind]; left = make(kind, a, b); }
       return left;
     };
+    /** What `read` reads within a bracket that was opened at `at`. */
+    const within = (at, read) => {
+      depth += 1;
+      if (depth > DEPTH_MAX) fail(text, at, `at most ${DEPTH_MAX} brackets stand in one another`);
+      const all = read();
+      depth -= 1;
+      return all;
+    };
     const items = (end) => {
       const all = [];
       while (now().kind !== end) { all.push(either()); if (!take(",")) break; }
       wanted(end);
       return all;
+    };
+    const tuple = () => {
+      const first = either();
+      if (!take(",")) { wanted(")"); return first; }
+      const all = [first, ...items(")")];
+      return (of) => all.map((one) => one(of));
     };
     const primary = () => {
       const own = now();
@@ -118,13 +151,8 @@ sweep.language = (() => {
         if (now().kind === "(") fail(text, now().at, "functions are not read here");
         return (of) => of(own.name);
       }
-      if (take("[")) { const all = items("]"); return (of) => all.map((one) => one(of)); }
-      if (take("(")) {
-        const first = either();
-        if (!take(",")) { wanted(")"); return first; }
-        const all = [first, ...items(")")];
-        return (of) => all.map((one) => one(of));
-      }
+      if (take("[")) return within(own.at, () => { const all = items("]"); return (of) => all.map((one) => one(of)); });
+      if (take("(")) return within(own.at, tuple);
       return fail(text, own.at, "a column, a number or a word in quotes is missing here");
     };
     const signed = () => {
