@@ -253,10 +253,7 @@ fn memory(f: &mut Formatter<'_>, config: &MachineConfig, stats: &Stats) -> fmt::
     }
     let latency = super::run::ratio(latency, dram.read_lines as f64);
     let latency = amount(latency, "ns");
-    writeln!(
-        f,
-        "  a read takes {latency} on average from a channel's queue to its last data, without controller and crossings"
-    )
+    writeln!(f, "  a read takes {latency} on average from a channel's queue to its last data, controller excluded")
 }
 
 fn power(f: &mut Formatter<'_>, config: &MachineConfig, run: &MachineRun) -> fmt::Result {
