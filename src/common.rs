@@ -171,7 +171,7 @@ pub fn print_json(value: &serde_json::Value) -> Result<()> {
     print(&format!("{value:#}\n"))
 }
 
-/// `12_345_678` as `12.35 M`, for people.
+/// `12_345_678` as `12.35 M`, for people: the unit follows at once.
 pub fn si(value: f64) -> String {
     let (scale, unit) = match value {
         v if v >= 1e9 => (1e9, " G"),
@@ -193,6 +193,14 @@ pub fn lacks(trace: &Trace) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_unit_stands_apart_from_its_number() {
+        assert_eq!(
+            [0.4, 548.0, 12_345.0, 2e9].map(|rate| format!("{}rays/s", si(rate))),
+            ["0 rays/s", "548 rays/s", "12.35 krays/s", "2.00 Grays/s"]
+        );
+    }
 
     #[test]
     fn samples_are_as_many_across_as_down() {

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use rayreel_machine::config::{NamedMachine, Pipeline};
+use rayreel_machine::config::{MachineConfig, NamedMachine, Pipeline};
 use rayreel_machine::srp::{Needs, missing_kernels};
 use rayreel_replay::NamedPolicy;
 use rayreel_replay::detail::{Detail, Share};
@@ -113,6 +113,11 @@ impl Machines {
     }
 }
 
+/// The kernels that a machine lacks of those that every policy but `full` needs: all of them test for similarity and interpolate.
+pub(crate) fn lacking(config: &MachineConfig) -> Vec<&'static str> {
+    missing_kernels(config, &Needs { similarity: true, interpolate: true, look_back: false })
+}
+
 impl Setup {
     /// An experiment at the default size: of two scenes of one name the first is taken.
     ///
@@ -137,9 +142,8 @@ impl Setup {
     /// Which policy needs what the machine does not have.
     pub fn check(&self) -> Result<()> {
         let Some(Machines { whole, .. }) = &self.machines else { return Ok(()) };
-        // All others test for similarity and interpolate.
         let needing = self.policies.iter().find(|(_, named)| named.policy.kind() != "full");
-        let missing = missing_kernels(&whole.config, &Needs { similarity: true, interpolate: true, look_back: false });
+        let missing = lacking(&whole.config);
         let Some((policy, _)) = needing.filter(|_| !missing.is_empty()) else { return Ok(()) };
         let (machine, kernels, policy) = (&whole.name, missing.join(" and "), policy.name);
         let detail = format!(

@@ -3,8 +3,7 @@
 use std::fmt::Write as _;
 use std::sync::Arc;
 
-use rayreel_machine::config::{MachineConfig, NamedMachine, Pipeline};
-use rayreel_machine::srp::{Needs, missing_kernels};
+use rayreel_machine::config::{NamedMachine, Pipeline};
 use rayreel_replay::NamedPolicy;
 use rayreel_study::analysis::systems::{CONCLUSIONS, Pair, Systems};
 use rayreel_study::point::key::Point;
@@ -16,7 +15,7 @@ use crate::frame::FrameView;
 use crate::plan::{Grid, Plan, TILE};
 use crate::policies::MODES;
 use crate::results::Results;
-use crate::setup::Setup;
+use crate::setup::{Setup, lacking};
 
 /// The machines: the paper's, its rasterising and its rival hardware, and those without ray hardware.
 const MACHINES: [&str; 6] = ["sgrt-ti2", "hybrid-raster", "gr6500", "raycore", "mimd-trax", "simt-mimd"];
@@ -34,11 +33,6 @@ pub struct Planned {
     gpu: usize,
     /// The T&I units alone.
     alone: Option<usize>,
-}
-
-/// Whether a machine can run policies that interpolate.
-fn interpolates(config: &MachineConfig) -> bool {
-    missing_kernels(config, &Needs { similarity: true, interpolate: true, look_back: false }).is_empty()
 }
 
 /// Plans all points, if they are asked for.
@@ -65,7 +59,7 @@ pub fn plan(setup: &Setup, plan: &mut Plan<'_>) -> Result<Vec<Planned>> {
         let capture = plan.capture(&grid, false);
         for (machine, (whole, alone)) in machines.iter().enumerate() {
             for (policy, named) in policies.iter().enumerate() {
-                if POLICIES[policy] != "full" && !interpolates(&whole.config) {
+                if POLICIES[policy] != "full" && !lacking(&whole.config).is_empty() {
                     continue;
                 }
                 let mut point = |machine: &Arc<NamedMachine>| {

@@ -42,6 +42,7 @@ pub mod warnings;
 
 pub use builtin::{builtin, builtin_names};
 pub use error::SceneError;
+pub use file::BOX_PADDING;
 pub use load::{load, load_with};
 pub use options::{DEFAULT_FPS, LoadOptions, MAX_FPS};
 pub use overrides::Overrides;

@@ -74,10 +74,10 @@ fn triangles_that_are_tiny_beside_the_model_are_told() {
             .filter(|words| words.contains("padded"))
             .collect::<Vec<_>>()
     };
-    assert_eq!(load(300.0), Vec::<String>::new());
-    let [words] = &load(400.0)[..] else { panic!("one warning") };
+    assert_eq!(load(80.0), Vec::<String>::new());
+    let [words] = &load(90.0)[..] else { panic!("one warning") };
     assert!(
-        words.starts_with("a.obj: the model is 4e2 units large, and half of its triangles are smaller than 1e-2: "),
+        words.starts_with("a.obj: the model is 9e1 units large, and half of its triangles are smaller than 1e-2: "),
         "{words}"
     );
 }

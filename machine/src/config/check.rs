@@ -19,7 +19,7 @@ pub struct Conflict {
 }
 
 impl Conflict {
-    fn new<const N: usize>(keys: [&str; N], detail: impl Into<String>) -> Self {
+    pub fn new<const N: usize>(keys: [&str; N], detail: impl Into<String>) -> Self {
         Self { keys: keys.map(str::to_owned).to_vec(), detail: detail.into() }
     }
 

@@ -3,9 +3,9 @@
 use rayreel_settings::{Ancestor, Loaded, Sourced, text};
 use toml::Table;
 
-use super::check;
 use super::schema::MACHINES;
 use super::whole::MachineConfig;
+use super::{check, prices};
 use crate::error::{MachineError, Result};
 
 /// A machine, what results call it, and where each of its values is from.
@@ -48,7 +48,9 @@ impl NamedMachine {
             name = format!("{name}+{}", text.trim());
         }
         let config = loaded.build()?;
-        check::check(&config).map_err(|found| found.blame(|key| loaded.overridden(key), &loaded.origin))?;
+        check::check(&config)
+            .and_then(|()| prices::check(&loaded.values))
+            .map_err(|found| found.blame(|key| loaded.overridden(key), &loaded.origin))?;
         Ok(Self { name, chain: loaded.chain, config, values: loaded.values })
     }
 

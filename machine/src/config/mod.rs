@@ -13,6 +13,7 @@ mod gpu;
 mod layout;
 mod load;
 mod memories;
+mod prices;
 mod processor;
 mod rules;
 pub mod schema;

@@ -42,15 +42,15 @@ impl CachePrices {
     }
 
     fn of_size(self, config: &MachineConfig, priced: u64, size: u64) -> Self {
-        let line = |bytes: u64| (bytes * u64::from(config.l2.line_bytes), u64::from(config.energy.priced_line_bytes));
-        let scaled = |price: Picojoules, of: fn(u64) -> u64, (lines, priced_line): (u64, u64)| Picojoules {
-            femtojoules: in_proportion(price.femtojoules, of(size) * lines, of(priced) * priced_line),
+        let lines = (u64::from(config.l2.line_bytes), u64::from(config.energy.priced_line_bytes));
+        let scaled = |price: Picojoules, of: fn(u64) -> u64, (line, priced_line): (u64, u64)| Picojoules {
+            femtojoules: in_proportion(price.femtojoules, of(size) * line, of(priced) * priced_line),
         };
         Self {
-            read: scaled(self.read, read, line(1)),
+            read: scaled(self.read, read, lines),
             // Tags do not grow with the line.
             miss: scaled(self.miss, read, (1, 1)),
-            fill: scaled(self.fill, fill, line(1)),
+            fill: scaled(self.fill, fill, lines),
         }
     }
 

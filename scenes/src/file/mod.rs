@@ -6,6 +6,8 @@ mod materials;
 mod model;
 mod value;
 
+pub use model::BOX_PADDING;
+
 use std::{
     collections::BTreeMap,
     path::{Path, PathBuf},

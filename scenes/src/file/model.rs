@@ -118,11 +118,12 @@ const SIZES_AT_ALL: (f32, f32) = (1e-14, 1e14);
 /// in 131,072 of the largest coordinate away.
 const AWAY_MAX: f32 = 2000.0;
 
-/// A tree's boxes grow by this part of the distance from a ray's origin to the far side of the scene (FORMAT.md, the box test).
-const PAD: f32 = 1.0 / 262_144.0;
-/// Where they grow by more than this part of the typical triangle, rays visit more of them than they would have to. A model under which lies a
-/// floor of 9,000 times its triangles takes as many steps a ray as without; at 90,000 times, 10 % more, and at 900,000 times three times as many.
-const PAD_MAX: f32 = 0.125;
+/// The boxes that a tracer puts around triangles grow by this part of the distance from a ray's origin to the far side of the scene
+/// (FORMAT.md, the box test).
+pub const BOX_PADDING: f32 = 1.0 / 262_144.0;
+/// Where they grow by more than this part of the typical triangle, rays visit visibly more of them than they would have to:
+/// `docs/scenes.md` has figures.
+const PADDING_MAX: f32 = 1.0 / 32.0;
 
 /// Tells where a part of a model is so much larger than its triangles that rays take too many steps.
 fn check_span(path: &Path, mesh: &Mesh) -> Option<Warning> {
@@ -134,7 +135,7 @@ fn check_span(path: &Path, mesh: &Mesh) -> Option<Warning> {
     let middle = lengths.len() / 2;
     let typical = *lengths.select_nth_unstable_by(middle, f32::total_cmp).1;
     let size = extent(mesh.positions.iter().copied());
-    (size * PAD > PAD_MAX * typical).then(|| {
+    (size * BOX_PADDING > PADDING_MAX * typical).then(|| {
         let message = format!(
             "{}: the model is {size:e} units large, and half of its triangles are smaller than {typical:e}: boxes around these are padded \
              for the distance, so rays take more steps than they need; leave out what lies far away, or scale it down",

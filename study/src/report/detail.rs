@@ -125,8 +125,8 @@ const SEAMS_OF_DRAM: f64 = 0.015;
 /// say of the others was a quarter to two and a half times what there are (docs/detail.md).
 const SELDOM: [&str; 2] = ["srp_activity_idle", "srp_activity_border"];
 
-/// Whether windows tell nothing of a counter, for what it counts comes in bursts: few tiles bring most of it, and half a million refusals
-/// were estimated as a fifth of that, give or take a tenth.
+/// Whether windows tell nothing of a counter, for what it counts comes in bursts: few tiles bring most of it, and refusals
+/// were estimated as a hundredth of what they are (docs/detail.md).
 fn comes_in_bursts(name: &str) -> bool {
     SELDOM.contains(&name)
         || name.starts_with("dram_refused_")

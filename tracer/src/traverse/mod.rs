@@ -30,7 +30,7 @@ const WIDEN: f32 = 1.0 + 1.0 / 524_288.0;
 /// by one unit in the last place of the origin. The intersection test accepts a ray that passes just outside an edge,
 /// by as much as its rounding; the box must accept that ray too. So must it a ray that lies in the plane of one of
 /// its sides.
-const PAD: f32 = 1.0 / 262_144.0;
+const PAD: f32 = rayreel_scenes::BOX_PADDING;
 
 /// Smallest magnitude of a direction component in the slab test, so that its reciprocal stays finite and no NaN arises.
 const TINY: f32 = 1.0e-18;

@@ -37,7 +37,7 @@ pub const ANCHORS: &[Anchor] = &[
             of: &[],
             below: "",
             above: "The bounds follow from a peak rate that leaves 12.6 operations a ray, if a unit has one pipeline; here a ray \
-                    takes 35 to 64 node visits and triangle tests. Units, L2 and wires alone take 3.7 nJ in teapot and 9.3 in \
+                    takes 35 to 64 node visits and triangle tests. Units, L2 and wires alone take 3.7 nJ in teapot and 11.2 in \
                     provence, with the energies of SGRT and not of RayCore.",
         }],
     },

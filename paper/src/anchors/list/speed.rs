@@ -75,7 +75,7 @@ pub const ANCHORS: &[Anchor] = &[
             of: &[],
             below: "",
             above: "Most of it are nodes and triangles that missed: most rays are shadow and secondary rays, in trees larger \
-                    than the caches, and the caches are cold. Teapot takes 1.2 GB/s at 128x64 pixels, provence 10. RayCore walks \
+                    than the caches, and the caches are cold. Teapot takes 1.2 GB/s at 128x64 pixels, provence 9. RayCore walks \
                     a kd-tree, in caches whose sizes we do not know.",
         }],
     },

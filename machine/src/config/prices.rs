@@ -1,0 +1,93 @@
+//! Prices of caches are of a size. Whoever sets one beside a size of a cache says which size it is of: taken for that of the base, it
+//! would be changed in proportion without a word.
+
+use rayreel_settings::Sourced;
+
+use super::check::Conflict;
+
+/// A price, a size that it is scaled to, and the size that it is of.
+type Priced = (&'static str, &'static str, &'static str);
+
+const L1: &str = "energy.l1_priced_size";
+const L2: &str = "energy.l2_priced_size";
+const LINE: &str = "energy.priced_line_bytes";
+
+const ALL: [Priced; 20] = [
+    ("energy.trv_l1_read_pj", "ti.trv_l1.size", L1),
+    ("energy.ist_l1_read_pj", "ti.ist_l1.size", L1),
+    ("energy.srp_l1_read_pj", "srp.l1.size", L1),
+    ("energy.l1_miss_pj", "ti.trv_l1.size", L1),
+    ("energy.l1_miss_pj", "ti.ist_l1.size", L1),
+    ("energy.l1_miss_pj", "srp.l1.size", L1),
+    ("energy.l1_miss_pj", "processor.code_l1.size", L1),
+    ("energy.l1_fill_pj", "ti.trv_l1.size", L1),
+    ("energy.l1_fill_pj", "ti.ist_l1.size", L1),
+    ("energy.l1_fill_pj", "srp.l1.size", L1),
+    ("energy.l1_fill_pj", "processor.code_l1.size", L1),
+    ("energy.l2_read_pj", "l2.size", L2),
+    ("energy.l2_miss_pj", "l2.size", L2),
+    ("energy.l2_fill_pj", "l2.size", L2),
+    ("energy.trv_l1_read_pj", "l2.line_bytes", LINE),
+    ("energy.ist_l1_read_pj", "l2.line_bytes", LINE),
+    ("energy.srp_l1_read_pj", "l2.line_bytes", LINE),
+    ("energy.l1_fill_pj", "l2.line_bytes", LINE),
+    ("energy.l2_read_pj", "l2.line_bytes", LINE),
+    ("energy.l2_fill_pj", "l2.line_bytes", LINE),
+];
+
+/// Checks that a file, or the command line, that sets a price and another size than it is said to be of says so itself.
+///
+/// # Errors
+/// The first price of which that is not so.
+pub fn check(values: &[Sourced]) -> Result<(), Conflict> {
+    let of = |key: &str| values.iter().find(|value| value.key == key);
+    for (price, size, priced) in ALL {
+        let (Some(price), Some(size), Some(priced)) = (of(price), of(size), of(priced)) else { continue };
+        if price.from == size.from && priced.from != price.from && priced.value != size.value {
+            let detail = format!(
+                "{} is set beside {} = {}, and is a price of {} = {}: set that too, to what the price is of",
+                price.key, size.key, size.value, priced.key, priced.value
+            );
+            return Err(Conflict::new([price.key, size.key], detail));
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::config::NamedMachine;
+
+    fn load(overrides: &[&str]) -> Result<(), String> {
+        let overrides: Vec<String> = overrides.iter().map(|&text| text.to_owned()).collect();
+        NamedMachine::load("sgrt-ti2", &overrides).map(|_| ()).map_err(|error| error.to_string())
+    }
+
+    #[test]
+    fn a_price_beside_a_size_says_what_it_is_of() {
+        assert_eq!(
+            load(&["ti.trv_l1.size=64KiB", "energy.trv_l1_read_pj=9"]).unwrap_err(),
+            "override \"energy.trv_l1_read_pj=9\": energy.trv_l1_read_pj is set beside ti.trv_l1.size = 65536, and is a price of \
+             energy.l1_priced_size = 16384: set that too, to what the price is of"
+        );
+        for size in ["16KiB", "64KiB"] {
+            let priced = format!("energy.l1_priced_size={size}");
+            assert_eq!(load(&["ti.trv_l1.size=64KiB", "energy.trv_l1_read_pj=9", &priced]), Ok(()), "{size}");
+        }
+        assert_eq!(load(&["ti.trv_l1.size=16KiB", "energy.trv_l1_read_pj=9"]), Ok(()), "it is of that size");
+        assert_eq!(load(&["ti.ist_l1.size=64KiB", "energy.trv_l1_read_pj=9"]), Ok(()), "of another cache");
+        assert!(load(&["l2.size=1MiB", "energy.l2_fill_pj=300"]).unwrap_err().contains("energy.l2_priced_size"));
+        assert!(load(&["l2.line_bytes=128", "energy.l1_fill_pj=20"]).unwrap_err().contains("priced_line_bytes"));
+    }
+
+    /// Each key of the table is one of a machine.
+    #[test]
+    fn all_keys_are_there() {
+        let machine = NamedMachine::load("sgrt-ti2", &[]).unwrap();
+        for (price, size, priced) in super::ALL {
+            for key in [price, size, priced] {
+                assert!(machine.values.iter().any(|value| value.key == key), "{key}");
+            }
+        }
+    }
+}
