@@ -10,12 +10,9 @@ use rayreel_formats::trace::Trace;
 use rayreel_replay::image::Image;
 use rayreel_replay::image::resolve::Resolver;
 use rayreel_scenes::Scene;
-use rayreel_tracer::{Built, SampleGrid, TraceSettings};
+use rayreel_tracer::{Built, SampleGrid, TOOL, TraceSettings};
 
 use crate::memory;
-
-/// The program's name and version, as traces record it.
-pub const TOOL: &str = concat!("rayreel ", env!("CARGO_PKG_VERSION"));
 
 /// The sample grid of a picture or a capture.
 #[derive(Clone, Copy, Debug, clap::Args)]

@@ -12,7 +12,7 @@ use rayreel_replay::{Detail, Stop};
 use rayreel_scenes::Scene;
 use rayreel_study::html;
 
-use crate::common::{TOOL, print, tell_warnings};
+use crate::common::{print, tell_warnings};
 use crate::detail::DetailArgs;
 use crate::exit::Exit;
 use crate::progress::{self, Progress};
@@ -85,7 +85,6 @@ pub fn run(args: &Args, quiet: bool) -> Result<Exit> {
         systems: args.systems,
         detail,
         command: command(args, size),
-        tool: TOOL.into(),
         ..Setup::new(scenes(args)?, machines)?
     };
     // What takes no trace to know is refused before anything is written.

@@ -2,6 +2,7 @@
 
 use anyhow::{Result, bail};
 use rayreel_formats::trace::Trace;
+use rayreel_tracer::TOOL;
 use rayreel_tracer::against::{Against, against};
 use rayreel_tracer::verify::verify;
 use serde_json::json;
@@ -68,6 +69,7 @@ pub fn run(args: &Args, quiet: bool) -> Result<Exit> {
             "{} of {} tiles do not follow from the trace\nfirst: frame {}, tile {}, sample ({}, {}): {}\n",
             found.tiles_wrong, found.tiles, m.frame, m.tile, m.x, m.y, m.detail
         ))?;
+        print(&captured_otherwise(&trace.meta().tool))?;
     } else {
         print(&format!("verified: {} tiles, {} rays, {} steps\n", found.tiles, found.rays, found.steps))?;
     }
@@ -90,6 +92,14 @@ pub fn run(args: &Args, quiet: bool) -> Result<Exit> {
         eprintln!("not checked: the steps of {steps} tiles, and {tiles} tiles altogether");
     }
     Ok(Exit::Incomplete)
+}
+
+/// Why a trace that `tool` wrote may be right all the same.
+fn captured_otherwise(tool: &str) -> String {
+    if tool == TOOL {
+        return String::new();
+    }
+    format!("it was captured by {tool}, which need not trace as {TOOL} does: capture it again to verify it\n")
 }
 
 /// Compares with the scene.
@@ -125,4 +135,16 @@ fn of_scene(found: Option<&Against>) -> String {
         None => {}
     }
     text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_of_another_tracer_it_is_said() {
+        assert_eq!(captured_otherwise(TOOL), "");
+        let words = captured_otherwise("rayreel 0.1.0");
+        assert!(words.starts_with("it was captured by rayreel 0.1.0, which need not trace as rayreel "), "{words}");
+    }
 }

@@ -131,7 +131,7 @@ impl Setup {
             }
         }
         let policies = policies::load()?;
-        let tool = concat!("rayreel ", env!("CARGO_PKG_VERSION")).to_owned();
+        let tool = rayreel_tracer::TOOL.to_owned();
         let (size, detail, command) = (SIZE, detail(), String::new());
         Ok(Self { stages, policies, machines, size, full: false, systems: false, detail, command, tool })
     }

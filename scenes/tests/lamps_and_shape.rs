@@ -62,23 +62,26 @@ fn smoothing_that_is_off_leaves_faces_flat() {
 }
 
 #[test]
-fn triangles_that_are_tiny_beside_the_model_are_told() {
-    let load = |size: f32| {
-        let tiny = "v 0 0 0\nv 0.01 0 0\nv 0 0.01 0\n";
-        let floor = format!("v 0 0 0\nv {size} 0 0\nv 0 0 {size}\n");
-        let obj = format!("{tiny}{tiny}{floor}f 1 2 3\nf 4 5 6\nf 7 8 9\n");
+fn triangles_that_are_tiny_beside_their_distance_are_told() {
+    // Two tiny triangles so far apart, and a large one below the first or none.
+    let load = |away: f32, floor: bool| {
+        let tiny = |x: f32| format!("v {x} 0 0\nv {x} 0 0.01\nv {x} 0.01 0\n");
+        let large = if floor { "v 1e5 0 0\nv 0 0 1e5\nv -1e5 0 -1e5\nf 7 8 9\n" } else { "" };
+        let obj = format!("{}{}f 1 2 3\nf 4 5 6\n{large}", tiny(0.0), tiny(away));
         let scene = load_in(&folder(&[("a.obj", &obj)]), "a.obj").expect("it loads");
-        warnings(&scene)
-            .into_iter()
-            .map(|(_, words)| words)
-            .filter(|words| words.contains("padded"))
-            .collect::<Vec<_>>()
+        let of_padding = |words: &String| words.contains("padded");
+        warnings(&scene).into_iter().map(|(_, words)| words).filter(of_padding).collect::<Vec<_>>()
     };
-    assert_eq!(load(80.0), Vec::<String>::new());
-    let [words] = &load(90.0)[..] else { panic!("one warning") };
+    assert_eq!(load(160.0, false), Vec::<String>::new(), "1 / 16384 of the distance is the limit");
+    let [words] = &load(200.0, false)[..] else { panic!("one warning") };
     assert!(
-        words.starts_with("a.obj: the model is 9e1 units large, and half of its triangles are smaller than 1e-2: "),
+        words.starts_with("a.obj: half of the triangles are smaller than 5e-5 of their distance from the middle"),
         "{words}"
+    );
+    assert_eq!(
+        load(0.1, true),
+        Vec::<String>::new(),
+        "a floor that reaches far takes nothing from what stands on its middle"
     );
 }
 

@@ -1,7 +1,7 @@
 //! Prices of caches are of a size. Whoever sets one beside a size of a cache says which size it is of: taken for that of the base, it
 //! would be changed in proportion without a word.
 
-use rayreel_settings::Sourced;
+use rayreel_settings::{Ancestor, Sourced};
 
 use super::check::Conflict;
 
@@ -35,15 +35,18 @@ const ALL: [Priced; 20] = [
     ("energy.l2_fill_pj", "l2.line_bytes", LINE),
 ];
 
-/// Checks that a file, or the command line, that sets a price and another size than it is said to be of says so itself.
+/// Checks that a file, or the command line, that sets a price and another size than it is said to be of says so itself, and does not
+/// inherit it. `chain` is the file and what it extends.
 ///
 /// # Errors
 /// The first price of which that is not so.
-pub fn check(values: &[Sourced]) -> Result<(), Conflict> {
+pub fn check(values: &[Sourced], chain: &[Ancestor]) -> Result<(), Conflict> {
+    // The command line, which is in no chain, comes before all files.
+    let rank = |value: &Sourced| chain.iter().position(|file| file.name == value.from).map_or(0, |at| at + 1);
     let of = |key: &str| values.iter().find(|value| value.key == key);
     for (price, size, priced) in ALL {
         let (Some(price), Some(size), Some(priced)) = (of(price), of(size), of(priced)) else { continue };
-        if price.from == size.from && priced.from != price.from && priced.value != size.value {
+        if price.from == size.from && rank(priced) > rank(price) && priced.value != size.value {
             let detail = format!(
                 "{} is set beside {} = {}, and is a price of {} = {}: set that too, to what the price is of",
                 price.key, size.key, size.value, priced.key, priced.value
@@ -67,7 +70,7 @@ mod tests {
     fn a_price_beside_a_size_says_what_it_is_of() {
         assert_eq!(
             load(&["ti.trv_l1.size=64KiB", "energy.trv_l1_read_pj=9"]).unwrap_err(),
-            "override \"energy.trv_l1_read_pj=9\": energy.trv_l1_read_pj is set beside ti.trv_l1.size = 65536, and is a price of \
+            "override \"energy.trv_l1_read_pj=9.0\": energy.trv_l1_read_pj is set beside ti.trv_l1.size = 65536, and is a price of \
              energy.l1_priced_size = 16384: set that too, to what the price is of"
         );
         for size in ["16KiB", "64KiB"] {
@@ -76,6 +79,11 @@ mod tests {
         }
         assert_eq!(load(&["ti.trv_l1.size=16KiB", "energy.trv_l1_read_pj=9"]), Ok(()), "it is of that size");
         assert_eq!(load(&["ti.ist_l1.size=64KiB", "energy.trv_l1_read_pj=9"]), Ok(()), "of another cache");
+        assert_eq!(
+            load(&["energy.l1_priced_size=32KiB"]),
+            Ok(()),
+            "prices and sizes of the preset, said to be of others"
+        );
         assert!(load(&["l2.size=1MiB", "energy.l2_fill_pj=300"]).unwrap_err().contains("energy.l2_priced_size"));
         assert!(load(&["l2.line_bytes=128", "energy.l1_fill_pj=20"]).unwrap_err().contains("priced_line_bytes"));
     }

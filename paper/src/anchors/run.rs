@@ -115,7 +115,7 @@ impl Stage {
 
     fn meta(&self, (width, height): (u32, u32), samples: u32) -> Meta {
         let grid = SampleGrid { width, height, samples, tile: TILE, first_frame: 0, frames: 1 };
-        grid.meta(&self.scene, TraceSettings::default(), concat!("rayreel ", env!("CARGO_PKG_VERSION")))
+        grid.meta(&self.scene, TraceSettings::default(), rayreel_tracer::TOOL)
     }
 }
 

@@ -118,31 +118,40 @@ const SIZES_AT_ALL: (f32, f32) = (1e-14, 1e14);
 /// in 131,072 of the largest coordinate away.
 const AWAY_MAX: f32 = 2000.0;
 
-/// The boxes that a tracer puts around triangles grow by this part of the distance from a ray's origin to the far side of the scene
-/// (FORMAT.md, the box test).
-pub const BOX_PADDING: f32 = 1.0 / 262_144.0;
-/// Where they grow by more than this part of the typical triangle, rays visit visibly more of them than they would have to:
-/// `docs/scenes.md` has figures.
+/// The boxes that a tracer puts around triangles grow by this part of the distance from the ray's origin to the middle of the scene, and by
+/// this part of their own distance from there (FORMAT.md, the box test).
+pub const BOX_PADDING: f32 = 1.0 / 1_048_576.0;
+/// Where a ray that starts nearby makes them grow by more than this part of the triangle, rays visit visibly more of them than
+/// they would have to.
 const PADDING_MAX: f32 = 1.0 / 32.0;
 
-/// Tells where a part of a model is so much larger than its triangles that rays take too many steps.
+/// Tells where half of a model's triangles lie so far from its middle that rays take too many steps.
 fn check_span(path: &Path, mesh: &Mesh) -> Option<Warning> {
-    let length = |t: &Triangle| extent(t.vertices.iter().map(|&v| mesh.positions[v as usize]));
-    let mut lengths: Vec<f32> = mesh.triangles.iter().map(length).collect();
-    if lengths.is_empty() {
-        return None;
-    }
-    let middle = lengths.len() / 2;
-    let typical = *lengths.select_nth_unstable_by(middle, f32::total_cmp).1;
-    let size = extent(mesh.positions.iter().copied());
-    (size * BOX_PADDING > PADDING_MAX * typical).then(|| {
+    let axis = |axis: usize| median(mesh.positions.iter().map(|p| p[axis]).collect()).unwrap_or_default();
+    let middle = Vec3::new(axis(0), axis(1), axis(2));
+    let part = |t: &Triangle| {
+        let corners = t.vertices.map(|v| mesh.positions[v as usize]);
+        let padding =
+            2.0 * BOX_PADDING * corners.map(|c| (c - middle).abs().max_element()).into_iter().fold(0.0, f32::max);
+        let size = extent(corners.into_iter());
+        if size > 0.0 { padding / size } else { 0.0 }
+    };
+    let typical = median(mesh.triangles.iter().map(part).collect())?;
+    (typical > PADDING_MAX).then(|| {
+        let part = 2.0 * BOX_PADDING / typical;
         let message = format!(
-            "{}: the model is {size:e} units large, and half of its triangles are smaller than {typical:e}: boxes around these are padded \
-             for the distance, so rays take more steps than they need; leave out what lies far away, or scale it down",
+            "{}: half of the triangles are smaller than {part:.0e} of their distance from the middle of the model: the boxes around them are \
+             padded for the distance, so rays take more steps than they need; move the parts of the model together",
             path.display()
         );
         Warning { message, count: 1 }
     })
+}
+
+/// The middle one, of an even number the upper one.
+fn median(mut values: Vec<f32>) -> Option<f32> {
+    let middle = values.len() / 2;
+    (!values.is_empty()).then(|| *values.select_nth_unstable_by(middle, f32::total_cmp).1)
 }
 
 /// The longest edge of the box around some points.

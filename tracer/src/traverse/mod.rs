@@ -12,25 +12,21 @@ mod avx;
 mod lanes;
 mod log;
 mod packet;
+mod padding;
 mod single;
 
 use glam::Vec4;
-use rayreel_formats::bvh::{Aabb, Bvh, Child};
+use rayreel_formats::bvh::{Bvh, Child};
 use rayreel_formats::math::Vec3;
 
 pub use lanes::LANES;
 pub use packet::{LaneHits, PacketRays, PacketScratch};
+use padding::Padding;
 pub use single::TraversalScratch;
 
 /// Widening of a box's far distance: 16 units in the last place. Slab distances and triangle distances round
 /// differently, and a box must never be skipped when a triangle in it would be hit.
 const WIDEN: f32 = 1.0 + 1.0 / 524_288.0;
-
-/// Boxes grow on every side by this fraction of the distance from the ray's origin to the far side of the scene, and
-/// by one unit in the last place of the origin. The intersection test accepts a ray that passes just outside an edge,
-/// by as much as its rounding; the box must accept that ray too. So must it a ray that lies in the plane of one of
-/// its sides.
-const PAD: f32 = rayreel_scenes::BOX_PADDING;
 
 /// Smallest magnitude of a direction component in the slab test, so that its reciprocal stays finite and no NaN arises.
 const TINY: f32 = 1.0e-18;
@@ -49,7 +45,7 @@ struct TwoBoxes {
 #[derive(Debug)]
 pub struct TraversalBvh {
     nodes: Vec<TwoBoxes>,
-    bounds: Aabb,
+    padding: Padding,
     corners: Vec<[Vec3; 3]>,
 }
 
@@ -69,11 +65,12 @@ pub struct RayHit {
 impl TraversalBvh {
     /// Lays out a tree.
     pub fn new(bvh: &Bvh) -> Self {
+        let padding = Padding::new(bvh);
         let nodes = bvh
             .nodes
             .iter()
             .map(|node| {
-                let [a, b] = node.bounds;
+                let [a, b] = node.bounds.map(|bounds| padding.grown(bounds));
                 TwoBoxes {
                     x: Vec4::new(a.min.x, b.min.x, a.max.x, b.max.x),
                     y: Vec4::new(a.min.y, b.min.y, a.max.y, b.max.y),
@@ -82,7 +79,7 @@ impl TraversalBvh {
                 }
             })
             .collect();
-        Self { nodes, bounds: bvh.bounds(), corners: (0..bvh.triangles.len()).map(|t| bvh.corners(t)).collect() }
+        Self { nodes, padding, corners: (0..bvh.triangles.len()).map(|t| bvh.corners(t)).collect() }
     }
 
     /// The corners of a triangle.

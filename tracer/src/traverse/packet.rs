@@ -9,6 +9,7 @@ use rayreel_formats::bvh::{Child, MAX_TREE_DEPTH};
 use rayreel_formats::math::Vec3;
 use rayreel_formats::rays::Ray;
 use rayreel_formats::tile::step;
+use rayreel_scenes::BOX_PADDING;
 
 use glam::Vec4;
 
@@ -16,7 +17,8 @@ use glam::Vec4;
 use super::avx::Avx;
 use super::lanes::{Halves, LANES, Lanes, Lanes3};
 use super::log::{PathLog, steps};
-use super::{PAD, RayHit, TINY, TraversalBvh, TwoBoxes, WIDEN};
+use super::padding::Padding;
+use super::{RayHit, TINY, TraversalBvh, TwoBoxes, WIDEN};
 
 /// The rays of a packet.
 #[derive(Clone, Copy, Debug)]
@@ -80,14 +82,13 @@ struct PacketSlabs<L> {
 
 impl<L: Lanes> PacketSlabs<L> {
     #[inline(always)]
-    fn new(origin: Lanes3<L>, direction: Lanes3<L>, bvh: &TraversalBvh) -> Self {
-        let low = (Lanes3::splat(bvh.bounds.min) - origin).max_abs();
-        let reach = low.max((Lanes3::splat(bvh.bounds.max) - origin).max_abs()) * L::splat(PAD);
+    fn new(origin: Lanes3<L>, direction: Lanes3<L>, padding: Padding) -> Self {
+        let away = (origin - Lanes3::splat(padding.middle)).max_abs() * L::splat(BOX_PADDING);
         let epsilon = L::splat(f32::EPSILON);
         let pad = Lanes3 {
-            x: reach + origin.x.abs() * epsilon,
-            y: reach + origin.y.abs() * epsilon,
-            z: reach + origin.z.abs() * epsilon,
+            x: away + origin.x.abs() * epsilon,
+            y: away + origin.y.abs() * epsilon,
+            z: away + origin.z.abs() * epsilon,
         };
         let one = L::splat(1.0);
         let inverse = Lanes3 {
@@ -187,7 +188,7 @@ impl TraversalBvh {
     ) -> LaneHits {
         let rays = &packet.rays;
         let (origin, direction) = (Lanes3::<L>::new(rays.map(|r| r.origin)), Lanes3::new(rays.map(|r| r.direction)));
-        let slabs = PacketSlabs::new(origin, direction, self);
+        let slabs = PacketSlabs::new(origin, direction, self.padding);
         let t_max = rays.map(|r| r.t_max);
         scratch.log.clear();
         let hits = [None; LANES];

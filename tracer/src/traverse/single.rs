@@ -1,12 +1,13 @@
 //! One ray on its way through the tree.
 
 use glam::{Vec4, Vec4Swizzles};
-use rayreel_formats::bvh::{Aabb, Child, MAX_TREE_DEPTH};
+use rayreel_formats::bvh::{Child, MAX_TREE_DEPTH};
 use rayreel_formats::intersect::intersect;
 use rayreel_formats::rays::Ray;
 use rayreel_formats::tile::step;
 
-use super::{PAD, RayHit, TINY, TraversalBvh, TwoBoxes, WIDEN};
+use super::padding::Padding;
+use super::{RayHit, TINY, TraversalBvh, TwoBoxes, WIDEN};
 
 /// Memory of a traversal, reused from ray to ray.
 #[derive(Debug)]
@@ -29,17 +30,14 @@ struct Slabs {
 }
 
 impl Slabs {
-    fn new(ray: &Ray, bounds: &Aabb) -> Self {
+    fn new(ray: &Ray, padding: Padding) -> Self {
         let inverse = |d: f32| Vec4::splat(1.0 / if d.abs() < TINY { TINY.copysign(d) } else { d });
         let (o, d) = (ray.origin, ray.direction);
-        let (low, high) = ((bounds.min - o).max_abs(), (bounds.max - o).max_abs());
-        let reach = if low > high { low } else { high };
+        let pad = padding.of_ray(o);
         // Moving the origin up against minimum planes and down against maximum planes grows all boxes at no cost.
-        let padded = |o: f32| {
-            let pad = reach * PAD + o.abs() * f32::EPSILON;
-            Vec4::new(o + pad, o + pad, o - pad, o - pad)
-        };
-        Self { origin: [padded(o.x), padded(o.y), padded(o.z)], inverse: [inverse(d.x), inverse(d.y), inverse(d.z)] }
+        let padded = |o: f32, pad: f32| Vec4::new(o + pad, o + pad, o - pad, o - pad);
+        let origin = [padded(o.x, pad.x), padded(o.y, pad.y), padded(o.z, pad.z)];
+        Self { origin, inverse: [inverse(d.x), inverse(d.y), inverse(d.z)] }
     }
 
     /// Entry distances of both boxes, and whether each is met before `t_max`.
@@ -86,7 +84,7 @@ impl TraversalBvh {
         scratch: &mut TraversalScratch,
         mut pass: impl FnMut(u32, f32, f32) -> bool,
     ) -> Option<RayHit> {
-        let slabs = Slabs::new(ray, &self.bounds);
+        let slabs = Slabs::new(ray, self.padding);
         let TraversalScratch { stack, steps } = scratch;
         let mut record = |s: u8| {
             if RECORD {
