@@ -1,19 +1,18 @@
 //! Builds the BVH of a scene with obvhs and puts it into the order of the trace.
 //!
-//! obvhs is used behind this module only. Its `parallel` feature must stay off: it builds another tree.
+//! obvhs is used behind this module and `tree.rs` only. Its `parallel` feature must stay off: it builds another tree.
 
 use std::collections::HashMap;
-use std::time::Duration;
 
 use glam::Vec3A;
-use obvhs::BvhBuildParams;
-use obvhs::bvh2::{Bvh2, builder::build_bvh2};
+use obvhs::bvh2::Bvh2;
 use obvhs::triangle::Triangle as BuildTriangle;
 use rayreel_formats::bvh::{Bvh, MAX_LEAF_TRIANGLES, MAX_TREE_DEPTH, Shape, Triangle, Vertex};
 use rayreel_formats::math::Vec3;
 use rayreel_formats::oct::Oct;
 use rayreel_scenes::Scene;
 
+use crate::tree::tree;
 use crate::{coincident, convert};
 
 /// A scene that the trace format cannot hold: it is too large, or too degenerate for a tree of bounded depth.
@@ -37,7 +36,7 @@ pub struct Built {
     pub left_out: usize,
 }
 
-/// Builds the BVH of a scene: obvhs' medium preset, at most [`MAX_LEAF_TRIANGLES`] triangles a leaf. The builder runs in
+/// Builds the BVH of a scene: obvhs' medium preset but for flat scenes (`tree.rs`), at most [`MAX_LEAF_TRIANGLES`] triangles a leaf. The builder runs in
 /// one thread, so it gives the same tree on every run.
 ///
 /// # Errors
@@ -51,8 +50,7 @@ pub fn build(scene: &Scene) -> Result<Built, BuildError> {
         .map(|&t| mesh.triangles[t as usize])
         .map(|t| BuildTriangle { v0: corner(t.vertices[0]), v1: corner(t.vertices[1]), v2: corner(t.vertices[2]) })
         .collect();
-    let params = BvhBuildParams { max_prims_per_leaf: MAX_LEAF_TRIANGLES, ..BvhBuildParams::medium_build() };
-    let bvh2 = build_bvh2(&triangles, params, &mut Duration::default());
+    let bvh2 = tree(&triangles);
     let (shape, mut source) = depth_first(&bvh2);
     source.iter_mut().for_each(|at| *at = kept[*at as usize]);
     let (triangles, vertices) = leaf_order(scene, &source);

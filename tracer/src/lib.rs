@@ -42,6 +42,7 @@ mod shading;
 mod texture;
 mod trace;
 pub mod traverse;
+mod tree;
 pub mod verify;
 mod waves;
 

@@ -2,7 +2,7 @@
 //!
 //! Two exceptions are no faults of the model. On several cores, which core takes which tile depends on when it has a free slot;
 //! with few tiles of unequal work a faster machine may assign them worse (Graham's anomaly of list scheduling): the 15 tiles of
-//! the Cornell box on four cores differ by up to 40 %. So the tests here run on one core. There a few per cent are left:
+//! the Cornell box on four cores differ by up to 38 %. So the tests here run on one core. There a few per cent are left:
 //! the SRP batches what has come back, and other arrival times make other batches, some of them smaller, each with a prologue.
 //! Caches and units are therefore measured with an SRP that takes no time, and once with it.
 

@@ -18,10 +18,10 @@ pub const ANCHORS: &[Anchor] = &[
         why: &[Why {
             of: &[],
             below: "",
-            above: "The estimate has 25 node visits, 5 triangles and 3 lines of the L2 a ray; these scenes have 23 to 54, 9 to \
-                    17 and 3 to 16. It has 7 pJ of ray buffer a visit and no clocks; here each operation is written and read for \
-                    14.5 pJ, again after each bypass where misses retry, and units pay for their clocks. Teapot, nearest in its \
-                    counts, takes 2.9 nJ at 128x64 pixels on sgrt-ti2.",
+            above: "The estimate has 25 node visits, 5 triangles and 3 lines of the L2 a ray; these scenes have 21 to 53, 7 to \
+                    16 and 3 to 15. It has 7 pJ of ray buffer a visit and no clocks; here each operation is written and read \
+                    for 14.5 pJ, again after each bypass where misses retry, and units pay for their clocks. Teapot, nearest \
+                    in its lines, takes 2.4 nJ at 128x64 pixels on sgrt-ti2.",
         }],
     },
     Anchor {
@@ -36,9 +36,10 @@ pub const ANCHORS: &[Anchor] = &[
         why: &[Why {
             of: &[],
             below: "",
-            above: "The bounds follow from a peak rate that leaves 12.6 operations a ray, if a unit has one pipeline; here a ray \
-                    takes 35 to 64 node visits and triangle tests. Units, L2 and wires alone take 3.7 nJ in teapot and 11.2 in \
-                    provence, with the energies of SGRT and not of RayCore.",
+            above: "The bounds follow from a peak rate that leaves 12.6 operations a ray, if a unit has one pipeline; here a \
+                    ray takes 30 to 63 node visits and triangle tests. At 128x64 pixels units, L2 and wires alone take 3.2 nJ \
+                    in teapot, which lies inside with 3.7 in all, and 10.6 in provence, with the energies of SGRT and not of \
+                    RayCore.",
         }],
     },
 ];
