@@ -38,6 +38,7 @@ use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use exit::Exit;
 use rayreel_formats::container::FormatVersion;
 use rayreel_study::point::version::{ESTIMATE_VERSION, MODEL_VERSION};
+use rayreel_tracer::TRACER_VERSION;
 
 /// Record what a ray tracer does once; replay it as often as you like.
 ///
@@ -93,7 +94,9 @@ enum Command {
 static LONG_VERSION: LazyLock<String> = LazyLock::new(|| {
     let commit = option_env!("RAYREEL_COMMIT").map(|commit| format!("\ncommit {commit}")).unwrap_or_default();
     let (version, format) = (env!("CARGO_PKG_VERSION"), FormatVersion::CURRENT);
-    format!("{version}{commit}\nmodel {MODEL_VERSION}, estimates {ESTIMATE_VERSION}, trace format {format}")
+    format!(
+        "{version}{commit}\nmodel {MODEL_VERSION}, estimates {ESTIMATE_VERSION}, {TRACER_VERSION}, trace format {format}"
+    )
 });
 
 fn main() -> ExitCode {
