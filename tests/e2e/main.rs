@@ -51,3 +51,4 @@ mod sweep_page;
 mod tamper;
 #[cfg(unix)]
 mod timeline;
+mod walk;
