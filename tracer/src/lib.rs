@@ -44,6 +44,7 @@ mod trace;
 pub mod traverse;
 mod tree;
 pub mod verify;
+mod version;
 mod waves;
 
 pub use accel::{BuildError, Built, build};
@@ -52,18 +53,4 @@ pub use grid::{SampleGrid, TraceSettings};
 pub use render::render;
 pub use trace::Tracer;
 pub use verify::{Mismatch, Verified};
-
-macro_rules! tracer_version {
-    () => {
-        "tracer 2"
-    };
-}
-
-/// The version of the tracer. It grows by one whenever the same scene and settings may give other rays or paths than before: such captures
-/// are not taken for one another, and are not gone on with.
-///
-/// Tracer 1 padded boxes by 2^-18 of the distance to the far side of the scene, and built worse trees over flat scenes.
-pub const TRACER_VERSION: &str = tracer_version!();
-
-/// What a capture names as the program that made it.
-pub const TOOL: &str = concat!("rayreel ", env!("CARGO_PKG_VERSION"), ", ", tracer_version!());
+pub use version::{TOOL, TRACER_VERSION};

@@ -64,7 +64,7 @@ fn more_units() {
         assert_never_slower(work, "ti.ist", &["1", "2"], 4, 0);
         assert_never_slower(work, "ti.rays_per_trv", &["4", "16", "64"], 4, 30);
     }
-    assert_never_slower(works()[2], "ti.ist", &["1", "2"], 4, 30);
+    assert_never_slower(works()[2], "ti.ist", &["1", "2"], 4, 20);
 }
 
 #[test]
