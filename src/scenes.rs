@@ -2,7 +2,7 @@
 
 use anyhow::Result;
 use clap::Subcommand;
-use rayreel_scenes::Scene;
+use rayreel_scenes::{Optics, Scene};
 use serde_json::json;
 
 use crate::common::{print, print_json, printable};
@@ -84,7 +84,12 @@ fn show(scene: &Scene, as_json: bool) -> Result<()> {
     line("objects", scene.objects.len().to_string());
     line(
         "materials",
-        scene.materials.iter().map(|m| format!("{} ({:?})", m.name, m.optics)).collect::<Vec<_>>().join(", "),
+        scene
+            .materials
+            .iter()
+            .map(|m| format!("{} ({})", m.name, optics_name(m.optics)))
+            .collect::<Vec<_>>()
+            .join(", "),
     );
     line("textures", scene.textures.len().to_string());
     line("lights", scene.lights.len().to_string());
@@ -93,6 +98,15 @@ fn show(scene: &Scene, as_json: bool) -> Result<()> {
     line("camera", format!("from {} to {}, {} degrees vertical", camera.eye, camera.target, camera.vfov_deg));
     line("content", hex(&scene.content_hash()));
     print(&text)
+}
+
+fn optics_name(optics: Optics) -> &'static str {
+    match optics {
+        Optics::Opaque => "opaque",
+        Optics::Mirror => "mirror",
+        Optics::FresnelMirror => "Fresnel mirror",
+        Optics::Dielectric => "dielectric",
+    }
 }
 
 fn hex(bytes: &[u8]) -> String {

@@ -34,7 +34,7 @@ const ORDERS: [(&str, &str); 14] = [
     ),
     (
         "tracer/src/lib.rs",
-        "coincident convert grid shading texture traverse tree verify version accel materials waves trace against capture render",
+        "coincident convert grid shading texture traverse tree wording verify version accel materials waves trace against capture render",
     ),
     (
         "study/src/lib.rs",

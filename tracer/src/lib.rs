@@ -46,6 +46,7 @@ mod tree;
 pub mod verify;
 mod version;
 mod waves;
+mod wording;
 
 pub use accel::{BuildError, Built, build};
 pub use capture::{CaptureOutcome, CaptureOutput, CaptureProgress, Captured};

@@ -15,8 +15,8 @@ use rayreel_formats::scene::{Light, Optics};
 use rayreel_formats::tile::{Column, Hit, Radiance, RayKind, RayNode, ShadowState, Tile, step};
 use rayreel_formats::trace::{Scratch as CodecScratch, Trace};
 
-use crate::shading;
 use crate::traverse::{RayHit, TraversalBvh, TraversalScratch};
+use crate::{shading, wording};
 
 /// What a verification found.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -156,11 +156,12 @@ impl<'a> TileCheck<'a> {
         };
         if (found.triangle, found.t.to_bits()) != (hit.triangle, hit.t.to_bits()) {
             let (a, b) = ((hit.triangle, hit.t), (found.triangle, found.t));
-            return Err(format!("{name}: triangle and t recorded as {a:?}, are {b:?}"));
+            return Err(format!("{name}: hit recorded as {}, is {}", wording::hit(a), wording::hit(b)));
         }
         let normal = self.bvh.shading_normal(hit.triangle as usize, found.u, found.v);
         if normal != hit.normal {
-            return Err(format!("{name}: normal recorded as {:?}, is {normal:?}", hit.normal));
+            let (a, b) = (wording::normal(hit.normal), wording::normal(normal));
+            return Err(format!("{name}: code of the normal recorded as {a}, is {b}"));
         }
         let surface = self.rebuilt.hit(index as u32, &hit).ok_or("the hit has no ray")?;
         self.children(index, &node, &hit, &surface, &rebuilt)?;
@@ -194,7 +195,8 @@ impl<'a> TileCheck<'a> {
             ("refraction", node.refract.then_some(radiance.refract), expected.refract.filter(traced)),
         ] {
             if recorded != expected {
-                return Err(format!("the {name}'s weight is recorded as {recorded:?}, is {expected:?}"));
+                let (a, b) = (wording::weight(recorded), wording::weight(expected));
+                return Err(format!("the {name}'s weight is recorded as {a}, is {b}"));
             }
         }
         Ok(())
@@ -224,8 +226,10 @@ impl<'a> TileCheck<'a> {
             let shadow = rays::shadow(surface, source);
             let (hit, passed) = self.traverse::<true>(&shadow, ray + 1 + rank, &name, scratch)?;
             let state = shading::shadow_state(hit.is_some(), passed);
-            if state != node.shadows.get(light) {
-                return Err(format!("{name}: recorded as {:?}, is {state:?}", node.shadows.get(light)));
+            let recorded = node.shadows.get(light);
+            if state != recorded {
+                let (a, b) = (wording::shadow_name(recorded), wording::shadow_name(state));
+                return Err(format!("{name}: recorded as {a}, is {b}"));
             }
         }
         Ok(())
@@ -263,8 +267,8 @@ impl<'a> TileCheck<'a> {
         self.counts.steps += scratch.steps.len() as u64;
         if scratch.steps != recorded {
             let at = scratch.steps.iter().zip(recorded).take_while(|(a, b)| a == b).count();
-            let (a, b) = (recorded.get(at), scratch.steps.get(at));
-            return Err(format!("{name}: step {at} of the path recorded as {a:?}, is {b:?}"));
+            let (a, b) = (wording::step_name(recorded.get(at)), wording::step_name(scratch.steps.get(at)));
+            return Err(format!("{name}: step {at} of the path recorded as {a}, is {b}"));
         }
         Ok((hit, passed))
     }
