@@ -56,6 +56,7 @@ pub fn run(args: &Args, quiet: bool) -> Result<Exit> {
     let first = found.first.as_ref();
     if args.json {
         print_json(&json!({
+            "tool": trace.meta().tool,
             "scene": against.as_ref().map(|found| json!({
                 "tables_wrong": found.tables, "tiles": found.tiles, "tiles_wrong": found.tiles_wrong, "first_mismatch": found.first,
             })),

@@ -1,4 +1,4 @@
-//! Words for what verification finds, as FORMAT.md and `rayreel export` call it.
+//! Words for what verification finds: steps by the names of FORMAT.md, shadow states as `rayreel export` calls them.
 
 use rayreel_formats::half::Half3;
 use rayreel_formats::oct::Oct;

@@ -88,6 +88,19 @@ mod tests {
         assert!(load(&["l2.line_bytes=128", "energy.l1_fill_pj=20"]).unwrap_err().contains("priced_line_bytes"));
     }
 
+    #[test]
+    fn so_does_a_file() {
+        let parse =
+            |text: &str| NamedMachine::parse("mine", &format!("extends = \"sgrt-ti2\"\n{text}"), &[]).map(|_| ());
+        let trust = "class = \"estimate\"\nsource = \"a test\"\n";
+        let set = |key: &str, value: &str| format!("[{key}]\nvalue = {value}\n{trust}");
+        let (size, price) = (set("ti.trv_l1.size", "\"64KiB\""), set("energy.trv_l1_read_pj", "9.0"));
+        let error = parse(&format!("{size}{price}")).unwrap_err().to_string();
+        assert!(error.contains("energy.l1_priced_size = 16384: set that too"), "{error}");
+        let said = set("energy.l1_priced_size", "\"64KiB\"");
+        assert_eq!(parse(&format!("{size}{price}{said}")).map_err(|error| error.to_string()), Ok(()));
+    }
+
     /// Each key of the table is one of a machine.
     #[test]
     fn all_keys_are_there() {

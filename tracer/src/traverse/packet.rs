@@ -9,7 +9,6 @@ use rayreel_formats::bvh::{Child, MAX_TREE_DEPTH};
 use rayreel_formats::math::Vec3;
 use rayreel_formats::rays::Ray;
 use rayreel_formats::tile::step;
-use rayreel_scenes::BOX_PADDING;
 
 use glam::Vec4;
 
@@ -83,13 +82,7 @@ struct PacketSlabs<L> {
 impl<L: Lanes> PacketSlabs<L> {
     #[inline(always)]
     fn new(origin: Lanes3<L>, direction: Lanes3<L>, padding: Padding) -> Self {
-        let away = (origin - Lanes3::splat(padding.middle)).max_abs() * L::splat(BOX_PADDING);
-        let epsilon = L::splat(f32::EPSILON);
-        let pad = Lanes3 {
-            x: away + origin.x.abs() * epsilon,
-            y: away + origin.y.abs() * epsilon,
-            z: away + origin.z.abs() * epsilon,
-        };
+        let pad = padding.of_rays(origin);
         let one = L::splat(1.0);
         let inverse = Lanes3 {
             x: one / direction.x.away_from_zero(TINY),
