@@ -30,7 +30,8 @@ pub struct Args {
     /// Image size in pixels; 512x256 by default, the paper's 2048x1024 with --full.
     #[arg(long, value_name = "WxH", value_parser = crate::common::size)]
     size: Option<(u32, u32)>,
-    /// First frames at the paper's size, and all frames of the animation, at 1x1 samples. Ablations and animation stay at 512x256.
+    /// First frames at the paper's size, and all frames of the animation, at 1x1 samples: the machine simulates one in eleven of these
+    /// and the others are estimated from them, by their rays; --detail full simulates all. Ablations and animation stay at 512x256.
     #[arg(long)]
     full: bool,
     /// Beside all this, every policy on every architecture: the samplers and the machines that the paper stands beside, 2x2 samples a

@@ -4,11 +4,13 @@
 
 use std::sync::Arc;
 
+use rayreel_replay::Detail;
 use rayreel_replay::image::psnr::{SquaredError, decibels};
 use rayreel_study::point::key::Point;
 use rayreel_study::point::wanted::{Compared, Figures, Kind, PictureWanted, Views, Wanted};
 use rayreel_study::schema::{Map, Track, TrackFrame};
 
+use crate::between::{self, EVERY};
 use crate::plan::{Grid, Plan, TILE};
 use crate::policies::MODES;
 use crate::results::{FrameOf, Results};
@@ -53,11 +55,16 @@ impl Stretch {
         Self { first: counted.saturating_sub(early), counted, end }
     }
 
-    /// The frames that a machine simulates, of run number `run`: of the whole path all that count, by default every other of the
-    /// paper's.
-    fn simulated(&self, run: usize, full: bool) -> Vec<u32> {
+    /// The frames that a machine simulates, of run number `run` over a path of `length` frames: of the whole path all that count, or a
+    /// sample of them; by default every other of the paper's.
+    fn simulated(&self, run: usize, length: u32, (full, detail): (bool, Detail)) -> Vec<u32> {
+        // What is asked for is a share of the tiles: it is as well a sample of the frames of a long path.
+        let every = match detail {
+            Detail::Sampled(_) if length.div_ceil(EVERY) as usize >= between::FEWEST => EVERY,
+            _ => 1,
+        };
         match (full, run.is_multiple_of(2)) {
-            (true, _) => (self.counted..self.end).collect(),
+            (true, _) => (self.counted..self.end).filter(|f| f.is_multiple_of(every) || f + 1 == length).collect(),
             (false, true) => self.mapped(),
             (false, false) => Vec::new(),
         }
@@ -108,7 +115,7 @@ pub fn plan(setup: &Setup, plan: &mut Plan<'_>) -> Option<Planned> {
                 continue;
             }
             let simulates = setup.machines.is_some() && contender.is_simulated(setup.full);
-            let simulated = if simulates { run.simulated(i, setup.full) } else { Vec::new() };
+            let simulated = if simulates { run.simulated(i, length, (setup.full, setup.detail)) } else { Vec::new() };
             let shown = if contender.mapped { pictures(setup, scene, policy, run) } else { Vec::new() };
             let (pictures, files): (Vec<_>, Vec<_>) = shown.into_iter().unzip();
             let figures = Figures::Frames { compared: Compared::Valued, simulated };
@@ -171,7 +178,13 @@ impl Planned {
 
     /// How many frames a machine simulates.
     pub fn simulated(&self, setup: &Setup) -> usize {
-        self.runs.iter().enumerate().map(|(i, run)| run.simulated(i, setup.full).len()).sum()
+        let (length, how) = (setup.stages[self.scene].scene.cameras.len() as u32, (setup.full, setup.detail));
+        self.runs.iter().enumerate().map(|(i, run)| run.simulated(i, length, how).len()).sum()
+    }
+
+    /// Whether the frames that are not simulated are estimated.
+    pub fn estimates(&self, setup: &Setup) -> bool {
+        setup.full && self.simulated(setup) < self.extent(setup).0
     }
 
     /// Name of the scene.
@@ -183,11 +196,14 @@ impl Planned {
     pub fn tracks(&self, setup: &Setup, results: &Results) -> Vec<Track> {
         let track = |(policy, points): &(usize, Vec<usize>)| {
             let frames: Vec<FrameOf<'_>> = self.frames(points, results).collect();
+            let mut shown: Vec<TrackFrame> = frames.iter().map(track_frame).collect();
+            let interval = if self.estimates(setup) { between::estimate(&mut shown) } else { None };
             Track {
                 scene: self.scene(setup).into(),
                 policy: setup.policies[*policy].1.name.clone(),
                 mode: MODES[self.mode].name.into(),
-                frames: frames.iter().map(track_frame).collect(),
+                frames: shown,
+                interval,
                 flicker: squared(frames.iter().filter_map(|f| f.flicker)).map(SquaredError::rms),
                 psnr_db: squared(frames.iter().filter_map(|f| f.error)).and_then(|sum| decibels(sum.sum, sum.values)),
             }
@@ -253,7 +269,9 @@ mod tests {
         assert_eq!(runs[5], Stretch { first: 700 - COUNTED - EARLY, counted: 700 - COUNTED, end: 700 });
         let mapped: Vec<u32> = runs.iter().flat_map(Stretch::mapped).collect();
         assert_eq!(mapped, PAPER_FRAMES.map(|frame| frame - 1));
-        let simulated: Vec<u32> = runs.iter().enumerate().flat_map(|(i, run)| run.simulated(i, false)).collect();
+        let sampled = Detail::Sampled("5%".parse().unwrap());
+        let simulated = runs.iter().enumerate().flat_map(|(i, run)| run.simulated(i, 700, (false, sampled)));
+        let simulated: Vec<u32> = simulated.collect();
         assert_eq!(simulated, [0, 339, 599]);
         // A short path has what there is of it.
         assert_eq!(stretches(2, false), [Stretch { first: 0, counted: 0, end: 2 }]);
@@ -266,9 +284,15 @@ mod tests {
         assert_eq!(counted, (0..700).collect::<Vec<_>>());
         assert!(runs[1..].iter().all(|run| run.first + EARLY_FULL == run.counted));
         assert_eq!(runs.iter().flat_map(Stretch::mapped).count(), PAPER_FRAMES.len());
-        assert_eq!(
-            runs.iter().flat_map(|run| run.simulated(1, true)).collect::<Vec<_>>(),
-            (0..700).collect::<Vec<_>>()
-        );
+        let simulated = |length, detail| -> Vec<u32> {
+            stretches(length, true).iter().flat_map(|run| run.simulated(1, length, (true, detail))).collect()
+        };
+        assert_eq!(simulated(700, Detail::Full), (0..700).collect::<Vec<_>>());
+        // A sample of the tiles is one of the frames, if the path is long enough.
+        let sampled = Detail::Sampled("5%".parse().unwrap());
+        let some = simulated(700, sampled);
+        assert_eq!((some.len(), &some[..3], &some[62..]), (65, &[0, 11, 22][..], &[682, 693, 699][..]));
+        assert_eq!(simulated(209, sampled), (0..209).collect::<Vec<_>>());
+        assert_eq!(simulated(210, sampled).len(), 21);
     }
 }

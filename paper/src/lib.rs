@@ -24,6 +24,7 @@
 mod ablations;
 pub mod anchors;
 mod animation;
+pub mod between;
 mod claims;
 mod error;
 mod estimates;

@@ -56,7 +56,7 @@ pub struct Contender {
     pub animated: When,
     /// Whether the paper's frames of the animation are simulated and its maps shown.
     pub mapped: bool,
-    /// Whether all frames of the animation are simulated, with `--full`.
+    /// Whether the whole animation is simulated, or estimated from a sample of its frames, with `--full`.
     pub flown: bool,
 }
 

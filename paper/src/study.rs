@@ -134,6 +134,9 @@ fn notes(setup: &Setup, experiment: &Experiment, scenes: &[Scene]) -> Vec<String
             let simulated = animation.simulated(setup);
             let part = if has_units { " (T&I units alone)" } else { "" };
             note += &format!("; {simulated} of them are simulated on the machine{part}, under some of the policies");
+            if animation.estimates(setup) {
+                note += ", and the others estimated from these, by their rays";
+            }
         }
         note += ". In it multi-rate policies have the frames before to go by; all other results are of one frame without history.";
         notes.push(note);

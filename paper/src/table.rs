@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use rayreel_study::schema::{Ablation, Gain, Point, Study, Track};
+use rayreel_study::schema::{Ablation, Gain, Point, Study};
 
 use crate::claims::claims;
 use crate::policies::{MODES, word};
@@ -19,7 +19,7 @@ pub fn table(study: &Study) -> String {
     }
     text += &claims(study, &evaluated(study).collect::<Vec<_>>());
     text += &all(study);
-    text += &animation(&study.tracks);
+    text += &animation(study);
     text += &ablations(&study.ablations);
     text += &systems::table(study);
     text += "\nnotes\n";
@@ -242,14 +242,22 @@ fn geometric_mean(values: Vec<Option<f64>>) -> Option<f64> {
 }
 
 /// The animation: sums over its frames.
-fn animation(tracks: &[Track]) -> String {
+fn animation(study: &Study) -> String {
+    let tracks = &study.tracks;
     let Some(first) = tracks.first() else { return String::new() };
+    // A machine without T&I units has only the whole.
+    let is_whole = study.points.iter().any(|p| p.gpu.is_some()) && study.points.iter().all(|p| p.ti.is_none());
     let mut text =
         format!("\nthe animation of {}, {} frames, {}\n\n", first.scene, first.frames.len(), word(&first.mode));
     let _ = writeln!(
         text,
         "{:<24} {:>9} {:>7} {:>8} {:>9} {:>14}",
-        "policy", "ray ratio", "rate %", "PSNR dB", "flicker", "T&I mJ a frame"
+        "policy",
+        "ray ratio",
+        "rate %",
+        "PSNR dB",
+        "flicker",
+        if is_whole { "GPU mJ a frame" } else { "T&I mJ a frame" }
     );
     for track in tracks {
         let frames = &track.frames;
@@ -265,7 +273,7 @@ fn animation(tracks: &[Track]) -> String {
             rate * 100.0,
             or_dash(track.psnr_db, 2),
             or_dash(track.flicker, 3),
-            or_dash(energy, 3)
+            or_dash(energy, 3) + &track.interval.map_or_else(String::new, |i| plus_minus(i.energy_mj))
         );
     }
     text

@@ -58,7 +58,7 @@ impl TagMemory {
     fn fetch(&mut self, (l1, l2): (&mut Tags, &mut Tags), line: u64, region: Region, counted: &mut CacheCounters) {
         counted.misses += 1;
         counted.fills += 1;
-        counted.evictions += u64::from(l1.fill(line).is_some());
+        counted.evictions += u64::from(l1.insert(line).is_some());
         self.stats.l2.lookups += 1;
         if l2.touch(line) {
             self.stats.l2.hits += 1;
@@ -66,7 +66,7 @@ impl TagMemory {
         }
         self.stats.l2.misses += 1;
         self.stats.l2.fills += 1;
-        if let Some(evicted) = l2.fill(line) {
+        if let Some(evicted) = l2.insert(line) {
             self.stats.l2.evictions += 1;
             if self.inclusive {
                 self.evicted.push(evicted);
@@ -77,7 +77,7 @@ impl TagMemory {
 
     /// Lines that go past the caches.
     pub fn transfer_all(&mut self, lines: Lines, region: Region, route: Route) {
-        (lines.first..=lines.last).for_each(|line| self.transfer(line, region, route));
+        lines.each(|line| self.transfer(line, region, route));
     }
 
     fn transfer(&mut self, line: u64, region: Region, route: Route) {

@@ -12,7 +12,7 @@ use crate::link::RayRef;
 use crate::memory::{CacheCounters, Tags};
 use crate::stats::CoreStats;
 use crate::ti::{IstCounters, TrvCounters};
-use crate::work::layout::{Layout, Lines, Region};
+use crate::work::layout::{Layout, Region};
 use crate::work::ops::{Op, OpKind};
 use crate::work::topology::Topology;
 use crate::work::{RayWork, TileWork};
@@ -252,11 +252,9 @@ impl RayTracer {
     #[inline(always)]
     fn visit(&self, node: u32, unit: &mut Unit<'_>) {
         unit.events.node_visits += 1;
-        let Lines { first, last } = self.layout.node(node);
-        unit.node_lines += last - first + 1;
-        for line in first..=last {
-            unit.memory.look_up((unit.trv, unit.l2), line, Region::Node, &mut unit.l1);
-        }
+        let lines = self.layout.node(node);
+        unit.node_lines += lines.count();
+        lines.each(|line| unit.memory.look_up((unit.trv, unit.l2), line, Region::Node, &mut unit.l1));
     }
 
     #[inline(always)]
@@ -274,11 +272,9 @@ impl RayTracer {
             (&mut unit.ist[next], lines, l1)
         };
         for triangle in triangle..triangle + tests {
-            let Lines { first, last } = self.layout.triangle(triangle);
-            *lines += last - first + 1;
-            for line in first..=last {
-                unit.memory.look_up((tags, unit.l2), line, Region::Triangle, l1);
-            }
+            let of_triangle = self.layout.triangle(triangle);
+            *lines += of_triangle.count();
+            of_triangle.each(|line| unit.memory.look_up((tags, unit.l2), line, Region::Triangle, l1));
         }
     }
 

@@ -252,7 +252,7 @@ impl Shader {
         }
         let lines = self.layout.lines(region.base() + offset, bytes);
         memory.transfer_all(lines, region, route);
-        *counted.srp.dma.of(region, route == Route::Read) += (lines.last - lines.first + 1) * self.line_bytes;
+        *counted.srp.dma.of(region, route == Route::Read) += lines.count() * self.line_bytes;
     }
 
     /// Messages of so many bytes that go through memory, as densely as they can be packed.

@@ -174,7 +174,7 @@ impl L2Cache {
         self.mshrs_free.push(mshr as u32);
         self.on_their_way[bucket(line)] -= 1;
         self.counters.fills += 1;
-        if let Some(evicted) = self.tags.fill(line) {
+        if let Some(evicted) = self.tags.insert(line) {
             self.counters.evictions += 1;
             if self.inclusive {
                 self.evicted.push(evicted);

@@ -61,7 +61,7 @@ impl Dma {
 
     /// Queues a transfer of slot `slot`.
     pub fn add(&mut self, slot: u8, region: Region, route: Route, lines: Lines) {
-        let left = lines.last - lines.first + 1;
+        let left = lines.count();
         self.transfers.push_back(Transfer { slot, region, route, line: lines.first, left });
         self.pending[slot as usize] += left;
     }

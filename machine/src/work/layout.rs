@@ -83,6 +83,27 @@ pub struct Lines {
     pub last: u64,
 }
 
+impl Lines {
+    /// How many there are.
+    #[inline]
+    pub fn count(self) -> u64 {
+        self.last - self.first + 1
+    }
+
+    /// Shows each line, the first of them first. There is always one, so nothing is asked before it: mostly it is the only one.
+    #[inline(always)]
+    pub fn each(self, mut see: impl FnMut(u64)) {
+        let mut line = self.first;
+        loop {
+            see(line);
+            if line == self.last {
+                return;
+            }
+            line += 1;
+        }
+    }
+}
+
 /// Bytes that lie side by side.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Span {

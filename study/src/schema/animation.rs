@@ -40,6 +40,10 @@ pub struct Track {
     pub mode: String,
     /// Its frames, in order.
     pub frames: Vec<TrackFrame>,
+    /// How far the means of time, power and energy over the frames may be off; null if every frame was simulated, or none, or some but
+    /// the others not estimated.
+    #[serde(default)]
+    pub interval: Option<CostInterval>,
     /// Flicker: temporal difference error against `full`; smaller is steadier; null if not measured.
     pub flicker: Option<f64>,
     /// PSNR of the mean squared error over all frames, dB; null for identical pictures or without a comparison.
@@ -62,7 +66,8 @@ pub struct TrackFrame {
     pub time_ms: Option<f64>,
     /// Energy of the T&I units alone, mJ; null without a machine.
     pub energy_mj: Option<f64>,
-    /// How far time, power and energy may be off; null if every cycle was simulated.
+    /// How far time, power and energy may be off; null if every cycle was simulated. A frame that was not simulated may be estimated
+    /// from the frames before and after it.
     pub interval: Option<CostInterval>,
     /// PSNR, dB; null for identical pictures or without a comparison.
     pub psnr_db: Option<f64>,

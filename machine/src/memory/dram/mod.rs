@@ -8,6 +8,7 @@
 //! channel's queue. Read data pass the other half of the controller and the synchroniser of the T&I clock. Queue entries are
 //! credits held on the T&I side: one is taken when the request is accepted, and it comes back without delay.
 
+mod address;
 mod channel;
 mod device;
 mod queue;
@@ -18,6 +19,7 @@ pub(super) mod tests;
 
 use std::collections::VecDeque;
 
+pub use address::{AddressMap, DramAddress};
 pub use channel::ChannelCounters;
 
 use channel::Channel;
@@ -29,79 +31,6 @@ use crate::time::{ClockCycle, Crossing, DramCycle, TiCycle, When};
 
 /// Most banks of a channel that the model takes; LPDDR4 has 8.
 const BANKS_MAX: u32 = 64;
-
-/// Where a line lies.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct DramAddress {
-    /// Channel.
-    pub channel: usize,
-    /// Bank of the channel.
-    pub bank: u8,
-    /// Row of the bank.
-    pub row: u64,
-}
-
-/// Which lines lie where.
-#[derive(Clone, Copy, Debug)]
-pub struct AddressMap {
-    channels: u64,
-    banks: u64,
-    /// Lines of a row, and of what is in a channel before the next channel's turn.
-    row_lines: u64,
-    block_lines: u64,
-    hash: bool,
-}
-
-impl AddressMap {
-    /// That of `config`, with lines of `line_bytes`.
-    pub fn new(config: &config::Dram, line_bytes: u32) -> Self {
-        Self {
-            channels: config.channels.into(),
-            banks: config.banks.into(),
-            row_lines: (config.row_bytes / line_bytes).into(),
-            block_lines: (config.interleave_bytes / line_bytes).max(1).into(),
-            hash: config.hash,
-        }
-    }
-
-    /// Where a line lies.
-    #[inline]
-    pub fn address(&self, line: u64) -> DramAddress {
-        let (block, offset) = (line / self.block_lines, line % self.block_lines);
-        let (channel, above) = (block % self.channels, block / self.channels);
-        let row_number = (above * self.block_lines + offset) / self.row_lines;
-        let (bank, row) = (row_number % self.banks, row_number / self.banks);
-        if !self.hash {
-            return DramAddress { channel: channel as usize, bank: bank as u8, row };
-        }
-        // Both numbers are powers of two: what is folded in permutes them, so no two lines meet.
-        let channel = (channel ^ fold(above, self.channels)) as usize;
-        DramAddress { channel, bank: (bank ^ fold(row, self.banks)) as u8, row }
-    }
-
-    /// The channel of a line.
-    #[inline]
-    pub fn channel(&self, line: u64) -> usize {
-        let block = line / self.block_lines;
-        let (channel, above) = (block % self.channels, block / self.channels);
-        (if self.hash { channel ^ fold(above, self.channels) } else { channel }) as usize
-    }
-}
-
-/// All bits of `bits`, folded to a number below `count`, a power of two.
-#[inline]
-fn fold(mut bits: u64, count: u64) -> u64 {
-    let (mask, width) = (count - 1, count.trailing_zeros());
-    if width == 0 {
-        return 0;
-    }
-    let mut folded = 0;
-    while bits != 0 {
-        folded ^= bits & mask;
-        bits >>= width;
-    }
-    folded
-}
 
 /// A line that is read, on its way there and back.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -219,7 +219,7 @@ impl L1Cache {
         self.change();
         if mshr.keep {
             self.counters.fills += 1;
-            self.counters.evictions += u64::from(self.tags.fill(line).is_some());
+            self.counters.evictions += u64::from(self.tags.insert(line).is_some());
         } else {
             self.counters.dropped += 1;
         }

@@ -159,7 +159,7 @@ fn hits_are_those_of_the_tags_alone() {
     let (mut now, mut hits) = (0, 0);
     for _ in 0..5000 {
         let line = dice.roll(2000);
-        hits += u64::from(tags.touch(line) || tags.fill(line).is_some_and(|_| false));
+        hits += u64::from(tags.touch(line) || tags.insert(line).is_some_and(|_| false));
         assert!(memory.request(TiCycle(now), cached(0, line)));
         while let Some(TiCycle(next)) = memory.next_event(TiCycle(now)).cycle() {
             now = next;

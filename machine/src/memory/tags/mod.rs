@@ -93,11 +93,9 @@ impl Tags {
         in_width!(&self.sets, sets => sets.contains(set, Tag::new(tag)))
     }
 
-    /// Puts `line` in and returns the line that had to leave. A line that is already here counts as used again.
-    pub fn fill(&mut self, line: u64) -> Option<u64> {
-        if self.touch(line) {
-            return None;
-        }
+    /// Puts `line` in, which is not here, and returns the line that had to leave.
+    pub fn insert(&mut self, line: u64) -> Option<u64> {
+        debug_assert!(!self.contains(line), "a line comes once");
         let (set, tag) = self.place(line);
         let way = if self.replacement == Replacement::Random { Some(self.random_way(set)) } else { None };
         let evicted = in_width!(&mut self.sets, sets => match way {

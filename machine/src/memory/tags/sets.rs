@@ -93,7 +93,11 @@ impl<T: Tag> Sets<T> {
     /// Puts `tag`, which is not there, into `set` as the youngest; returns what leaves, the oldest.
     #[inline]
     pub fn push(&mut self, set: usize, tag: T) -> T {
-        self.set_mut(set).iter_mut().fold(tag, |tag, way| std::mem::replace(way, tag))
+        match self.ways {
+            4 => push::<T, 4>(self.set_mut(set), tag),
+            8 => push::<T, 8>(self.set_mut(set), tag),
+            _ => self.set_mut(set).iter_mut().fold(tag, |tag, way| std::mem::replace(way, tag)),
+        }
     }
 
     /// Puts `tag` into a way of `set`; returns what was there.
@@ -148,4 +152,14 @@ fn touch<T: Tag, const N: usize>(set: &mut [T], tag: T) -> bool {
         }
     }
     found
+}
+
+/// As [`Sets::push`], for `N` ways.
+#[inline(always)]
+fn push<T: Tag, const N: usize>(set: &mut [T], tag: T) -> T {
+    let set: &mut [T; N] = set.try_into().expect("a set has N ways");
+    let before = *set;
+    set[1..].copy_from_slice(&before[..N - 1]);
+    set[0] = tag;
+    before[N - 1]
 }

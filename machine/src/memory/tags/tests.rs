@@ -30,7 +30,7 @@ impl Plain {
 }
 
 fn access(tags: &mut Tags, line: u64) -> (bool, Option<u64>) {
-    if tags.touch(line) { (true, None) } else { (false, tags.fill(line)) }
+    if tags.touch(line) { (true, None) } else { (false, tags.insert(line)) }
 }
 
 /// Random lines, some near, some far, and loops of several lengths.
@@ -67,9 +67,9 @@ fn lru_and_fifo_are_those_of_a_plain_list() {
 fn lru_and_fifo_differ_when_an_old_line_is_used() {
     for (replacement, leaves) in [(Replacement::Lru, 2), (Replacement::Fifo, 1)] {
         let mut tags = Tags::new(128, 2, 64, replacement);
-        assert_eq!((tags.fill(1), tags.fill(2)), (None, None));
+        assert_eq!((tags.insert(1), tags.insert(2)), (None, None));
         assert!(tags.touch(1));
-        assert_eq!(tags.fill(3), Some(leaves));
+        assert_eq!(tags.insert(3), Some(leaves));
     }
 }
 
@@ -77,7 +77,7 @@ fn lru_and_fifo_differ_when_an_old_line_is_used() {
 fn random_replacement_is_reproducible_and_uses_free_ways_first() {
     let run = || {
         let mut tags = Tags::new(4 * 64, 4, 64, Replacement::Random);
-        (0..400).map(|line| tags.fill(line)).collect::<Vec<_>>()
+        (0..400).map(|line| tags.insert(line)).collect::<Vec<_>>()
     };
     let evicted = run();
     assert_eq!(evicted, run());
@@ -90,11 +90,11 @@ fn random_replacement_is_reproducible_and_uses_free_ways_first() {
 fn an_invalid_way_is_filled_first() {
     for replacement in [Replacement::Lru, Replacement::Fifo, Replacement::Random] {
         let mut tags = Tags::new(4 * 64, 4, 64, replacement);
-        (0..4).for_each(|line| assert_eq!(tags.fill(line), None));
+        (0..4).for_each(|line| assert_eq!(tags.insert(line), None));
         assert!(tags.invalidate(2) && !tags.invalidate(2) && !tags.contains(2));
-        assert_eq!(tags.fill(9), None);
+        assert_eq!(tags.insert(9), None);
         assert!([0, 1, 3, 9].into_iter().all(|line| tags.contains(line)));
-        assert!(tags.fill(10).is_some());
+        assert!(tags.insert(10).is_some());
     }
 }
 

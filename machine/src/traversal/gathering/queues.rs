@@ -198,7 +198,7 @@ impl Queues {
     /// Takes rays of queue `id`, as many as its testers test in a cycle.
     pub fn take(&mut self, id: usize) -> Option<Taken> {
         let queue = self.queues[id].as_mut()?;
-        let late_reads = if queue.again { queue.lines.last - queue.lines.first + 1 } else { 0 };
+        let late_reads = if queue.again { queue.lines.count() } else { 0 };
         queue.again = true;
         let tester = testers(queue.region);
         let take = queue.rays.len().min(self.width[tester]);

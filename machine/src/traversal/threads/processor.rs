@@ -324,12 +324,11 @@ impl Processor {
         self.data.warm(data);
         let mut code = self.code.tags().clone();
         for block in [BlockId::Ray, BlockId::Visit, BlockId::Triangle, BlockId::Pop] {
-            let Lines { first, last } = self.program.code(block);
-            for line in first..=last {
+            self.program.code(block).each(|line| {
                 if !code.touch(line) {
-                    code.fill(line);
+                    code.insert(line);
                 }
-            }
+            });
         }
         self.code.warm(&code);
     }

@@ -54,7 +54,8 @@ pub fn section(view: &StudyView<'_>) -> Option<Section> {
         html += &how_to_read(
             "One line for each policy over the frames of the camera path; point at a frame to read its values. A missing piece of \
              a PSNR line is a frame that equals the reference. Flicker is the error of the change from frame to frame: smaller is \
-             steadier.",
+             steadier. Where a sample of the frames was simulated, power, energy and time of the others are estimated from the simulated \
+             frames before and after, by their rays; the table says how far means over the path may be off.",
         );
     }
     Section::new("animation", "The animation, frame by frame", html)
@@ -108,8 +109,9 @@ fn totals(scene: &str, tracks: &[&Track], part: &str) -> String {
         let energy: Vec<f64> = track.frames.iter().filter_map(|f| f.energy_mj).collect();
         let sum = energy.iter().sum::<f64>();
         let off = |f: &TrackFrame| Some(f.energy_mj? * f.interval?.energy_mj);
-        // Frames that are alike may be off alike.
-        let within = track.frames.iter().filter_map(off).sum::<f64>() / sum;
+        // Frames that are alike may be off alike, if they were estimated one by one.
+        let one_by_one = || track.frames.iter().filter_map(off).sum::<f64>() / sum;
+        let within = track.interval.map_or_else(one_by_one, |interval| interval.energy_mj);
         let energy = (!energy.is_empty()).then(|| sum / energy.len() as f64);
         let cells = vec![
             escape(&track.policy),
