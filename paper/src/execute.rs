@@ -139,23 +139,25 @@ impl Execution<'_> {
     /// Computes points and keeps what comes of them.
     fn compute(&mut self, jobs: &Jobs) -> Result<()> {
         let Self { plan, pool, maker, ledger, found, .. } = self;
-        let work = |_, job: &Job| jobs.run(job, plan, pool, &maker.meter);
-        pool.run(&jobs.list, work, |event| {
-            let Event::Done { index, result } = event else { return Ok(()) };
-            let job = &jobs.list[index];
-            let computed = match result {
-                // What others have finished is still to be kept.
-                Err(error) if error.is_interruption() => return Ok(()),
-                result => result?,
-            };
-            for ((number, ..), computed) in job.points.iter().zip(computed) {
-                ledger.keep(*number, computed)?;
-            }
-            maker.meter.close(Item::Point(job.points[0].0), job.weight);
-            for text in job.points.iter().flat_map(|(number, ..)| found(*number, ledger)) {
-                maker.meter.found(&text);
-            }
-            Ok::<_, PaperError>(())
+        jobs.groups.iter().try_for_each(|group| {
+            let work = |_, job: &Job| jobs.run((group, job), plan, pool, &maker.meter);
+            group.pool(pool).run(&group.list, work, |event| {
+                let Event::Done { index, result } = event else { return Ok(()) };
+                let job = &group.list[index];
+                let computed = match result {
+                    // What others have finished is still to be kept.
+                    Err(error) if error.is_interruption() => return Ok(()),
+                    result => result?,
+                };
+                for ((number, ..), computed) in job.points.iter().zip(computed) {
+                    ledger.keep(*number, computed)?;
+                }
+                maker.meter.close(Item::Point(job.points[0].0), job.weight);
+                for text in job.points.iter().flat_map(|(number, ..)| found(*number, ledger)) {
+                    maker.meter.found(&text);
+                }
+                Ok::<_, PaperError>(())
+            })
         })
     }
 

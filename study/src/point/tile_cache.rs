@@ -1,7 +1,7 @@
 //! Tiles that several points read, decoded once.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::{Arc, OnceLock};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use rayreel_formats::scene::{Camera, Meta};
 use rayreel_formats::tile::Tile;
@@ -17,6 +17,8 @@ pub struct TileCache {
     trace: Trace,
     /// By frame and tile.
     tiles: Vec<KeptTile>,
+    /// How often each is read before it is dropped.
+    readers: usize,
     room: Arc<Room>,
     /// Bytes that this trace has of the room.
     bytes: AtomicUsize,
@@ -25,8 +27,21 @@ pub struct TileCache {
 /// What is kept of a tile.
 #[derive(Default)]
 struct KeptTile {
-    tile: OnceLock<PackedTile>,
-    paths: OnceLock<Arc<TilePaths>>,
+    tile: Mutex<Kept<PackedTile>>,
+    paths: Mutex<Kept<Arc<TilePaths>>>,
+}
+
+/// Something that was read, if it is kept.
+struct Kept<T> {
+    value: Option<T>,
+    /// How often it was asked for.
+    reads: usize,
+}
+
+impl<T> Default for Kept<T> {
+    fn default() -> Self {
+        Self { value: None, reads: 0 }
+    }
 }
 
 /// Memory that caches share.
@@ -41,6 +56,20 @@ impl Room {
     pub fn new(limit: usize) -> Arc<Self> {
         Arc::new(Self { used: AtomicUsize::new(0), limit })
     }
+
+    /// Takes so many bytes, if they are free.
+    fn take(&self, bytes: usize) -> bool {
+        // Two may be over the limit for a moment; the one that is gives its share back.
+        let fits = self.used.fetch_add(bytes, Ordering::Relaxed) + bytes <= self.limit;
+        if !fits {
+            self.give(bytes);
+        }
+        fits
+    }
+
+    fn give(&self, bytes: usize) {
+        self.used.fetch_sub(bytes, Ordering::Relaxed);
+    }
 }
 
 impl TileCache {
@@ -51,7 +80,14 @@ impl TileCache {
         let count = meta.frames as usize * meta.tile_count() as usize;
         let count = if count.saturating_mul(size_of::<KeptTile>()) <= room.limit { count } else { 0 };
         let tiles = std::iter::repeat_with(KeptTile::default).take(count).collect();
-        Self { trace, tiles, room: Arc::clone(room), bytes: AtomicUsize::new(0) }
+        Self { trace, tiles, readers: usize::MAX, room: Arc::clone(room), bytes: AtomicUsize::new(0) }
+    }
+
+    /// The same for so many readers who go through the trace side by side: what all of them have read is dropped.
+    #[must_use]
+    pub fn for_readers(mut self, readers: usize) -> Self {
+        self.readers = readers;
+        self
     }
 
     /// The trace.
@@ -74,35 +110,44 @@ impl TileCache {
         self.kept(slot, weight, || PathSource::packed_tile(&self.trace, frame, index))
     }
 
-    /// What stands in `slot`, or else what `make` makes, which is kept if it finds room.
+    /// What stands in `slot`, or else what `make` makes, which is kept if it finds room and someone is still to read it. Who comes while
+    /// it is made waits for it.
     fn kept<T: Clone>(
         &self,
-        slot: Option<&OnceLock<T>>,
+        slot: Option<&Mutex<Kept<T>>>,
         weight: impl Fn(&T) -> usize,
         make: impl FnOnce() -> rayreel_formats::Result<T>,
     ) -> rayreel_formats::Result<T> {
-        if let Some(kept) = slot.and_then(OnceLock::get) {
-            return Ok(kept.clone());
-        }
-        let made = make()?;
-        if let Some(slot) = slot {
-            let bytes = weight(&made);
-            // Both may be over the limit for a moment; the one that is gives its share back.
-            if self.room.used.fetch_add(bytes, Ordering::Relaxed) + bytes <= self.room.limit
-                && slot.set(made.clone()).is_ok()
-            {
+        let Some(slot) = slot else { return make() };
+        let mut kept = slot.lock().unwrap_or_else(PoisonError::into_inner);
+        let value = match kept.value.take() {
+            Some(value) => value,
+            None => {
+                let made = make()?;
+                let bytes = weight(&made);
+                if kept.reads + 1 >= self.readers || !self.room.take(bytes) {
+                    kept.reads = kept.reads.saturating_add(1);
+                    return Ok(made);
+                }
                 self.bytes.fetch_add(bytes, Ordering::Relaxed);
-            } else {
-                self.room.used.fetch_sub(bytes, Ordering::Relaxed);
+                made
             }
+        };
+        kept.reads += 1;
+        if kept.reads < self.readers {
+            kept.value = Some(value.clone());
+        } else {
+            let bytes = weight(&value);
+            self.bytes.fetch_sub(bytes, Ordering::Relaxed);
+            self.room.give(bytes);
         }
-        Ok(made)
+        Ok(value)
     }
 }
 
 impl Drop for TileCache {
     fn drop(&mut self) {
-        self.room.used.fetch_sub(*self.bytes.get_mut(), Ordering::Relaxed);
+        self.room.give(*self.bytes.get_mut());
     }
 }
 
@@ -195,15 +240,43 @@ mod tests {
         assert_eq!(used(), alone);
     }
 
+    #[test]
+    fn what_all_have_read_is_dropped() {
+        let room = Room::new(1 << 30);
+        let cache = TileCache::new(trace(), &room).for_readers(3);
+        let used = || room.used.load(Ordering::Relaxed);
+        let (first, again) = (read(&cache), read(&cache));
+        assert!(Arc::ptr_eq(&first.1, &again.1) && used() > first.1.bytes());
+        let last = read(&cache);
+        assert!(Arc::ptr_eq(&first.1, &last.1));
+        assert_eq!(used(), 0);
+        // Who comes after them, as for a second pass, gets it made again, and nothing is kept for him.
+        let late = read(&cache);
+        assert!(!Arc::ptr_eq(&first.1, &late.1) && late.0 == first.0);
+        assert_eq!(used(), 0);
+        let alone = TileCache::new(trace(), &room).for_readers(1);
+        read(&alone);
+        assert_eq!(used(), 0, "nobody else reads it");
+    }
+
+    #[test]
+    fn who_come_at_once_get_the_same() {
+        let cache = TileCache::new(trace(), &Room::new(1 << 30));
+        let all: Vec<_> = std::thread::scope(|scope| {
+            let readers: Vec<_> = (0..4).map(|_| scope.spawn(|| read(&cache))).collect();
+            readers.into_iter().map(|reader| reader.join().unwrap()).collect()
+        });
+        assert!(all.iter().all(|(tile, paths)| Arc::ptr_eq(tile, &all[0].0) && Arc::ptr_eq(paths, &all[0].1)));
+    }
+
     /// It was the first tile of the frame behind it.
     #[test]
     fn a_tile_that_is_not_there_is_an_error() {
         let mut cache = TileCache::new(trace(), &Room::new(1 << 30));
         let (frame, count) = (cache.meta().first_frame, cache.meta().tile_count());
         // As if there were such a frame, and its first tile were known.
-        cache.tiles.push(KeptTile::default());
         let known = cache.packed_tile(frame, 0).unwrap();
-        cache.tiles[count as usize].tile.set(known).ok().unwrap();
+        cache.tiles.push(KeptTile { tile: Mutex::new(Kept { value: Some(known), reads: 1 }), ..KeptTile::default() });
         let (found, want) = (cache.tile(frame, count), TileSource::tile(cache.trace(), frame, count));
         assert_eq!(found.unwrap_err().to_string(), want.unwrap_err().to_string());
     }
