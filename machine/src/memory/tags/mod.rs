@@ -34,6 +34,7 @@ pub struct Tags {
     sets: Width,
     ways: usize,
     set_bits: u32,
+    set_mask: u64,
     replacement: Replacement,
     /// Four ways and LRU.
     is_usual: bool,
@@ -57,13 +58,21 @@ impl Tags {
         } else {
             Width::Wide(Sets::new(sets as usize, ways))
         };
-        Self { sets, ways, set_bits, replacement, is_usual: ways == 4 && replacement == Replacement::Lru, random: SEED }
+        Self {
+            sets,
+            ways,
+            set_bits,
+            set_mask: (1 << set_bits) - 1,
+            replacement,
+            is_usual: ways == 4 && replacement == Replacement::Lru,
+            random: SEED,
+        }
     }
 
     /// The number of a line's set, and its tag.
     #[inline]
     fn place(&self, line: u64) -> (usize, u64) {
-        ((line & ((1 << self.set_bits) - 1)) as usize, line >> self.set_bits)
+        ((line & self.set_mask) as usize, line >> self.set_bits)
     }
 
     /// Whether `line` is here; a hit refreshes it (LRU).

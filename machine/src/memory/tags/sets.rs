@@ -138,17 +138,13 @@ fn among<T: Tag, const N: usize>(set: &[T], tag: T) -> bool {
 #[inline(always)]
 fn touch<T: Tag, const N: usize>(set: &mut [T], tag: T) -> bool {
     let set: &mut [T; N] = set.try_into().expect("a set has N ways");
-    // Mostly it is the youngest already.
-    if set[0] == tag {
-        return true;
-    }
     let found = among::<T, N>(set, tag);
     if found {
-        let (mut passed, mut younger) = (false, tag);
-        for way in set {
-            let old = *way;
-            *way = if passed { old } else { younger };
-            (passed, younger) = (passed | (old == tag), old);
+        let (before, mut passed) = (*set, false);
+        set[0] = tag;
+        for way in 1..N {
+            passed |= before[way - 1] == tag;
+            set[way] = if passed { before[way] } else { before[way - 1] };
         }
     }
     found
