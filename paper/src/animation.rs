@@ -293,6 +293,53 @@ mod tests {
         let some = simulated(700, sampled);
         assert_eq!((some.len(), &some[..3], &some[62..]), (65, &[0, 11, 22][..], &[682, 693, 699][..]));
         assert_eq!(simulated(209, sampled), (0..209).collect::<Vec<_>>());
-        assert_eq!(simulated(210, sampled).len(), 21);
+        assert_eq!(simulated(210, sampled).len(), 20);
+    }
+
+    /// A box seen from a camera that goes by, under policies of one sample a pixel.
+    fn flight(detail: Detail) -> Vec<Track> {
+        let mut scene = rayreel_scenes::load("cornell").unwrap();
+        let camera = scene.cameras[0];
+        let passing = |frame: u32| {
+            let (mut camera, aside) = (camera, 0.002 * f64::from(frame));
+            camera.eye[0] += aside as f32;
+            camera
+        };
+        scene.cameras = (0..EVERY * between::FEWEST as u32).map(passing).collect();
+        let machines = crate::Machines::load("sgrt-ti2", false).unwrap();
+        let setup = Setup::new([scene], Some(machines)).unwrap();
+        let setup = Setup { size: (16, 8), full: true, detail, ..setup };
+        let place = tempfile::tempdir().unwrap();
+        let folders =
+            crate::Folders { cache: place.path().join("cache"), out: place.path().join("out"), reuse: Vec::new() };
+        crate::run(&setup, &folders, 2, &rayreel_replay::Stop::never(), &mut |_| {}).unwrap().study.tracks
+    }
+
+    #[test]
+    fn an_estimated_flight_is_near_that_of_every_frame() {
+        let (estimated, whole) = (flight(crate::detail()), flight(Detail::Full));
+        let mut simulated = 0;
+        for (estimated, whole) in estimated.iter().zip(&whole) {
+            assert_eq!((&estimated.policy, whole.interval), (&whole.policy, None));
+            let Some(interval) = estimated.interval else {
+                assert!(estimated.frames.iter().all(|frame| frame.energy_mj.is_none()), "{}", estimated.policy);
+                continue;
+            };
+            simulated += 1;
+            for (of, is) in estimated.frames.iter().zip(&whole.frames) {
+                let is_simulated = (of.frame - 1).is_multiple_of(EVERY) || of.frame as usize == whole.frames.len();
+                assert!(is_simulated == of.interval.is_none() && (!is_simulated || of == is), "{of:?} {is:?}");
+                // Rays and pictures are those of every frame.
+                let exact = |f: &TrackFrame| (f.rays_traced, f.psnr_db, f.similarity_ratio);
+                assert_eq!(exact(of), exact(is));
+            }
+            let sum = |track: &Track, of: fn(&TrackFrame) -> Option<f64>| {
+                track.frames.iter().map(|frame| of(frame).unwrap()).sum::<f64>()
+            };
+            let off = |of| (sum(estimated, of) / sum(whole, of) - 1.0).abs();
+            let (energy, time) = (off(|f| f.energy_mj), off(|f| f.time_ms));
+            assert!(energy <= interval.energy_mj && time <= interval.cycles, "{}: {energy}, {time}", whole.policy);
+        }
+        assert_eq!(simulated, 6);
     }
 }

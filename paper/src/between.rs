@@ -3,7 +3,7 @@
 //! What a ray takes changes slowly along a camera path, and how many rays a frame traces is known of every frame. So time and energy a ray
 //! of two simulated frames are interpolated, and a frame between them takes that times its own rays. How far such estimates may be off
 //! is seen at the simulated frames themselves: each is estimated from its two neighbours too, which lie further away from it than those
-//! of a frame between two. `docs/results.md` compares a flight of which every frame was simulated.
+//! of a frame between two. `docs/detail.md` compares a flight of which every frame was simulated.
 
 use rayreel_study::schema::{CostInterval, TrackFrame};
 
@@ -84,8 +84,8 @@ pub fn estimate(frames: &mut [TrackFrame]) -> Option<CostInterval> {
     let (mut sum, mut of_gaps) = (Parts::default(), Parts::default());
     for pair in known.windows(2) {
         let mut gap = Parts::default();
-        for at in pair[0].at + 1..pair[1].at {
-            let frame = &mut frames[at];
+        let first = pair[0].at + 1;
+        for (at, frame) in (first..).zip(&mut frames[first..pair[1].at]) {
             let Known { time, energy, .. } = pair[0].towards(pair[1], at);
             let (time, energy) = (time * rays(frame), energy * rays(frame));
             (frame.time_ms, frame.energy_mj) = (Some(time), Some(energy));
@@ -170,11 +170,11 @@ mod tests {
 
     #[test]
     fn nothing_is_made_of_too_few_frames() {
-        let (_, mut few) = flight(200, 11, |_| 1.0);
+        let (_, mut few) = flight(190, 11, |_| 1.0);
         let before = few.clone();
-        assert_eq!((estimate(&mut few), few), (None, before));
+        assert!(estimate(&mut few).is_none() && few == before);
         let (whole, mut all) = flight(300, 1, |_| 1.0);
-        assert_eq!((estimate(&mut all), all), (None, whole));
+        assert!(estimate(&mut all).is_none() && all == whole);
         let (_, mut open) = flight(300, 11, |_| 1.0);
         open[0].energy_mj = None;
         assert_eq!(estimate(&mut open), None, "nothing lies before the first");

@@ -20,7 +20,7 @@ pub fn note(setup: &Setup, points: &[Point]) -> Option<String> {
     let (simulated, estimated) = counted(points);
     if estimated == 0 {
         let asked = if setup.detail == setup::detail() { "is the default" } else { "was asked for" };
-        return Some(format!("Every cycle was simulated, though {} {asked}: {WHY_WHOLE}.", setup.detail));
+        return Some(format!("Every cycle of the points was simulated, though {} {asked}: {WHY_WHOLE}.", setup.detail));
     }
     let mut note = format!(
         "Cycles, power, energy and gains of {estimated} of {simulated} points are estimates from simulations {what}; rays, samples \

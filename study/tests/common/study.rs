@@ -188,6 +188,7 @@ fn track(policy: &str, strength: f64) -> Track {
         policy: policy.into(),
         mode: "2x2".into(),
         frames: (1..=5).map(frame).collect(),
+        interval: None,
         flicker: Some(0.002),
         psnr_db: Some(41.0),
     }
