@@ -107,7 +107,7 @@ impl Execution<'_> {
             for (capture, trace) in batch.iter().zip(&made) {
                 self.know(*capture, trace)?;
             }
-            let jobs = Jobs::new(self.plan, &self.ledger, batch, made);
+            let jobs = Jobs::new((self.plan, self.pool.threads), &self.ledger, batch, made);
             let later = batches[i + 1..].iter().flatten().chain(live);
             let later = later.map(|i| capture_weight(&self.plan.captures[*i]) + left(self.plan, &self.ledger, *i));
             self.maker.meter.left(jobs.weight() + later.sum::<u64>());

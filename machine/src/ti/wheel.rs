@@ -227,11 +227,11 @@ mod tests {
     #[test]
     fn places_are_used_again() {
         let mut wheel = Wheel::new(100);
-        for now in (0..1000).map(TiCycle) {
-            wheel.advance(now);
-            assert_eq!(wheel.take(now).is_some(), now.0 >= 64);
-            assert_eq!(wheel.take(now), None);
-            wheel.push(now + 64, at(0));
+        for cycle in (0..1000).map(TiCycle) {
+            wheel.advance(cycle);
+            assert_eq!(wheel.take(cycle).is_some(), cycle.0 >= 64);
+            assert_eq!(wheel.take(cycle), None);
+            wheel.push(cycle + 64, at(0));
         }
         assert_eq!(wheel.pool.len(), 64);
     }

@@ -8,7 +8,8 @@ use std::time::Duration;
 
 use rayreel_replay::Stop;
 
-/// How far the first may be ahead of the last, tiles. A job runs as far ahead of its machine again, by memory.
+/// How far the first may be ahead of the last, tiles that their machines are through with. Each decodes further ahead than its machine is, as
+/// far as the memory for what waits there reaches.
 const LEAD: u64 = 32;
 
 /// How often who waits looks whether all is to stop.

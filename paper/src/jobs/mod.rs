@@ -72,9 +72,9 @@ impl Group {
         Self::new(list, Some(convoy))
     }
 
-    /// The threads that run its jobs.
+    /// The threads that run its jobs: one for each that goes side by side with others, for nobody could wait for one that has not begun.
     pub fn pool(&self, pool: &Pool) -> Pool {
-        let threads = if self.convoy.is_some() { self.list.len().max(pool.threads) } else { pool.threads };
+        let threads = if self.convoy.is_some() { self.list.len() } else { pool.threads };
         Pool { threads, ..pool.clone() }
     }
 }
@@ -109,13 +109,18 @@ fn go_side_by_side(list: &[Job], capture: &Capture) -> bool {
 }
 
 impl Jobs {
-    /// What is missing on captures, of which these are the traces.
-    pub fn new(plan: &Plan<'_>, ledger: &Ledger<'_>, captures: &[usize], traces: Vec<Trace>) -> Self {
+    /// What is missing on captures, of which these are the traces. With one thread one job runs after the other.
+    pub fn new(
+        (plan, threads): (&Plan<'_>, usize),
+        ledger: &Ledger<'_>,
+        captures: &[usize],
+        traces: Vec<Trace>,
+    ) -> Self {
         let (mut groups, mut others) = (Vec::new(), Vec::new());
         let (mut shared, room) = (BTreeMap::new(), Room::new(DECODED));
         for (&capture, trace) in captures.iter().zip(traces) {
             let list = jobs_on(capture, plan, ledger);
-            let (left, side_by_side) = (list.len(), go_side_by_side(&list, &plan.captures[capture]));
+            let (left, side_by_side) = (list.len(), threads > 1 && go_side_by_side(&list, &plan.captures[capture]));
             let cache = TileCache::new(trace, &room);
             let cache = if side_by_side { cache.for_readers(left) } else { cache };
             if left > 0 {

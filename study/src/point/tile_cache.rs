@@ -120,28 +120,28 @@ impl TileCache {
     ) -> rayreel_formats::Result<T> {
         let Some(slot) = slot else { return make() };
         let mut kept = slot.lock().unwrap_or_else(PoisonError::into_inner);
-        let value = match kept.value.take() {
-            Some(value) => value,
-            None => {
-                let made = make()?;
-                let bytes = weight(&made);
-                if kept.reads + 1 >= self.readers || !self.room.take(bytes) {
-                    kept.reads = kept.reads.saturating_add(1);
-                    return Ok(made);
-                }
-                self.bytes.fetch_add(bytes, Ordering::Relaxed);
-                made
-            }
-        };
+        let known = kept.value.take();
+        let was_kept = known.is_some();
+        let value = known.map_or_else(make, Ok)?;
         kept.reads += 1;
-        if kept.reads < self.readers {
+        if kept.reads < self.readers && (was_kept || self.take(weight(&value))) {
             kept.value = Some(value.clone());
-        } else {
-            let bytes = weight(&value);
-            self.bytes.fetch_sub(bytes, Ordering::Relaxed);
-            self.room.give(bytes);
+        } else if was_kept {
+            self.give(weight(&value));
         }
         Ok(value)
+    }
+
+    /// Takes so many bytes of the room, if they are free.
+    fn take(&self, bytes: usize) -> bool {
+        let fits = self.room.take(bytes);
+        self.bytes.fetch_add(if fits { bytes } else { 0 }, Ordering::Relaxed);
+        fits
+    }
+
+    fn give(&self, bytes: usize) {
+        self.bytes.fetch_sub(bytes, Ordering::Relaxed);
+        self.room.give(bytes);
     }
 }
 

@@ -41,7 +41,7 @@ pub struct Track {
     /// Its frames, in order.
     pub frames: Vec<TrackFrame>,
     /// How far the means of time, power and energy over the frames may be off; null if every frame was simulated, or none, or some but
-    /// the others not estimated.
+    /// the others not estimated. Not in studies of schema 3, which `examples/between.rs` reads.
     #[serde(default)]
     pub interval: Option<CostInterval>,
     /// Flicker: temporal difference error against `full`; smaller is steadier; null if not measured.

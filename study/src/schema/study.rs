@@ -11,7 +11,7 @@ use crate::schema::systems::SystemPoint;
 use crate::schema::viewer::ViewerSet;
 
 /// Version of the structs below; a reader refuses any other.
-pub const SCHEMA: u32 = 3;
+pub const SCHEMA: u32 = 4;
 
 /// Name of the file in the study's folder.
 pub const FILE: &str = "study.json";

@@ -90,9 +90,9 @@ fn fold(mut bits: u64, count: u64) -> u64 {
         return 0;
     }
     // The upper half of the digits to the lower half, and so on.
-    let mut half = width << (u64::BITS.div_ceil(width) - 1).checked_ilog2().unwrap_or(0);
+    let mut half = width << (u64::BITS.div_ceil(width) - 1).ilog2();
     while half >= width {
-        bits ^= bits.checked_shr(half).unwrap_or(0);
+        bits ^= bits >> half;
         half /= 2;
     }
     bits & (count - 1)
