@@ -69,7 +69,7 @@ fn errors_say_what_to_do() {
     fs::write(&file, "{\"schema\": 1,\n \"tool\": ").unwrap();
     report(65, &["study.json", "line 2", "write it again"]);
     fs::write(&file, "{\"schema\": 7}").unwrap();
-    report(65, &["schema 7", "reads 3"]);
+    report(65, &["schema 7", &format!("reads {}", rayreel_study::schema::SCHEMA)]);
     write(dir);
     fs::write(dir.join("error.png"), "not a picture").unwrap();
     report(65, &["error.png", "no PNG"]);
