@@ -12,6 +12,7 @@ use rayreel_formats::math::Vec3;
 use rayreel_formats::oct::Oct;
 use rayreel_scenes::Scene;
 
+use crate::coincident::Crowds;
 use crate::tree::tree;
 use crate::{coincident, convert};
 
@@ -50,8 +51,8 @@ pub fn build(scene: &Scene) -> Result<Built, BuildError> {
         .map(|&t| mesh.triangles[t as usize])
         .map(|t| BuildTriangle { v0: corner(t.vertices[0]), v1: corner(t.vertices[1]), v2: corner(t.vertices[2]) })
         .collect();
-    let bvh2 = tree(&triangles);
-    let (shape, mut source) = depth_first(&bvh2);
+    let crowds = Crowds::of(&triangles);
+    let (shape, mut source) = depth_first(&tree(&crowds.seen(&triangles)), &crowds);
     source.iter_mut().for_each(|at| *at = kept[*at as usize]);
     let (triangles, vertices) = leaf_order(scene, &source);
     let materials = scene.materials.iter().map(convert::material).collect();
@@ -64,52 +65,61 @@ pub fn build(scene: &Scene) -> Result<Built, BuildError> {
 const DEEP: u32 = 64;
 
 /// The shape of the tree and the triangle order of a depth-first walk, left child first.
-fn depth_first(bvh: &Bvh2) -> (Vec<[Shape; 2]>, Vec<u32>) {
-    let mut walk = DepthFirst { bvh, shape: Vec::new(), source: Vec::with_capacity(bvh.primitive_indices.len()) };
-    if bvh.nodes[0].prim_count > 0 {
+fn depth_first(bvh: &Bvh2, crowds: &Crowds) -> (Vec<[Shape; 2]>, Vec<u32>) {
+    let mut walk =
+        DepthFirst { bvh, crowds, shape: Vec::new(), source: Vec::with_capacity(bvh.primitive_indices.len()) };
+    if bvh.nodes[0].prim_count > 0 && walk.triangles(0).len() <= MAX_LEAF_TRIANGLES as usize {
         // The whole scene is one leaf: it stands left below a root whose right child is empty.
         let leaf = walk.leaf(walk.triangles(0));
         walk.shape.push([leaf, Shape::Leaf(0)]);
     } else {
-        walk.walk(is_too_deep(bvh));
+        walk.walk(walk.is_too_deep());
     }
     (walk.shape, walk.source)
-}
-
-/// Whether a branch has more inner nodes than a trace may have.
-fn is_too_deep(bvh: &Bvh2) -> bool {
-    let mut open = vec![(0, 1)];
-    while let Some((node, depth)) = open.pop() {
-        let node = &bvh.nodes[node];
-        if node.prim_count == 0 {
-            if depth > MAX_TREE_DEPTH {
-                return true;
-            }
-            open.extend([0, 1].map(|side| (node.first_index as usize + side, depth + 1)));
-        }
-    }
-    false
 }
 
 /// What a depth-first walk still has to visit.
 enum Part {
     /// A node.
     Node(usize),
-    /// Triangles that are split in halves.
+    /// Triangles that are split in halves until they fit into leaves.
     Halves(Vec<u32>),
 }
 
 struct DepthFirst<'a> {
     bvh: &'a Bvh2,
+    crowds: &'a Crowds,
     shape: Vec<[Shape; 2]>,
     source: Vec<u32>,
 }
 
 impl DepthFirst<'_> {
+    /// Whether a branch has more inner nodes than a trace may have, halves of crowds included.
+    fn is_too_deep(&self) -> bool {
+        let mut open = vec![(0, 1)];
+        while let Some((node, depth)) = open.pop() {
+            let first = self.bvh.nodes[node].first_index as usize;
+            // Inner nodes of the branch from here on.
+            let levels = if self.bvh.nodes[node].prim_count == 0 {
+                open.extend([0, 1].map(|side| (first + side, depth + 1)));
+                1
+            } else {
+                let leaves = self.triangles(node).len().div_ceil(MAX_LEAF_TRIANGLES as usize);
+                leaves.next_power_of_two().ilog2() as usize
+            };
+            if depth + levels > MAX_TREE_DEPTH + 1 {
+                return true;
+            }
+        }
+        false
+    }
+
+    /// The triangles of a leaf; none of an inner node.
     fn triangles(&self, node: usize) -> Vec<u32> {
         let node = &self.bvh.nodes[node];
         let first = node.first_index as usize;
-        self.bvh.primitive_indices[first..first + node.prim_count as usize].to_vec()
+        let seen = &self.bvh.primitive_indices[first..first + node.prim_count as usize];
+        seen.iter().flat_map(|&number| self.crowds.behind(number)).collect()
     }
 
     /// All triangles below a node, in the order of a depth-first walk.
@@ -137,14 +147,10 @@ impl DepthFirst<'_> {
         while let Some((part, above, depth)) = open.pop() {
             let part = match part {
                 Part::Node(node) if halve && depth == DEEP => Part::Halves(self.below(node)),
+                Part::Node(node) if self.bvh.nodes[node].prim_count > 0 => Part::Halves(self.triangles(node)),
                 part => part,
             };
             let (left, right) = match part {
-                Part::Node(node) if self.bvh.nodes[node].prim_count > 0 => {
-                    let leaf = self.leaf(self.triangles(node));
-                    self.set(above, leaf);
-                    continue;
-                }
                 Part::Halves(triangles) if triangles.len() <= MAX_LEAF_TRIANGLES as usize => {
                     let leaf = self.leaf(triangles);
                     self.set(above, leaf);
@@ -195,4 +201,39 @@ fn leaf_order(scene: &Scene, source: &[u32]) -> (Vec<Triangle>, Vec<Vertex>) {
         })
         .collect();
     (triangles, vertices)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Triangles of one box, each with another tip.
+    fn crowd(count: u32, corner: Vec3A) -> impl Iterator<Item = BuildTriangle> {
+        (1..=count).map(move |i| BuildTriangle {
+            v0: corner,
+            v1: corner + Vec3A::X,
+            v2: corner + Vec3A::new(i as f32 / (count + 1) as f32, 1.0, 0.0),
+        })
+    }
+
+    #[test]
+    fn crowds_are_halved_below_the_one_that_the_builder_sees() {
+        let single = |at: u32| crowd(1, Vec3A::new(3.0 * at as f32, 0.0, 1.0));
+        for (crowded, others) in [(65, 0), (64, 9), (1000, 0), (1000, 1), (5000, 40)] {
+            let triangles: Vec<_> =
+                (0..others).flat_map(single).chain(crowd(crowded, Vec3A::new(0.5, 0.0, 0.0))).collect();
+            let crowds = Crowds::of(&triangles);
+            let seen = crowds.seen(&triangles);
+            assert_eq!(seen.len() as u32, others + if crowded > 64 { 1 } else { crowded });
+            let (shape, mut source) = depth_first(&tree(&seen), &crowds);
+            let leaves = shape.iter().flatten().filter_map(|child| match child {
+                Shape::Leaf(count) => Some(u32::from(*count)),
+                Shape::Inner => None,
+            });
+            assert_eq!(leaves.clone().sum::<u32>(), crowded + others);
+            assert!(leaves.max() <= Some(MAX_LEAF_TRIANGLES));
+            source.sort_unstable();
+            assert_eq!(source, (0..crowded + others).collect::<Vec<_>>());
+        }
+    }
 }
