@@ -54,7 +54,7 @@ pub struct Args {
     #[arg(long = "set", value_name = "KEY=VALUE")]
     overrides: Vec<String>,
     /// Intervals of counters, in cycles of the T&I clock; 1000 if not given.
-    #[arg(long, value_name = "CYCLES")]
+    #[arg(long, value_name = "CYCLES", value_parser = clap::builder::RangedI64ValueParser::<u64>::new().range(1..))]
     interval: Option<u64>,
 }
 

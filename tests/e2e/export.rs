@@ -125,7 +125,8 @@ fn what_cannot_be_exported_is_said_and_leaves_no_file() {
     refused("--what lookups --tiles 0", "a.npy", &["a machine works on whole frames"]);
     refused("--what lookups --machine mimd-trax", "a.npy", &["take requests"]);
     refused("--what rays --interval 5", "a.npy", &["--interval is for table counters"]);
-    refused("--what counters --interval 0", "a.npy", &["take 1 or more"]);
+    refused("--what counters --interval 0", "a.npy", &["--interval <CYCLES>", "1.."]);
+    refused("--what counters --interval -1", "a.npy", &["--interval <CYCLES>", "1.."]);
     refused("--what rays", "no/folder/a.npy", &["cannot write", "no/folder/a.npy"]);
     export(&trace, "--what rays", Path::new("-")).expect(2).says(&["--format csv"]);
     export(&trace, "--what rays --format npy", Path::new("-")).expect(2).says(&["cannot be piped"]);
