@@ -1,20 +1,17 @@
 //! What is missing on some captures, as jobs: points that share a replay are one.
 
-mod convoy;
-
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use rayreel_formats::trace::Trace;
 use rayreel_replay::{Detail, PathSource};
 use rayreel_study::StudyError;
+use rayreel_study::convoy::{self, Convoy};
 use rayreel_study::point::compute::compute_all;
 use rayreel_study::point::key::Point;
 use rayreel_study::point::task::{Computed, Missing, PointTask};
 use rayreel_study::point::tile_cache::{Room, TileCache};
 use rayreel_study::pool::Pool;
-
-use convoy::Convoy;
 
 use crate::ledger::Ledger;
 use crate::meter::{Item, Meter, point_weight};
@@ -22,10 +19,6 @@ use crate::plan::{Capture, Plan};
 
 /// Memory for what the points of a batch decode once, bytes: at 512x256 all of most batches.
 const DECODED: usize = 1 << 30;
-
-/// Tiles of a capture from which on its jobs go side by side. The paths of fewer mostly find room in [`DECODED`], and what is decoded of
-/// them stays.
-const SIDE_BY_SIDE: u32 = 512;
 
 /// Jobs and the traces that they read.
 pub struct Jobs {
@@ -67,12 +60,13 @@ impl Group {
         Self { list, convoy }
     }
 
-    fn convoy(list: Vec<Job>) -> Self {
-        let convoy = Convoy::new(list.len());
+    fn convoy(list: Vec<Job>, threads: usize) -> Self {
+        let convoy = Convoy::new(list.len(), threads);
         Self::new(list, Some(convoy))
     }
 
     /// The threads that run its jobs: one for each that goes side by side with others, for nobody could wait for one that has not begun.
+    /// The convoy lets no more of them work at a time than were asked for.
     pub fn pool(&self, pool: &Pool) -> Pool {
         let threads = if self.convoy.is_some() { self.list.len() } else { pool.threads };
         Pool { threads, ..pool.clone() }
@@ -105,7 +99,8 @@ fn jobs_on(capture: usize, plan: &Plan<'_>, ledger: &Ledger<'_>) -> Vec<Job> {
 /// Whether jobs on a capture go side by side. Those of which every cycle is simulated do not: each would take a thread.
 fn go_side_by_side(list: &[Job], capture: &Capture) -> bool {
     let estimated = list.iter().all(|job| job.points[0].1.detail != Detail::Full);
-    estimated && list.len() > 1 && capture.meta.tile_count() >= SIDE_BY_SIDE
+    let meta = &capture.meta;
+    estimated && list.len() > 1 && convoy::is_worth((meta.width, meta.height), meta.samples)
 }
 
 impl Jobs {
@@ -126,7 +121,7 @@ impl Jobs {
             if left > 0 {
                 shared.insert(capture, Mutex::new(SharedTrace { trace: Some(Arc::new(cache)), left }));
             }
-            if side_by_side { groups.push(Group::convoy(list)) } else { others.extend(list) }
+            if side_by_side { groups.push(Group::convoy(list, threads)) } else { others.extend(list) }
         }
         groups.push(Group::new(others, None));
         Self { groups, traces: shared }
@@ -155,7 +150,7 @@ impl Jobs {
         let simulates = points.iter().any(|(point, missing)| PointTask::<TileCache>::simulates(point, *missing));
         let tree = simulates.then(|| trace.topology());
         let (scene, policy) = (plan.scene_of(&plan.captures[job.capture]), &points[0].0.policy.name);
-        let member = group.convoy.as_ref().map(|convoy| convoy.join(job.number));
+        let member = group.convoy.as_ref().map(|convoy| convoy.join(job.number, &pool.stop));
         let computed = compute_all(&points, (&*trace, tree.as_ref()), &pool.stop, |part, whole| {
             let doing = || format!("{scene} under {policy}");
             meter.tell(Item::Point(job.points[0].0), job.weight, (part, whole), &doing);

@@ -184,6 +184,28 @@ fn a_signal_flushes_and_stops() {
     place.run("merge {sweep}").expect(0).prints(&["6 rows", "0 duplicates"]);
 }
 
+/// Frames so large that policies go through them side by side, where there is more than one thread.
+#[test]
+fn policies_side_by_side_give_what_each_gives_alone() {
+    let place = Place::new("1024x512");
+    place.plan("large.toml", "policies = [\"full\", \"paper-ss\", \"multirate\"]\ndetail = [\"5%\"]\n");
+    place.run("{large.toml} -o {alone} --threads 1 --quiet").expect(0);
+    for threads in [2, 3] {
+        place.run(&format!("{{large.toml}} -o {{beside}} --threads {threads} --quiet")).expect(0);
+        assert!(results(&place.path("beside")) == results(&place.path("alone")), "{threads} threads");
+        fs::remove_dir_all(place.path("beside")).unwrap();
+    }
+    // Interrupted on their way, and taken up again.
+    place.run("plan {large.toml} -o {sweep} --no-estimate").expect(0);
+    let mut child = common::command(&place.args("run {sweep} --quiet --threads 2")).spawn().unwrap();
+    std::thread::sleep(Duration::from_millis(300));
+    child.kill().unwrap();
+    child.wait().unwrap();
+    place.run("resume {sweep} --quiet").expect(0);
+    place.run("merge {sweep}").expect(0).prints(&["3 rows", "0 duplicates"]);
+    assert!(results(&place.path("sweep")) == results(&place.path("alone")));
+}
+
 #[test]
 fn shards_on_the_command_line_make_the_whole() {
     let place = Place::new("32x16");

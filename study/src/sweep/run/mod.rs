@@ -8,6 +8,7 @@
 mod groups;
 mod saver;
 mod shape;
+mod stages;
 mod traces;
 
 use std::collections::BTreeMap;
@@ -21,8 +22,9 @@ use crate::pool::{Event, Pool};
 use crate::sweep::folder::Folder;
 use crate::sweep::plan::{BUCKET, PointRef};
 use crate::sweep::segment;
-use groups::groups;
+use groups::Group;
 use saver::Saver;
+use stages::{Stage, stages};
 
 pub use shape::{Outcome, RunProgress, Settings};
 use traces::SharedTraces;
@@ -40,38 +42,41 @@ pub fn run(folder: &Folder, settings: &Settings<'_>, mut tell: impl FnMut(&RunPr
     let mut outcome = Outcome { points: range.len(), ..Outcome::default() };
     let mut saver = Saver::new(folder, settings);
     let todo = missing(folder, range, &mut outcome, &mut saver)?;
-    let workers = Workers::new(folder, settings, &todo);
+    let stages = stages(plan, &todo, settings.threads);
+    let workers = Workers::new(folder, settings, &stages);
     let mut progress = RunProgress { skipped: outcome.skipped, todo: todo.len(), ..RunProgress::default() };
     tell(&progress);
     let mut last = Instant::now();
-    let pool = Pool { threads: settings.threads, stop: settings.stop.clone() };
-    let groups = groups(plan, &todo, settings.threads);
-    let ended: Result<()> = pool.run(
-        &groups,
-        |worker, points| workers.attempt(worker, points),
-        |event| {
-            if let Event::Done { index, result } = event {
-                for (point, attempted) in groups[index].iter().zip(result) {
-                    match attempted {
-                        Ok((row, columns)) => saver.take(*point, row, columns, &mut outcome)?,
-                        Err(why) if !settings.stop.is_requested() => {
-                            outcome.troubles.push((plan.describe(*point), why));
+    let ended: Result<()> = stages.iter().try_for_each(|stage| {
+        let pool = Pool { threads: stage.threads(settings.threads), stop: settings.stop.clone() };
+        workers.traces.begin(stage.readers());
+        pool.run(
+            &stage.groups,
+            |worker, group| workers.attempt(worker, stage, group),
+            |event| {
+                if let Event::Done { index, result } = event {
+                    for (point, attempted) in stage.groups[index].1.iter().zip(result) {
+                        match attempted {
+                            Ok((row, columns)) => saver.take(*point, row, columns, &mut outcome)?,
+                            Err(why) if !settings.stop.is_requested() => {
+                                outcome.troubles.push((plan.describe(*point), why));
+                            }
+                            Err(_) => {}
                         }
-                        Err(_) => {}
                     }
                 }
-            }
-            if last.elapsed() >= settings.flush {
-                saver.flush_all()?;
-                last = Instant::now();
-            }
-            progress.saved = outcome.computed.saturating_sub(saver.waiting());
-            progress.failed = outcome.failed;
-            progress.done = outcome.computed as f64 + workers.part();
-            tell(&progress);
-            Ok(())
-        },
-    );
+                if last.elapsed() >= settings.flush {
+                    saver.flush_all()?;
+                    last = Instant::now();
+                }
+                progress.saved = outcome.computed.saturating_sub(saver.waiting());
+                progress.failed = outcome.failed;
+                progress.done = outcome.computed as f64 + workers.part();
+                tell(&progress);
+                Ok(())
+            },
+        )
+    });
     // What is computed is written whatever ended the run, and the error that ended it is told before one of these writes.
     let flushed = saver.flush_all();
     ended.and(flushed)?;
@@ -126,9 +131,11 @@ struct Workers<'a> {
 }
 
 impl<'a> Workers<'a> {
-    fn new(folder: &'a Folder, settings: &'a Settings<'a>, todo: &[usize]) -> Self {
-        let traces = SharedTraces::new(folder, settings, todo);
-        let parts = (0..settings.threads).map(|_| AtomicUsize::new(0)).collect();
+    fn new(folder: &'a Folder, settings: &'a Settings<'a>, stages: &[Stage]) -> Self {
+        let points = stages.iter().flat_map(|stage| &stage.groups).flat_map(|(_, group)| group);
+        let traces = SharedTraces::new(folder, settings, points.copied());
+        let workers = stages.iter().map(|stage| stage.threads(settings.threads)).max().unwrap_or(0);
+        let parts = (0..workers).map(|_| AtomicUsize::new(0)).collect();
         Self { folder, settings, traces, parts }
     }
 
@@ -138,21 +145,28 @@ impl<'a> Workers<'a> {
     }
 
     /// Computes points that share a replay on worker number `worker`; what came of each.
-    fn attempt(&self, worker: usize, points: &[usize]) -> Vec<Attempted> {
-        let ended = self.compute(points, &self.parts[worker]);
+    fn attempt(&self, worker: usize, stage: &Stage, (number, points): &(usize, Group)) -> Vec<Attempted> {
+        let member = stage.convoy.as_ref().map(|convoy| convoy.join(*number, &self.settings.stop));
+        let ended = self.compute(points, &self.parts[worker], |tiles| {
+            member.iter().for_each(|member| member.is_at(tiles, &self.settings.stop));
+        });
         self.parts[worker].store(0, Ordering::Relaxed);
         points.iter().for_each(|point| self.traces.release(self.folder.plan().points[*point].trace));
         ended.unwrap_or_else(|why| vec![Err(why); points.len()])
     }
 
-    fn compute(&self, points: &[usize], part: &AtomicUsize) -> Result<Vec<Attempted>, String> {
+    /// `through` is told how many tiles it is through with.
+    fn compute(&self, points: &[usize], part: &AtomicUsize, through: impl Fn(u64)) -> Result<Vec<Attempted>, String> {
         let plan = self.folder.plan();
         let planned: Vec<_> = points.iter().map(|point| &plan.points[*point]).collect();
         let resolved: Result<Vec<_>> = planned.iter().map(|point| plan.resolve(point)).collect();
         let resolved = resolved.map_err(|e| e.to_string())?;
         let opened = self.traces.open(planned[0].trace)?;
         let all = points.len() as u64 * 1_000_000;
-        let tell = |done: u64, of: u64| part.store((done.min(of) * all / of.max(1)) as usize, Ordering::Relaxed);
+        let tell = |done: u64, of: u64| {
+            part.store((done.min(of) * all / of.max(1)) as usize, Ordering::Relaxed);
+            through(done);
+        };
         let wanted: Vec<_> = resolved.iter().zip(&planned).map(|(point, planned)| (point, &planned.key)).collect();
         let rows = compute_rows(&wanted, (&opened.source, &opened.tree), &self.settings.stop, tell);
         // A row carries the key of what was computed: no other point may take it for its own.

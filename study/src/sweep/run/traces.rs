@@ -24,22 +24,36 @@ struct SharedTrace {
     left: AtomicUsize,
 }
 
+impl SharedTrace {
+    fn close(&self) {
+        *self.opened.lock().unwrap_or_else(PoisonError::into_inner) = None;
+    }
+}
+
 /// All traces of a plan.
 pub(super) struct SharedTraces<'a> {
     folder: &'a Folder,
     settings: &'a Settings<'a>,
     traces: Vec<SharedTrace>,
     room: Arc<Room>,
+    /// How often each tile is read before it is dropped.
+    readers: AtomicUsize,
 }
 
 impl<'a> SharedTraces<'a> {
     /// None is open yet; `todo` are the points that will need them.
-    pub fn new(folder: &'a Folder, settings: &'a Settings<'a>, todo: &[usize]) -> Self {
+    pub fn new(folder: &'a Folder, settings: &'a Settings<'a>, todo: impl Iterator<Item = usize>) -> Self {
         let traces: Vec<SharedTrace> = folder.plan().traces.iter().map(|_| SharedTrace::default()).collect();
         for point in todo {
-            traces[folder.plan().points[*point].trace].left.fetch_add(1, Ordering::Relaxed);
+            traces[folder.plan().points[point].trace].left.fetch_add(1, Ordering::Relaxed);
         }
-        Self { folder, settings, traces, room: Room::new(settings.memory) }
+        Self { folder, settings, traces, room: Room::new(settings.memory), readers: AtomicUsize::new(usize::MAX) }
+    }
+
+    /// Nobody reads any trace now, and from now on each tile is read so often.
+    pub fn begin(&self, readers: usize) {
+        self.readers.store(readers, Ordering::Relaxed);
+        self.traces.iter().for_each(SharedTrace::close);
     }
 
     /// Trace number `trace` of the plan.
@@ -66,13 +80,14 @@ impl<'a> SharedTraces<'a> {
             ));
         }
         let tree = trace.topology();
-        Ok(Arc::new(OpenTrace { source: TileCache::new(trace, &self.room), tree }))
+        let source = TileCache::new(trace, &self.room).for_readers(self.readers.load(Ordering::Relaxed));
+        Ok(Arc::new(OpenTrace { source, tree }))
     }
 
     /// A point of this trace is done; behind the last one it is closed.
     pub fn release(&self, trace: usize) {
         if self.traces[trace].left.fetch_sub(1, Ordering::Relaxed) == 1 {
-            *self.traces[trace].opened.lock().unwrap_or_else(PoisonError::into_inner) = None;
+            self.traces[trace].close();
         }
     }
 }
