@@ -182,8 +182,8 @@ pub fn simulate_in_front_of<S: PathSource + ?Sized, M: Memory, P: Probe, E: From
     Ok(stats)
 }
 
-/// The framebuffer of a trace's frames on a machine.
-pub(crate) fn frame_shape(meta: &Meta, config: &MachineConfig, policy: PolicyReads) -> FrameShape {
+/// The framebuffer of a trace's frames on a machine, for a policy that reads so much ([`Replayer::reads`]).
+pub fn frame_shape(meta: &Meta, config: &MachineConfig, policy: PolicyReads) -> FrameShape {
     let (pixel_bytes, samples) = (config.layout.pixel_bytes, meta.samples.max(1));
     let pixels = u64::from(meta.tile.div_ceil(samples)).pow(2);
     let (line, tile_samples) = (u64::from(config.l2.line_bytes), meta.tile * meta.tile);

@@ -174,7 +174,7 @@ impl<S: PathSource + ?Sized> Replayer<'_, S> {
     }
 
     /// What the policy reads of hits.
-    pub(crate) fn reads(&self) -> PolicyReads {
+    pub fn reads(&self) -> PolicyReads {
         self.sampler.reads()
     }
 
