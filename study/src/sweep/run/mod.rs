@@ -1,6 +1,6 @@
 //! Computing the points of a shard.
 //!
-//! Workers take points in the order of the plan and hand their rows to one writer, which puts what is finished into a segment
+//! Workers take points stage by stage, in one in the order of the plan, and hand their rows to one writer, which puts what is finished into a segment
 //! while they go on: no worker waits for a disk. A row is safe once its segment has its name, so a `kill -9` costs the points that
 //! were being computed and those of the segment being written. A signal ends every simulation at its next tile and writes what is
 //! finished.

@@ -63,8 +63,8 @@ pub(super) fn stages(plan: &Plan, todo: &[usize], threads: usize) -> Vec<Stage> 
 fn goes_side_by_side(plan: &Plan, group: &Group) -> bool {
     let point = &plan.points[group[0]];
     let trace = &plan.traces[point.trace];
-    let is_simulated = !plan.machines[point.machine].toml.is_empty();
-    is_simulated
+    let is_simulated = |point: &usize| !plan.machines[plan.points[*point].machine].toml.is_empty();
+    group.iter().any(is_simulated)
         && plan.detail(point).is_ok_and(|detail| detail != Detail::Full)
         && convoy::is_worth(trace.size, trace.samples)
 }
