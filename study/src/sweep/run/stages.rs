@@ -6,8 +6,9 @@ use super::groups::{Group, groups};
 use crate::convoy::{self, Convoy};
 use crate::sweep::plan::Plan;
 
-/// Most points that go side by side, if there are no more threads. All are in memory at once, and a worker that is killed loses them.
-const MOST: usize = 8;
+/// Most groups that go side by side, if there are no more threads. All are in memory at once, and a worker that is killed loses them. Four
+/// leave a quarter of the decoding; more would save little.
+const MOST: usize = 4;
 
 /// Groups of points that are computed before the next stage begins.
 pub(super) struct Stage {
@@ -40,10 +41,8 @@ pub(super) fn stages(plan: &Plan, todo: &[usize], threads: usize) -> Vec<Stage> 
             alone.push(group);
             continue;
         }
-        let has_room = |list: &&mut Vec<Group>| {
-            let points = list.iter().map(Vec::len).sum::<usize>() + group.len();
-            trace_of(&list[0]) == trace_of(&group) && points <= MOST.max(threads)
-        };
+        let has_room =
+            |list: &&mut Vec<Group>| trace_of(&list[0]) == trace_of(&group) && list.len() < MOST.max(threads);
         match lists.iter_mut().find(has_room) {
             Some(list) => list.push(group),
             None => lists.push(vec![group]),
