@@ -36,7 +36,6 @@ pub mod analysis;
 #[cfg(feature = "cluster")]
 pub mod cluster;
 pub mod compare;
-pub mod convoy;
 pub mod error;
 pub mod figures;
 pub mod files;

@@ -6,6 +6,7 @@
 
 pub mod columns;
 pub mod compute;
+pub mod convoy;
 pub mod details;
 pub mod estimates;
 pub mod figures;

@@ -3,7 +3,7 @@
 use rayreel_replay::Detail;
 
 use super::groups::{Group, groups};
-use crate::convoy::{self, Convoy};
+use crate::point::convoy::{self, Convoy};
 use crate::sweep::plan::Plan;
 
 /// Most groups that go side by side, if there are no more threads. All are in memory at once, and a worker that is killed loses them. Four
