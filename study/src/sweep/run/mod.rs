@@ -42,7 +42,7 @@ pub fn run(folder: &Folder, settings: &Settings<'_>, mut tell: impl FnMut(&RunPr
     let mut outcome = Outcome { points: range.len(), ..Outcome::default() };
     let mut saver = Saver::new(folder, settings);
     let todo = missing(folder, range, &mut outcome, &mut saver)?;
-    let stages = stages(plan, &todo, settings.threads);
+    let stages = stages(plan, &todo, (settings.threads, settings.memory));
     let workers = Workers::new(folder, settings, &stages);
     let mut progress = RunProgress { skipped: outcome.skipped, todo: todo.len(), ..RunProgress::default() };
     tell(&progress);

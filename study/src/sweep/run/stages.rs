@@ -6,9 +6,9 @@ use super::groups::{Group, groups};
 use crate::point::convoy::{self, Convoy};
 use crate::sweep::plan::Plan;
 
-/// Most groups that go side by side, if there are no more threads. All are in memory at once, and a worker that is killed loses them. Four
-/// leave a quarter of the decoding; more would save little.
-const MOST: usize = 4;
+/// Memory for what is decoded that lets another group go side by side, bytes: 1 GiB is for four, which leave a quarter of the decoding. As many
+/// as there are threads go in any case. All are in memory at once, and a worker that is killed loses them.
+const MEMORY: usize = 256 << 20;
 
 /// Groups of points that are computed before the next stage begins.
 pub(super) struct Stage {
@@ -31,8 +31,9 @@ impl Stage {
     }
 }
 
-/// `todo` in stages. With one thread one group runs after the other.
-pub(super) fn stages(plan: &Plan, todo: &[usize], threads: usize) -> Vec<Stage> {
+/// `todo` in stages, with so many bytes of memory. With one thread one group runs after the other.
+pub(super) fn stages(plan: &Plan, todo: &[usize], (threads, memory): (usize, usize)) -> Vec<Stage> {
+    let most = threads.max(memory / MEMORY);
     let mut lists: Vec<Vec<Group>> = Vec::new();
     let mut alone = Vec::new();
     let trace_of = |group: &Group| (plan.points[group[0]].trace, plan.points[group[0]].frames);
@@ -41,8 +42,7 @@ pub(super) fn stages(plan: &Plan, todo: &[usize], threads: usize) -> Vec<Stage> 
             alone.push(group);
             continue;
         }
-        let has_room =
-            |list: &&mut Vec<Group>| trace_of(&list[0]) == trace_of(&group) && list.len() < MOST.max(threads);
+        let has_room = |list: &&mut Vec<Group>| trace_of(&list[0]) == trace_of(&group) && list.len() < most;
         match lists.iter_mut().find(has_room) {
             Some(list) => list.push(group),
             None => lists.push(vec![group]),
@@ -95,9 +95,9 @@ mod tests {
     }
 
     /// Which points each stage has, and whether they go side by side.
-    fn shape(plan: &Plan, threads: usize) -> Vec<(bool, usize)> {
+    fn shape(plan: &Plan, threads: usize, memory: usize) -> Vec<(bool, usize)> {
         let todo: Vec<usize> = (0..plan.points.len()).collect();
-        let stages = stages(plan, &todo, threads);
+        let stages = stages(plan, &todo, (threads, memory));
         let points = |stage: &Stage| stage.groups.iter().flat_map(|(_, group)| group.clone()).collect::<Vec<_>>();
         let mut all: Vec<usize> = stages.iter().flat_map(points).collect();
         all.sort_unstable();
@@ -112,10 +112,13 @@ mod tests {
     fn policies_go_side_by_side_through_large_frames_of_which_a_part_is_simulated() {
         let samples = plan((1, 1), "5%").traces[0].samples;
         let large = (1024 / samples, 512 / samples);
-        assert_eq!(shape(&plan(large, "5%"), 2), [(false, 6), (true, 8), (true, 4)]);
-        assert_eq!(shape(&plan(large, "5%"), 16), [(false, 6), (true, 12)]);
+        let shape_of = |threads, memory: usize| shape(&plan(large, "5%"), threads, memory << 20);
+        assert_eq!(shape_of(2, 1024), [(false, 6), (true, 8), (true, 4)]);
+        assert_eq!(shape_of(2, 2048), [(false, 6), (true, 12)]);
+        assert_eq!(shape_of(2, 64), [(false, 6), (true, 4), (true, 4), (true, 4)]);
+        assert_eq!(shape_of(16, 64), [(false, 6), (true, 12)]);
         for (size, detail, threads) in [(large, "5%", 1), (large, "full", 2), ((64, 64), "5%", 2)] {
-            assert_eq!(shape(&plan(size, detail), threads), [(false, 18)]);
+            assert_eq!(shape(&plan(size, detail), threads, 1 << 30), [(false, 18)]);
         }
     }
 }
