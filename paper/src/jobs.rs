@@ -60,13 +60,13 @@ impl Group {
         Self { list, convoy }
     }
 
-    fn convoy(list: Vec<Job>, threads: usize) -> Self {
-        let convoy = Convoy::new(list.len(), threads);
+    fn convoy(list: Vec<Job>) -> Self {
+        // All of them work at a time: with fewer `paper` took 6 to 9 % more CPU time.
+        let convoy = Convoy::new(list.len(), list.len());
         Self::new(list, Some(convoy))
     }
 
     /// The threads that run its jobs: one for each that goes side by side with others, for nobody could wait for one that has not begun.
-    /// The convoy lets no more of them work at a time than were asked for.
     pub fn pool(&self, pool: &Pool) -> Pool {
         let threads = if self.convoy.is_some() { self.list.len() } else { pool.threads };
         Pool { threads, ..pool.clone() }
@@ -121,7 +121,7 @@ impl Jobs {
             if left > 0 {
                 shared.insert(capture, Mutex::new(SharedTrace { trace: Some(Arc::new(cache)), left }));
             }
-            if side_by_side { groups.push(Group::convoy(list, threads)) } else { others.extend(list) }
+            if side_by_side { groups.push(Group::convoy(list)) } else { others.extend(list) }
         }
         groups.push(Group::new(others, None));
         Self { groups, traces: shared }
