@@ -13,9 +13,9 @@ use crate::sweep::shard::Shard;
 pub struct Settings<'a> {
     /// Which points.
     pub shard: Shard,
-    /// Points at a time.
+    /// Points that are worked on at a time.
     pub threads: usize,
-    /// Bytes of decoded tiles and paths that are kept, of all traces.
+    /// Bytes of decoded tiles and paths that are kept, of all traces. The more, the more policies go side by side through a large one.
     pub memory: usize,
     /// Least time between two segments: zero writes whatever is finished at once; on a shared file system seconds save files.
     pub flush: Duration,

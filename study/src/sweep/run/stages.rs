@@ -6,8 +6,8 @@ use super::groups::{Group, groups};
 use crate::point::convoy::{self, Convoy};
 use crate::sweep::plan::Plan;
 
-/// Memory for what is decoded that lets another group go side by side, bytes: 1 GiB is for four, which leave a quarter of the decoding. As many
-/// as there are threads go in any case. All are in memory at once, and a worker that is killed loses them.
+/// Memory for what is decoded that lets another group go side by side, bytes: 1 GiB is for four, which leave a quarter of the decoding. All are
+/// in memory at once, and a worker that is killed loses them.
 const MEMORY: usize = 256 << 20;
 
 /// Groups of points that are computed before the next stage begins.
@@ -31,14 +31,15 @@ impl Stage {
     }
 }
 
-/// `todo` in stages, with so many bytes of memory. With one thread one group runs after the other.
+/// `todo` in stages, with so many bytes of memory. With one thread one group runs after the other. Groups go side by side where more of them may
+/// than there are threads: else the thread of a cheap policy would have nothing to do while it waits for a dear one.
 pub(super) fn stages(plan: &Plan, todo: &[usize], (threads, memory): (usize, usize)) -> Vec<Stage> {
-    let most = threads.max(memory / MEMORY);
+    let most = memory / MEMORY;
     let mut lists: Vec<Vec<Group>> = Vec::new();
     let mut alone = Vec::new();
     let trace_of = |group: &Group| (plan.points[group[0]].trace, plan.points[group[0]].frames);
     for group in groups(plan, todo, threads) {
-        if threads == 1 || !goes_side_by_side(plan, &group) {
+        if threads == 1 || most <= threads || !goes_side_by_side(plan, &group) {
             alone.push(group);
             continue;
         }
@@ -115,8 +116,10 @@ mod tests {
         let shape_of = |threads, memory: usize| shape(&plan(large, "5%"), threads, memory << 20);
         assert_eq!(shape_of(2, 1024), [(false, 6), (true, 8), (true, 4)]);
         assert_eq!(shape_of(2, 2048), [(false, 6), (true, 12)]);
-        assert_eq!(shape_of(2, 64), [(false, 6), (true, 4), (true, 4), (true, 4)]);
-        assert_eq!(shape_of(16, 64), [(false, 6), (true, 12)]);
+        assert_eq!(shape_of(4, 2048), [(false, 6), (true, 8), (true, 4)]);
+        for (threads, memory) in [(2, 512), (4, 1024), (16, 1024)] {
+            assert_eq!(shape_of(threads, memory), [(false, 18)]);
+        }
         for (size, detail, threads) in [(large, "5%", 1), (large, "full", 2), ((64, 64), "5%", 2)] {
             assert_eq!(shape(&plan(size, detail), threads, 1 << 30), [(false, 18)]);
         }
