@@ -61,7 +61,7 @@ impl Group {
     }
 
     fn convoy(list: Vec<Job>) -> Self {
-        // All of them work at a time: with fewer `paper` took 6 to 9 % more CPU time.
+        // All of them work at a time: with fewer, `paper` took no more CPU time and two thirds more memory (1.4 GB, 2.3 GB).
         let convoy = Convoy::new(list.len(), list.len());
         Self::new(list, Some(convoy))
     }
