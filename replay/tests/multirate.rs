@@ -61,7 +61,15 @@ fn nervous(variant: &Adaptive, seed: u64) -> Multirate {
         hold: [1, 1, 1, 2][seed as usize % 4],
         cut_deg: 180.0,
         cut_change: [1.0, 1.0, 0.3][seed as usize % 3],
-        target: Target { psnr_db: Limit::At(30.0), audit: 5, strictest: 0.2, loosest: 5.0, share: 0.9 },
+        target: Target {
+            psnr_db: Limit::At(30.0),
+            audit: 5,
+            strictest: 0.2,
+            loosest: 5.0,
+            share: 0.9,
+            first_detail: [0.3, 0.6, 0.0, 1.0][seed as usize % 4],
+            first_correct: [0.5, 1.0, 0.0][seed as usize % 3],
+        },
         sampling: variant.sampling.clone(),
     }
 }
@@ -86,27 +94,35 @@ fn compare<S: TileSource>(
 #[test]
 fn neighbours_of_any_block_fit_together() {
     let (mut pairs, mut factors) = (std::collections::BTreeSet::new(), std::collections::BTreeSet::new());
-    let mut errors = SquaredError::default();
+    let (mut errors, mut finer) = (SquaredError::default(), 0);
     for (seed, variant) in (0u64..).zip(switches::draw(16, 3)) {
         let source = Patchwork::new([(93, 61), (80, 49), (65, 65)][seed as usize % 3], seed);
         let policy = nervous(&variant, seed);
         let frames = replay(&source, &Policy::Multirate(policy.clone()), 0..6, Options::default()).unwrap().frames;
         let plans = reference::plans(source.meta(), &policy, &frames);
+        finer += frames[0].blocks.tiles().iter().filter(|&&block| block < policy.start).count();
         for (frame, plan) in frames.into_iter().zip(plans) {
             let blocks = frame.blocks.tiles();
             let rates: Vec<_> =
                 blocks.iter().zip(&frame.stats.tiles).map(|(&block, tile)| (block, tile.factor)).collect();
             let is_near = |((a, f), (b, g)): (&(u32, f64), &(u32, f64))| a == b && (f / g - 1.0).abs() < 1.0e-9;
-            assert!(rates.iter().zip(&plan).all(is_near), "{seed}, frame {}: {rates:?}, not {plan:?}", frame.frame);
+            let planned = &plan.tiles;
+            assert!(
+                rates.iter().zip(planned).all(is_near),
+                "{seed}, frame {}: {rates:?}, not {planned:?}",
+                frame.frame
+            );
             factors.extend(rates.iter().map(|r| r.1.to_bits()));
             errors = errors + frame.stats.tiles.iter().map(|t| t.audited).sum();
-            let variant = Adaptive { apron: rayreel_replay::policy::Apron::Share, ..variant.clone() };
+            let mut variant = Adaptive { apron: rayreel_replay::policy::Apron::Share, ..variant.clone() };
+            variant.sampling.correct = reference::stricter(&variant.sampling.correct, plan.correct);
             compare(&source, &variant, &rates, Some(5), &frame, &format!("{seed}, frame {}: {variant:?}", frame.frame));
             let columns = source.meta().tile_grid().0 as usize;
             pairs.extend(blocks.chunks(columns).flat_map(|row| row.windows(2)).map(|pair| (pair[0], pair[1])));
         }
     }
     assert!(pairs.len() >= 14, "of 16 pairs of neighbours: {pairs:?}");
+    assert!(finer > 20, "tiles of first frames below much detail: {finer}");
     assert!(factors.len() > 30, "the colour limit moved: {}", factors.len());
     assert!(errors.sum > 0 && errors.values > 10_000, "{errors:?}");
 }

@@ -40,7 +40,15 @@ fn rules(random: &mut Random) -> HistoryRules {
 
 /// What `variant` does, with blocks and limits that move in every frame.
 fn nervous(variant: &Adaptive, history: HistoryRules) -> Temporal {
-    let target = Target { psnr_db: Limit::At(30.0), audit: 7, strictest: 0.2, loosest: 5.0, share: 0.9 };
+    let target = Target {
+        psnr_db: Limit::At(30.0),
+        audit: 7,
+        strictest: 0.2,
+        loosest: 5.0,
+        share: 0.9,
+        first_detail: 0.3,
+        first_correct: 0.5,
+    };
     let rates = Multirate {
         start: 4,
         finest: 2,

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use rayreel_formats::trace::Trace;
 use rayreel_replay::image::resolve::Resolver;
-use rayreel_replay::policy::{Adaptive, Apron, Limit, Policy, Refine};
+use rayreel_replay::policy::{Adaptive, Apron, Limit, NamedPolicy, Policy, Refine};
 use rayreel_replay::{FrameReplay, Options, TileSource, replay};
 
 use crate::common::capture;
@@ -135,4 +135,27 @@ fn tiles_do_not_show_in_real_pictures() {
             assert_eq!(frame.stats.counts, frames[0].stats.counts);
         }
     }
+}
+
+/// Undersampling of `chess` misses the target by far. What a first frame does about it, beside moving the limit of colours as far as it
+/// once did, brings it nearer.
+#[test]
+fn a_first_frame_that_misses_its_target_is_mended() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("a.rtrace");
+    capture("chess", "--size 512x256 --samples 1x1", &file);
+    let trace = open(&file);
+    let psnr = |changes: &[&str]| {
+        let changes: Vec<String> = changes.iter().map(|&change| change.into()).collect();
+        let policy = NamedPolicy::load("multirate", &changes).unwrap().policy;
+        let frame = replay(&trace, &policy, [trace.meta().first_frame], Options::default()).unwrap().frames.remove(0);
+        frame.stats.quality.and_then(|quality| quality.psnr_db()).unwrap()
+    };
+    let mended = psnr(&[]);
+    let detail = psnr(&["target.first_correct=1"]);
+    let correct = psnr(&["target.first_detail=1", "target.strictest=0.2"]);
+    let before = psnr(&["target.first_correct=1", "target.first_detail=1", "target.strictest=0.2"]);
+    assert!(before < 37.5, "it misses 40.2 dB by far: {before}");
+    assert!(mended > before + 0.8, "{mended} dB, {before} before");
+    assert!(detail > before + 0.3 && correct > before + 0.1, "each part does some of it: {detail} and {correct}, {before} before");
 }

@@ -14,11 +14,12 @@ use super::tree::Node;
 use super::view::{SampleState, TileView};
 use super::{Attributes, Sampling, Shade};
 
-/// Corrects a tile whose samples are all known. The first pass is round `round`, and each pass a round.
-pub fn correct(view: &mut TileView, sampling: &Sampling, tests: &Tests, round: u8) {
+/// Corrects a tile whose samples are all known, with both limits multiplied by `factor`. The first pass is round `round`, and each pass a round.
+pub fn correct(view: &mut TileView, sampling: &Sampling, (tests, factor): (&Tests, f64), round: u8) {
     let rules = &sampling.correct;
     let is_lazy = sampling.attributes == Attributes::Lazy;
-    let limits = Limits { colour: rules.colour.value(), alone: rules.colour_alone.value(), is_weighed: rules.weighed };
+    let [colour, alone] = [rules.colour, rules.colour_alone].map(|limit| limit.value().map(|limit| limit * factor));
+    let limits = Limits { colour, alone, is_weighed: rules.weighed };
     // The samples that may contradict: in the first pass all.
     let mut witnesses = vec![true; view.rect().len()];
     // The interpolated samples whose attributes were looked at: they have to be interpolated too, once.

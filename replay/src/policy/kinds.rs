@@ -154,6 +154,8 @@ settings! {
         strictest: f64 = Number(1.0), "smallest factor on the colour limit";
         loosest: f64 = Number(100.0), "largest factor on the colour limit";
         share: f64 = Number(1.0), "no factor below 1 where this share of the samples is traced";
+        first_detail: f64 = Number(1.0), "first frames that miss it: share of a tile's I-samples, traced, from which the one two rows below has half the block";
+        first_correct: f64 = Number(1.0), "factor on the limits of correction in first frames and after a cut";
     }
 
     /// The values of [`Policy::Foveated`]: as [`Adaptive`], with shared aprons, and the block by distance from the gaze point.

@@ -13,6 +13,10 @@
 //!   last ones above all (a quiet wall above says little of the bench below it). Then this factor makes the whole frame end on
 //!   target. It is at most 1: limits that are loose above and strict below cost more rays than one limit between them.
 //!
+//!   A limit alone does not find what slips between R-samples. So where the factor is below 1, a tile below one that is full of detail
+//!   has a finer block (`target.first_detail`). And audits come two rows late. Corrections do not: they see at once what neighbours say,
+//!   and their limits are stricter from the first row on (`target.first_correct`).
+//!
 //! The target is not pursued at any price. Where much is traced anyway, a stricter limit costs many rays for little. So the
 //! factor goes below 1 only as far as the traced share of the samples stays below `target.share`.
 //!
@@ -142,6 +146,18 @@ impl LimitController {
 }
 
 impl FirstFrame {
+    /// The factor on the limits of correction.
+    pub fn correct(&self) -> f64 {
+        if self.controller.aim.is_some() { self.controller.target.first_correct } else { 1.0 }
+    }
+
+    /// Whether a tile is so full of detail that the one two rows below begins with a finer block, should its factor be `factor`.
+    pub fn is_detailed(&self, above: &TileStats, factor: f64) -> bool {
+        let between = above.counts.samples_intermediate();
+        let traced = between - above.counts.samples_interpolated;
+        factor < 1.0 && between > 0 && traced as f64 / between as f64 >= self.controller.target.first_detail
+    }
+
     /// Takes note of a finished row of tiles; the factor for the next row to begin.
     pub fn row(&mut self, tiles: &[TileStats]) -> f64 {
         let Some(aim) = self.controller.aim else { return 1.0 };
@@ -169,7 +185,15 @@ mod tests {
     const TOTAL: u64 = 8 * 1024;
 
     fn controller(db: f64) -> LimitController {
-        LimitController::new(&Target { psnr_db: Limit::At(db), audit: 8, strictest: 0.25, loosest: 4.0, share: 0.4 })
+        LimitController::new(&Target {
+            psnr_db: Limit::At(db),
+            audit: 8,
+            strictest: 0.25,
+            loosest: 4.0,
+            share: 0.4,
+            first_detail: 0.25,
+            first_correct: 0.5,
+        })
     }
 
     /// A tile of 1024 samples, `traced` of which were traced, whose audits found a mean squared error of `mean`.
@@ -301,9 +325,31 @@ mod tests {
     }
 
     #[test]
+    fn a_tile_below_much_detail_begins_finer_where_the_target_is_missed() {
+        let frame = controller(20.0).first(TOTAL);
+        // 1000 I-samples, of which so many were traced: from a quarter on.
+        let above = |traced| {
+            let counts = Counts {
+                samples_full: 1064,
+                samples_reference: 64,
+                samples_traced: 64 + traced,
+                samples_interpolated: 1000 - traced,
+                ..Counts::default()
+            };
+            TileStats { counts, ..tile(AIM, 0, 1.0) }
+        };
+        assert!(frame.is_detailed(&above(250), 0.99) && !frame.is_detailed(&above(249), 0.99));
+        assert!(!frame.is_detailed(&above(1000), 1.0), "the target is met");
+        let grid = Counts { samples_full: 4, samples_reference: 4, samples_traced: 4, ..Counts::default() };
+        assert!(!frame.is_detailed(&TileStats { counts: grid, ..tile(AIM, 0, 1.0) }, 0.5), "no I-samples");
+        assert_eq!(frame.correct(), 0.5);
+    }
+
+    #[test]
     fn without_a_target_nothing_moves() {
         let mut limit = LimitController::new(&Target { psnr_db: Limit::Off, ..controller(20.0).target });
         limit.learn(&[tile(9.0 * AIM, 100, 1.0); 8], true);
-        assert_eq!((limit.factor(), limit.first(TOTAL).row(&[tile(9.0 * AIM, 100, 1.0)])), (1.0, 1.0));
+        let mut first = limit.first(TOTAL);
+        assert_eq!((limit.factor(), first.row(&[tile(9.0 * AIM, 100, 1.0)]), first.correct()), (1.0, 1.0, 1.0));
     }
 }

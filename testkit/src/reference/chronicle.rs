@@ -60,7 +60,11 @@ impl Chronicle {
     fn frame<S: TileSource>(&mut self, source: &S, page: &Page<'_>) -> Written {
         let (meta, rules) = (source.meta(), &self.policy.history);
         let recorded = read(source, page.frame, true);
-        let sampling = self.policy.multirate.sampling.clone();
+        let target = &self.policy.multirate.target;
+        let mut sampling = self.policy.multirate.sampling.clone();
+        if page.is_first && target.psnr_db.value().is_some() {
+            sampling.correct = super::stricter(&sampling.correct, target.first_correct);
+        }
         let adaptive = Adaptive { block: 0, apron: Apron::Share, sampling };
         let mut tiles = super::areas(meta, page.rates);
         if page.is_first {
@@ -72,7 +76,6 @@ impl Chronicle {
         }
         let memory = Memory { rules, frame: page.frame, past: self.past.as_ref() };
         let (mut maker, before) = super::decide(meta, &tiles, Maker::new(&adaptive, &recorded, Some(memory)));
-        let target = &self.policy.multirate.target;
         let audited = tiles.iter().map(|area| match target.psnr_db.value() {
             Some(_) => maker.audit(area, meta.samples as usize, page.frame.into(), target.audit.into()),
             None => (0, 0),

@@ -12,7 +12,7 @@ mod rates;
 
 use rayreel_formats::scene::Meta;
 use rayreel_replay::TileSource;
-use rayreel_replay::policy::{Adaptive, Apron};
+use rayreel_replay::policy::{Adaptive, Apron, Correct, Limit};
 
 use crate::past::Traced;
 use crate::recorded::read;
@@ -22,7 +22,7 @@ use maker::Maker;
 pub use crate::recorded::Rays;
 pub use chronicle::{Written, retell};
 pub use outcome::{Origin, Outcome, Sought};
-pub use rates::plans;
+pub use rates::{Plan, plans};
 
 /// Replays one frame with one block for all tiles.
 pub fn replay<S: TileSource>(source: &S, policy: &Adaptive, frame: u32) -> Outcome {
@@ -51,6 +51,12 @@ pub fn replay_audited<S: TileSource>(
     let n = source.meta().samples as usize;
     let found = tiles.iter().map(|area| maker.audit(area, n, u64::from(frame), every)).collect();
     (maker.account(&tiles, &before), found)
+}
+
+/// The rules of correction with both limits multiplied.
+pub fn stricter(correct: &Correct, factor: f64) -> Correct {
+    let times = |limit: Limit| limit.value().map_or(Limit::Off, |limit| Limit::At(limit * factor));
+    Correct { colour: times(correct.colour), colour_alone: times(correct.colour_alone), ..correct.clone() }
 }
 
 /// The tiles of a frame, by block and factor on the colour limit.

@@ -6,7 +6,15 @@ use rayreel_replay::counts::TileStats;
 use rayreel_replay::policy::Multirate;
 
 /// A block and a factor on the colour limit for each tile.
-pub type Plan = Vec<(u32, f64)>;
+type Tiles = Vec<(u32, f64)>;
+
+/// The rates of a frame.
+pub struct Plan {
+    /// By tile.
+    pub tiles: Tiles,
+    /// Factor on the limits of correction.
+    pub correct: f64,
+}
 
 /// The rates that frames in a row should have had. The camera never turns far enough for a cut.
 pub fn plans(meta: &Meta, policy: &Multirate, frames: &[FrameReplay]) -> Vec<Plan> {
@@ -35,7 +43,7 @@ struct Memory {
 impl Book<'_> {
     fn frame(&mut self, meta: &Meta, frame: &FrameReplay) -> Plan {
         let tiles = &frame.stats.tiles;
-        let plan: Plan = match &self.memory {
+        let plan: Tiles = match &self.memory {
             Some(memory) => memory.iter().map(|tile| (tile.block, self.factor)).collect(),
             None => self.first(meta, tiles),
         };
@@ -60,7 +68,8 @@ impl Book<'_> {
         }
         let change = changes.iter().sum::<f64>() / changes.len() as f64;
         self.memory = (changes.is_empty() || change <= self.policy.cut_change).then_some(memory);
-        plan
+        let is_stricter = is_first && self.policy.target.psnr_db.value().is_some();
+        Plan { tiles: plan, correct: if is_stricter { self.policy.target.first_correct } else { 1.0 } }
     }
 
     /// 1 for twice the block, -1 for half.
@@ -83,7 +92,7 @@ impl Book<'_> {
     }
 
     /// A first frame, row by row.
-    fn first(&self, meta: &Meta, tiles: &[TileStats]) -> Plan {
+    fn first(&self, meta: &Meta, tiles: &[TileStats]) -> Tiles {
         let (width, height) = meta.grid();
         let total = f64::from(width) * f64::from(height);
         let mut plan = vec![(self.policy.start, 1.0); tiles.len()];
@@ -105,6 +114,13 @@ impl Book<'_> {
             let rest = (aim - share * found) / (1.0 - share);
             let factor = libm::pow(rest.max(aim / 4.0) / unit, 1.0 / 0.7).min(1.0);
             rate.1 = self.within(factor, done);
+            // Below a tile full of detail the block is halved, should the target be missed.
+            let (counts, target) = (&tiles[above].counts, &self.policy.target);
+            let between = counts.samples_full - counts.samples_reference;
+            let share = (between - counts.samples_interpolated) as f64 / between as f64;
+            if rate.1 < 1.0 && share >= target.first_detail {
+                rate.0 = (rate.0 / 2).max(self.policy.finest);
+            }
         }
         plan
     }

@@ -46,6 +46,6 @@ impl TileRules<'_> {
                 Line { rules: self, view, axis: Axis::Y(x), round: 1 + self.levels(), far, is_far_interpolated };
             ends.windows(2).for_each(|pair| line.decide(pair[0], pair[1], f64::INFINITY));
         }
-        correct(view, &self.rules.sampling, &self.tests, 1 + 2 * self.levels());
+        correct(view, &self.rules.sampling, (&self.tests, self.correct), 1 + 2 * self.levels());
     }
 }

@@ -41,6 +41,8 @@ pub struct TileRules<'a> {
     /// Where the tile to the left has its R-rows.
     pub left: SampleLattice,
     pub(super) tests: Tests,
+    /// Factor on the limits of correction.
+    pub(super) correct: f64,
     /// Where the camera is, scene units.
     pub(super) eye: Vec3,
     /// The frame, and what is known of the one before.
@@ -123,7 +125,15 @@ impl Rules {
     pub fn tile<'a>(&'a self, rate: TileRate, eye: Vec3, past: Option<KnownPast<'a>>) -> TileRules<'a> {
         let lattice = |block| SampleLattice { width: self.size.0, height: self.size.1, block };
         let tests = Tests::new(&self.sampling.similarity, rate.relax);
-        TileRules { rules: self, lattice: lattice(rate.block), left: lattice(rate.left), tests, eye, past }
+        TileRules {
+            rules: self,
+            lattice: lattice(rate.block),
+            left: lattice(rate.left),
+            tests,
+            correct: rate.correct,
+            eye,
+            past,
+        }
     }
 }
 

@@ -6,9 +6,9 @@
 //! frames in a row asked for it. In odd frames both thresholds lie further out by the share `alternate`: so a tile whose balance
 //! sits on one does not follow it in every frame, and neighbours that are alike change in different frames.
 //!
-//! **First frame and cuts.** Without a frame before, all tiles have the block `start`. (Tried: the block that the tile two rows
-//! above asks for. Raising cost up to 3 dB, lowering up to 40 % more rays: a tile is not what lies above it.) The same holds after
-//! a cut: a frame whose number does not follow the last one's, a camera that turned by more than `cut_deg`, or (seen one frame
+//! **First frame and cuts.** Without a frame before, all tiles have the block `start`, but for those that [`FirstFrame`] makes finer.
+//! (Tried: the block that the tile two rows above asks for, whether the target is missed or not. Raising cost up to 3 dB, lowering up to
+//! 40 % more rays: a tile is not what lies above it.) The same holds after a cut: a frame whose number does not follow the last one's, a camera that turned by more than `cut_deg`, or (seen one frame
 //! late) similarity ratios, interpolated per I-sample, that changed by more than `cut_change` in the mean.
 
 mod balance;
@@ -30,6 +30,8 @@ pub struct TileRate {
     pub left: u32,
     /// Factor on the colour limit.
     pub relax: f64,
+    /// Factor on the limits of correction.
+    pub correct: f64,
 }
 
 /// The rates of a frame's tiles, in tile order.
@@ -40,6 +42,8 @@ pub struct Rates {
     tiles: Vec<(u32, f64)>,
     /// In a first frame, or after a cut: what its rows learn from those above.
     first: Option<FirstFrame>,
+    /// The smallest block that these may make.
+    finest: u32,
 }
 
 impl Rates {
@@ -47,7 +51,7 @@ impl Rates {
     pub fn tile(&self, tile: u32) -> TileRate {
         let (block, relax) = self.tiles[tile as usize];
         let left = if tile.is_multiple_of(self.columns) { block } else { self.tiles[tile as usize - 1].0 };
-        TileRate { block, left, relax }
+        TileRate { block, left, relax, correct: self.first.as_ref().map_or(1.0, FirstFrame::correct) }
     }
 
     /// Nothing is known of the frame before, or it does not count.
@@ -55,8 +59,8 @@ impl Rates {
         self.first.is_some()
     }
 
-    /// Takes note of the next row of tiles that is finished, top to bottom. In a first frame it moves the colour limit of the
-    /// row after the next: the next one is at work already.
+    /// Takes note of the next row of tiles that is finished, top to bottom. In a first frame it moves the colour limit and the blocks of
+    /// the row after the next: the next one is at work already.
     pub fn finished(&mut self, row: &[TileStats]) {
         let (Some(first), Some(tile)) = (&mut self.first, row.first()) else { return };
         let factor = first.row(row);
@@ -64,7 +68,12 @@ impl Rates {
         if below >= self.tiles.len() {
             return;
         }
-        self.tiles[below..].iter_mut().take(self.columns as usize).for_each(|tile| tile.1 = factor);
+        for ((block, relax), above) in self.tiles[below..].iter_mut().zip(row) {
+            *relax = factor;
+            if *block > self.finest && first.is_detailed(above, factor) {
+                *block /= 2;
+            }
+        }
     }
 
     /// The blocks, tile by tile.
@@ -138,7 +147,12 @@ impl RateController {
                 }
             }
         };
-        Rates { columns: self.columns, tiles, first }
+        Rates {
+            columns: self.columns,
+            tiles,
+            first,
+            finest: self.policy.multirate().map_or(1, |multirate| multirate.finest),
+        }
     }
 
     /// Takes note of what the tiles of `frame` were like under `rates`.

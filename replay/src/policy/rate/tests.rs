@@ -232,5 +232,5 @@ fn fixed_policies_have_one_rate() {
         |name: &str| RateController::new(&NamedPolicy::load(name, &[]).unwrap().policy, &meta()).rates(0, &camera(0.0));
     assert_eq!(rates("full").blocks(), [1; 8]);
     assert_eq!(rates("adaptive-8").blocks(), [8; 8]);
-    assert_eq!(rates("adaptive-8").tile(5), TileRate { block: 8, left: 8, relax: 1.0 });
+    assert_eq!(rates("adaptive-8").tile(5), TileRate { block: 8, left: 8, relax: 1.0, correct: 1.0 });
 }
