@@ -328,7 +328,7 @@ mod tests {
     fn a_tile_below_much_detail_begins_finer_where_the_target_is_missed() {
         let frame = controller(20.0).first(TOTAL);
         // 1000 I-samples, of which so many were traced: from a quarter on.
-        let above = |traced| {
+        let above = |traced: u64| {
             let counts = Counts {
                 samples_full: 1064,
                 samples_reference: 64,
