@@ -20,7 +20,7 @@
 //! let trace = Trace::open("../traces/v1_0_cornell.rtrace".as_ref(), Limits::default())?;
 //! let policy = NamedPolicy::load("multirate", &[])?;
 //! let frame = Replayer::new(&trace, &policy, Options::default())?.frame(0)?.stats;
-//! assert_eq!((frame.counts.rays_traced.total(), frame.counts.rays_full.total()), (4154, 10051));
+//! assert_eq!((frame.counts.rays_traced.total(), frame.counts.rays_full.total()), (4254, 10051));
 //! let psnr = frame.quality.and_then(|quality| quality.psnr_db());
 //! assert_eq!(psnr.map(|db| (db * 100.0).round()), Some(2708.0), "27.08 dB");
 //! # Ok::<(), Box<dyn std::error::Error>>(())

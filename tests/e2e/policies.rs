@@ -157,5 +157,8 @@ fn a_first_frame_that_misses_its_target_is_mended() {
     let before = psnr(&["target.first_correct=1", "target.first_detail=1", "target.strictest=0.2"]);
     assert!(before < 37.5, "it misses 40.2 dB by far: {before}");
     assert!(mended > before + 0.8, "{mended} dB, {before} before");
-    assert!(detail > before + 0.3 && correct > before + 0.1, "each part does some of it: {detail} and {correct}, {before} before");
+    assert!(
+        detail > before + 0.3 && correct > before + 0.1,
+        "each part does some of it: {detail} and {correct}, {before} before"
+    );
 }

@@ -24,7 +24,7 @@ use crate::stop::Stop;
 /// let policies: Vec<&dyn SamplePolicy> = policies.iter().map(|policy| policy as &dyn SamplePolicy).collect();
 /// let frames = Replayers::new(&trace, &policies, Options::default())?.frame(0)?;
 /// let traced: Vec<u64> = frames.iter().map(|frame| frame.stats.counts.rays_traced.total()).collect();
-/// assert_eq!(traced, [10_051, 4154]);
+/// assert_eq!(traced, [10_051, 4254]);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub struct Replayers<'a, S: ?Sized> {

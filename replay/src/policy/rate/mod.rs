@@ -6,10 +6,11 @@
 //! frames in a row asked for it. In odd frames both thresholds lie further out by the share `alternate`: so a tile whose balance
 //! sits on one does not follow it in every frame, and neighbours that are alike change in different frames.
 //!
-//! **First frame and cuts.** Without a frame before, all tiles have the block `start`, but for those that [`FirstFrame`] makes finer.
-//! (Tried: the block that the tile two rows above asks for, whether the target is missed or not. Raising cost up to 3 dB, lowering up to
-//! 40 % more rays: a tile is not what lies above it.) The same holds after a cut: a frame whose number does not follow the last one's, a camera that turned by more than `cut_deg`, or (seen one frame
-//! late) similarity ratios, interpolated per I-sample, that changed by more than `cut_change` in the mean.
+//! **First frame and cuts.** Without a frame before, all tiles have the block `start`, but for those that [`FirstFrame`] makes
+//! finer. (Tried: the block that the tile two rows above asks for, whether the target is missed or not. Raising cost up to 3 dB,
+//! lowering up to 40 % more rays: a tile is not what lies above it.) The same holds after a cut: a frame whose number does not
+//! follow the last one's, a camera that turned by more than `cut_deg`, or (seen one frame late) similarity ratios, interpolated
+//! per I-sample, that changed by more than `cut_change` in the mean.
 
 mod balance;
 
