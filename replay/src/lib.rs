@@ -22,7 +22,7 @@
 //! let frame = Replayer::new(&trace, &policy, Options::default())?.frame(0)?.stats;
 //! assert_eq!((frame.counts.rays_traced.total(), frame.counts.rays_full.total()), (4254, 10051));
 //! let psnr = frame.quality.and_then(|quality| quality.psnr_db());
-//! assert_eq!(psnr.map(|db| (db * 100.0).round()), Some(2708.0), "27.08 dB");
+//! assert_eq!(psnr.map(|db| (db * 100.0).round()), Some(2709.0), "27.09 dB");
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
