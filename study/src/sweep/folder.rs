@@ -14,6 +14,7 @@
 //! Rows lie by *buckets* of consecutive points and not by shards: so every way of splitting the plan finds what any other way
 //! has finished. Every file is complete or absent.
 
+use std::collections::BTreeSet;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
@@ -77,6 +78,19 @@ impl Folder {
     /// # Errors
     /// No plan in it, one that this program cannot carry out, or one that was changed or damaged.
     pub fn open(path: &Path) -> Result<Self> {
+        Self::open_as(path, |bytes| Ok((Plan::from_json(bytes)?, ()))).map(|(folder, ())| folder)
+    }
+
+    /// Opens the folder of a sweep whose rows are wanted: that of a build with other presets will do. Gives also the keys under which rows
+    /// are not to be trusted ([`Plan::for_its_rows`]).
+    ///
+    /// # Errors
+    /// No plan in it, one of another layout or model, or one that was changed or damaged.
+    pub fn open_for_rows(path: &Path) -> Result<(Self, BTreeSet<String>)> {
+        Self::open_as(path, Plan::for_its_rows)
+    }
+
+    fn open_as<T>(path: &Path, plan: impl Fn(&[u8]) -> Result<(Plan, T), String>) -> Result<(Self, T)> {
         let file = path.join(PLAN);
         let bytes = files::read(&file, PLAN_MAX).map_err(|e| match e.kind() {
             ErrorKind::NotFound | ErrorKind::NotADirectory | ErrorKind::InvalidInput | ErrorKind::InvalidData => {
@@ -84,9 +98,9 @@ impl Folder {
             }
             _ => StudyError::io(&file, "read", e),
         })?;
-        let plan = Plan::from_json(&bytes).map_err(|detail| StudyError::Corrupt { path: file.clone(), detail })?;
+        let (plan, more) = plan(&bytes).map_err(|detail| StudyError::Corrupt { path: file.clone(), detail })?;
         let id = plan.id();
-        Ok(Self { path: path.into(), plan, id })
+        Ok((Self { path: path.into(), plan, id }, more))
     }
 
     /// Where it is.

@@ -33,14 +33,18 @@ impl ReusedRows {
             let folder = folder.as_ref();
             match Store::find(&folder.join(RESULTS)).filter(|_| !folder.join(PLAN).exists()) {
                 Some(store) => all.add(store.rows()?, store.read_columns()?)?,
-                None => all.add_sweep(&Folder::open(folder)?)?,
+                None => all.add_sweep(folder)?,
             }
         }
         Ok(all)
     }
 
-    fn add_sweep(&mut self, folder: &Folder) -> Result<()> {
-        self.add(gather(folder)?.rows, read_columns(&folder.columns())?)
+    /// All but the rows under keys that this build would not give to what the plan says.
+    fn add_sweep(&mut self, path: &Path) -> Result<()> {
+        let (folder, strangers) = Folder::open_for_rows(path)?;
+        let mut rows = gather(&folder)?.rows;
+        rows.retain(|key, _| !strangers.contains(key));
+        self.add(rows, read_columns(&folder.columns())?)
     }
 
     fn add(&mut self, rows: BTreeMap<String, Row>, columns: BTreeMap<String, Column>) -> Result<()> {

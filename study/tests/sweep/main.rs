@@ -3,6 +3,7 @@
 mod failed;
 mod hindered;
 mod plans;
+mod reused;
 
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -10,6 +11,7 @@ use std::time::Duration;
 use rayreel_formats::Limits;
 use rayreel_formats::trace::Trace;
 use rayreel_replay::Stop;
+use rayreel_study::StudyError;
 use rayreel_study::point::segment::Writer;
 use rayreel_study::point::version::MODEL_VERSION;
 use rayreel_study::sweep::folder::Folder;
@@ -22,7 +24,6 @@ use rayreel_study::sweep::segment;
 use rayreel_study::sweep::shard::Shard;
 use rayreel_study::sweep::status::status;
 use rayreel_study::table::{Cells, csv, parquet};
-use rayreel_study::{Store, StudyError};
 use serde_json::json;
 
 fn golden() -> PathBuf {
@@ -236,37 +237,6 @@ fn an_interrupted_run_keeps_what_is_finished() {
 }
 
 #[test]
-fn rows_of_another_sweep_are_taken() {
-    let first = Sweep::new(plan(SMALL).unwrap());
-    first.run(Shard::WHOLE, "a");
-    let wider = SMALL.replace("values = [2, 4]", "values = [8, 4, 2]");
-    let second = Sweep::new(plan(&wider).unwrap());
-    let outcome = second.run_with(Shard::WHOLE, "b", &ReusedRows::load([first.folder.path()]).unwrap());
-    assert_eq!((outcome.reused, outcome.computed, outcome.points), (8, 3, 11));
-    let alone = Sweep::new(plan(&wider).unwrap());
-    alone.run(Shard::WHOLE, "a");
-    assert!(second.bytes() == alone.bytes());
-}
-
-/// The cache folder of `rayreel paper` holds rows without a plan.
-#[test]
-fn rows_of_a_cache_folder_are_taken() {
-    let first = Sweep::new(plan(SMALL).unwrap());
-    first.run(Shard::WHOLE, "a");
-    let held = ReusedRows::load([first.folder.path()]).unwrap();
-    let cache = tempfile::tempdir().unwrap();
-    let store = Store::open(&cache.path().join("results")).unwrap();
-    held.rows.values().for_each(|row| store.keep_row(row, &held.columns).unwrap());
-    let second = Sweep::new(plan(SMALL).unwrap());
-    let outcome = second.run_with(Shard::WHOLE, "b", &ReusedRows::load([cache.path()]).unwrap());
-    assert_eq!((outcome.reused, outcome.computed), (8, 0));
-    assert!(second.bytes() == first.bytes());
-    // A folder that is neither a sweep nor a cache.
-    let error = ReusedRows::load([store.path()]).unwrap_err().to_string();
-    assert!(error.contains("is this the folder of a sweep?"), "{error}");
-}
-
-#[test]
 fn points_of_one_key_are_computed_once() {
     // Two machines that are one, under two names.
     let place = tempfile::tempdir().unwrap();
@@ -329,13 +299,17 @@ fn a_plan_that_is_not_what_its_keys_say_is_refused() {
     sweep.run(Shard::WHOLE, "a");
     let file = sweep.folder.path().join("plan.json");
     let (whole, plan) = (std::fs::read(&file).unwrap(), sweep.folder.plan().clone());
-    let refused = |bytes: &[u8], want: &str| {
+    let reused = || ReusedRows::load([sweep.folder.path()]).map(|reused| reused.rows.len());
+    let is_refused = |error: &StudyError, want: &str| {
+        assert!(error.is_bad_data() && error.to_string().contains(want), "{error}");
+    };
+    let opened = |bytes: &[u8], want: &str| {
         std::fs::write(&file, bytes).unwrap();
-        let merged = Folder::open(sweep.folder.path()).map(|folder| merge(&folder).is_ok()).unwrap_err();
-        let reused = ReusedRows::load([sweep.folder.path()]).unwrap_err();
-        for error in [merged, reused] {
-            assert!(error.is_bad_data() && error.to_string().contains(want), "{error}");
-        }
+        is_refused(&Folder::open(sweep.folder.path()).map(|folder| merge(&folder).is_ok()).unwrap_err(), want);
+    };
+    let refused = |bytes: &[u8], want: &str| {
+        opened(bytes, want);
+        is_refused(&reused().unwrap_err(), want);
     };
     // Four cores become five: the digit is one bit away.
     let text = String::from_utf8(whole.clone()).unwrap();
@@ -351,15 +325,17 @@ fn a_plan_that_is_not_what_its_keys_say_is_refused() {
     let leaf = toml.find("gpu.cores = ").unwrap();
     *toml = toml[..leaf].to_owned() + &toml[leaf..].replacen("value = 4", "value = 5", 1);
     assert_ne!(changed, plan);
-    refused(&changed.to_json().unwrap(), "and what it is to compute has the key");
+    opened(&changed.to_json().unwrap(), "and what it is to compute has the key");
+    assert_eq!(reused().unwrap(), 5, "all but the rows of that machine");
     let mut other = plan.clone();
     other.points[0].key = other.points[1].key.clone();
-    refused(&other.to_json().unwrap(), "point 0 of the plan");
+    opened(&other.to_json().unwrap(), "point 0 of the plan");
+    assert_eq!(reused().unwrap(), 0, "a segment with a row of none of its points is none of this plan");
     let mut beyond = plan.clone();
     beyond.points[0].frames = (1, u32::MAX);
     refused(&beyond.to_json().unwrap(), "points nowhere");
     std::fs::write(&file, &whole).unwrap();
-    assert_eq!(ReusedRows::load([sweep.folder.path()]).unwrap().rows.len(), 8);
+    assert_eq!(reused().unwrap(), 8);
 }
 
 /// [`MODEL_VERSION`] and the BLAKE3 hash of `traces/machine.txt`, the golden results of machines and policies, that goes with it. Other golden

@@ -46,6 +46,26 @@ impl Plan {
     /// # Errors
     /// Not a plan; a plan of another layout or model; one that was changed or damaged; one whose points are not what their keys say.
     pub fn from_json(bytes: &[u8]) -> Result<Self, String> {
+        let plan = Self::stored(bytes)?;
+        match plan.strangers().into_iter().next() {
+            Some((_, detail)) => Err(detail),
+            None => Ok(plan),
+        }
+    }
+
+    /// As [`Plan::from_json`], for a plan whose rows are wanted and which is not to be carried out; and the keys of those points that are not
+    /// what their keys say: a preset has other values now, or the plan was changed. Nobody can tell which, so their rows are no good.
+    ///
+    /// # Errors
+    /// Not a plan; a plan of another layout or model; one that was changed or damaged.
+    pub fn for_its_rows(bytes: &[u8]) -> Result<(Self, BTreeSet<String>), String> {
+        let plan = Self::stored(bytes)?;
+        let strangers = plan.strangers().into_iter().map(|(at, _)| plan.points[at].key.clone()).collect();
+        Ok((plan, strangers))
+    }
+
+    /// The plan as it was written, whatever its keys say.
+    fn stored(bytes: &[u8]) -> Result<Self, String> {
         #[derive(Deserialize)]
         struct Head {
             layout: u32,
@@ -69,7 +89,6 @@ impl Plan {
         }
         let plan: Self = serde_json::from_slice(bytes).map_err(|e| format!("not a plan of a sweep: {e}"))?;
         plan.check()?;
-        plan.check_keys()?;
         Ok(plan)
     }
 
@@ -96,9 +115,9 @@ impl Plan {
         }
     }
 
-    /// Refuses a point whose key is not that of its configuration. Each machine and each policy is put together once. Whether a machine
-    /// can be built shows when a point of it is computed.
-    fn check_keys(&self) -> Result<(), String> {
+    /// The points whose keys are not those of their configurations, and what to say of each. Each machine and each policy is put together
+    /// once. Whether a machine can be built shows when a point of it is computed.
+    fn strangers(&self) -> Vec<(usize, String)> {
         let of = |point: &PointRef| {
             let (machine, policy) =
                 self.overrides(&point.values).into_iter().partition(|text| is_machine_override(text));
@@ -107,29 +126,34 @@ impl Plan {
         let variants: Vec<(Variant, Variant)> = self.points.iter().map(of).collect();
         let distinct: BTreeSet<&Variant> = variants.iter().map(|(machine, _)| machine).collect();
         let machines = Machines::new(self).all(distinct.into_iter().cloned().collect());
-        let mut policies: BTreeMap<&Variant, String> = BTreeMap::new();
-        for (at, (point, (machine, policy))) in self.points.iter().zip(&variants).enumerate() {
-            let unusable = |e: &StudyError| format!("point {at} of the plan cannot be resolved: {e}; {AGAIN}");
-            let machine = machines[machine].as_ref().map_err(unusable)?;
-            let policy: &mut String = match policies.entry(policy) {
-                Entry::Occupied(known) => known.into_mut(),
-                Entry::Vacant(slot) => {
-                    let found = self.policy(policy.0, &policy.1).map_err(|e| unusable(&e))?;
-                    slot.insert(policy_json(&found))
-                }
+        let mut policies: BTreeMap<&Variant, Result<String>> = BTreeMap::new();
+        for (_, policy) in &variants {
+            if let Entry::Vacant(slot) = policies.entry(policy) {
+                slot.insert(self.policy(policy.0, &policy.1).map(|found| policy_json(&found)));
+            }
+        }
+        let stranger = |at: usize, point: &PointRef, (machine, policy): &(Variant, Variant)| -> Option<String> {
+            let unusable = |e: &StudyError| Some(format!("point {at} of the plan cannot be resolved: {e}; {AGAIN}"));
+            let (machine, policy) = match (&machines[machine], &policies[policy]) {
+                (Ok(machine), Ok(policy)) => (machine, policy),
+                (Err(e), _) | (_, Err(e)) => return unusable(e),
             };
-            let detail = self.detail(point).map_err(|e| unusable(&e))?;
+            let detail = match self.detail(point) {
+                Ok(detail) => detail,
+                Err(e) => return unusable(&e),
+            };
             let right = key(&self.traces[point.trace].fingerprint, point.frames, machine, policy, detail);
-            if right != point.key {
-                return Err(format!(
+            (right != point.key).then(|| {
+                format!(
                     "point {at} of the plan ({}) has the key {}, and what it is to compute has the key {right}: the plan was \
                      changed, or made by another build; {AGAIN}",
                     self.describe(at),
                     point.key,
-                ));
-            }
-        }
-        Ok(())
+                )
+            })
+        };
+        let points = self.points.iter().zip(&variants).enumerate();
+        points.filter_map(|(at, (point, variant))| Some((at, stranger(at, point, variant)?))).collect()
     }
 
     /// The plan as `plan.json` holds it: the same bytes for the same plan.
