@@ -97,6 +97,12 @@ fn chosen(text: &str, offset: usize) -> Result<Shard> {
 pub fn here(folder: &Folder, args: &RunArgs, shard: Shard, quiet: bool) -> Result<Exit> {
     let stop = progress::stop_on_signal();
     let reused = ReusedRows::load(&args.reuse)?;
+    if reused.left_out > 0 {
+        eprintln!(
+            "warning: {} rows of --reuse are left out: presets had other values when they were made, or the plan was changed",
+            reused.left_out
+        );
+    }
     let writer = Writer { attempt: attempt(), host: host() };
     let open = opener(&args.cache, args.traces.as_deref());
     let settings = Settings {

@@ -17,6 +17,8 @@ pub struct ReusedRows {
     pub rows: BTreeMap<String, Row>,
     /// Their columns.
     pub columns: Vec<Column>,
+    /// Rows of sweeps that were left out, because this build would not give their keys to what the plan says.
+    pub left_out: usize,
 }
 
 /// Where in a cache folder of `rayreel paper` its results lie: a [`Store`].
@@ -39,11 +41,12 @@ impl ReusedRows {
         Ok(all)
     }
 
-    /// All but the rows under keys that this build would not give to what the plan says.
     fn add_sweep(&mut self, path: &Path) -> Result<()> {
         let (folder, strangers) = Folder::open_for_rows(path)?;
         let mut rows = gather(&folder)?.rows;
+        let all = rows.len();
         rows.retain(|key, _| !strangers.contains(key));
+        self.left_out += all - rows.len();
         self.add(rows, read_columns(&folder.columns())?)
     }
 
