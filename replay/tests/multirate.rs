@@ -69,6 +69,7 @@ fn nervous(variant: &Adaptive, seed: u64) -> Multirate {
             share: 0.9,
             first_detail: [0.3, 0.6, 0.0, 1.0][seed as usize % 4],
             first_correct: [0.5, 1.0, 0.0][seed as usize % 3],
+            first_growth: [0.3, 0.0][seed as usize % 2],
         },
         sampling: variant.sampling.clone(),
     }

@@ -48,6 +48,7 @@ fn nervous(variant: &Adaptive, history: HistoryRules) -> Temporal {
         share: 0.9,
         first_detail: 0.3,
         first_correct: 0.5,
+        first_growth: 0.5,
     };
     let rates = Multirate {
         start: 4,

@@ -40,7 +40,7 @@ const PRIOR: f64 = 192.0;
 /// is still allowed this fraction of the target's error, or it would be traced whole.
 const LEAST_REST: f64 = 0.25;
 
-/// Smallest factor, whatever `target.strictest`. At 0 every sample would be traced, and no error found would ever say that the
+/// Smallest factor, whatever `target.strictest` and `target.first_correct`. At 0 every sample would be traced, and no error found would ever say that the
 /// limit may be looser.
 const LEAST_FACTOR: f64 = 0.01;
 
@@ -128,6 +128,11 @@ impl LimitController {
         let Some(aim) = self.aim else { return };
         let mut seen = Seen::default();
         tiles.iter().for_each(|stats| seen.add(stats));
+        if first {
+            // The next frame has the limits of correction as they are, and with them the error that stricter ones spared this one.
+            let Target { first_correct, first_growth, .. } = self.target;
+            seen.unit /= libm::pow(first_correct.max(LEAST_FACTOR), first_growth);
+        }
         let kept = if first { 0.0 } else { MEMORY };
         self.unit = self.unit * kept + seen.unit;
         self.values = self.values * kept + seen.found.values as f64;
@@ -192,8 +197,15 @@ mod tests {
             loosest: 4.0,
             share: 0.4,
             first_detail: 0.25,
-            first_correct: 0.5,
+            first_correct: 1.0,
+            first_growth: 0.35,
         })
+    }
+
+    /// The same, with stricter limits of correction in first frames.
+    fn stricter(db: f64) -> LimitController {
+        let target = Target { first_correct: 0.5, ..controller(db).target };
+        LimitController::new(&target)
     }
 
     /// A tile of 1024 samples, `traced` of which were traced, whose audits found a mean squared error of `mean`.
@@ -222,18 +234,18 @@ mod tests {
             [TileStats { tile: 0, counts, audited: SquaredError { sum, values: 3000 }, factor }]
         };
         let near = |found: f64, written: f64| assert!((found - written).abs() < 5.0e-4, "{found}, not {written}");
-        let mut limit = controller(20.0);
+        let mut limit = stricter(20.0);
         near(limit.aim.unwrap(), 650.25);
         // A first frame with twice the error that is aimed at, and a fifth of its samples traced.
         limit.learn(&tiles(3_901_500, TOTAL / 5, 1.0), true);
-        near(limit.factor(), 0.388);
+        near(limit.factor(), 0.277);
         // The next frame comes out on target.
         limit.learn(&tiles(1_950_750, TOTAL / 5, limit.factor()), false);
-        near(limit.factor(), 0.390);
-        let mut dear = controller(20.0);
+        near(limit.factor(), 0.279);
+        let mut dear = stricter(20.0);
         dear.learn(&tiles(3_901_500, TOTAL * 7 / 20, 1.0), true);
         near(dear.factor(), 0.625);
-        let mut first = controller(20.0).first(8 * TOTAL);
+        let mut first = stricter(20.0).first(8 * TOTAL);
         near(first.row(&tiles(3_901_500, TOTAL / 5, 1.0)), 0.316);
     }
 
@@ -242,6 +254,21 @@ mod tests {
         assert_eq!(controller(20.0).factor(), 1.0);
         assert!((after(AIM, 100, 1.0) - 1.0).abs() < 1.0e-5);
         assert!((after(AIM, 100, 0.5) - 0.5).abs() < 1.0e-3, "whatever it is");
+    }
+
+    #[test]
+    fn what_stricter_corrections_spared_a_first_frame_the_next_one_will_have() {
+        let mut limit = stricter(20.0);
+        limit.learn(&[tile(AIM, 100, 1.0); 8], true);
+        assert!((limit.factor() - libm::pow(0.5, 0.35 / GROWTH)).abs() < 1.0e-3, "{}", limit.factor());
+        // Corrections that let nothing pass: the error is as if they were LEAST_FACTOR.
+        let target = Target { first_correct: 0.0, loosest: 99.0, strictest: 0.01, ..limit.target.clone() };
+        let mut nothing = LimitController::new(&target);
+        nothing.learn(&[tile(AIM, 100, 1.0); 8], true);
+        assert!((nothing.factor() - libm::pow(LEAST_FACTOR, 0.35 / GROWTH)).abs() < 1.0e-3, "{}", nothing.factor());
+        // Later frames are as strict as the ones after them.
+        (0..40).for_each(|_| limit.learn(&[tile(AIM, 100, 1.0); 8], false));
+        assert!((limit.factor() - 1.0).abs() < 1.0e-3, "{}", limit.factor());
     }
 
     #[test]
@@ -342,7 +369,7 @@ mod tests {
         assert!(!frame.is_detailed(&above(1000), 1.0), "the target is met");
         let grid = Counts { samples_full: 4, samples_reference: 4, samples_traced: 4, ..Counts::default() };
         assert!(!frame.is_detailed(&TileStats { counts: grid, ..tile(AIM, 0, 1.0) }, 0.5), "no I-samples");
-        assert_eq!(frame.correct(), 0.5);
+        assert_eq!((frame.correct(), stricter(20.0).first(TOTAL).correct()), (1.0, 0.5));
     }
 
     #[test]

@@ -127,7 +127,12 @@ impl Book<'_> {
 
     fn learn(&mut self, tiles: &[TileStats], is_first: bool) {
         let Some(aim) = self.aim() else { return };
-        let (_, unit, values) = sums(tiles);
+        let (_, mut unit, values) = sums(tiles);
+        // What a first frame's stricter corrections spared it, the next one will have.
+        if is_first {
+            let target = &self.policy.target;
+            unit *= libm::pow(target.first_correct.max(0.01), -target.first_growth);
+        }
         let kept = if is_first { 0.0 } else { 0.75 };
         self.sums = (kept * self.sums.0 + unit, kept * self.sums.1 + values);
         let unit = (self.sums.0 + 192.0 * aim) / (self.sums.1 + 192.0);
