@@ -7,7 +7,7 @@ use anyhow::{Result, bail};
 use rayreel_columns::{ColumnsError, aov};
 use rayreel_formats::container::MAGIC;
 use rayreel_formats::scene::Meta;
-use rayreel_formats::trace::{Codec, Trace, digest};
+use rayreel_formats::trace::{Codec, Trace};
 use rayreel_replay::image::files::ExrNotes;
 use rayreel_replay::image::layers::write_layers;
 use rayreel_replay::{NamedPolicy, ReplayError};
@@ -18,7 +18,9 @@ use rayreel_tracer::TraceSettings;
 use rayreel_tracer::{CaptureOutcome, CaptureOutput, capture};
 use serde_json::json;
 
-use crate::common::{GridArgs, build, check_output, keep_scene, meta, open, print, samples, size, tile_of};
+use crate::common::{
+    GridArgs, build, check_output, digest_if_whole, keep_scene, meta, open, print, samples, size, tile_of,
+};
 use crate::exit::Exit;
 use crate::progress;
 use crate::scene_args::SceneArgs;
@@ -151,7 +153,7 @@ fn notes(args: &Args, trace: &Trace, policy: &NamedPolicy, frame: u32) -> Result
     words.extend(args.overrides.iter().flat_map(|text| ["--set".to_owned(), text.clone()]));
     let about = json!({
         "model_version": MODEL_VERSION, "scene": trace.meta().scene, "trace_fingerprint": trace.fingerprint()?.to_string(),
-        "trace_digest": digest(trace)?.total().to_string(), "frame": frame, "policy": policy.name,
+        "trace_digest": digest_if_whole(trace, &(frame..frame + 1))?, "frame": frame, "policy": policy.name,
     });
     Ok(ExrNotes { comments: Some(line(&words)), about: Some(about.to_string()) })
 }

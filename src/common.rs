@@ -1,12 +1,13 @@
 //! Argument types and small steps that several commands share.
 
 use std::io::Write;
+use std::ops::Range;
 use std::path::Path;
 
 use anyhow::{Context, Result, bail};
 use rayreel_formats::durable::WholeFile;
 use rayreel_formats::scene::Meta;
-use rayreel_formats::trace::Trace;
+use rayreel_formats::trace::{Trace, digest};
 use rayreel_replay::image::Image;
 use rayreel_replay::image::resolve::Resolver;
 use rayreel_scenes::Scene;
@@ -177,6 +178,12 @@ pub fn si(value: f64) -> String {
         _ => return format!("{value:.0} "),
     };
     format!("{:.2}{unit}", value / scale)
+}
+
+/// The digest of a trace whose every frame is read anyway; none where only `frames` of more are: it would decode them all.
+pub fn digest_if_whole(trace: &Trace, frames: &Range<u32>) -> Result<Option<String>> {
+    let is_whole = *frames == trace.meta().frame_numbers();
+    Ok(if is_whole { Some(digest(trace)?.total().to_string()) } else { None })
 }
 
 /// What a trace lacks, in words: whole tiles, and columns of tiles that are there. Empty if it is complete.

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
 use rayreel_formats::scene::Meta;
-use rayreel_formats::trace::{Trace, digest};
+use rayreel_formats::trace::Trace;
 use rayreel_machine::config::NamedMachine;
 use rayreel_machine::config::schema::is_machine_override;
 use rayreel_machine::probes::Watch;
@@ -22,7 +22,7 @@ use rayreel_study::point::version::MODEL_VERSION;
 use rayreel_study::report::{Made, Origin, Report};
 use serde_json::json;
 
-use crate::common::{check_output, frames, print};
+use crate::common::{check_output, digest_if_whole, frames, print};
 use crate::detail::DetailArgs;
 use crate::exit::Exit;
 use crate::progress::{self, Progress};
@@ -146,11 +146,11 @@ fn chosen(args: &Args, meta: &Meta) -> Result<Range<u32>> {
     Ok(first..first + count)
 }
 
-/// What the results are of. The digest takes longer than a replay without a machine, so it is made only for JSON and stats.json of
-/// every cycle.
-fn origin(args: &Args, trace: &Trace, detail: Detail) -> Result<Origin> {
+/// What the results of `frames` are of. The digest takes longer than a replay without a machine, so it is made only for JSON and
+/// stats.json of every cycle.
+fn origin(args: &Args, trace: &Trace, frames: &Range<u32>, detail: Detail) -> Result<Origin> {
     let wanted = (args.json || args.out.is_some()) && detail == Detail::Full;
-    let trace_digest = if wanted { Some(digest(trace)?.total().to_string()) } else { None };
+    let trace_digest = if wanted { digest_if_whole(trace, frames)? } else { None };
     let trace_fingerprint = Some(trace.fingerprint()?.to_string());
     let made = Made { program: SOFTWARE.into(), model_version: MODEL_VERSION, command: command(args) };
     Ok(Origin { made: Some(made), trace: args.trace.file_name(), trace_fingerprint, trace_digest })
@@ -202,7 +202,7 @@ fn replay(
 ) -> Result<Report> {
     let meta = trace.meta();
     let frames = chosen(args, meta)?;
-    let origin = origin(args, trace, detail)?;
+    let origin = origin(args, trace, &frames, detail)?;
     let (several, all) = (meta.frames > 1, frames.clone());
     let tiles = u64::from(meta.tile_count());
     let bar = RefCell::new(Progress::new("replay", frames.len() as u64 * tiles, quiet));

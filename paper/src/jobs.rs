@@ -10,7 +10,7 @@ use rayreel_study::point::compute::compute_all;
 use rayreel_study::point::convoy::{self, Convoy};
 use rayreel_study::point::key::Point;
 use rayreel_study::point::task::{Computed, Missing, PointTask};
-use rayreel_study::point::tile_cache::{Room, TileCache};
+use rayreel_study::point::tile_cache::{MemoryBudget, TileCache};
 use rayreel_study::pool::Pool;
 
 use crate::ledger::Ledger;
@@ -112,11 +112,11 @@ impl Jobs {
         traces: Vec<Trace>,
     ) -> Self {
         let (mut groups, mut others) = (Vec::new(), Vec::new());
-        let (mut shared, room) = (BTreeMap::new(), Room::new(DECODED));
+        let (mut shared, budget) = (BTreeMap::new(), MemoryBudget::new(DECODED));
         for (&capture, trace) in captures.iter().zip(traces) {
             let list = jobs_on(capture, plan, ledger);
             let (left, side_by_side) = (list.len(), threads > 1 && go_side_by_side(&list, &plan.captures[capture]));
-            let cache = TileCache::new(trace, &room);
+            let cache = TileCache::new(trace, &budget);
             let cache = if side_by_side { cache.for_readers(left) } else { cache };
             if left > 0 {
                 shared.insert(capture, Mutex::new(SharedTrace { trace: Some(Arc::new(cache)), left }));

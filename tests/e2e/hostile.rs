@@ -29,6 +29,7 @@ fn deep_expressions_are_refused() {
         ("-".repeat(5000) + "1", "signs and brackets"),
         ("(".repeat(5000) + "1", "signs and brackets"),
         ("not ".repeat(2000) + "1", "signs and brackets"),
+        ("(".repeat(100) + "1" + &")".repeat(100), "brackets stand too deep"),
     ] {
         let text = format!("traces = [\"a.rtrace\"]\npolicies = [\"full\"]\nexclude = ['{expression}']\n");
         fs::write(folder.join("p.toml"), text).unwrap();

@@ -30,7 +30,7 @@ use crate::frame::{FrameReplay, PassedFrame, Replayer};
 use crate::policy::Sampler;
 use crate::simulate::{MachineRun, check_kernels, frame_shape, only, pass_all};
 use crate::source::PathSource;
-use pass::{MachinePass, Passed, Room, Shared};
+use pass::{MachinePass, Passed, Shared, WindowSlots};
 use places::{Places, Tiles, UnderWay};
 
 /// A frame is uniform of which this part of the work lies in parts that are alike: those whose sizes differ by less than [`ALIKE`]. Of
@@ -122,7 +122,7 @@ impl<S: PathSource + ?Sized, P: Probe> Simulation<'_, '_, S, P> {
     fn pass(&mut self, machines: &[Named<'_>], places: &[Option<Places>]) -> Result<(PassedFrame, Vec<Passed>)> {
         let (tree, stop) = (self.tree, self.replayer.stop().clone());
         // One for each thread: the pass brings the next while they run, and more would only take memory.
-        let room = Room::new(rayon::current_num_threads());
+        let slots = WindowSlots::new(rayon::current_num_threads());
         let (meta, reads) = (self.replayer.source().meta(), self.replayer.reads());
         let mut passes: Vec<MachinePass<'_>> = machines
             .iter()
@@ -132,7 +132,7 @@ impl<S: PathSource + ?Sized, P: Probe> Simulation<'_, '_, S, P> {
                 MachinePass::new((config, caches), tree, frame_shape(meta, config, reads), places.as_ref())
             })
             .collect();
-        let shared = Shared { tree, stop: &stop, room: &room };
+        let shared = Shared { tree, stop: &stop, slots: &slots };
         let (frame, probe) = (self.frame, &mut *self.probe);
         let passed_frame = rayon::in_place_scope(|scope| {
             let mut tiles = 0;

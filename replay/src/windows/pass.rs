@@ -72,17 +72,17 @@ pub struct Shared<'a> {
     /// Ends windows early.
     pub stop: &'a Stop,
     /// How many windows may be under way.
-    pub room: &'a Room,
+    pub slots: &'a WindowSlots,
 }
 
 /// Limits the windows that wait or run, and so the memory of their tiles.
-pub struct Room {
+pub struct WindowSlots {
     free: Mutex<usize>,
     freed: Condvar,
 }
 
-impl Room {
-    /// Room for so many windows.
+impl WindowSlots {
+    /// Slots for so many windows.
     pub fn new(windows: usize) -> Self {
         Self { free: Mutex::new(windows), freed: Condvar::new() }
     }
@@ -114,7 +114,7 @@ impl Room {
 }
 
 /// Gives its place back, even where a window ends in a panic.
-struct Occupied<'a>(&'a Room);
+struct Occupied<'a>(&'a WindowSlots);
 
 impl Drop for Occupied<'_> {
     fn drop(&mut self) {
@@ -219,7 +219,7 @@ impl<'a> MachinePass<'a> {
         &self,
         window: OpenWindow,
         is_last: bool,
-        Shared { tree, stop, room }: Shared<'s>,
+        Shared { tree, stop, slots }: Shared<'s>,
         scope: &Scope<'s>,
     ) where
         'a: 's,
@@ -238,9 +238,9 @@ impl<'a> MachinePass<'a> {
         let warm_up = measured_from.size() - begin;
         let window = Window { from, tiles, warm_up, features, is_last, is_certain: place.is_certain };
         let (config, shape, windows) = (self.config, self.shape, Arc::clone(&self.windows));
-        room.take();
+        slots.take();
         scope.spawn(move |_| {
-            let _occupied = Occupied(room);
+            let _occupied = Occupied(slots);
             let measured = window.simulate(config, tree, shape, stop);
             windows.lock().unwrap_or_else(PoisonError::into_inner).insert(number, measured);
         });
@@ -272,13 +272,13 @@ mod tests {
     #[test]
     fn who_waits_for_room_works_meanwhile() {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
-        let (room, done) = (Room::new(1), AtomicUsize::new(0));
+        let (slots, done) = (WindowSlots::new(1), AtomicUsize::new(0));
         pool.install(|| {
             rayon::in_place_scope(|scope| {
                 for _ in 0..3 {
-                    room.take();
+                    slots.take();
                     scope.spawn(|_| {
-                        let _occupied = Occupied(&room);
+                        let _occupied = Occupied(&slots);
                         done.fetch_add(1, Ordering::Relaxed);
                     });
                 }

@@ -14,17 +14,17 @@ pub(crate) trait Weigh {
 /// Where the producer puts what it made.
 pub(crate) struct Output<'a, T> {
     sender: Sender<(Result<T>, usize)>,
-    room: &'a Room,
+    memory: &'a QueueMemory,
 }
 
 impl<T: Weigh> Output<'_, T> {
-    /// Hands an item over, waiting until there is room. An item heavier than all the room waits until nothing else does.
+    /// Hands an item over, waiting until there is room. An item heavier than the whole limit waits until nothing else does.
     ///
     /// # Errors
     /// When the consumer has stopped: nobody sees this error, it only ends the producer.
     pub fn put(&self, item: T) -> Result<()> {
         let bytes = item.bytes();
-        self.room.take(bytes);
+        self.memory.take(bytes);
         self.sender
             .send((Ok(item), bytes))
             .map_err(|_| ReplayError::Usage { detail: "the consumer of tiles has stopped".into() })
@@ -32,14 +32,14 @@ impl<T: Weigh> Output<'_, T> {
 }
 
 /// The memory of what waits.
-struct Room {
+struct QueueMemory {
     limit: usize,
     /// Bytes in use. `None` lifts the limit: the consumer has gone, and nobody would make room.
     used: Mutex<Option<usize>>,
     freed: Condvar,
 }
 
-impl Room {
+impl QueueMemory {
     fn lock(&self) -> MutexGuard<'_, Option<usize>> {
         self.used.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -68,28 +68,28 @@ pub(crate) fn ahead<T: Weigh + Send>(
     produce: impl FnOnce(&Output<'_, T>) -> Result<()> + Send,
     mut consume: impl FnMut(T) -> Result<()>,
 ) -> Result<()> {
-    let room = &Room { limit, used: Mutex::new(Some(0)), freed: Condvar::new() };
+    let memory = &QueueMemory { limit, used: Mutex::new(Some(0)), freed: Condvar::new() };
     std::thread::scope(|scope| {
         let (sender, receiver) = channel();
         scope.spawn(move || {
-            let output = Output { sender, room };
+            let output = Output { sender, memory };
             if let Err(error) = produce(&output) {
                 // Fails only if the consumer has stopped, and then has an error of its own.
                 let _ = output.sender.send((Err(error), 0));
             }
         });
         // The receiver goes first, then the limit: a producer that waits for room wakes up and finds nobody to send to.
-        let _open = Open(room);
+        let _open = Open(memory);
         let mut items = receiver.into_iter();
         items.by_ref().try_for_each(|(item, bytes)| {
-            room.give(bytes);
+            memory.give(bytes);
             item.and_then(&mut consume)
         })
     })
 }
 
 /// Takes the limit away when it goes.
-struct Open<'a>(&'a Room);
+struct Open<'a>(&'a QueueMemory);
 
 impl Drop for Open<'_> {
     fn drop(&mut self) {
@@ -116,7 +116,7 @@ mod tests {
     }
 
     /// Sums count what `put` has returned for, so they are never more than what waits. No item is without weight: it could wait
-    /// before a heavy one, which finds the room empty.
+    /// before a heavy one, which finds the queue empty.
     #[test]
     fn what_waits_fits_the_limit_or_is_one_item() {
         const LIMIT: usize = 40;

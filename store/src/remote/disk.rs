@@ -35,12 +35,12 @@ pub(super) struct DiskCache {
     folder: PathBuf,
     key: blake3::Hash,
     list: Mutex<BlockList>,
-    room: Mutex<Room>,
+    room: Mutex<SpaceLeft>,
 }
 
 /// What may still be added to the cache.
 #[derive(Debug)]
-struct Room {
+struct SpaceLeft {
     /// Bytes; `None` once nothing else can be dropped to make room.
     left: Option<u64>,
     /// Bytes that have their room and are being written: a look at the disk may miss them.
@@ -73,7 +73,7 @@ impl DiskCache {
         })?;
         let used = trim(cache, &folder, cache.max_bytes);
         let blocks = BlockList { blocks: list(&folder), listed: Instant::now() };
-        let room = Mutex::new(Room { left: Some(cache.max_bytes.saturating_sub(used)), writing: 0 });
+        let room = Mutex::new(SpaceLeft { left: Some(cache.max_bytes.saturating_sub(used)), writing: 0 });
         Ok(Self { cache: cache.clone(), folder, key, list: Mutex::new(blocks), room })
     }
 
@@ -137,7 +137,7 @@ impl DiskCache {
         &self.cache.path
     }
 
-    fn room(&self) -> MutexGuard<'_, Room> {
+    fn room(&self) -> MutexGuard<'_, SpaceLeft> {
         self.room.lock().unwrap_or_else(PoisonError::into_inner)
     }
 

@@ -19,8 +19,8 @@ pub struct TileCache {
     tiles: Vec<KeptTile>,
     /// How often each is read before it is dropped.
     readers: usize,
-    room: Arc<Room>,
-    /// Bytes that this trace has of the room.
+    budget: Arc<MemoryBudget>,
+    /// Bytes that this trace has of the budget.
     bytes: AtomicUsize,
 }
 
@@ -46,12 +46,12 @@ impl<T> Default for Kept<T> {
 
 /// Memory that caches share.
 #[derive(Debug)]
-pub struct Room {
+pub struct MemoryBudget {
     used: AtomicUsize,
     limit: usize,
 }
 
-impl Room {
+impl MemoryBudget {
     /// About so many bytes.
     pub fn new(limit: usize) -> Arc<Self> {
         Arc::new(Self { used: AtomicUsize::new(0), limit })
@@ -74,13 +74,13 @@ impl Room {
 
 impl TileCache {
     /// Nothing is decoded yet; what will be kept has to find room.
-    pub fn new(trace: Trace, room: &Arc<Room>) -> Self {
+    pub fn new(trace: Trace, budget: &Arc<MemoryBudget>) -> Self {
         let meta = trace.meta();
         // A trace whose table of tiles alone is over the limit keeps none.
         let count = meta.frames as usize * meta.tile_count() as usize;
-        let count = if count.saturating_mul(size_of::<KeptTile>()) <= room.limit { count } else { 0 };
+        let count = if count.saturating_mul(size_of::<KeptTile>()) <= budget.limit { count } else { 0 };
         let tiles = std::iter::repeat_with(KeptTile::default).take(count).collect();
-        Self { trace, tiles, readers: usize::MAX, room: Arc::clone(room), bytes: AtomicUsize::new(0) }
+        Self { trace, tiles, readers: usize::MAX, budget: Arc::clone(budget), bytes: AtomicUsize::new(0) }
     }
 
     /// The same for so many readers who go through the trace side by side: what all of them have read is dropped.
@@ -132,22 +132,22 @@ impl TileCache {
         Ok(value)
     }
 
-    /// Takes so many bytes of the room, if they are free.
+    /// Takes so many bytes of the budget, if they are free.
     fn take(&self, bytes: usize) -> bool {
-        let fits = self.room.take(bytes);
+        let fits = self.budget.take(bytes);
         self.bytes.fetch_add(if fits { bytes } else { 0 }, Ordering::Relaxed);
         fits
     }
 
     fn give(&self, bytes: usize) {
         self.bytes.fetch_sub(bytes, Ordering::Relaxed);
-        self.room.give(bytes);
+        self.budget.give(bytes);
     }
 }
 
 impl Drop for TileCache {
     fn drop(&mut self) {
-        self.room.give(*self.bytes.get_mut());
+        self.budget.give(*self.bytes.get_mut());
     }
 }
 
@@ -226,13 +226,13 @@ mod tests {
 
     #[test]
     fn what_finds_room_is_decoded_once_and_leaves_with_its_cache() {
-        let room = Room::new(1 << 30);
-        let cache = TileCache::new(trace(), &room);
+        let budget = MemoryBudget::new(1 << 30);
+        let cache = TileCache::new(trace(), &budget);
         let (first, again) = (read(&cache), read(&cache));
         assert!(Arc::ptr_eq(&first.0, &again.0) && Arc::ptr_eq(&first.1, &again.1));
-        let used = || room.used.load(Ordering::Relaxed);
+        let used = || budget.used.load(Ordering::Relaxed);
         assert!(used() > first.1.bytes());
-        let other = TileCache::new(trace(), &room);
+        let other = TileCache::new(trace(), &budget);
         let (alone, both) = (used(), read(&other));
         assert_eq!(used(), 2 * alone);
         assert_eq!((both.0, both.1.rays()), (first.0, first.1.rays()));
@@ -242,9 +242,9 @@ mod tests {
 
     #[test]
     fn what_all_have_read_is_dropped() {
-        let room = Room::new(1 << 30);
-        let cache = TileCache::new(trace(), &room).for_readers(3);
-        let used = || room.used.load(Ordering::Relaxed);
+        let budget = MemoryBudget::new(1 << 30);
+        let cache = TileCache::new(trace(), &budget).for_readers(3);
+        let used = || budget.used.load(Ordering::Relaxed);
         let (first, again) = (read(&cache), read(&cache));
         assert!(Arc::ptr_eq(&first.1, &again.1) && used() > first.1.bytes());
         let last = read(&cache);
@@ -254,14 +254,14 @@ mod tests {
         let late = read(&cache);
         assert!(!Arc::ptr_eq(&first.1, &late.1) && late.0 == first.0);
         assert_eq!(used(), 0);
-        let alone = TileCache::new(trace(), &room).for_readers(1);
+        let alone = TileCache::new(trace(), &budget).for_readers(1);
         read(&alone);
         assert_eq!(used(), 0, "nobody else reads it");
     }
 
     #[test]
     fn who_come_at_once_get_the_same() {
-        let cache = TileCache::new(trace(), &Room::new(1 << 30));
+        let cache = TileCache::new(trace(), &MemoryBudget::new(1 << 30));
         let all: Vec<_> = std::thread::scope(|scope| {
             let readers: Vec<_> = (0..4).map(|_| scope.spawn(|| read(&cache))).collect();
             readers.into_iter().map(|reader| reader.join().unwrap()).collect()
@@ -272,7 +272,7 @@ mod tests {
     /// It was the first tile of the frame behind it.
     #[test]
     fn a_tile_that_is_not_there_is_an_error() {
-        let mut cache = TileCache::new(trace(), &Room::new(1 << 30));
+        let mut cache = TileCache::new(trace(), &MemoryBudget::new(1 << 30));
         let (frame, count) = (cache.meta().first_frame, cache.meta().tile_count());
         // As if there were such a frame, and its first tile were known.
         let known = cache.packed_tile(frame, 0).unwrap();
@@ -283,10 +283,10 @@ mod tests {
 
     #[test]
     fn without_room_all_is_decoded_each_time() {
-        let room = Room::new(0);
-        let cache = TileCache::new(trace(), &room);
+        let budget = MemoryBudget::new(0);
+        let cache = TileCache::new(trace(), &budget);
         let (first, again) = (read(&cache), read(&cache));
         assert!(!Arc::ptr_eq(&first.1, &again.1) && first.0 == again.0);
-        assert_eq!(room.used.load(Ordering::Relaxed), 0);
+        assert_eq!(budget.used.load(Ordering::Relaxed), 0);
     }
 }

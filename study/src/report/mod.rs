@@ -64,7 +64,7 @@ pub struct Report {
     pub trace: String,
     /// What the trace holds, known without reading its tiles: the same as in a sweep's table.
     pub trace_fingerprint: Option<String>,
-    /// Digest of the trace, as `rayreel digest` prints it; null where less than every cycle was simulated.
+    /// Digest of the trace, as `rayreel digest` prints it; null where not every cycle of every frame was asked for.
     pub trace_digest: Option<String>,
     /// Scene of the trace.
     pub scene: String,

@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use rayreel_formats::trace::Trace;
 
 use crate::point::compute::compute_row;
-use crate::point::tile_cache::{Room, TileCache};
+use crate::point::tile_cache::{MemoryBudget, TileCache};
 use crate::sweep::plan::{Plan, PointRef};
 use rayreel_replay::Stop;
 use rayreel_replay::source::PathSource;
@@ -48,7 +48,7 @@ pub fn core_seconds(plan: &Plan, open: &dyn Fn(&str) -> Result<Trace, String>) -
 /// Seconds that a point would take.
 fn look(plan: &Plan, point: &PointRef, trace: Trace) -> Option<f64> {
     let resolved = plan.resolve(point).ok()?;
-    let (stop, source) = (Stop::default(), TileCache::new(trace, &Room::new(0)));
+    let (stop, source) = (Stop::default(), TileCache::new(trace, &MemoryBudget::new(0)));
     let tree = source.topology();
     let (start, mut part) = (Instant::now(), (0.0, 0.0));
     let ended = compute_row(&resolved, &point.key, (&source, &tree), &stop, |done, all| {

@@ -116,6 +116,10 @@ fn plain(value: Option<&Scalar>) -> Value {
 }
 
 fn why(error: &minijinja::Error) -> String {
+    // The parser has a limit of its own, and speaks of templates.
+    if error.detail().is_some_and(|detail| detail.contains("recursion limit")) {
+        return "its brackets stand too deep in one another; split it into several".into();
+    }
     error.detail().map_or_else(|| error.kind().to_string(), str::to_owned)
 }
 

@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use super::shape::Settings;
 use crate::error::Result;
-use crate::point::tile_cache::{Room, TileCache};
+use crate::point::tile_cache::{MemoryBudget, TileCache};
 use crate::sweep::folder::Folder;
 use rayreel_machine::work::topology::Topology;
 use rayreel_replay::source::PathSource;
@@ -35,7 +35,7 @@ pub(super) struct SharedTraces<'a> {
     folder: &'a Folder,
     settings: &'a Settings<'a>,
     traces: Vec<SharedTrace>,
-    room: Arc<Room>,
+    budget: Arc<MemoryBudget>,
     /// How often each tile is read before it is dropped.
     readers: AtomicUsize,
 }
@@ -47,7 +47,13 @@ impl<'a> SharedTraces<'a> {
         for point in todo {
             traces[folder.plan().points[point].trace].left.fetch_add(1, Ordering::Relaxed);
         }
-        Self { folder, settings, traces, room: Room::new(settings.memory), readers: AtomicUsize::new(usize::MAX) }
+        Self {
+            folder,
+            settings,
+            traces,
+            budget: MemoryBudget::new(settings.memory),
+            readers: AtomicUsize::new(usize::MAX),
+        }
     }
 
     /// Nobody reads any trace now, and from now on each tile is read so often.
@@ -80,7 +86,7 @@ impl<'a> SharedTraces<'a> {
             ));
         }
         let tree = trace.topology();
-        let source = TileCache::new(trace, &self.room).for_readers(self.readers.load(Ordering::Relaxed));
+        let source = TileCache::new(trace, &self.budget).for_readers(self.readers.load(Ordering::Relaxed));
         Ok(Arc::new(OpenTrace { source, tree }))
     }
 
