@@ -40,8 +40,8 @@ const PRIOR: f64 = 192.0;
 /// is still allowed this fraction of the target's error, or it would be traced whole.
 const LEAST_REST: f64 = 0.25;
 
-/// Smallest factor, whatever `target.strictest` and `target.first_correct`. At 0 every sample would be traced, and no error found would ever say that the
-/// limit may be looser.
+/// Smallest factor, whatever `target.strictest`. At 0 every sample would be traced, and no error found would ever say that the
+/// limit may be looser. A smaller `target.first_correct` counts as this in the error of a first frame.
 const LEAST_FACTOR: f64 = 0.01;
 
 /// What was seen of a frame so far.
