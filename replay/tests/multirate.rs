@@ -66,10 +66,11 @@ fn nervous(variant: &Adaptive, seed: u64) -> Multirate {
             audit: 5,
             strictest: 0.2,
             loosest: 5.0,
-            share: 0.9,
+            share: [0.9, 0.6][seed as usize / 2 % 2],
             first_detail: [0.3, 0.6, 0.0, 1.0][seed as usize % 4],
             first_correct: [0.5, 1.0, 0.0][seed as usize % 3],
             first_growth: [0.3, 0.0][seed as usize % 2],
+            decay: [0.75, 0.5, 0.0][seed as usize % 3],
         },
         sampling: variant.sampling.clone(),
     }

@@ -49,6 +49,7 @@ fn nervous(variant: &Adaptive, history: HistoryRules) -> Temporal {
         first_detail: 0.3,
         first_correct: 0.5,
         first_growth: 0.5,
+        decay: 0.6,
     };
     let rates = Multirate {
         start: 4,

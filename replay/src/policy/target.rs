@@ -7,7 +7,7 @@
 //! on target.
 //!
 //! - **After a frame**, all tiles of the next one have the factor that would have put the last frames on target, each of which
-//!   counts less than the one after it: audits are few, and their chance moves the picture less so.
+//!   counts less than the one after it (`target.decay`): audits are few, and their chance moves the picture less so.
 //! - **In a first frame**, and after a cut, each row of tiles has its own factor. It follows from the rows that are finished,
 //!   which end two rows above: the row just above is still at work. Suppose that the rest of the frame is like these rows, the
 //!   last ones above all (a quiet wall above says little of the bench below it). Then this factor makes the whole frame end on
@@ -18,16 +18,14 @@
 //!   and their limits are stricter from the first row on (`target.first_correct`).
 //!
 //! The target is not pursued at any price. Where much is traced anyway, a stricter limit costs many rays for little. So the
-//! factor goes below 1 only as far as the traced share of the samples stays below `target.share`.
+//! factor goes below 1 only as far as the traced share of the samples stays below `target.share`. That share, too, is one of the
+//! last frames: were it of one, a strict frame would forbid the next to be strict, and that one allow it again.
 //!
 //! POLICIES.md has the formulas and a worked example.
 
 use super::Target;
 use crate::counts::TileStats;
 use crate::image::psnr::SquaredError;
-
-/// What frames before the last one still count for: each so much of the frame after it. In a first frame rows of tiles likewise.
-const MEMORY: f64 = 0.75;
 
 /// The squared error grows with the colour limit to this power. Measured on the five built-in scenes it is 0.4 (provence) to
 /// 0.9 (lab).
@@ -65,6 +63,11 @@ impl Seen {
         self.traced += stats.counts.samples_traced;
     }
 
+    /// The traced share of the samples.
+    fn share(&self) -> f64 {
+        if self.samples > 0 { self.traced as f64 / self.samples as f64 } else { 0.0 }
+    }
+
     /// Mean squared error as found, 8-bit levels.
     fn mean(&self, aim: f64) -> f64 {
         mean(self.found.sum as f64, self.found.values as f64, aim)
@@ -84,9 +87,39 @@ pub struct LimitController {
     aim: Option<f64>,
     /// The factor that the frames before ask for.
     factor: Option<f64>,
-    /// What their audits found, at factor 1: squared error and values, the older the less.
+    /// What was seen of them, the older the less.
+    past: Past,
+}
+
+/// What was seen of frames or of rows, each of which counts less than the one after it.
+#[derive(Clone, Copy, Debug, Default)]
+struct Past {
+    /// What audits found at factor 1: squared error and values.
     unit: f64,
     values: f64,
+    /// Samples, and those of them that were traced.
+    samples: f64,
+    traced: f64,
+}
+
+impl Past {
+    /// One more, which counts in full.
+    fn add(&mut self, seen: &Seen, decay: f64) {
+        self.unit = self.unit * decay + seen.unit;
+        self.values = self.values * decay + seen.found.values as f64;
+        self.samples = self.samples * decay + seen.samples as f64;
+        self.traced = self.traced * decay + seen.traced as f64;
+    }
+
+    /// Mean squared error at factor 1.
+    fn unit(&self, aim: f64) -> f64 {
+        mean(self.unit, self.values, aim)
+    }
+
+    /// The traced share of the samples.
+    fn share(&self) -> f64 {
+        if self.samples > 0.0 { self.traced / self.samples } else { 0.0 }
+    }
 }
 
 /// A first frame, whose rows of tiles choose the factor of rows below.
@@ -94,9 +127,8 @@ pub struct LimitController {
 pub struct FirstFrame {
     controller: LimitController,
     seen: Seen,
-    /// What the audits found at factor 1: squared error and values, the rows further up the less.
-    unit: f64,
-    values: f64,
+    /// What was seen of the rows, those further up the less.
+    past: Past,
     total: u64,
 }
 
@@ -104,7 +136,7 @@ impl LimitController {
     /// For a policy's target.
     pub fn new(target: &Target) -> Self {
         let aim = target.psnr_db.value().map(|db| 255.0 * 255.0 * libm::pow(10.0, -db / 10.0));
-        Self { target: target.clone(), aim, factor: None, unit: 0.0, values: 0.0 }
+        Self { target: target.clone(), aim, factor: None, past: Past::default() }
     }
 
     /// The factor for a frame that follows the last one.
@@ -117,8 +149,7 @@ impl LimitController {
         FirstFrame {
             controller: Self { factor: None, ..self.clone() },
             seen: Seen::default(),
-            unit: 0.0,
-            values: 0.0,
+            past: Past::default(),
             total,
         }
     }
@@ -133,17 +164,17 @@ impl LimitController {
             let Target { first_correct, first_growth, .. } = self.target;
             seen.unit /= libm::pow(first_correct.max(LEAST_FACTOR), first_growth);
         }
-        let kept = if first { 0.0 } else { MEMORY };
-        self.unit = self.unit * kept + seen.unit;
-        self.values = self.values * kept + seen.found.values as f64;
-        let unit = mean(self.unit, self.values, aim);
-        self.factor = Some(self.limited(libm::pow(aim / unit, 1.0 / GROWTH), &seen));
+        if first {
+            self.past = Past::default();
+        }
+        self.past.add(&seen, self.target.decay);
+        let factor = libm::pow(aim / self.past.unit(aim), 1.0 / GROWTH);
+        self.factor = Some(self.limited(factor, self.past.share()));
     }
 
-    /// A factor within the policy's range, where `seen` is what the frame costs.
-    fn limited(&self, factor: f64, seen: &Seen) -> f64 {
+    /// A factor within the policy's range, where this share of the samples is `traced`.
+    fn limited(&self, factor: f64, traced: f64) -> f64 {
         let Target { strictest, loosest, share, .. } = self.target;
-        let traced = if seen.samples > 0 { seen.traced as f64 / seen.samples as f64 } else { 0.0 };
         // From three quarters of the share on the floor rises to 1, so that nothing jumps.
         let free = if share > 0.0 { ((share - traced) / (0.25 * share)).clamp(0.0, 1.0) } else { 0.0 };
         factor.clamp((1.0 + (strictest - 1.0) * free).max(LEAST_FACTOR), loosest.max(1.0))
@@ -171,13 +202,12 @@ impl FirstFrame {
             self.seen.add(stats);
             row.add(stats);
         });
-        self.unit = self.unit * MEMORY + row.unit;
-        self.values = self.values * MEMORY + row.found.values as f64;
+        self.past.add(&row, self.controller.target.decay);
         let found = self.seen.mean(aim);
-        let unit = mean(self.unit, self.values, aim);
+        let unit = self.past.unit(aim);
         let done = self.seen.samples as f64 / self.total as f64;
         let rest = if done < 1.0 { (aim - done * found) / (1.0 - done) } else { aim };
-        self.controller.limited(libm::pow(rest.max(LEAST_REST * aim) / unit, 1.0 / GROWTH).min(1.0), &self.seen)
+        self.controller.limited(libm::pow(rest.max(LEAST_REST * aim) / unit, 1.0 / GROWTH).min(1.0), self.seen.share())
     }
 }
 
@@ -199,6 +229,7 @@ mod tests {
             first_detail: 0.25,
             first_correct: 1.0,
             first_growth: 0.35,
+            decay: 0.75,
         })
     }
 
@@ -242,6 +273,11 @@ mod tests {
         // The next frame comes out on target.
         limit.learn(&tiles(1_950_750, TOTAL / 5, limit.factor()), false);
         near(limit.factor(), 0.279);
+        // Had it traced 0.4375 of its samples, both frames together would have 0.3357.
+        let mut strict = stricter(20.0);
+        strict.learn(&tiles(3_901_500, TOTAL / 5, 1.0), true);
+        strict.learn(&tiles(1_950_750, TOTAL * 7 / 16, strict.factor()), false);
+        near(strict.factor(), 0.518);
         let mut dear = stricter(20.0);
         dear.learn(&tiles(3_901_500, TOTAL * 7 / 20, 1.0), true);
         near(dear.factor(), 0.625);
@@ -289,6 +325,28 @@ mod tests {
         // 0.35 is half of the way from 0.4 to 0.3.
         assert!((after(bad, 358, 1.0) - 0.625).abs() < 1.0e-2);
         assert!(after(0.5 * AIM, 500, 1.0) > 1.0, "looser it may be");
+    }
+
+    #[test]
+    fn what_is_much_is_said_by_the_last_frames_together() {
+        let bad = 9.0 * AIM;
+        // 500 of 1024 samples is more than the share of 0.4, 300 less than three quarters of it; here they take turns.
+        let mut limit = controller(20.0);
+        limit.learn(&[tile(bad, 500, 1.0); 8], true);
+        let factors: Vec<f64> = (0..40)
+            .map(|frame| {
+                limit.learn(&[tile(bad, [300, 500][frame % 2], 1.0); 8], false);
+                limit.factor()
+            })
+            .collect();
+        let (even, odd) = (factors[38], factors[39]);
+        // Weighed by 0.75 they have (300 + 0.75 * 500) / 1.75 and (500 + 0.75 * 300) / 1.75 in the end.
+        let floor = |traced: f64| 1.0 - 0.75 * ((0.4 - traced / 1024.0) / 0.1).clamp(0.0, 1.0);
+        assert!((even - floor(675.0 / 1.75)).abs() < 1.0e-3, "{even}");
+        assert!((odd - floor(725.0 / 1.75)).abs() < 1.0e-3, "{odd}");
+        // A cut forgets.
+        limit.learn(&[tile(bad, 300, 1.0); 8], true);
+        assert_eq!(limit.factor(), 0.25);
     }
 
     #[test]

@@ -18,7 +18,8 @@ pub struct Plan {
 
 /// The rates that frames in a row should have had. The camera never turns far enough for a cut.
 pub fn plans(meta: &Meta, policy: &Multirate, frames: &[FrameReplay]) -> Vec<Plan> {
-    let mut book = Book { policy, columns: meta.tile_grid().0 as usize, memory: None, sums: (0.0, 0.0), factor: 1.0 };
+    let mut book =
+        Book { policy, columns: meta.tile_grid().0 as usize, memory: None, history: Vec::new(), factor: 1.0 };
     frames.iter().map(|frame| book.frame(meta, frame)).collect()
 }
 
@@ -27,9 +28,17 @@ struct Book<'a> {
     columns: usize,
     /// What tiles are to have next; nothing before a first frame and after a cut.
     memory: Option<Vec<Memory>>,
-    /// Squared error at factor 1, and values, the older the less.
-    sums: (f64, f64),
+    /// What each frame since the first one brought, the latest at the end.
+    history: Vec<Brought>,
     factor: f64,
+}
+
+/// Of a frame: squared error at factor 1 and values of audits; samples traced and all.
+struct Brought {
+    unit: f64,
+    values: f64,
+    traced: f64,
+    samples: f64,
 }
 
 #[derive(Clone)]
@@ -102,18 +111,18 @@ impl Book<'_> {
             let done = &tiles[..(above / self.columns + 1) * self.columns];
             let (found, _, values) = sums(done);
             let found = (found + 192.0 * aim) / (values + 192.0);
-            // Each row a power of 0.75, the last one 1.
+            // Each row a power of `decay`, the last one 1.
             let (mut unit, mut values) = (192.0 * aim, 192.0);
             for (age, row) in done.rchunks(self.columns).enumerate() {
                 let (_, row_unit, row_values) = sums(row);
-                unit += libm::pow(0.75, age as f64) * row_unit;
-                values += libm::pow(0.75, age as f64) * row_values;
+                unit += libm::pow(self.policy.target.decay, age as f64) * row_unit;
+                values += libm::pow(self.policy.target.decay, age as f64) * row_values;
             }
             let unit = unit / values;
             let share = done.iter().map(|tile| tile.counts.samples_full).sum::<u64>() as f64 / total;
             let rest = (aim - share * found) / (1.0 - share);
             let factor = libm::pow(rest.max(aim / 4.0) / unit, 1.0 / 0.7).min(1.0);
-            rate.1 = self.within(factor, done);
+            rate.1 = self.within(factor, traced(done) / samples(done));
             // Below a tile full of detail the block is halved, should the target be missed.
             let (counts, target) = (&tiles[above].counts, &self.policy.target);
             let between = counts.samples_full - counts.samples_reference;
@@ -133,24 +142,38 @@ impl Book<'_> {
             let target = &self.policy.target;
             unit *= libm::pow(target.first_correct.max(0.01), -target.first_growth);
         }
-        let kept = if is_first { 0.0 } else { 0.75 };
-        self.sums = (kept * self.sums.0 + unit, kept * self.sums.1 + values);
-        let unit = (self.sums.0 + 192.0 * aim) / (self.sums.1 + 192.0);
-        self.factor = self.within(libm::pow(aim / unit, 1.0 / 0.7), tiles);
+        if is_first {
+            self.history.clear();
+        }
+        self.history.push(Brought { unit, values, traced: traced(tiles), samples: samples(tiles) });
+        let decay = self.policy.target.decay;
+        let ages = self.history.iter().rev().enumerate();
+        let sum = |of: fn(&Brought) -> f64| -> f64 {
+            ages.clone().map(|(age, frame)| libm::pow(decay, age as f64) * of(frame)).sum()
+        };
+        let unit = (sum(|frame| frame.unit) + 192.0 * aim) / (sum(|frame| frame.values) + 192.0);
+        let traced = sum(|frame| frame.traced) / sum(|frame| frame.samples);
+        self.factor = self.within(libm::pow(aim / unit, 1.0 / 0.7), traced);
     }
 
     fn aim(&self) -> Option<f64> {
         self.policy.target.psnr_db.value().map(|db| 65025.0 * libm::pow(10.0, -db / 10.0))
     }
 
-    fn within(&self, factor: f64, tiles: &[TileStats]) -> f64 {
+    fn within(&self, factor: f64, traced: f64) -> f64 {
         let target = &self.policy.target;
-        let sum = |of: fn(&TileStats) -> u64| tiles.iter().map(of).sum::<u64>() as f64;
-        let traced = sum(|tile| tile.counts.samples_traced) / sum(|tile| tile.counts.samples_full);
         let w =
             if target.share > 0.0 { ((target.share - traced) / (0.25 * target.share)).clamp(0.0, 1.0) } else { 0.0 };
         factor.min(target.loosest.max(1.0)).max((1.0 + (target.strictest - 1.0) * w).max(0.01))
     }
+}
+
+fn traced(tiles: &[TileStats]) -> f64 {
+    tiles.iter().map(|tile| tile.counts.samples_traced).sum::<u64>() as f64
+}
+
+fn samples(tiles: &[TileStats]) -> f64 {
+    tiles.iter().map(|tile| tile.counts.samples_full).sum::<u64>() as f64
 }
 
 /// Squared error found, the same at factor 1, and the number of values.
