@@ -157,7 +157,7 @@ settings! {
         first_detail: f64 = Number(1.0), "first frames that miss it: share of a tile's I-samples, traced, from which the one two rows below has half the block";
         first_correct: f64 = Number(1.0), "factor on the limits of correction in first frames and after a cut";
         first_growth: f64 = Number(4.0), "power of first_correct with which the error of first frames is taken to grow";
-        decay: f64 = Number(1.0), "weight of a frame, over that of the one after it, in the error and the traced share; in first frames, of rows of tiles";
+        decay: f64 = Number(1.0), "weight of a frame, over that of the one after it, in the error and the traced share; of a row of tiles in the error of a first frame";
     }
 
     /// The values of [`Policy::Foveated`]: as [`Adaptive`], with shared aprons, and the block by distance from the gaze point.
