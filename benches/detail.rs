@@ -64,6 +64,9 @@ fn arguments() -> Arguments {
             name => parsed.names.push(name.to_string()),
         }
     }
+    if let Some(folder) = &parsed.kept {
+        std::fs::create_dir_all(folder).unwrap_or_else(|error| panic!("--kept {}: {error}", folder.display()));
+    }
     if parsed.names.is_empty() {
         parsed.names = ["cornell", "teapot", "chess"].map(str::to_owned).to_vec();
     }
