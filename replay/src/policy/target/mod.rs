@@ -90,8 +90,6 @@ impl LimitController {
             // The next frame has the limits of correction as they are, and with them the error that stricter ones spared this one.
             let Target { first_correct, first_growth, .. } = self.target;
             seen.unit /= libm::pow(first_correct.max(LEAST_FACTOR), first_growth);
-        }
-        if first {
             self.past = Past::default();
         }
         self.past.add(&seen, self.target.decay);
