@@ -3,7 +3,6 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::{Result, bail};
-use rayreel_formats::Error;
 use rayreel_formats::container::{Writer, partial_path};
 use rayreel_formats::trace::{Keep, Part, rewrite};
 
@@ -51,18 +50,10 @@ impl OutputArgs {
         match written {
             Ok(Some(_)) => bar.finish(),
             Ok(None) => {
-                Writer::discard(&self.output)?;
                 eprintln!("interrupted; nothing was written");
                 return Ok(Exit::Interrupted);
             }
-            Err(error) => {
-                // What was begun is of no use; a file of somebody else's, which was refused before, is left alone.
-                let partial = partial_path(&self.output)?;
-                if !matches!(&error, Error::Occupied { path, .. } if *path == partial) {
-                    Writer::discard(&self.output)?;
-                }
-                return Err(error.into());
-            }
+            Err(error) => return Err(error.into()),
         }
         let trace = open(&self.output)?;
         let (bytes, frames) = (trace.reader().len(), trace.meta().frame_numbers());

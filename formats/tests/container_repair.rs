@@ -211,6 +211,17 @@ fn files_are_not_lost_by_a_repair() {
     assert_eq!(fs::read_dir(bench.folder.path()).unwrap().count(), 4, "no temporary file is left");
 }
 
+/// What a killed repair left may be repaired itself, but not into the output that it was for.
+#[test]
+fn the_input_may_not_be_where_a_repair_writes() {
+    let bench = Bench::new();
+    let left = bench.folder.path().join("out.repairing");
+    fs::write(&left, sample_bytes()).unwrap();
+    assert!(matches!(repair(&left, &bench.output, &Limits::default()), Err(Error::Usage { .. })));
+    assert_eq!(fs::read(&left).unwrap(), sample_bytes());
+    repair(&left, &bench.folder.path().join("saved"), &Limits::default()).unwrap();
+}
+
 /// What a killed repair left is written over. A file or a link that only has its name is somebody's own.
 #[test]
 fn only_a_file_that_a_repair_left_is_written_over() {

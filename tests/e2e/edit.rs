@@ -79,6 +79,11 @@ fn what_cannot_be_done_is_said_and_leaves_nothing() {
     rayreel!["trim", "--frames", "0", &at("a"), "-o", &odd.join("out")].expect(2);
     assert_eq!(fs::read(odd.join("out.partial")).unwrap(), b"theirs");
     refused(rayreel!["merge", &at("a"), &at("other"), "-o", &odd.join("new")], "differ in the scene");
+    // Nor is what a killed capture left, where the parts do not go together.
+    let begun = fs::read(at("other")).unwrap();
+    fs::write(at("long.partial"), &begun).unwrap();
+    rayreel!["merge", &at("a"), &at("other"), "-o", &at("long")].expect(2);
+    assert_eq!(fs::read(at("long.partial")).unwrap(), begun);
     assert!(!odd.join("new.partial").exists());
     let ran = rayreel!["recompress", &at("a"), "-o", &at("later")].expect(2);
     assert!(ran.err.contains("already exists"), "{ran:?}");

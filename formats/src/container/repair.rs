@@ -65,6 +65,11 @@ pub fn repair(input: &Path, output: &Path, limits: &Limits) -> Result<RepairRepo
     let version = scan.version.unwrap_or(FormatVersion::CURRENT);
     let output = &behind(output)?;
     let temporary = with_suffix(output, ".repairing")?;
+    let place = |path: &Path| fs::canonicalize(path).ok();
+    if place(&temporary).is_some_and(|unfinished| Some(unfinished) == place(input)) {
+        let what = format!("{} is where the repair would write until it is done; name another output", input.display());
+        return Err(Error::usage(what));
+    }
     let remove = |_: &Error| _ = fs::remove_file(&temporary);
     let locked = open_locked(&temporary, || open_temporary(&temporary))?;
     // Another repair may have finished since this one began.

@@ -3,7 +3,8 @@
 use super::codec::Scratch;
 use super::reader::Trace;
 use crate::error::Result;
-use crate::scene::Meta;
+use crate::math::Vec3;
+use crate::scene::{Camera, Light, Meta};
 use crate::tile::{Column, Tile};
 
 /// A difference between two traces.
@@ -39,7 +40,7 @@ pub fn compare(a: &Trace, b: &Trace) -> Result<Option<Difference>> {
             let (camera_a, camera_b) = (a.camera(frame)?, b.camera(frame)?);
             // By their bytes, in which zeros of either sign differ.
             if camera_a.to_payload()? != camera_b.to_payload()? {
-                return Ok(differ(format!("frame {frame}"), format!("{camera_a:?} | {camera_b:?}")));
+                return Ok(differ(format!("frame {frame}"), format!("{} | {}", camera(&camera_a), camera(&camera_b))));
             }
         }
         for tile in 0..a.meta().tile_count() {
@@ -66,6 +67,23 @@ pub fn compare(a: &Trace, b: &Trace) -> Result<Option<Difference>> {
     Ok(None)
 }
 
+fn triple(Vec3 { x, y, z }: Vec3) -> String {
+    format!("({x}, {y}, {z})")
+}
+
+fn light(light: &Light) -> String {
+    match *light {
+        Light::Point { position, colour } => format!("a point at {} of {}", triple(position), triple(colour)),
+        Light::Directional { to_light, colour } => format!("from {} of {}", triple(to_light), triple(colour)),
+    }
+}
+
+fn camera(camera: &Camera) -> String {
+    let Camera { eye, corner, right, down } = *camera;
+    let [eye, corner, right, down] = [eye, corner, right, down].map(triple);
+    format!("eye {eye}, corner {corner}, right {right}, down {down}")
+}
+
 fn meta_difference(a: &Meta, b: &Meta) -> String {
     let fields = |m: &Meta| {
         [
@@ -77,7 +95,7 @@ fn meta_difference(a: &Meta, b: &Meta) -> String {
             ("frames", format!("{} from {}", m.frames, m.first_frame)),
             ("depth", m.max_depth.to_string()),
             ("weight", m.min_weight.to_string()),
-            ("lights", format!("{:?}", m.lights)),
+            ("lights", m.lights.iter().map(light).collect::<Vec<_>>().join(", ")),
         ]
     };
     let pairs = fields(a).into_iter().zip(fields(b)).filter(|(a, b)| a.1 != b.1);

@@ -10,7 +10,7 @@ use super::edit::with_needed;
 use super::reader::Trace;
 use super::writer::TraceWriter;
 use crate::columns::paths::BvhTopology;
-use crate::container::{EncodedChunk, Finished};
+use crate::container::{EncodedChunk, Finished, Writer};
 use crate::error::{Error, Result};
 use crate::id::ChunkId;
 use crate::scene::Meta;
@@ -42,7 +42,8 @@ pub struct Keep {
 }
 
 /// Writes the frames of `parts`, which follow one another, as one trace. Its bytes are those of a capture of the same frames where all
-/// is kept. `progress` is told how many tiles are done, and ends the work when it returns false: the result is nothing then.
+/// is kept. `progress` is told how many tiles are done, and ends the work when it returns false: the result is nothing then. What was begun is
+/// deleted if it does not come to its end.
 ///
 /// # Errors
 /// Parts that do not go together or whose frames do not follow one another; tiles that are not there or are damaged; a file that cannot
@@ -69,11 +70,30 @@ pub fn rewrite(
     }
     let (meta, bvh) = (first.trace.meta(), first.trace.bvh());
     let meta = Meta { first_frame: first.frames.start, frames: next - first.frames.start, ..meta.clone() };
-    let topology = BvhTopology::new(bvh);
-    let columns = with_needed(&keep.columns);
     let mut writer = TraceWriter::create(path, &meta, bvh, keep.level)?;
-    let mut done = 0;
+    let whole = copy(parts, keep, &mut writer, &mut progress);
+    let finished = match whole {
+        Ok(true) => writer.finish().map(Some),
+        Ok(false) => Ok(None),
+        Err(error) => Err(error),
+    };
+    if !matches!(finished, Ok(Some(_))) {
+        // What was begun is of no use.
+        Writer::discard(path)?;
+    }
+    finished
+}
+
+/// Writes all tiles; whether it came to the end.
+fn copy(
+    parts: &[Part<'_>],
+    keep: &Keep,
+    writer: &mut TraceWriter,
+    progress: &mut impl FnMut(u64) -> bool,
+) -> Result<bool> {
+    let (mut done, columns) = (0, with_needed(&keep.columns));
     for Part { trace, frames } in parts {
+        let (meta, topology) = (trace.meta(), BvhTopology::new(trace.bvh()));
         for frame in frames.clone() {
             writer.frame(frame, &trace.camera(frame)?)?;
             let wanted = |tile: &u32| keep.tiles.as_ref().is_none_or(|tiles| tiles.binary_search(tile).is_ok());
@@ -89,10 +109,10 @@ pub fn rewrite(
                 made.into_iter().try_for_each(|chunk| writer.tile(&chunk?))?;
                 done += batch.len() as u64;
                 if !progress(done) {
-                    return Ok(None);
+                    return Ok(false);
                 }
             }
         }
     }
-    writer.finish().map(Some)
+    Ok(true)
 }
