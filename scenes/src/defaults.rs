@@ -4,7 +4,7 @@ use glam::{DVec3, Vec3};
 
 use crate::{
     mesh::{meet, normals},
-    scene::{Camera, Light, Material, Optics, Scene, Sky},
+    scene::{Camera, Light, Material, Optics, Scene, Sky, Triangle},
 };
 
 /// Vertical field of view where none is given, degrees.
@@ -68,7 +68,7 @@ pub(crate) fn two_lights(bounds: (Vec3, Vec3)) -> Vec<Light> {
 /// Lights for a scene whose file names none. Lamps of the model (objects that emit) become point
 /// lights just in front of them, at most four: rooms are closed, and nothing from outside would
 /// light them. What shines to all sides, such as a bulb, gets its light below it, or above where something is in the
-/// way. A model without lamps gets [`two_lights`].
+/// way; the light comes nearer where nothing is clear. Lamps that stand around all else have it within. A model without lamps gets [`two_lights`].
 pub(crate) fn lights(scene: &Scene, bounds: (Vec3, Vec3)) -> Vec<Light> {
     let mut lamps = lamps(scene);
     lamps.retain(|lamp| lamp.area > 0.0);
@@ -80,30 +80,38 @@ pub(crate) fn lights(scene: &Scene, bounds: (Vec3, Vec3)) -> Vec<Light> {
     }
     let gap = sphere(bounds).1 * 0.03;
     let intensity = 1.1 / lamps.len() as f32;
+    let dark = dark_bounds(scene);
+    let position = |lamp: &Lamp| {
+        if dark.is_some_and(|dark| lamp.surrounds(dark)) { lamp.inside() } else { in_front(scene, lamp, gap) }
+    };
     let light = |lamp: &Lamp| Light::Point {
-        position: in_front(scene, lamp, gap).as_vec3(),
+        position: position(lamp).as_vec3(),
         colour: lamp.emission / lamp.emission.max_element() * intensity,
     };
     lamps.iter().map(light).collect()
 }
 
-/// The place `gap` in front of a lamp.
+/// Parts of the gap that are tried, the widest first: above a panel that looks up there may be a ceiling.
+const NEARER: [f64; 4] = [1.0, 0.25, 0.0625, 0.015625];
+
+/// The place `gap` in front of a lamp. What looks up, or to all sides, has it nearer where something is in the way.
 fn in_front(scene: &Scene, lamp: &Lamp, gap: f64) -> DVec3 {
     let (low, high) = (lamp.low.as_dvec3(), lamp.high.as_dvec3());
     let middle = (low + high) / 2.0;
-    let [below, above] = [low.y - gap, high.y + gap].map(|y| DVec3::new(middle.x, y, middle.z));
+    let below = |gap: f64| DVec3::new(middle.x, low.y - gap, middle.z);
+    let above = |gap: f64| DVec3::new(middle.x, high.y + gap, middle.z);
+    let clear = |place: &DVec3| is_clear(scene, middle, *place);
+    let mut gaps = NEARER.into_iter().map(|part| gap * part);
     let facing = lamp.facing / lamp.area;
     if facing.y > 0.5 {
-        above
+        gaps.map(above).find(clear).unwrap_or_else(|| above(gap))
     } else if facing.y < -0.5 {
-        below
+        below(gap)
     } else if facing.length() > 0.5 {
         let ahead = facing.normalize();
         middle + ahead * ((high - low).dot(ahead.abs()) / 2.0 + gap)
-    } else if is_clear(scene, middle, below) {
-        below
     } else {
-        above
+        gaps.find_map(|gap| [below(gap), above(gap)].into_iter().find(clear)).unwrap_or_else(|| above(gap))
     }
 }
 
@@ -131,6 +139,29 @@ struct Lamp {
     low: Vec3,
     high: Vec3,
     emission: Vec3,
+}
+
+impl Lamp {
+    /// Whether it stands around a box, nearly or wholly, as a dome of sky or shining walls do.
+    fn surrounds(&self, (low, high): (Vec3, Vec3)) -> bool {
+        let middle = (low + high) / 2.0;
+        let is_in = middle.cmpge(self.low).all() && middle.cmple(self.high).all();
+        is_in && (self.high - self.low).cmpge((high - low) * 0.9).all()
+    }
+
+    /// A place in it, well above its middle, where there may be a floor.
+    fn inside(&self) -> DVec3 {
+        let (low, high) = (self.low.as_dvec3(), self.high.as_dvec3());
+        low.lerp(high, 0.5).with_y(low.y + 0.75 * (high.y - low.y))
+    }
+}
+
+/// The box of what does not emit, if there is anything.
+fn dark_bounds(scene: &Scene) -> Option<(Vec3, Vec3)> {
+    let is_dark = |triangle: &&Triangle| scene.materials[triangle.material as usize].emission.max_element() <= 0.0;
+    let dark = scene.mesh.triangles.iter().filter(is_dark);
+    let corners = dark.flat_map(|triangle| triangle.vertices).map(|vertex| scene.mesh.positions[vertex as usize]);
+    corners.map(|p| (p, p)).reduce(|(low, high), (p, _)| (low.min(p), high.max(p)))
 }
 
 /// One lamp per object; those that emit nothing have no area.

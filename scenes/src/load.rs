@@ -19,6 +19,7 @@ pub fn load(spec: &str) -> Result<Scene, SceneError> {
 /// As [`load`].
 pub fn load_with(spec: &str, options: &LoadOptions) -> Result<Scene, SceneError> {
     if builtin::builtin_names().contains(&spec) {
+        options.check_still(spec)?;
         return builtin::builtin(spec);
     }
     let path = Path::new(spec);

@@ -1,5 +1,7 @@
 //! What a caller may ask of a loader beside the file.
 
+use crate::error::SceneError;
+
 /// Frames a second of an animation, where nothing else is asked for.
 pub const DEFAULT_FPS: f64 = 30.0;
 /// Most frames a second.
@@ -23,6 +25,17 @@ impl Default for LoadOptions {
 }
 
 impl LoadOptions {
+    /// Refuses frames a second of a model that cannot move.
+    pub(crate) fn check_still(&self, model: &str) -> Result<(), SceneError> {
+        match self.fps {
+            None => Ok(()),
+            Some(_) => Err(SceneError::Usage {
+                what: format!("frames a second are of a glTF model, and {model} is none"),
+                fix: "leave --fps, or [animation] of the scene file, out".into(),
+            }),
+        }
+    }
+
     /// Frames a second, above zero and at most [`MAX_FPS`].
     pub(crate) fn fps(&self) -> f64 {
         let fps = self.fps.filter(|fps| *fps > 0.0 && fps.is_finite());

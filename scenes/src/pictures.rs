@@ -16,6 +16,11 @@ use crate::{
 /// Memory that decoding one texture may take: 16384 x 16384 RGBA.
 const MAX_DECODE_BYTES: u64 = 1 << 30;
 
+/// sRGB to linear, both from 0 to 1.
+pub(crate) fn srgb_to_linear(encoded: f64) -> f64 {
+    if encoded <= 0.040_45 { encoded / 12.92 } else { libm::pow((encoded + 0.055) / 1.055, 2.4) }
+}
+
 /// Decodes a picture file that is named at `at`.
 pub(crate) fn decode_file(at: &Location, file: &Path) -> Result<RgbaImage, SceneError> {
     let missing = |source| SceneError::missing(at.clone(), "texture", file, source);

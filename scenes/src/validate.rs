@@ -142,6 +142,9 @@ pub(crate) fn check_camera(camera: &Camera, at: impl Fn() -> Location) -> Result
         return fail("the camera has a coordinate that is not finite".into(), "use finite numbers");
     }
     let view = camera.target - camera.eye;
+    if view.length_squared() >= 1e30 {
+        return fail("the camera's eye and target are too far apart".into(), "move one of them nearer to the other");
+    }
     if !is_direction(view) {
         return fail("the camera's eye and target are the same point".into(), "move one of them");
     }

@@ -356,3 +356,36 @@ fn names_that_are_none_get_a_hint() {
             .starts_with("nowhere.obj: cannot read this OBJ file")
     );
 }
+
+#[test]
+fn comments_behind_names_of_files_are_none_of_the_name() {
+    let obj = format!("mtllib a.mtl # mine\nusemtl m\n{TRIANGLE}");
+    let scene = load_in(&folder(&[("a.obj", &obj), ("a.mtl", "newmtl m\nKd 1 0 0\n")]), "a.obj").expect("loads");
+    assert_eq!(scene.materials[0].diffuse.to_array(), [1.0, 0.0, 0.0]);
+    // A name may hold the sign.
+    let obj = format!("mtllib a #2.mtl\nusemtl m\n{TRIANGLE}");
+    let files = folder(&[("a.obj", &obj), ("a #2.mtl", "newmtl m\nmap_Kd t.png # wood\n")]);
+    let error = load_in(&files, "a.obj").expect_err("has no texture");
+    assert!(error.contains("the texture `t.png` cannot be read"), "{error}");
+}
+
+#[test]
+fn a_text_in_utf_16_is_read() {
+    let files = folder(&[]);
+    let units: Vec<u8> = std::iter::once(0xfeff).chain(TRIANGLE.encode_utf16()).flat_map(u16::to_le_bytes).collect();
+    fs::write(files.path().join("a.obj"), units).expect("writes");
+    assert_eq!(load_in(&files, "a.obj").expect("loads").mesh.triangles.len(), 1);
+}
+
+#[test]
+fn what_passes_a_mirror_is_told_to_be_unread() {
+    let told = |text: &str| warnings(&mtl(&format!("newmtl m\nKs 0.5 0.5 0.5\n{text}"))).len();
+    assert_eq!([told("illum 3\n"), told("illum 3\nd 0.1\n"), told("illum 5\nTr 0.9\n")], [0, 1, 1]);
+    assert_eq!([told("illum 2\nTf 1 1 1\n"), told("illum 2\nd 0.5\nTf 0.2 0.9 0.2\n")], [0, 1]);
+}
+
+#[test]
+fn frames_a_second_are_of_what_moves() {
+    let error = toml_error("[animation]\nfps = 24\n");
+    assert!(error.contains("frames a second are of a glTF model, and a.obj is none"), "{error}");
+}

@@ -56,6 +56,35 @@ fn room() -> Quads {
     Quads::default().sides([-3.0, 0.0, -2.0], [3.0, 2.5, 2.0], true, false)
 }
 
+/// A ball of quads with its fronts inside or outside.
+fn ball(inside: bool) -> Quads {
+    const STEPS: usize = 24;
+    let mut quads = Quads::default();
+    let at = |row: usize, column: usize| {
+        let [up, around] =
+            [row as f32 / STEPS as f32, column as f32 / STEPS as f32 * 2.0].map(|x| x * std::f32::consts::PI);
+        Vec3::new(up.sin() * around.sin(), up.cos(), up.sin() * around.cos()) * 4.0
+    };
+    for (row, column) in (0..STEPS).flat_map(|row| (0..STEPS).map(move |column| (row, column))) {
+        let mut corners = [at(row, column), at(row + 1, column), at(row + 1, column + 1), at(row, column + 1)];
+        if inside {
+            corners.reverse();
+        }
+        corners.iter().for_each(|v| writeln!(quads.text, "v {} {} {}", v.x, v.y, v.z).expect("writes"));
+        let first = quads.count * 4 + 1;
+        writeln!(quads.text, "f {} {} {} {}", first, first + 1, first + 2, first + 3).expect("writes");
+        quads.count += 1;
+    }
+    quads
+}
+
+/// Half of the box of a ball is outside of it.
+#[test]
+fn a_ball_is_a_room_if_its_fronts_are_inside() {
+    assert!(stands_inside(&ball(true).load()));
+    assert!(!stands_inside(&ball(false).load()));
+}
+
 #[test]
 fn a_room_is_seen_and_lit_from_inside() {
     let table = |quads: Quads| quads.sides([-2.0, 0.0, -1.0], [0.5, 0.8, 0.0], false, false);

@@ -35,6 +35,44 @@ fn a_lamp_is_not_put_below_the_floor_that_it_stands_on() {
     assert!(scene(3.0) < -1.0, "it hangs: below");
 }
 
+/// A panel that looks up at a ceiling just above it.
+#[test]
+fn a_lamp_below_a_ceiling_has_its_light_between_the_two() {
+    let light = |ceiling: f32| {
+        let quad = |y: f32, half: f32| {
+            format!("v -{half} {y} -{half}\nv -{half} {y} {half}\nv {half} {y} {half}\nv {half} {y} -{half}\n")
+        };
+        let obj = format!(
+            "mtllib a.mtl\n{}{}{}usemtl f\no floor\nf 1 2 3 4\no ceiling\nf 8 7 6 5\nusemtl m\no lamp\nf 9 10 11 12\n",
+            quad(0.0, 9.0),
+            quad(ceiling, 9.0),
+            quad(2.95, 1.0)
+        );
+        let files = folder(&[("a.obj", &obj), ("a.mtl", "newmtl f\nKd 1 1 1\nnewmtl m\nKe 1 1 1\n")]);
+        let scene = load_in(&files, "a.obj").expect("loads");
+        let [rayreel_scenes::Light::Point { position, .. }] = scene.lights[..] else { panic!("{:?}", scene.lights) };
+        position.y
+    };
+    assert!((2.951..3.0).contains(&light(3.0)), "{}", light(3.0));
+    assert!((3.1..4.0).contains(&light(4.0)), "as far from it as there is room: {}", light(4.0));
+}
+
+/// A box of sky around a floor.
+#[test]
+fn a_sky_of_lamps_lights_from_within() {
+    let mut obj = String::from("mtllib a.mtl\nusemtl m\no sky\n");
+    for corner in 0..8 {
+        let at = |bit: i32| if corner >> bit & 1 == 0 { -9 } else { 9 };
+        obj += &format!("v {} {} {}\n", at(0), at(1), at(2));
+    }
+    obj += "f 1 2 4 3\nf 5 7 8 6\nf 1 5 6 2\nf 3 4 8 7\nf 1 3 7 5\nf 2 6 8 4\n";
+    obj += "v -9 0 -9\nv -9 0 9\nv 9 0 9\nv 9 0 -9\nusemtl f\no floor\nf 9 10 11 12\n";
+    let files = folder(&[("a.obj", &obj), ("a.mtl", "newmtl f\nKd 1 1 1\nnewmtl m\nKe 1 1 1\n")]);
+    let scene = load_in(&files, "a.obj").expect("loads");
+    let [rayreel_scenes::Light::Point { position, .. }] = scene.lights[..] else { panic!("{:?}", scene.lights) };
+    assert_eq!(position.to_array(), [0.0, 4.5, 0.0], "between floor and sky");
+}
+
 #[test]
 fn a_lamp_can_be_put_out_and_lit_in_a_scene_file() {
     let lights = |toml: &str| {

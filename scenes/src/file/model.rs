@@ -61,6 +61,7 @@ pub(crate) fn from_model(path: &Path, options: &LoadOptions) -> Result<Scene, Sc
 /// Reads a model that [`is_model`] knows.
 pub(crate) fn read(path: &Path, options: &LoadOptions) -> Result<Model, SceneError> {
     if extension(path) == "obj" {
+        options.check_still(&path.display().to_string())?;
         let model = load_obj(path)?;
         let mut scene = bare(path);
         (scene.mesh, scene.objects) = (model.mesh, model.objects);

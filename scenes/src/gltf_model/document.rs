@@ -17,6 +17,9 @@ const ALSO_READ: [&str; 1] = ["KHR_mesh_quantization"];
 /// Extensions that the `gltf` crate knows, but whose pictures are not read.
 const NOT_READ: [&str; 2] = ["KHR_texture_basisu", "EXT_texture_webp"];
 
+/// Extensions that pack meshes.
+const PACKED: [&str; 3] = ["KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_meshopt_compression"];
+
 /// An opened glTF file. All indices in its JSON are in range, but those of animation channels.
 pub(crate) struct Source {
     pub path: PathBuf,
@@ -161,18 +164,38 @@ fn check_extensions(path: &Path, root: &mut json::Root) -> Result<(), SceneError
     root.extensions_required.retain(|name| !ALSO_READ.contains(&name.as_str()));
     let known = json::extensions::ENABLED_EXTENSIONS;
     let is_read = |name: &str| known.contains(&name) && !NOT_READ.contains(&name);
-    let Some(name) = root.extensions_required.iter().find(|name| !is_read(name)) else {
+    // A file that leaves it out of what it requires has no data without it all the same.
+    let packed = packed(root);
+    let Some(name) = packed.or_else(|| root.extensions_required.iter().find(|name| !is_read(name)).cloned()) else {
         return Ok(());
     };
     let fix = match name.as_str() {
-        "KHR_draco_mesh_compression" | "EXT_meshopt_compression" | "KHR_meshopt_compression" => {
-            "unpack it: `gltf-transform copy IN.glb OUT.glb`"
-        }
+        packed if PACKED.contains(&packed) => "unpack it: `gltf-transform copy IN.glb OUT.glb`",
         "KHR_texture_basisu" | "EXT_texture_webp" => "convert its pictures to PNG",
         _ => "export it without, or convert it: `assimp export IN.glb OUT.obj`",
     };
-    let what = format!("it requires the extension {name}, which is not read");
+    let verb = if root.extensions_required.contains(&name) { "requires" } else { "uses" };
+    let what = format!("it {verb} the extension {name}, which is not read");
     Err(SceneError::input(Location::File(path.to_owned()), what, fix))
+}
+
+/// The extension in which a mesh or its data are packed, without which nothing is left of them.
+fn packed(root: &json::Root) -> Option<String> {
+    let extensions = |primitive: &json::mesh::Primitive| -> Vec<String> {
+        let others = primitive.extensions.as_ref().map(|extensions| &extensions.others);
+        let has_data = |index: &json::Index<json::Accessor>| {
+            root.accessors.get(index.value()).is_none_or(|accessor| accessor.buffer_view.is_some())
+        };
+        let is_whole = primitive.attributes.values().all(has_data);
+        others.into_iter().flat_map(|others| others.keys()).filter(|_| !is_whole).cloned().collect()
+    };
+    let primitives = root.meshes.iter().flat_map(|mesh| &mesh.primitives);
+    let views = root.buffer_views.iter().filter(|view| {
+        // The buffer of what stays packed has no bytes.
+        root.buffers.get(view.buffer.value()).is_some_and(|buffer| buffer.uri.is_none() && view.buffer.value() > 0)
+    });
+    let of_views = views.filter_map(|view| view.extensions.as_ref()).flat_map(|all| all.others.keys().cloned());
+    primitives.flat_map(extensions).chain(of_views).find(|name| PACKED.contains(&name.as_str()))
 }
 
 /// Checks every index. Without `min` and `max` of positions a file is read all the same: nothing here needs them.

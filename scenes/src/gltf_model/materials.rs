@@ -2,6 +2,7 @@
 //!
 //! - F0 is `((ior - 1) / (ior + 1))^2` of a non-metal (0.04 at the index 1.5), the base colour of a metal, and between
 //!   them what `metallic` says. The specular colour is F0 times `1 - roughness`.
+//! - What is reflected and what is let through have one colour each: of a base colour that is a picture, its mean.
 //! - Below [`GLOSSY`] a surface reflects rays, with Schlick's Fresnel from its specular colour on; a rougher one has only
 //!   the highlight.
 //! - The diffuse colour is the base colour times `1 - metallic (1 - roughness)`: a rough metal would be black without
@@ -82,7 +83,17 @@ pub(crate) fn surface(
     let ior = if ior == 0.0 { 1.5 } else { number(source, &name, "ior", ior, 1.0, 1000.0)? };
     let transmission = transmission(source, material, &name, pictures, warnings)?;
     let share = (ior - 1.0) / (ior + 1.0);
-    let specular = Vec3::splat(share * share).lerp(base, metallic) * (1.0 - roughness);
+    let image = base_image(source, &pbr, warnings);
+    let tint = match image {
+        Some(image) if metallic > 0.0 && roughness < 1.0 || transmission > 0.0 => {
+            warnings.add("tint map", || {
+                format!("{place}: what metal reflects and glass lets through has one colour: the mean of the texture")
+            });
+            base * pictures.mean_colour(source, image)?
+        }
+        _ => base,
+    };
+    let specular = Vec3::splat(share * share).lerp(tint, metallic) * (1.0 - roughness);
     let mut out = Material {
         diffuse: base * (1.0 - metallic * (1.0 - roughness)) * (1.0 - transmission),
         specular,
@@ -97,13 +108,15 @@ pub(crate) fn surface(
     };
     if transmission > 0.0 {
         (out.optics, out.ior, out.specular) = (Optics::Dielectric, ior, Vec3::ONE);
-        out.transmission = (base * transmission).min(Vec3::ONE);
+        out.transmission = (tint * transmission).min(Vec3::ONE);
         if roughness >= GLOSSY {
             warnings.add("frosted", || format!("{place}: rough glass is drawn clear"));
         }
     }
     let mut surface = Surface { material: out, uv_set: 0, uv_map: None, clamped: false, invisible: false };
-    let image = base_texture(source, &pbr, &mut surface, pictures, warnings)?;
+    if let (Some(image), Some(info)) = (image, pbr.base_color_texture()) {
+        base_texture(source, (image, &info), &mut surface, pictures)?;
+    }
     alpha_mode(source, material, (image, alpha), &mut surface, pictures, warnings)?;
     Ok(surface)
 }
@@ -206,16 +219,25 @@ fn emission(
     Ok(Vec3::ZERO)
 }
 
-/// Sets the diffuse map and how it lies; gives its picture.
-fn base_texture(
+/// The picture of the base colour, if it can be read.
+fn base_image(
     source: &Source,
     pbr: &gltf::material::PbrMetallicRoughness<'_>,
+    warnings: &mut Warnings,
+) -> Option<usize> {
+    match Pictures::named(source, &pbr.base_color_texture()?.texture(), warnings) {
+        Named::Picture(image) => Some(image),
+        Named::NotRead => None,
+    }
+}
+
+/// Sets the diffuse map and how it lies.
+fn base_texture(
+    source: &Source,
+    (image, info): (usize, &gltf::texture::Info<'_>),
     surface: &mut Surface,
     pictures: &mut Pictures,
-    warnings: &mut Warnings,
-) -> Result<Option<usize>, SceneError> {
-    let Some(info) = pbr.base_color_texture() else { return Ok(None) };
-    let Named::Picture(image) = Pictures::named(source, &info.texture(), warnings) else { return Ok(None) };
+) -> Result<(), SceneError> {
     surface.material.diffuse_map = Some(pictures.plain(source, image)?);
     surface.uv_set = info.tex_coord();
     if let Some(map) = info.texture_transform() {
@@ -231,7 +253,7 @@ fn base_texture(
     let sampler = info.texture().sampler();
     let repeats = gltf::texture::WrappingMode::Repeat;
     surface.clamped = sampler.wrap_s() != repeats || sampler.wrap_t() != repeats;
-    Ok(Some(image))
+    Ok(())
 }
 
 /// Cut-outs and plain transparency, of a base texture with this picture and a constant alpha.
@@ -252,11 +274,13 @@ fn alpha_mode(
                 Some(image) => out.alpha_map = pictures.cut_out(source, image, alpha, cutoff)?,
                 None => surface.invisible = alpha < cutoff,
             }
+            tell_cut_away(source, out, pictures, warnings);
         }
         (AlphaMode::Blend, image) => {
             if let Some(image) = image {
                 out.alpha_map = pictures.cut_out(source, image, 1.0, 0.5)?;
             }
+            tell_cut_away(source, out, pictures, warnings);
             if out.alpha_map.is_some() {
                 let place = source.path.display();
                 warnings.add("blend", || {
@@ -274,6 +298,19 @@ fn alpha_mode(
         }
     }
     Ok(())
+}
+
+/// Counts cut-outs that nothing is left of, wherever the texture lies.
+fn tell_cut_away(source: &Source, material: &Material, pictures: &Pictures, warnings: &mut Warnings) {
+    if material.alpha_map.is_some_and(|map| pictures.is_cut_away(map)) {
+        let place = source.path.display();
+        warnings.add("cut away", || {
+            format!(
+                "{place}: material `{}`: its texture is below the cutoff everywhere, and cuts all away",
+                material.name
+            )
+        });
+    }
 }
 
 /// Counts what the material says and the scene cannot.

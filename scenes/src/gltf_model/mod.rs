@@ -58,7 +58,7 @@ pub(crate) struct GltfModel {
 
 /// Meshes that move, as they are seen on the whole.
 pub(crate) struct Film {
-    /// The mesh at the first frame.
+    /// The mesh at the first of these moments at which there is one.
     pub first: Mesh,
     /// The box of what is seen at some moments of the animation.
     pub bounds: (Vec3, Vec3),
@@ -89,8 +89,12 @@ pub(crate) fn load_gltf(path: &Path, options: &LoadOptions) -> Result<GltfModel,
     tell_moving(path, moving, options, &mut warnings);
     let world = tree.world(&animations, f64::from(options.frame) / options.fps());
     let mut model = Builder { source: &source, pictures: Pictures::default(), surfaces: Vec::new() };
-    let (mesh, objects, materials) = model.meshes(&tree, &world, &mut warnings)?;
-    let film = if moving_meshes > 0 { Some(model.film(&tree, &animations)?) } else { None };
+    let (mesh, objects) = model.meshes(&tree, &world, &mut warnings)?;
+    if mesh.triangles.is_empty() {
+        return Err(model.empty(moving_meshes > 0, options));
+    }
+    let film = if moving_meshes > 0 { model.film(&tree, &animations)? } else { None };
+    let materials = model.materials();
     let (low, high) = main_bounds(&film.as_ref().map_or(&mesh, |film| &film.first).positions);
     let middle = (low + high) / 2.0;
     let lights =
@@ -163,29 +167,33 @@ struct Builder<'a> {
 }
 
 impl Builder<'_> {
-    /// The meshes of an animation on the whole.
-    fn film(&mut self, tree: &Tree, animations: &Animations) -> Result<Film, SceneError> {
-        let mut at = |moment: u32| {
+    /// The meshes of an animation on the whole; none if none has an area at the moments that are looked at.
+    fn film(&mut self, tree: &Tree, animations: &Animations) -> Result<Option<Film>, SceneError> {
+        let mut film: Option<Film> = None;
+        for moment in 0..MOMENTS {
             let time = animations.end() * f64::from(moment) / f64::from(MOMENTS - 1);
             // What is odd is told of the frame that is asked for, which has the same meshes.
-            self.meshes(tree, &tree.world(animations, time), &mut Warnings::default()).map(|(mesh, ..)| mesh)
-        };
-        let first = at(0)?;
-        let mut bounds = main_bounds(&first.positions);
-        for moment in 1..MOMENTS {
-            let (low, high) = main_bounds(&at(moment)?.positions);
-            bounds = (bounds.0.min(low), bounds.1.max(high));
+            let (mesh, _) = self.meshes(tree, &tree.world(animations, time), &mut Warnings::default())?;
+            // Things that appear later, or go, are scaled to nothing before or after.
+            if mesh.triangles.is_empty() {
+                continue;
+            }
+            let (low, high) = main_bounds(&mesh.positions);
+            match &mut film {
+                Some(film) => film.bounds = (film.bounds.0.min(low), film.bounds.1.max(high)),
+                None => film = Some(Film { first: mesh, bounds: (low, high) }),
+            }
         }
-        Ok(Film { first, bounds })
+        Ok(film)
     }
 
-    /// All meshes of the scene where their nodes stand, one object per node.
+    /// All meshes of the scene where their nodes stand, one object per node, and the names of the objects.
     fn meshes(
         &mut self,
         tree: &Tree,
         world: &[DAffine3],
         warnings: &mut Warnings,
-    ) -> Result<(Mesh, Vec<String>, Vec<Material>), SceneError> {
+    ) -> Result<(Mesh, Vec<String>), SceneError> {
         let root = self.source.root();
         let (mut mesh, mut objects, mut budget) = (Mesh::default(), Vec::new(), Budget::default());
         for (place, node) in tree.nodes() {
@@ -210,18 +218,29 @@ impl Builder<'_> {
                 primitive::append(self.source, &place_name, primitive, target, &mut budget, warnings)?;
             }
         }
-        if mesh.triangles.is_empty() {
-            let invisible = !self.surfaces.is_empty() && self.surfaces.iter().all(|(_, surface)| surface.invisible);
-            let what = if invisible {
-                "the scene is empty: its materials cut all of it away (alphaMode MASK, alpha below the cutoff)"
-            } else {
-                "the scene is empty: no node has a mesh with a triangle that has an area"
-            };
-            let at = Location::File(self.source.path.clone());
-            return Err(SceneError::input(at, what, "a scene needs at least one triangle"));
-        }
-        let materials = self.surfaces.iter().map(|(_, surface)| surface.material.clone()).collect();
-        Ok((mesh, objects, materials))
+        Ok((mesh, objects))
+    }
+
+    /// The materials of all meshes so far.
+    fn materials(&self) -> Vec<Material> {
+        self.surfaces.iter().map(|(_, surface)| surface.material.clone()).collect()
+    }
+
+    /// The error of a scene without a triangle.
+    fn empty(&self, moves: bool, options: &LoadOptions) -> SceneError {
+        let invisible = !self.surfaces.is_empty() && self.surfaces.iter().all(|(_, surface)| surface.invisible);
+        let what = if invisible {
+            "the scene is empty: its materials cut all of it away (alphaMode MASK, alpha below the cutoff)".to_owned()
+        } else if moves {
+            format!(
+                "the scene is empty at frame {}: no node has a mesh with a triangle that has an area",
+                options.frame
+            )
+        } else {
+            "the scene is empty: no node has a mesh with a triangle that has an area".to_owned()
+        };
+        let fix = if moves { "take another frame" } else { "a scene needs at least one triangle" };
+        SceneError::input(Location::File(self.source.path.clone()), what, fix)
     }
 
     /// The index of a material of the file among those that are used.

@@ -1,5 +1,6 @@
 //! Pictures of a glTF file: decoded once each; cut-outs scaled so that their cutoff becomes one half.
 
+use glam::{DVec3, Vec3};
 use image::RgbaImage;
 
 use super::{document::Source, uri};
@@ -100,8 +101,25 @@ impl Pictures {
         Ok(Some(self.add(key, copy)))
     }
 
+    /// Whether nothing is left of what is cut out by a texture.
+    pub fn is_cut_away(&self, texture: usize) -> bool {
+        self.list[texture].texels.iter().all(|texel| texel[3] < 128)
+    }
+
     /// The mean of each channel of a picture, as fractions of the largest value. The picture is not kept.
     pub fn mean(&mut self, source: &Source, image: usize) -> Result<[f64; 4], SceneError> {
+        self.mean_of(source, image, |value| f64::from(value) / 255.0)
+    }
+
+    /// The mean colour of a picture in sRGB, linear. The picture is not kept.
+    pub fn mean_colour(&mut self, source: &Source, image: usize) -> Result<Vec3, SceneError> {
+        let linear: [f64; 256] = std::array::from_fn(|value| pictures::srgb_to_linear(value as f64 / 255.0));
+        let [r, g, b, _] = self.mean_of(source, image, |value| linear[usize::from(value)])?;
+        Ok(DVec3::new(r, g, b).as_vec3())
+    }
+
+    /// The mean of each channel, whose values mean what `value` says.
+    fn mean_of(&mut self, source: &Source, image: usize, value: impl Fn(u8) -> f64) -> Result<[f64; 4], SceneError> {
         let kept = self.keys.iter().position(|key| *key == (image, None));
         let decoded;
         let texture = match kept {
@@ -112,11 +130,12 @@ impl Pictures {
                 &decoded
             }
         };
-        let mut sums = [0_u64; 4];
+        let mut counts = [[0_u64; 256]; 4];
         for texel in &texture.texels {
-            (0..4).for_each(|c| sums[c] += u64::from(texel[c]));
+            (0..4).for_each(|c| counts[c][usize::from(texel[c])] += 1);
         }
-        Ok(sums.map(|sum| sum as f64 / (255.0 * texture.texels.len().max(1) as f64)))
+        let sum = |counts: [u64; 256]| (0..=255).zip(counts).map(|(v, count)| value(v) * count as f64).sum::<f64>();
+        Ok(counts.map(|counts| sum(counts) / texture.texels.len().max(1) as f64))
     }
 
     /// The textures in the order of their indices.

@@ -4,7 +4,7 @@ use std::sync::LazyLock;
 
 use glam::DVec3;
 
-use crate::scene::Texture;
+use crate::{pictures::srgb_to_linear, scene::Texture};
 
 /// Paints a texture: `colour(u, v)` in linear RGB at each texel's centre, `v` up.
 pub fn paint(name: &str, side: u32, colour: impl Fn(f64, f64) -> DVec3) -> Texture {
@@ -23,13 +23,9 @@ pub fn paint(name: &str, side: u32, colour: impl Fn(f64, f64) -> DVec3) -> Textu
 /// Linear to 8-bit sRGB, rounded to the nearest code. Looked up in a table of the codes' lower bounds, because three
 /// powers a texel would take longer than the rest of a scene.
 fn encode(linear: f64) -> u8 {
-    static BOUNDS: LazyLock<[f64; 255]> = LazyLock::new(|| std::array::from_fn(|i| decode((i as f64 + 0.5) / 255.0)));
+    static BOUNDS: LazyLock<[f64; 255]> =
+        LazyLock::new(|| std::array::from_fn(|i| srgb_to_linear((i as f64 + 0.5) / 255.0)));
     BOUNDS.partition_point(|bound| *bound <= linear) as u8
-}
-
-/// sRGB to linear, both from 0 to 1.
-fn decode(encoded: f64) -> f64 {
-    if encoded <= 0.040_45 { encoded / 12.92 } else { libm::pow((encoded + 0.055) / 1.055, 2.4) }
 }
 
 /// Smooth noise between 0 and 1 with a cell size of one.

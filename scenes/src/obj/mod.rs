@@ -80,10 +80,25 @@ pub fn load_obj(path: impl AsRef<Path>) -> Result<ObjModel, SceneError> {
 /// Reads a text file. Old exporters write names in Latin-1: bytes that are no UTF-8 are replaced,
 /// with a warning.
 fn read_text(path: &Path, warnings: &mut Warnings) -> io::Result<String> {
-    Ok(String::from_utf8(files::read(path, MODEL_MAX)?).unwrap_or_else(|error| {
+    let bytes = files::read(path, MODEL_MAX)?;
+    if let Some(text) = from_utf16(&bytes) {
+        return Ok(text);
+    }
+    Ok(String::from_utf8(bytes).unwrap_or_else(|error| {
         warnings.add("utf-8", || format!("{}: is not UTF-8; the odd bytes were replaced", path.display()));
         String::from_utf8_lossy(error.as_bytes()).into_owned()
     }))
+}
+
+/// A text in UTF-16, as its byte order mark says.
+fn from_utf16(bytes: &[u8]) -> Option<String> {
+    let unit: fn([u8; 2]) -> u16 = match bytes {
+        [0xff, 0xfe, ..] => u16::from_le_bytes,
+        [0xfe, 0xff, ..] => u16::from_be_bytes,
+        _ => return None,
+    };
+    let units: Vec<u16> = bytes[2..].chunks_exact(2).map(|pair| unit([pair[0], pair[1]])).collect();
+    Some(String::from_utf16_lossy(&units))
 }
 
 fn load_libraries(
@@ -98,7 +113,8 @@ fn load_libraries(
     for (line, statement) in &checked.libraries {
         // A name may hold blanks, and a statement may hold several names: the whole is tried first.
         let whole = folder.join(statement.replace('\\', "/"));
-        let names: Vec<&str> = if whole.is_file() { vec![statement] } else { statement.split_whitespace().collect() };
+        let names: Vec<&str> =
+            if whole.is_file() { vec![statement] } else { mtl::before_comment(statement).split_whitespace().collect() };
         let at = Location::line(path, *line);
         if names.is_empty() {
             return Err(SceneError::input(at, "`mtllib` names no file", "name a material library"));

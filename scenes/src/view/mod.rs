@@ -123,7 +123,8 @@ fn is_room(grid: &Grid<'_>) -> bool {
     let free: Vec<&Around> = all.iter().filter(|around| around.front >= FREE_FRONT).collect();
     let closed = free.iter().map(|around| around.closed).sum::<f64>() / free.len().max(1) as f64;
     // A hollow shell that looks outwards has no free point, or a few near gaps.
-    free.len() * 2 > all.len() && closed >= ROOM_CLOSED
+    // Of the box of a ball, or of a dome, half of the points are inside.
+    free.len() * 2 >= all.len() && closed >= ROOM_CLOSED
 }
 
 /// The place with the best view of a room.

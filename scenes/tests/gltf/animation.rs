@@ -214,3 +214,19 @@ fn a_light_that_moves_has_frames() {
     };
     assert!((place(30) - place(0) - 9.0).abs() < 1e-5, "{} {}", place(0), place(30));
 }
+
+/// Things that appear or go have no area before or after.
+#[test]
+fn a_mesh_may_be_scaled_to_nothing_at_times() {
+    let mut film = Film::new();
+    film.channel(0, "scale", "LINEAR", &[0.0, 0.5, 1.0], &[[1.0; 3], [0.0; 3], [1.0; 3]]);
+    film.writer.json["cameras"] = json!([]);
+    film.writer.json["nodes"][CAMERA].as_object_mut().unwrap().remove("camera");
+    let writer = film.finish();
+    let at = |frame| writer.try_load(&LoadOptions { frame, ..LoadOptions::default() });
+    let cameras: Vec<_> = [0, 14, 30].map(|frame| at(frame).1.expect("it is seen then").cameras).into();
+    assert!(cameras.iter().all(|other| *other == cameras[0]), "it is filmed from one place");
+    let (folder, gone) = at(15);
+    let said = message(&folder, &gone.expect_err("nothing is there"));
+    assert!(said.contains("the scene is empty at frame 15") && said.contains("take another frame"), "{said}");
+}

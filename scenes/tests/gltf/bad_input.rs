@@ -187,3 +187,31 @@ fn what_a_file_requires_and_nobody_reads_is_refused() {
     let error = message(&folder, &result.expect_err("nothing is left"));
     assert!(error.contains("its materials cut all of it away"), "{error}");
 }
+
+/// Of what is packed nothing is left without the extension, whether the file says that it requires it or not.
+#[test]
+fn packed_meshes_are_named_as_such() {
+    let draco = error(|j| {
+        j["extensionsUsed"] = json!(["KHR_draco_mesh_compression"]);
+        j["meshes"][0]["primitives"][0]["extensions"] =
+            json!({"KHR_draco_mesh_compression": {"bufferView": 0, "attributes": {"POSITION": 0}}});
+        let accessor = j["accessors"][0].as_object_mut().unwrap();
+        accessor.remove("bufferView");
+    });
+    assert!(
+        draco.contains("it uses the extension KHR_draco_mesh_compression") && draco.contains("unpack it"),
+        "{draco}"
+    );
+    // With its data beside the packed ones a mesh is whole.
+    let mut whole = Writer::triangle(json!({"name": "m"}));
+    whole.json["meshes"][0]["primitives"][0]["extensions"] =
+        json!({"KHR_draco_mesh_compression": {"bufferView": 0, "attributes": {"POSITION": 0}}});
+    whole.load();
+    let meshopt = error(|j| {
+        j["buffers"] = json!([{"byteLength": 42}, {"byteLength": 36}]);
+        j["bufferViews"][0]["buffer"] = json!(1);
+        j["bufferViews"][0]["extensions"] = json!({"EXT_meshopt_compression": {"buffer": 0, "byteLength": 36,
+            "byteStride": 12, "count": 3, "mode": "ATTRIBUTES"}});
+    });
+    assert!(meshopt.contains("it uses the extension EXT_meshopt_compression"), "{meshopt}");
+}

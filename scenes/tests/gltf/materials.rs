@@ -64,6 +64,41 @@ fn pictured(alphas: [u8; 2], extra: &Value) -> Writer {
     writer
 }
 
+/// What metal reflects and glass lets through was that of the factor alone, and white for most files.
+#[test]
+fn metal_and_glass_have_the_mean_colour_of_their_picture() {
+    let (r, g, b) = (0.577_580, 0.127_438, 0.031_896);
+    let read = |pbr: Value, extensions: Value| {
+        let writer = pictured([255, 255], &json!({"pbrMetallicRoughness": pbr, "extensions": extensions}));
+        let (folder, scene) = writer.load();
+        let told = warnings(&folder, &scene).iter().any(|(_, words)| words.contains("the mean of the texture"));
+        (scene.materials[0].clone(), told)
+    };
+    let (metal, told) = read(
+        json!({"baseColorFactor": [1.0, 0.5, 1.0, 1.0], "metallicFactor": 1.0, "roughnessFactor": 0.25}),
+        json!({}),
+    );
+    assert!(close(metal.specular / 0.75, [r, g / 2.0, b]) && told, "{metal:?}");
+    // The texture is still looked up where it can be.
+    assert!(metal.diffuse_map.is_some() && close(metal.diffuse, [0.25, 0.125, 0.25]), "{metal:?}");
+    let (glass, told) = read(
+        json!({"metallicFactor": 0.0, "roughnessFactor": 0.0}),
+        json!({"KHR_materials_transmission": {"transmissionFactor": 1.0}}),
+    );
+    assert!(close(glass.transmission, [r, g, b]) && told, "{glass:?}");
+    let (plastic, told) = read(json!({"metallicFactor": 0.0, "roughnessFactor": 0.0}), json!({}));
+    assert!(close(plastic.specular, [0.04; 3]) && !told, "{plastic:?}");
+}
+
+#[test]
+fn a_cut_out_that_leaves_nothing_is_told() {
+    let told = |alphas| {
+        let (folder, scene) = pictured(alphas, &json!({"alphaMode": "MASK"})).load();
+        warnings(&folder, &scene).iter().any(|(_, words)| words.contains("cuts all away"))
+    };
+    assert!(told([0, 127]) && !told([0, 128]));
+}
+
 #[test]
 fn cut_outs_keep_their_cutoff() {
     for (cutoff, alphas, passes) in [

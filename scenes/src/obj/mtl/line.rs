@@ -118,6 +118,19 @@ impl<'a> MtlLine<'a> {
     }
 }
 
+/// The file that the end of a statement names, beside the file that the statement is in.
+fn file_named(beside: &Path, text: &str) -> PathBuf {
+    let file = |name: &str| beside.parent().unwrap_or(Path::new("")).join(name.replace('\\', "/"));
+    let whole = file(text);
+    if whole.is_file() { whole } else { file(before_comment(text)) }
+}
+
+/// The end of a statement without a comment behind it, which stands behind a blank.
+pub(crate) fn before_comment(text: &str) -> &str {
+    let end = text.match_indices('#').find(|(at, _)| text[..*at].ends_with(char::is_whitespace));
+    end.map_or(text, |(at, _)| text[..at].trim_end())
+}
+
 /// CIE XYZ to linear sRGB; colours outside the gamut are clipped at zero.
 fn xyz_to_rgb(c: Vec3) -> Vec3 {
     let r = 3.240_97 * c.x - 1.537_383_2 * c.y - 0.498_610_76 * c.z;
@@ -145,8 +158,7 @@ pub(crate) fn map_path(line: &MtlLine<'_>, warnings: &mut Warnings) -> Result<Pa
     if rest.is_empty() {
         return Err(line.bad(format!("`{}` names no file", line.keyword), "add the file name or remove the line"));
     }
-    let file = rest.replace('\\', "/");
-    Ok(line.path.parent().unwrap_or(Path::new("")).join(file))
+    Ok(file_named(line.path, rest))
 }
 
 /// The option at the front, when the front is one, and what follows it.

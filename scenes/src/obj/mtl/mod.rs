@@ -21,6 +21,8 @@
 mod line;
 mod textures;
 
+pub(crate) use line::before_comment;
+
 use std::path::{Path, PathBuf};
 
 use glam::Vec3;
@@ -131,6 +133,7 @@ fn finish(
         ior = 1.0;
     }
     let opacity = opacity(&s, &place, warnings);
+    tell_unread(&s, &optics, opacity, &place, warnings);
     if optics == Optics::Opaque && opacity < 1.0 {
         (optics, ior) = (Optics::Dielectric, 1.0);
         transmission = Vec3::splat(1.0 - opacity);
@@ -154,6 +157,16 @@ fn finish(
     };
     add(material, materials, &place, warnings);
     Ok(())
+}
+
+/// Counts what the material says of light that passes, where none does or where it cannot be said.
+fn tell_unread(s: &Statements, optics: &Optics, opacity: f32, place: &str, warnings: &mut Warnings) {
+    if matches!(optics, Optics::Mirror | Optics::FresnelMirror) && opacity < 1.0 {
+        warnings.add("clear mirror", || format!("{place}: `d` and `Tr` of a mirror are not read: nothing passes it"));
+    }
+    if *optics != Optics::Dielectric && s.filter.is_some_and(|filter| filter != Vec3::ONE) {
+        warnings.add("tf of no glass", || format!("{place}: `Tf` is read of glass alone (illum 4, 6, 7 and 9)"));
+    }
 }
 
 /// The kind of secondary rays that an illumination model asks for.
