@@ -32,6 +32,9 @@ use crate::stats::Stats;
 use crate::ti::{InputBufferCounters, IstStats, TiStats, TrvStats};
 use crate::work::layout::Region;
 
+/// The component of a rasteriser, which only a machine that has one reports.
+pub const RASTERISER: &str = "rasteriser";
+
 /// What a component belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Group {

@@ -1,6 +1,6 @@
 //! Components that only some machines have: processors, and a rasteriser.
 
-use super::{Component, Group, Sums, l1_bytes};
+use super::{Component, Group, RASTERISER, Sums, l1_bytes};
 use crate::config::Picojoules;
 use crate::memory::CacheCounters;
 use crate::srp::RasterCounters;
@@ -56,6 +56,6 @@ impl Sums<'_> {
         let (energy, mut work) = (&self.config.energy, RasterCounters::default());
         self.stats.cores.iter().for_each(|core| work += core.srp.raster);
         let events = [(work.triangles, energy.raster_triangle_pj), (work.samples, energy.raster_sample_pj)];
-        self.component("rasteriser", Group::Srp, &events, self.cores * energy.raster_leakage_uw, 0)
+        self.component(RASTERISER, Group::Srp, &events, self.cores * energy.raster_leakage_uw, 0)
     }
 }

@@ -127,7 +127,11 @@ impl RayTracer {
             unified: matches!(ti.pipeline, Pipeline::Unified | Pipeline::Software | Pipeline::Gathering),
             software: ti.pipeline == Pipeline::Software,
             short: if ti.stack_entries == 0 { u8::MAX } else { ti.stack_entries.min(255) as u8 },
-            passes: (2 / ti.aabbs_per_cycle).into(),
+            // Units that gather rays, and programs, test both boxes of a node together.
+            passes: match ti.pipeline {
+                Pipeline::Software | Pipeline::Gathering => 1,
+                _ => (2 / ti.aabbs_per_cycle).into(),
+            },
             rays_per_trv: ti.rays_per_trv as usize,
         }
     }

@@ -90,8 +90,13 @@ pub struct TiUnit {
 fn reach(config: &MachineConfig) -> u32 {
     let ti = &config.ti;
     let depth = ti.inner_cycles + ti.leaf_cycles + ti.stack_cycles + ti.ist_cycles + ti.setup_cycles;
-    let rays = ti.trv * ti.rays_per_trv + ti.ist_entries;
-    depth + ti.crossbar_cycles + ti.trv_l1.latency_cycles + ti.ist_l1.latency_cycles + 2 * rays
+    // What an operation takes of the data port of its L1, and a cycle of its stage.
+    let lines = |bytes: u32| bytes.div_ceil(config.l2.line_bytes) + 1;
+    let layout = &config.layout;
+    let node = lines(layout.node_bytes.max(layout.triangle_bytes)).div_ceil(ti.trv_lines_per_cycle) + 1;
+    let triangle = lines(layout.triangle_bytes).div_ceil(ti.ist_lines_per_cycle) + 1;
+    let rays = ti.trv * ti.rays_per_trv * node + ti.ist_entries * triangle;
+    depth + ti.crossbar_cycles + ti.trv_l1.latency_cycles + ti.ist_l1.latency_cycles + rays
 }
 
 impl TiUnit {

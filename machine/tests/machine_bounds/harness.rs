@@ -211,7 +211,7 @@ pub fn random_machine(random: &mut Random) -> MachineConfig {
     config.srp.dma_reads = of(&[1, 16]);
     (config.srp.output_high_percent, config.srp.rays_low_percent) = (of(&[0, 50, 100]), of(&[0, 50, 100]));
     config.srp.clock_mhz = of(&[500, 1000]);
-    (config.layout.node_bytes, config.layout.triangle_bytes) = (of(&[40, 64]), of(&[36, 48, 64]));
+    (config.layout.node_bytes, config.layout.triangle_bytes) = (of(&[40, 64, 256]), of(&[36, 48, 64, 200]));
     config.check().unwrap();
     config
 }
