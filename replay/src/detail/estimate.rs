@@ -18,6 +18,9 @@ pub const FLOOR: f64 = 0.005;
 /// frame of 288 tiles by 0.7 % of its cycles, and by 2.0 % of the energy with the memory (root mean squares, every cycle simulated).
 const FLOOR_TILES: f64 = 2048.0;
 
+/// The last replicates of a frame, in pairs: how far what is read from DRAM may be off otherwise than windows say.
+pub(crate) const READS: usize = 4;
+
 /// A run of which not every cycle was simulated.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Estimate {
@@ -85,18 +88,19 @@ impl Estimate {
             (0, freedom) | (freedom, 0) => freedom,
             (a, b) => a.min(b),
         };
-        // A frame that was simulated whole has one replicate, which is itself.
-        let count = self.replicates.len().max(other.replicates.len());
         if other.replicates.is_empty() || self.replicates.is_empty() {
             return;
         }
-        let given = self.replicates.len();
-        self.replicates = (0..count).map(|i| self.replicates[i % given].clone()).collect();
-        for (i, sum) in self.replicates.iter_mut().enumerate() {
-            let more = &other.replicates[i % other.replicates.len()];
+        let (ours, theirs) = (self.replicates.len(), other.replicates.len());
+        let count = ours.max(theirs);
+        let sum = |i: usize| {
+            let mut sum = self.replicates[place(i, count, ours)].clone();
+            let more = &other.replicates[place(i, count, theirs)];
             sum.stats.add(&more.stats);
             sum.energy.add(&more.energy);
-        }
+            sum
+        };
+        self.replicates = (0..count).map(sum).collect();
     }
 
     /// How well figures can be known at best. What frames are off by otherwise than windows say is off this way and that, and
@@ -112,6 +116,17 @@ impl Estimate {
     pub fn half_width(&self, value: f64, floor: f64, of: impl FnMut(&Replicate) -> f64) -> f64 {
         let values: Vec<f64> = self.replicates.iter().map(of).collect();
         half_width(value, &values, self.freedom, floor)
+    }
+}
+
+/// Which of `given` replicates of a frame goes with number `i` of `count` of a sum. The last [`READS`] stand for what all frames are off by
+/// alike, so they meet; those without a group of windows begin again where a frame has fewer. A frame that was simulated whole has
+/// one replicate, which is itself.
+fn place(i: usize, count: usize, given: usize) -> usize {
+    match given.checked_sub(READS) {
+        None | Some(0) => i % given,
+        Some(groups) if i < count - READS => i % groups,
+        Some(_) => i + given - count,
     }
 }
 
@@ -171,6 +186,51 @@ mod tests {
         let pair = weight_of_pair(10, 5) * apart;
         let replicates = [[value; 8].as_slice(), &[value - pair, value + pair]].concat();
         assert!((half_width(value, &replicates, 5, FLOOR) - apart.hypot(FLOOR * value)).abs() < 1e-9);
+    }
+
+    #[test]
+    fn replicates_meet_their_like() {
+        let with = |count, given| -> Vec<usize> { (0..count).map(|i| place(i, count, given)).collect() };
+        assert_eq!(with(10, 10), (0..10).collect::<Vec<_>>());
+        // Three groups beside six; what frames are off by alike stands last in both.
+        assert_eq!(with(10, 7), [0, 1, 2, 0, 1, 2, 3, 4, 5, 6]);
+        assert_eq!(with(7, 1), [0; 7]);
+    }
+
+    /// What two frames are off by alike adds up in their sum, however many windows each has.
+    #[test]
+    fn frames_that_are_off_alike_are_off_together() {
+        let frame = |groups: usize, apart: f64| {
+            let cycles = |cycles: f64| Replicate {
+                stats: Stats {
+                    cycles: (1e6 + cycles).round() as u64,
+                    cores: vec![Default::default()],
+                    ..Stats::default()
+                },
+                energy: EnergyReport::default(),
+            };
+            let pair = weight_of_pair(groups + READS, 20) * apart;
+            let pairs = [pair, -pair, 0.0, 0.0].map(cycles);
+            Estimate {
+                detail: Detail::Full,
+                tiles: 2048,
+                detailed_tiles: 100,
+                windows: groups as u64,
+                frames: 1,
+                whole_frames: 0,
+                freedom: 20,
+                replicates: std::iter::repeat_with(|| cycles(0.0)).take(groups).chain(pairs).collect(),
+            }
+        };
+        let off = |a: Estimate, b: Estimate| {
+            let mut sum = a;
+            sum.add(&b);
+            sum.half_width(2e6, 0.0, |replicate| replicate.stats.cycles as f64)
+        };
+        for (a, b) in [(24, 24), (24, 32), (32, 24)] {
+            let off = off(frame(a, 30_000.0), frame(b, 40_000.0));
+            assert!((off - 70_000.0).abs() < 700.0, "{a} and {b} groups: {off}");
+        }
     }
 
     #[test]

@@ -5,6 +5,6 @@
 mod estimate;
 mod mode;
 
-pub(crate) use estimate::weight_of_pair;
 pub use estimate::{Estimate, FLOOR, Floors, Replicate, WHY_WHOLE, half_width};
+pub(crate) use estimate::{READS, weight_of_pair};
 pub use mode::{Detail, Share};

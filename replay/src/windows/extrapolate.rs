@@ -8,7 +8,7 @@ use rayreel_machine::stats::Stats;
 use super::calibrate::{rates_used, weights};
 use super::pass::Passed;
 use super::window::Measured;
-use crate::detail::{Detail, Estimate, Replicate, weight_of_pair};
+use crate::detail::{Detail, Estimate, READS, Replicate, weight_of_pair};
 use crate::simulate::MachineRun;
 
 /// Parts that windows are left out in, one at a time.
@@ -60,7 +60,7 @@ pub fn extrapolate(config: &MachineConfig, passed: &Passed, detail: Detail) -> M
     let freedom = groups.saturating_sub(1 + frame.rates).max(1) as u32;
     // Windows and pass disagree about what is read from DRAM, and both may be wrong about it: two more replicates of each, which make an
     // interval as wide as that.
-    let (reads_more, apart) = (frame.reading_more(&estimated), weight_of_pair(groups + 4, freedom));
+    let (reads_more, apart) = (frame.reading_more(&estimated), weight_of_pair(groups + READS, freedom));
     let pairs = [(&measured_list, apart), (&measured_list, -apart), (&reads_more, apart), (&reads_more, -apart)];
     let pairs = pairs.into_iter().filter(|_| groups > 0);
     let pairs = pairs.map(|(list, apart)| frame.replicate(&estimated, apart, (list, &estimated)));
