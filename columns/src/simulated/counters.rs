@@ -67,6 +67,7 @@ fn of_core(core: &CoreStats) -> Vec<Found> {
     }
     add("SRP".into(), "interface/", core.srp.interface.list());
     add("SRP".into(), "dma/", core.srp.dma.list());
+    add("SRP".into(), "raster/", core.srp.raster.list());
     add("SRP".into(), "local/", core.srp.local.list());
     add("SRP".into(), "l1/", core.srp_l1.list());
     all

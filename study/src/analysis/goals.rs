@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use rayreel_replay::Detail;
 use serde::Serialize;
 
 use crate::figures::{Better, column};
@@ -47,12 +48,25 @@ fn varying(results: &Results) -> Vec<&str> {
 
 /// Results of `HEADLINES`, or else of all columns.
 fn of_results(results: &Results, is_headline: impl Fn(&str) -> bool, is_wanted: impl Fn(&Cells) -> bool) -> Vec<&str> {
-    let first: Vec<&str> = HEADLINES.iter().copied().filter(|name| is_headline(name)).take(SHOWN).collect();
+    let shown = HEADLINES.iter().copied().filter(|name| is_headline(name) && !lacks_part(results, name));
+    let first: Vec<&str> = shown.take(SHOWN).collect();
     if !first.is_empty() {
         return first;
     }
     let other = results.fields.iter().filter(|f| matches!(f.role, Role::Figure | Role::Counter) && is_wanted(&f.cells));
     other.map(|field| field.name.as_str()).take(SHOWN).collect()
+}
+
+/// Points of which no cycle was simulated, if there are any.
+pub fn counted_only(results: &Results) -> usize {
+    let Some(field) = results.field("detail") else { return 0 };
+    (0..field.cells.len()).filter(|row| field.cells.text(*row).as_deref() == Some(Detail::Counts.mode())).count()
+}
+
+/// Whether a result of some points is a part of what it is of others: without time nobody knows what leakage and waiting cost, so
+/// no point is the best one in energy.
+fn lacks_part(results: &Results, name: &str) -> bool {
+    name.ends_with("energy_mj") && counted_only(results) > 0
 }
 
 /// Whether a result has a number.
@@ -97,7 +111,8 @@ fn first_pairs(whole_gpu: bool) -> [[&'static str; 2]; 4] {
 pub fn first_pair(results: &Results, whole_gpu: bool) -> Option<[&str; 2]> {
     let pairs = first_pairs(whole_gpu);
     let known = |name: &str| results.field(name).map(|field| field.name.as_str());
-    let pair = pairs.iter().find(|pair| pair.iter().all(|name| varies_within(results, name)));
+    let shown = |name: &&str| varies_within(results, name) && !lacks_part(results, name);
+    let pair = pairs.iter().find(|pair| pair.iter().all(shown));
     if let Some([x, y]) = pair {
         return Some([known(x)?, known(y)?]);
     }
@@ -146,6 +161,23 @@ mod tests {
         for name in HEADLINES.iter().chain(&pairs) {
             assert!(column(name).is_some_and(|c| c.is_figure && c.better != Better::Neither), "{name}");
         }
+    }
+
+    /// What was counted without time lacks a part of its energy, and would come out as the best.
+    #[test]
+    fn energies_rank_nothing_where_some_were_only_counted() {
+        let of = |details: &[&str]| {
+            let varying = |name| figure(name, &[1.0, 2.0]);
+            table(vec![
+                words("detail", Role::Point, details),
+                varying("energy_mj"),
+                varying("gpu_energy_mj"),
+                varying("psnr_db"),
+            ])
+        };
+        assert_eq!(headlines(&of(&["full", "sampled"])), ["energy_mj", "gpu_energy_mj", "psnr_db"]);
+        let mixed = of(&["full", "counts"]);
+        assert_eq!((headlines(&mixed), counted_only(&mixed)), (vec!["psnr_db"], 1));
     }
 
     #[test]

@@ -16,6 +16,9 @@ pub const RESULTS: &str = "results.parquet";
 /// Most bytes of a file of results.
 pub(crate) const RESULTS_MAX: u64 = 8 << 30;
 
+/// The figures of a replay in its folder.
+const STATS: &str = "stats.json";
+
 /// Whether a path is the folder of a sweep.
 pub fn is_sweep(path: &Path) -> bool {
     path.join(PLAN).is_file()
@@ -31,6 +34,8 @@ pub fn load(path: &Path) -> Result<(Results, PathBuf)> {
     if path.is_dir() && !file.is_file() {
         let detail = if is_sweep(path) {
             format!("no {RESULTS}; `rayreel sweep merge {}` makes it", path.display())
+        } else if path.join(STATS).is_file() {
+            format!("it is the folder of a replay; name {} in it", path.join(STATS).display())
         } else {
             format!("neither {RESULTS} nor {PLAN}: not the folder of a sweep")
         };

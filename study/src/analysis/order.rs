@@ -3,7 +3,7 @@
 //! A policy's gain is its result over that of `full` at the same values of all other dimensions; over several traces the geometric
 //! mean. How much was simulated is a dimension as any other: an estimate over what was simulated whole is no gain. A conclusion that holds at one value of an estimate and not at another is none.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use crate::analysis::dims::{Dimension, dimensions};
 use crate::table::{Field, Results};
@@ -13,6 +13,9 @@ const REFERENCE: &str = "full";
 
 /// Dimensions within each value of which policies are compared, and which gains are averaged over.
 const AVERAGED: [&str; 3] = ["trace", "first_frame", "frames"];
+
+/// Most combinations of values: nobody reads a table of more.
+const COMBINATIONS_MAX: usize = 1000;
 
 /// The order of the policies, at each combination of the other dimensions.
 #[derive(Clone, Debug, PartialEq)]
@@ -59,7 +62,8 @@ impl OrderRow {
 }
 
 impl PolicyOrder {
-    /// By a result of which more is better. Nothing where fewer than two policies beside `full`, or nothing else, vary.
+    /// By a result of which more is better. Nothing where fewer than two policies beside `full`, or nothing else, vary,
+    /// or much more than a table can hold.
     pub fn of(results: &Results, field: &Field) -> Option<Self> {
         let all = dimensions(results);
         let of_policy = all.iter().find(|dimension| dimension.name == "policy")?;
@@ -72,34 +76,53 @@ impl PolicyOrder {
         let number = |row: usize| field.cells.number(row).filter(|value| *value > 0.0 && value.is_finite());
         let averaged: Vec<&Dimension> = all.iter().filter(|d| AVERAGED.contains(&&*d.name)).collect();
         let same = |dimensions: &[&Dimension], a: usize, b: usize| dimensions.iter().all(|d| d.of[a] == d.of[b]);
-        // An axis may not apply to `full`.
-        let fits = |full: usize, row: usize| varied.iter().all(|d| d.of[full].is_none() || d.of[full] == d.of[row]);
+        // An axis may not apply to a policy, as none of policies does to `full`: its result stands for every value of that axis.
+        let fits = |one: usize, row: usize| varied.iter().all(|d| d.of[one].is_none() || d.of[one] == d.of[row]);
         // One trace alone is no dimension.
         let only = results.field("trace").and_then(|field| field.cells.text(0)).unwrap_or_default();
         let trace = |row: usize| if averaged.is_empty() { only.clone() } else { words(&averaged, row) };
         let references: Vec<usize> = (0..results.rows()).filter(|&row| of_policy.of[row] == Some(reference)).collect();
         let others: Vec<usize> = (0..of_policy.values.len()).filter(|policy| *policy != reference).collect();
-        let (mut rows, mut known): (Vec<OrderRow>, Vec<usize>) = (Vec::new(), Vec::new());
+        let mut gains: Vec<(usize, usize, f64)> = Vec::new();
         for row in 0..results.rows() {
             let Some(policy) = others.iter().position(|policy| of_policy.of[row] == Some(*policy)) else { continue };
             let full = references.iter().find(|&&full| same(&averaged, full, row) && fits(full, row));
             let Some((value, full)) = number(row).zip(full.and_then(|full| number(*full))) else { continue };
-            let at = known.iter().position(|&other| same(&varied, other, row)).unwrap_or_else(|| {
-                known.push(row);
-                rows.push(OrderRow { name: words(&varied, row), gains: vec![BTreeMap::new(); others.len()] });
-                rows.len() - 1
-            });
-            rows[at].gains[policy].insert(trace(row), value / full);
+            gains.push((row, policy, value / full));
+        }
+        let mut combinations: Vec<usize> = Vec::new();
+        let mut seen = BTreeSet::new();
+        combinations.extend(gains.iter().map(|(row, ..)| *row).filter(|row| {
+            let values: Vec<Option<usize>> = varied.iter().map(|d| d.of[*row]).collect();
+            seen.insert(values)
+        }));
+        if combinations.len() > COMBINATIONS_MAX {
+            return None;
+        }
+        // A combination of values is a row, unless it leaves open what another says.
+        let is_open = |row: &&usize| combinations.iter().any(|other| other != *row && fits(**row, *other));
+        let known: Vec<usize> = combinations.iter().filter(|row| !is_open(row)).copied().collect();
+        let empty = |row: &usize| OrderRow { name: words(&varied, *row), gains: vec![BTreeMap::new(); others.len()] };
+        let mut rows: Vec<OrderRow> = known.iter().map(empty).collect();
+        for (row, policy, gain) in gains {
+            for (_, of) in known.iter().zip(&mut rows).filter(|(of, _)| fits(row, **of)) {
+                of.gains[policy].insert(trace(row), gain);
+            }
         }
         let policies = others.iter().map(|policy| of_policy.values[*policy].clone()).collect();
         (rows.len() > 1).then_some(Self { policies, rows })
     }
 
-    /// The traces of a row whose first policy is another than in the first row.
+    /// The traces of a row whose first policy is another than in the first row that has two policies of the trace.
     pub fn changed(&self, row: usize) -> Vec<&str> {
-        let base = self.rows[0].first();
-        let differs = |(trace, policy): (&str, usize)| base.get(trace).is_some_and(|first| *first != policy);
-        self.rows[row].first().into_iter().filter(|at| differs(*at)).map(|(trace, _)| trace).collect()
+        let base = |trace: &str| self.rows.iter().find_map(|row| row.first().get(trace).copied());
+        let differs = |(trace, policy): &(&str, usize)| base(trace).is_some_and(|first| first != *policy);
+        self.rows[row].first().into_iter().filter(differs).map(|(trace, _)| trace).collect()
+    }
+
+    /// Whether some row has two policies of a trace: otherwise there is no order.
+    pub fn compares(&self) -> bool {
+        self.rows.iter().any(|row| !row.first().is_empty())
     }
 }
 
@@ -173,6 +196,29 @@ mod tests {
         results.fields.remove(1);
         let field = results.field("perf_per_watt").unwrap();
         assert_eq!(PolicyOrder::of(&results, field), None);
+    }
+
+    /// Each policy has an axis of its own, and one has none: its result stands in all rows.
+    #[test]
+    fn what_an_axis_is_not_for_is_compared_at_all_of_its_values() {
+        let angle = |values: &[Option<i64>]| axis("angle", Cells::Int(values.to_vec()));
+        let results = table(vec![
+            words("policy", Role::Point, &["full", "x", "y", "y"]),
+            angle(&[None, None, Some(5), Some(10)]),
+            figure("perf_per_watt", &[1.0, 2.0, 1.5, 3.0]),
+        ]);
+        let order = PolicyOrder::of(&results, results.field("perf_per_watt").unwrap()).unwrap();
+        assert_eq!(order.rows.iter().map(|row| row.name.as_str()).collect::<Vec<_>>(), ["5", "10"]);
+        assert_eq!(order.rows[0].first(), BTreeMap::from([("", 0)]));
+        assert_eq!((order.compares(), order.changed(1)), (true, vec![""]));
+        // With no policy beside it nothing is compared, and no order was found to be the same.
+        let apart = table(vec![
+            words("policy", Role::Point, &["full", "x", "y"]),
+            angle(&[None, Some(5), Some(10)]),
+            figure("perf_per_watt", &[1.0, 2.0, 3.0]),
+        ]);
+        let order = PolicyOrder::of(&apart, apart.field("perf_per_watt").unwrap()).unwrap();
+        assert!(order.rows.len() == 2 && !order.compares());
     }
 
     #[test]

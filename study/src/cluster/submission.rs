@@ -93,8 +93,10 @@ impl Submission {
             StudyError::input(file, format!("is no record of a submission: {why}; remove it if its jobs are gone"))
         };
         let submission: Self = serde_json::from_slice(&bytes).map_err(|e| bad(e.to_string()))?;
-        if submission.layout != LAYOUT || submission.shards == 0 {
-            return Err(bad(format!("layout {}, {} shards", submission.layout, submission.shards)));
+        let Self { layout, shards, number, .. } = submission;
+        // The next one has a number too.
+        if layout != LAYOUT || shards == 0 || number == u32::MAX {
+            return Err(bad(format!("layout {layout}, {shards} shards, number {number}")));
         }
         // They become words of squeue and scancel.
         if let Some(job) = submission.jobs().find(|job| !is_job(job)) {
@@ -122,7 +124,7 @@ impl Submission {
     pub fn active(&self, tasks: &[Task]) -> Vec<(usize, String)> {
         let shard = |task: &Task| {
             let array = self.arrays.iter().find(|array| parts(&array.job).0 == task.job)?;
-            Some((array.offset + task.index?, task.job.clone()))
+            Some((array.offset.saturating_add(task.index?), task.job.clone()))
         };
         tasks.iter().filter(|task| task.is_active()).filter_map(shard).collect()
     }

@@ -36,7 +36,10 @@ pub fn read_columns(folder: &Path) -> Result<BTreeMap<String, Column>> {
     for file in listing(folder, "json")? {
         let bytes = files::read(&file, COLUMNS_MAX).map_err(|e| StudyError::io(&file, "read", e))?;
         let columns: Vec<Column> = serde_json::from_slice(&bytes).map_err(|e| {
-            let detail = format!("does not say what columns are: {e}; remove it, and the next run writes it again");
+            let detail = format!(
+                "does not say what columns are: {e}; remove it: results then lack the units and meanings of columns that no point computed \
+                 from now on has"
+            );
             StudyError::input(&file, detail)
         })?;
         all.extend(columns.into_iter().map(|column| (column.name.clone(), column)));

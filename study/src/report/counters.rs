@@ -4,6 +4,7 @@ use serde_json::{Map, Value, json};
 
 use rayreel_machine::config::MachineConfig;
 use rayreel_machine::counters::{Activity, Counter};
+use rayreel_machine::energy::RASTERISER;
 use rayreel_machine::functional::counted_counters;
 use rayreel_machine::memory::CacheCounters;
 use rayreel_machine::srp::{KernelId, SrpStats};
@@ -21,6 +22,9 @@ pub(super) fn counters(run: &MachineRun) -> Value {
     all.add("paths", run.paths.list());
     ti(&mut all, stats);
     srp(&mut all, stats);
+    if run.energy.component(RASTERISER).is_some() {
+        all.add("srp/raster", srp_sum(stats).raster.list());
+    }
     all.add("l2", stats.memory.l2.list());
     all.add("dram", stats.memory.dram().list());
     let has_processors = stats.processors().next().is_some();
@@ -165,6 +169,7 @@ pub(super) fn srp_sum(stats: &Stats) -> SrpStats {
         total.activity += srp.activity;
         total.interface += srp.interface;
         total.dma += srp.dma;
+        total.raster += srp.raster;
         total.local += srp.local;
     }
     total
@@ -189,4 +194,43 @@ pub(super) fn units(stats: &Stats) -> Value {
         row(i, "srp", 0, "array", core.srp_cycles, core.srp.activity.list());
     }
     Value::Array(rows)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeMap;
+
+    use rayreel_machine::config::NamedMachine;
+    use rayreel_machine::energy::EnergyReport;
+
+    use super::*;
+
+    /// Whatever a machine counts changes a counter of its report, or of that of a machine that has the unit: nothing is priced that
+    /// nobody can look up.
+    #[test]
+    fn every_counter_of_a_machine_has_a_name() {
+        // The length of the run in the SRP's clock stands with the units.
+        const SRP_CYCLES: usize = 2;
+        let mut seen: BTreeMap<usize, bool> = BTreeMap::new();
+        for machine in ["sgrt-ti2", "hybrid-raster", "mimd-trax"] {
+            let config = NamedMachine::load(machine, &[]).unwrap().config;
+            let shaped = Stats::shaped(&config);
+            let energy = EnergyReport::new(&config, &shaped);
+            let report = |stats| counters(&MachineRun { stats, energy: energy.clone(), ..MachineRun::default() });
+            let (nothing, none) = (report(shaped.clone()), shaped.list());
+            let mut kinds = Vec::new();
+            shaped.clone().each_mut(|kind, _| kinds.push(kind));
+            for (place, kind) in kinds.iter().enumerate() {
+                // One unit stands for all of its kind.
+                if seen.get(kind) == Some(&true) || kinds[..place].contains(kind) {
+                    continue;
+                }
+                let mut list = none.clone();
+                list[place] = 1.0;
+                seen.insert(*kind, report(shaped.with_list(&list)) != nothing);
+            }
+        }
+        let unseen: Vec<usize> = seen.into_iter().filter_map(|(kind, seen)| (!seen).then_some(kind)).collect();
+        assert_eq!(unseen, [SRP_CYCLES]);
+    }
 }

@@ -26,12 +26,11 @@ impl Shard {
 
     /// Which of `count` shards have one of these points, given in order, of `total`.
     pub fn with(points: &[usize], total: usize, count: usize) -> Vec<usize> {
-        let has = |index: &usize| {
-            let range = Self { index: *index, count }.points(total);
-            let at = points.partition_point(|point| *point < range.start);
-            points.get(at).is_some_and(|point| range.contains(point))
-        };
-        (0..count).filter(has).collect()
+        // The last one that does not begin behind the point. There may be far more shards than points.
+        let of = |point: &usize| ((*point as u128 + 1) * count as u128).div_ceil(total as u128) as usize - 1;
+        let mut shards: Vec<usize> = points.iter().map(of).collect();
+        shards.dedup();
+        shards
     }
 }
 
@@ -66,6 +65,9 @@ mod tests {
                 let points = Shard { index, count }.points(total);
                 prop_assert_eq!(points.start, next);
                 prop_assert!(points.len() >= total / count && points.len() <= total / count + 1);
+                for point in points.clone() {
+                    prop_assert_eq!(Shard::with(&[point], total, count), [index]);
+                }
                 next = points.end;
             }
             prop_assert_eq!(next, total);
@@ -78,6 +80,8 @@ mod tests {
         assert_eq!(Shard::with(&[], 96, 8), [0usize; 0]);
         // More shards than points: some have none.
         assert_eq!(Shard::with(&[0, 1, 2], 3, 8).len(), 3);
+        // As a stranger's record may have it.
+        assert_eq!(Shard::with(&[2], 3, usize::MAX), [usize::MAX - 1]);
     }
 
     #[test]

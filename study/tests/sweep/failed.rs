@@ -17,8 +17,7 @@ machines = ["raycore"]
 policies = ["adaptive"]
 [[axis]]
 name = "l1"
-key = "ti.trv_l1.size"
-values = [8192, "8KiB"]
+values = [{ name = "a", set = ["ti.trv_l1.size=8KiB"] }, { name = "b", set = ["ti.trv_l1.size=8192"] }]
 "#;
     let run = |first: usize| {
         let sweep = Sweep::new(plan(body).unwrap());

@@ -112,16 +112,18 @@ fn totals(scene: &str, tracks: &[&Track], part: &str) -> String {
         // Frames that are alike may be off alike, if they were estimated one by one.
         let one_by_one = || track.frames.iter().filter_map(off).sum::<f64>() / sum;
         let within = track.interval.map_or_else(one_by_one, |interval| interval.energy_mj);
-        let energy = (!energy.is_empty()).then(|| sum / energy.len() as f64);
+        let (known, all) = (energy.len(), track.frames.len());
+        let of = if known < all { format!(" ({known} of {all} frames)") } else { String::new() };
+        let energy = (known > 0).then(|| sum / known as f64);
         let cells = vec![
             escape(&track.policy),
-            track.frames.len().to_string(),
+            all.to_string(),
             percent(traced as f64 / (full as f64).max(1.0)),
-            or_dash(energy, |e| fixed(e * unit.scale, 3) + &plus_minus(Some(within))),
+            or_dash(energy, |e| fixed(e * unit.scale, 3) + &plus_minus(Some(within)) + &of),
             psnr(track.psnr_db),
             or_dash(track.flicker, |f| fixed(f, 4)),
         ];
         (String::new(), cells)
     };
-    table(&format!("{scene}: whole path"), &columns, &tracks.iter().map(row).collect::<Vec<_>>())
+    table(&format!("{scene}: all frames that were replayed"), &columns, &tracks.iter().map(row).collect::<Vec<_>>())
 }

@@ -21,7 +21,8 @@ const ROW: f64 = 19.0;
 /// The section.
 pub fn section(view: &SweepView<'_>) -> Option<Section> {
     let field = ["gpu_perf_per_watt", "perf_per_watt"].into_iter().find_map(|name| view.results.field(name))?;
-    let order = PolicyOrder::of(view.results, field).filter(|order| order.rows.len() <= ROWS_MAX)?;
+    let order =
+        PolicyOrder::of(view.results, field).filter(|order| order.compares() && order.rows.len() <= ROWS_MAX)?;
     let changing = (0..order.rows.len()).filter(|row| !order.changed(*row).is_empty()).count();
     let verdict = match changing {
         0 => "The policy that is first in a trace is first there in every row.".to_owned(),
@@ -31,7 +32,8 @@ pub fn section(view: &SweepView<'_>) -> Option<Section> {
     };
     let read = format!(
         "Gain in {} over full at the same values; over several traces the geometric mean of those that all policies of the row have. A trace stands under Changes if another \
-         policy is first there than in the first row. Estimates have intervals, which are not looked at here.",
+         policy is first there than in the first row that has two of it. All points are looked at, whatever the filter shows. Estimates have intervals, \
+         which are not looked at here.",
         field.name
     );
     let looks = looks(view, &order);

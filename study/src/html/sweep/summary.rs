@@ -1,7 +1,7 @@
 //! What the sweep is of, and its best values at a glance.
 
 use crate::analysis::best::best;
-use crate::analysis::goals::{Goal, goal};
+use crate::analysis::goals::{Goal, counted_only, goal};
 use crate::html::parts::{Head, Section, how_to_read, table};
 use crate::html::sweep::view::SweepView;
 use crate::html::text::{counted, escape, or_dash, plus_minus};
@@ -15,7 +15,7 @@ const TRACES: usize = 3;
 pub fn section(view: &SweepView<'_>) -> Option<Section> {
     let tiles: String = view.headlines.iter().filter_map(|field| tile(view, field)).collect();
     let tiles = if tiles.is_empty() { tiles } else { format!("<dl class=\"numbers\">\n{tiles}</dl>\n") };
-    let html = tiles + &estimates(view) + &axes(view) + &failures(view);
+    let html = tiles + &estimates(view) + &counts(view) + &axes(view) + &failures(view);
     let html = match view.results.rows() {
         0 => "<p>There are no points.</p>\n".into(),
         _ if html.is_empty() => "<p>Nothing is known of the points but what they are.</p>\n".into(),
@@ -54,7 +54,7 @@ fn tile(view: &SweepView<'_>, field: &Field) -> Option<String> {
     };
     let shown: String = found.iter().take(TRACES).map(on).collect();
     let more = if found.len() > TRACES {
-        format!("<span>and {} more traces</span>", found.len() - TRACES)
+        format!("<span>and {}</span>", counted(found.len() - TRACES, "more trace"))
     } else {
         String::new()
     };
@@ -85,6 +85,20 @@ fn estimates(view: &SweepView<'_>) -> String {
         "<p class=\"read\" id=\"estimates\"><span>{estimated} of {} {of}</span>: a part of the tiles was simulated cycle by cycle \
          (detail_fraction), and times, energies and what follows from them reach as far as what stands behind ±, with a probability \
          of 95 %. Rays, samples and pictures are exact.</p>\n",
+        counted(rows, "point")
+    )
+}
+
+/// How many points no cycle was simulated of, and what that means.
+fn counts(view: &SweepView<'_>) -> String {
+    let (counted_only, rows) = (counted_only(view.results), view.results.rows());
+    if counted_only == 0 {
+        return String::new();
+    }
+    let of = if counted_only == 1 { "is" } else { "are" };
+    format!(
+        "<p class=\"read\">{counted_only} of {} {of} of <code>--detail counts</code>: no cycle was simulated. Their energies lack leakage, \
+         clocks and what waiting costs, so they rank no machines, and are no match for those of other points.</p>\n",
         counted(rows, "point")
     )
 }

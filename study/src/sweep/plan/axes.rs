@@ -5,10 +5,10 @@ use std::collections::BTreeSet;
 use crate::error::Result;
 use crate::figures::{columns, figures};
 use crate::point::known;
-use crate::sweep::plan::Plan;
 use crate::sweep::plan::axis::Axis;
 use crate::sweep::plan::file::PlanFile;
 use crate::sweep::plan::locate::Text;
+use crate::sweep::plan::{Base, Plan, is_machine_override};
 
 /// Names that points have beside their axes.
 const RESERVED: &[&str] = &[
@@ -114,6 +114,24 @@ fn check_together(first: &Axis, axis: &Axis) -> Result<(), String> {
         return Err(format!("{together} differ in only"));
     }
     Ok(())
+}
+
+/// Checks that a plan without machines changes none.
+///
+/// # Errors
+/// An override or an axis of machines where there is none.
+pub fn check_machines(plan: &Plan, file: &PlanFile, text: Text<'_>) -> Result<()> {
+    if !plan.machines.iter().all(Base::is_none) {
+        return Ok(());
+    }
+    let why = "and machines = [\"none\"] has none; name a machine or leave it out";
+    if let Some(set) = file.set.iter().find(|set| is_machine_override(set.get_ref())) {
+        return Err(text.error(&set.span(), format!("set {:?} is for a machine, {why}", set.get_ref())));
+    }
+    let found = plan.axes.iter().zip(&file.axis).find(|(axis, _)| axis.is_of_machines());
+    found.map_or(Ok(()), |(axis, at)| {
+        Err(text.error(&at.span(), format!("axis {:?} changes machines, {why}", axis.name)))
+    })
 }
 
 /// Checks that axes which are only for some machines or policies name such as the plan has.

@@ -7,6 +7,7 @@ use toml::Value;
 
 use crate::error::Result;
 use crate::sweep::plan::file::AxisFile;
+use crate::sweep::plan::is_machine_override;
 use crate::sweep::plan::locate::Text;
 use crate::sweep::plan::range::{Kind, numbers};
 use crate::sweep::plan::scalar::Scalar;
@@ -72,12 +73,24 @@ impl Axis {
                 text.error(&at, format!("axis {name:?} has no values; give at least one, or leave the axis out"))
             );
         }
-        if let Some(twice) = values.iter().enumerate().find(|(i, v)| values[..*i].iter().any(|w| w.label == v.label)) {
-            return Err(text.error(span, format!("axis {name:?} has the value {} twice", twice.1.label)));
+        let twice = |(i, value): (usize, &AxisValue)| {
+            let same = |other: &&AxisValue| other.label == value.label || other.value.equals(&value.value);
+            Some((values[..i].iter().find(same)?.label.clone(), value.label.clone()))
+        };
+        if let Some((first, second)) = values.iter().enumerate().find_map(twice) {
+            let as_well = if first == second { String::new() } else { format!(", as {first} and as {second}") };
+            return Err(text.error(span, format!("axis {name:?} has the value {second} twice{as_well}")));
         }
         let zip = file.zip.as_ref().map(|zip| zip.get_ref().clone());
         let only = file.only.iter().flat_map(|list| list.get_ref()).map(|name| name.get_ref().clone()).collect();
         Ok(Self { name, keys, values, zip, only })
+    }
+}
+
+impl Axis {
+    /// Whether it changes machines and nothing else.
+    pub fn is_of_machines(&self) -> bool {
+        self.values.iter().flat_map(|value| &value.set).all(|text| is_machine_override(text))
     }
 }
 
@@ -165,6 +178,9 @@ mod tests {
             ["1000", "10000", "100000", "1000000"]
         );
         assert_eq!(labels("key = \"x\"\nlog = { from = \"4KiB\", to = \"16KiB\" }"), ["4KiB", "8KiB", "16KiB"]);
+        for same in ["[2, 2]", "[10.0, 10]", "[\"16KiB\", 16384]"] {
+            assert!(axis(&format!("key = \"x\"\nvalues = {same}")).unwrap_err().contains("twice"), "{same}");
+        }
         let size = axis("key = \"ti.trv_l1.size\"\nvalues = [\"8KiB\"]").unwrap();
         assert_eq!(size.values[0].value, Scalar::Integer(8192));
         assert_eq!(size.values[0].set, ["ti.trv_l1.size=8KiB"]);

@@ -8,7 +8,7 @@ use toml::Spanned;
 use crate::error::{Result, StudyError};
 use crate::point::key::{Key, key, policy_json};
 use crate::point::version::MODEL_VERSION;
-use crate::sweep::plan::axes::{check_axes, check_only};
+use crate::sweep::plan::axes::{check_axes, check_machines, check_only};
 use crate::sweep::plan::axis::Axis;
 use crate::sweep::plan::blame::guilty;
 use crate::sweep::plan::detail::details;
@@ -48,6 +48,7 @@ impl Plan {
             points: Vec::new(),
         };
         check_only(&plan, &file, text)?;
+        check_machines(&plan, &file, text)?;
         plan.points = Expander { plan: &plan, file: &file, text }.points()?;
         Ok(plan)
     }
@@ -76,7 +77,9 @@ impl Expander<'_> {
         for (t, trace) in plan.traces.iter().enumerate() {
             for frames in self.frames(trace)? {
                 for (m, p) in (0..plan.machines.len()).flat_map(|m| (0..plan.policies.len()).map(move |p| (m, p))) {
-                    for detail in 0..plan.details.len() {
+                    // Where nothing is simulated all details are one.
+                    let details = if plan.machines[m].is_none() { 1 } else { plan.details.len() };
+                    for detail in 0..details {
                         for values in self.combinations(m, p, points.len())? {
                             let key = String::new();
                             let point = PointRef { trace: t, machine: m, policy: p, frames, detail, values, key };
@@ -156,7 +159,11 @@ impl Expander<'_> {
     /// All combinations of axis values for a machine and a policy; `before` points were made already.
     fn combinations(&self, machine: usize, policy: usize, before: usize) -> Result<Vec<Vec<Option<usize>>>> {
         let (axes, bases) = (&self.plan.axes, [&self.plan.machines[machine].name, &self.plan.policies[policy].name]);
-        let applies = |axis: &Axis| axis.only.is_empty() || axis.only.iter().any(|name| bases.contains(&name));
+        let is_none = self.plan.machines[machine].is_none();
+        let applies = |axis: &Axis| {
+            let is_for = axis.only.is_empty() || axis.only.iter().any(|name| bases.contains(&name));
+            is_for && !(is_none && axis.is_of_machines())
+        };
         // Axes that go forward together are one digit.
         let mut digits: Vec<Vec<usize>> = Vec::new();
         for (i, axis) in axes.iter().enumerate().filter(|(_, axis)| applies(axis)) {

@@ -69,6 +69,13 @@ pub struct Base {
     pub toml: String,
 }
 
+impl Base {
+    /// Whether it is the machine `none`.
+    pub fn is_none(&self) -> bool {
+        self.toml.is_empty()
+    }
+}
+
 /// A point as indices into the plan.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PointRef {

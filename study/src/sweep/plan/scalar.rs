@@ -33,4 +33,14 @@ impl Scalar {
             _ => return None,
         })
     }
+
+    /// Whether both are the same number, however it is written, or the same word or flag.
+    pub fn equals(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::Integer(integer), Self::Float(float)) | (Self::Float(float), Self::Integer(integer)) => {
+                *integer as f64 == *float
+            }
+            _ => self == other,
+        }
+    }
 }

@@ -34,10 +34,11 @@
     const wanted = held.map((own) => [own, own.of[Number(fixed.get(own).select.value)]]);
     const how = $("heat-how").value;
     const cells = new Map();
-    let most = 0;
+    let most = 0, left = 0;
     for (const row of sweep.filter.rows) {
       const value = sweep.value(result, row);
-      if (value === null || !Number.isFinite(value) || wanted.some(([own, only]) => own.values[row] !== only)) continue;
+      if (value === null || wanted.some(([own, only]) => own.values[row] !== only)) continue;
+      if (!Number.isFinite(value)) { left += 1; continue; }
       const [a, b] = [down.values[row], across.values[row]];
       if (a === null || b === null) continue;
       const key = JSON.stringify([a, b]);
@@ -58,7 +59,7 @@
     const word = { mean: "the mean", min: "the least", max: "the most" }[how];
     const rest = others.filter((own) => !held.includes(own)).map((own) => own.name).join(", ");
     const where = wanted.map(([own, only]) => `${own.name} ${text.value(own, only)}`).join(", ");
-    $("heat-what").textContent = `${result.text}. ${most > 1 ? `A cell is ${word} of up to ${most} points${rest ? ` over ${rest}` : ""}.` : "A cell is one point."}${where ? ` Only ${where}.` : ""}`;
+    $("heat-what").textContent = `${result.text}. ${most > 1 ? `A cell is ${word} of up to ${most} points${rest ? ` over ${rest}` : ""}.` : "A cell is one point."}${where ? ` Only ${where}.` : ""}${left > 0 ? ` ${text.counted(left, "point")} with ∞ left out.` : ""}`;
 
     const seen = (own, i) => own.of.filter((value) => value !== null && [...cells.keys()].some((key) => JSON.parse(key)[i] === value));
     const [rows, columns] = [seen(down, 0), seen(across, 1)];

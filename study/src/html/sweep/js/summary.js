@@ -18,11 +18,12 @@
       return own.length === 0 ? null : { name, row: own.reduce((a, b) => (better(sweep.value(result, b), sweep.value(result, a)) ? b : a)) };
     }).filter(Boolean);
     if (best.length === 0) return null;
-    const unit = result.unit && result.unit !== "bytes" ? [" ", html("small", {}, result.unit)] : [];
+    // An element of its own for each trace: one would stand in the last place only.
+    const unit = () => (result.unit && result.unit !== "bytes" ? [" ", html("small", {}, result.unit)] : []);
     const what = (row) => sweep.dimensions.filter((own) => own !== each && own.values[row] !== null).map((own) => `${own.name} ${text.value(own, own.values[row])}`).join(", ");
-    const shown = best.slice(0, TRACES).flatMap(({ name, row }) => [html("b", {}, text.value(result, result.values[row]), ...unit, text.within(result, row)),
+    const shown = best.slice(0, TRACES).flatMap(({ name, row }) => [html("b", {}, text.value(result, result.values[row]), ...unit(), text.within(result, row)),
       html("span", {}, ...(name ? [html("em", {}, name), " "] : []), what(row))]);
-    const more = best.length > TRACES ? [html("span", {}, `and ${best.length - TRACES} more traces`)] : [];
+    const more = best.length > TRACES ? [html("span", {}, `and ${text.counted(best.length - TRACES, "more trace")}`)] : [];
     return html("div", { class: best.length > 1 ? "tile-number several" : "tile-number" }, html("dt", {}, `${sweep.all.length === 1 ? "" : least ? "least " : "most "}${result.name}`), html("dd", {}, ...shown, ...more));
   };
 
