@@ -10,6 +10,7 @@ use rayreel_formats::locks::try_lock;
 use rayreel_paper::{Finished, Folders, Machines, SIZE, SIZE_FULL, Setup};
 use rayreel_replay::{Detail, Stop};
 use rayreel_scenes::Scene;
+use rayreel_study::cluster::shell::quote;
 use rayreel_study::html;
 
 use crate::common::{print, tell_warnings};
@@ -71,6 +72,9 @@ pub fn run(args: &Args, quiet: bool) -> Result<Exit> {
     if args.systems && args.machine == "none" {
         bail!("--systems compares machines, and --machine none replays without one; leave one of them out");
     }
+    if args.detail.asked().is_some() && args.machine == "none" {
+        bail!("{} is for a machine, and --machine none has none; name a machine or leave it out", args.detail.said());
+    }
     let machines = if args.machine == "none" { None } else { Some(Machines::load(&args.machine, args.warm)?) };
     let stop = progress::stop_on_signal();
     let size = args.size.unwrap_or(if args.full { SIZE_FULL } else { SIZE });
@@ -93,7 +97,12 @@ pub fn run(args: &Args, quiet: bool) -> Result<Exit> {
     for folder in [&args.cache, &args.out] {
         std::fs::create_dir_all(folder).with_context(|| format!("cannot create folder {}", folder.display()))?;
     }
-    let Some(_alone) = alone(&args.cache, &stop)? else { return Ok(Exit::Interrupted) };
+    let Some(_cache) = alone(&args.cache, "cache", &stop)? else { return Ok(Exit::Interrupted) };
+    let same = args.cache.canonicalize().ok() == args.out.canonicalize().ok();
+    let out = if same { None } else { Some(alone(&args.out, "out", &stop)?) };
+    if matches!(out, Some(None)) {
+        return Ok(Exit::Interrupted);
+    }
     let folders = Folders { cache: args.cache.clone(), out: args.out.clone(), reuse: args.reuse.clone() };
     let mut bar: Option<Progress> = None;
     let ended = rayreel_paper::run(&setup, &folders, rayon::current_num_threads(), &stop, &mut |now| {
@@ -116,16 +125,16 @@ pub fn run(args: &Args, quiet: bool) -> Result<Exit> {
     }
 }
 
-/// The cache folder for this process alone: two would trace the same scene into one file. Waits while another has it; nothing if a
-/// signal ends that.
-fn alone(cache: &Path, stop: &Stop) -> Result<Option<File>> {
-    let path = cache.join(".lock");
+/// A folder for this process alone: two would trace the same scene into one file of the cache, and mix their pictures. Waits while
+/// another has it; nothing if a signal ends that. `named` is the option that names it.
+fn alone(folder: &Path, named: &str, stop: &Stop) -> Result<Option<File>> {
+    let path = folder.join(".lock");
     let lock = File::options().create(true).append(true).open(&path);
     let lock = lock.with_context(|| format!("cannot create {}", path.display()))?;
     let mut told = false;
     while let Err(holder) = try_lock(&lock).with_context(|| format!("cannot lock {}", path.display()))? {
         if !told {
-            eprintln!("waiting: {holder} uses the cache folder {}; --cache names another", cache.display());
+            eprintln!("waiting: {holder} uses the folder {}; --{named} names another", folder.display());
             told = true;
         }
         if stop.is_requested() {
@@ -169,9 +178,9 @@ fn command(args: &Args, (w, h): (u32, u32)) -> String {
         text += " --systems";
     }
     text += &format!(" --size {w}x{h}");
-    args.scenes.iter().for_each(|name| text += &format!(" --scene {name}"));
+    args.scenes.iter().for_each(|name| text += &format!(" --scene {}", quote(name)));
     if args.machine != "sgrt-ti2" {
-        text += &format!(" --machine {}", args.machine);
+        text += &format!(" --machine {}", quote(&args.machine));
     }
     if args.warm {
         text += " --warm";

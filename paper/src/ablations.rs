@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use rayreel_machine::config::NamedMachine;
+use rayreel_machine::config::{Divergence, GeometryBuffer, MachineConfig, NamedMachine, Pipeline};
 use rayreel_replay::NamedPolicy;
 use rayreel_study::point::key::Point;
 use rayreel_study::point::wanted::Wanted;
@@ -153,7 +153,9 @@ pub fn plan(setup: &Setup, plan: &mut Plan<'_>) -> Result<Vec<Planned>> {
     }
     let mut planned = Vec::new();
     for (number, variant) in VARIANTS.iter().enumerate() {
-        if setup.machines.is_none() && needs_machine(variant.group) {
+        if needs_machine(variant.group)
+            && !setup.machines.as_ref().is_some_and(|m| has_base(&m.whole.config, variant.group))
+        {
             continue;
         }
         let policy = Arc::new(NamedPolicy::load(variant.policy, &strings(variant.rules))?);
@@ -181,6 +183,18 @@ fn machine(setup: &Setup, variant: &Variant) -> Result<Option<Arc<NamedMachine>>
 
 fn strings(texts: &[&str]) -> Vec<String> {
     texts.iter().map(|text| (*text).to_owned()).collect()
+}
+
+/// Whether the unchanged variant of a group that changes the machine is what its name says, on this machine.
+fn has_base(config: &MachineConfig, group: &str) -> bool {
+    match group {
+        "tile buffer" => config.gpu.geometry_buffer == GeometryBuffer::OnChip,
+        // Processors do without an SRP whose lanes could diverge.
+        "branch divergence" => {
+            config.srp.divergence == Divergence::Inspector && config.ti.pipeline != Pipeline::Software
+        }
+        _ => true,
+    }
 }
 
 /// Whether a group changes the machine, so that it shows nothing without one.

@@ -2,8 +2,7 @@
 //!
 //! All of it follows from the row bit by bit, so a point that a sweep has computed need not be computed again.
 
-use rayreel_machine::config::Divergence;
-use rayreel_machine::config::NamedMachine;
+use rayreel_machine::config::{Divergence, NamedMachine, Pipeline};
 use rayreel_machine::counters::Activity;
 use rayreel_machine::energy::EnergyReport;
 use rayreel_machine::srp::{KernelId, SrpStats};
@@ -178,9 +177,7 @@ impl<'a> FrameView<'a> {
 
     /// What each stage of each kind of unit did with its cycles, all units of the kind together.
     pub fn units(self) -> Vec<Unit> {
-        if self.machine.is_none() {
-            return Vec::new();
-        }
+        let Some(machine) = self.machine else { return Vec::new() };
         let classes = |counters: Vec<rayreel_machine::counters::Counter>| counters.into_iter().map(|c| c.name);
         let activity = || classes(Activity::default().list());
         // A stage has counters of all classes.
@@ -189,8 +186,10 @@ impl<'a> FrameView<'a> {
         let stages = self.figures.between("ti/trv/", "/busy").filter(is_stage);
         let mut units: Vec<Unit> =
             stages.map(|stage| self.unit(&format!("trv/{stage}"), &format!("ti/trv/{stage}"), activity())).collect();
-        units.push(self.unit("ist/test", "ti/ist/test", activity()));
-        units.push(self.unit("srp/array", "srp/activity", classes(SrpStats::default().activity.list())));
+        if has_units(machine) {
+            units.push(self.unit("ist/test", "ti/ist/test", activity()));
+            units.push(self.unit("srp/array", "srp/activity", classes(SrpStats::default().activity.list())));
+        }
         units
     }
 
@@ -219,7 +218,8 @@ impl<'a> FrameView<'a> {
 
     /// Cycles of all SRPs by kernel.
     pub fn srp(self) -> Vec<Kernel> {
-        let Some(machine) = self.machine else { return Vec::new() };
+        // Processors run the kernels where they trace the rays, and no SRP counts them.
+        let Some(machine) = self.machine.filter(|machine| has_units(machine)) else { return Vec::new() };
         let srp = &machine.config.srp;
         let inspector = if srp.divergence == Divergence::Inspector { u64::from(srp.inspector_cycles) } else { 0 };
         let counter = |name: String| self.figures.counter(&name).unwrap_or(0);
@@ -235,6 +235,11 @@ impl<'a> FrameView<'a> {
         };
         kernels.map(kernel).collect()
     }
+}
+
+/// Whether a machine has T&I units and SRPs: processors do the work of both.
+fn has_units(machine: &NamedMachine) -> bool {
+    machine.config.ti.pipeline != Pipeline::Software
 }
 
 /// The components of a machine and their groups, without energy.

@@ -1,6 +1,7 @@
 //! What the paper states: Lee et al. 2016, Table 1, Figure 7 and the text around them.
 
-use rayreel_study::schema::{GainBand, ModePolicy, PaperKernel, PaperPsnr, References};
+use rayreel_study::html::has_counterpart;
+use rayreel_study::schema::{GainBand, ModePolicy, PaperKernel, PaperPsnr, References, Scene};
 
 use crate::policies::{MODES, PAPER};
 
@@ -33,17 +34,41 @@ pub fn triangles(scene: &str) -> Option<u64> {
     SCENES.iter().find(|(name, ..)| *name == scene).map(|(_, triangles, ..)| *triangles)
 }
 
-/// All that is stated.
-pub fn references() -> References {
+/// All that is stated, but for what is of other scenes than those of a study that have their names: a user's models may have any.
+pub fn references(scenes: &[Scene]) -> References {
+    let is_other = |name: &str| scenes.iter().any(|scene| scene.name == name && !has_counterpart(scene));
+    let stated: Vec<Stated> = SCENES.into_iter().filter(|(name, ..)| !is_other(name)).collect();
     let mut all = References { power: Some(POWER), ..References::default() };
     for (i, mode) in MODES.iter().enumerate() {
         all.policies.push(ModePolicy { mode: mode.name.into(), policy: PAPER[i].into() });
-        for (scene, _, psnr, ..) in SCENES {
+        for &(scene, _, psnr, ..) in &stated {
             all.psnr.push(PaperPsnr { scene: scene.into(), mode: mode.name.into(), psnr_db: psnr[i] });
         }
     }
     all.gains =
-        SCENES.iter().map(|&(scene, _, _, least, most)| GainBand { scene: scene.into(), least, most }).collect();
+        stated.iter().map(|&(scene, _, _, least, most)| GainBand { scene: scene.into(), least, most }).collect();
     all.srp = SRP.iter().map(|&(kernel, share)| PaperKernel { kernel: kernel.into(), share }).collect();
     all
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A model of a user is not held against what the paper says of a scene of that name.
+    #[test]
+    fn a_name_alone_is_no_counterpart() {
+        let scene = |triangles| Scene {
+            name: "provence".into(),
+            triangles,
+            paper_triangles: self::triangles("provence"),
+            lights: 1,
+            frame: 1,
+            rays_full: Vec::new(),
+        };
+        let of = |triangles| references(&[scene(triangles)]);
+        let names = |all: &References| all.gains.iter().any(|gain| gain.scene == "provence");
+        assert!(names(&of(604_367)) && !names(&of(12)));
+        assert!(of(12).psnr.iter().all(|stated| stated.scene != "provence") && of(12).gains.len() == 4);
+    }
 }

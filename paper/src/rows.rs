@@ -3,15 +3,13 @@
 use rayreel_study::schema::{Cost, Point, Study};
 use serde_json::{Value, json};
 
-use crate::reference;
-
 /// One row a point, without those of `full`, with which the others are compared.
 pub fn rows(study: &Study) -> Value {
     Value::Array(study.points.iter().filter(|p| p.kind != "full").map(|p| row(study, p)).collect())
 }
 
 fn row(study: &Study, point: &Point) -> Value {
-    let references = reference::references();
+    let references = &study.references;
     let full = study.points.iter().find(|p| p.kind == "full" && p.scene == point.scene && p.mode == point.mode);
     let quality = point.quality.unwrap_or_default();
     let evaluated = references.policies.iter().any(|p| p.mode == point.mode && p.policy == point.policy);

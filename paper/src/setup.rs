@@ -119,15 +119,21 @@ pub(crate) fn lacking(config: &MachineConfig) -> Vec<&'static str> {
 }
 
 impl Setup {
-    /// An experiment at the default size: of two scenes of one name the first is taken.
+    /// An experiment at the default size. A scene that is named twice is one.
     ///
     /// # Errors
-    /// Never for the presets of this version.
+    /// Two scenes whose files would have one name.
     pub fn new(scenes: impl IntoIterator<Item = Scene>, machines: Option<Machines>) -> Result<Self> {
         let mut stages: Vec<Stage> = Vec::new();
         for stage in scenes.into_iter().map(Stage::new) {
-            if !stages.iter().any(|known| known.name == stage.name) {
-                stages.push(stage);
+            match stages.iter().find(|known| known.name == stage.name) {
+                None => stages.push(stage),
+                Some(known) if known.content == stage.content => {}
+                Some(_) => {
+                    let name = &stage.name;
+                    let detail = format!("two scenes are called {name}; give the file of one of them another name");
+                    return Err(StudyError::Usage { detail }.into());
+                }
             }
         }
         let policies = policies::load()?;
@@ -156,5 +162,21 @@ impl Setup {
     /// Whether a policy has rates that vary over the picture.
     pub(crate) fn has_rates(&self, policy: usize) -> bool {
         !matches!(self.policies[policy].1.policy.kind(), "full" | "adaptive")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// One of them was dropped without a word.
+    #[test]
+    fn two_scenes_of_one_name_are_refused() {
+        let [cornell, mut other] = ["cornell", "teapot"].map(|name| rayreel_scenes::load(name).unwrap());
+        let twice = Setup::new([cornell.clone(), cornell.clone()], None).unwrap();
+        assert_eq!(twice.stages.len(), 1, "the same scene twice is one");
+        other.name = cornell.name.clone();
+        let error = Setup::new([cornell, other], None).err().expect("they differ");
+        assert!(error.to_string().contains("two scenes are called cornell"), "{error}");
     }
 }

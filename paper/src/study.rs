@@ -31,6 +31,7 @@ pub fn study(setup: &Setup, experiment: &Experiment, results: &Results) -> Resul
     let animation = experiment.animation.as_ref();
     let points = points::points(setup, &experiment.points, results);
     let scenes: Vec<Scene> = (0..setup.stages.len()).map(|scene| scene_of(setup, experiment, results, scene)).collect();
+    let references = reference::references(&scenes);
     let mut notes = notes(setup, experiment, &scenes);
     notes.extend(estimates::note(setup, &points));
     Ok(Study {
@@ -48,7 +49,7 @@ pub fn study(setup: &Setup, experiment: &Experiment, results: &Results) -> Resul
         scenes,
         policies: policies(setup)?,
         points,
-        references: reference::references(),
+        references,
         maps: animation.map(|animation| animation.maps(setup, results)).unwrap_or_default(),
         tracks: animation.map(|animation| animation.tracks(setup, results)).unwrap_or_default(),
         ablations: ablations::ablations(setup, &experiment.ablations, results),
@@ -133,7 +134,8 @@ fn notes(setup: &Setup, experiment: &Experiment, scenes: &[Scene]) -> Vec<String
         if setup.machines.is_some() {
             let simulated = animation.simulated(setup);
             let part = if has_units { " (T&I units alone)" } else { "" };
-            note += &format!("; {simulated} of them are simulated on the machine{part}, under some of the policies");
+            let are = if simulated == 1 { "is" } else { "are" };
+            note += &format!("; {simulated} of them {are} simulated on the machine{part}, under some of the policies");
             if animation.estimates(setup) {
                 note += ", and the others estimated from these, by their rays";
             }

@@ -107,10 +107,13 @@ pub fn table(study: &Study) -> String {
     let others: Vec<usize> = (0..systems.policies.len()).filter(|p| systems.policies[*p] != "full").collect();
     let pair = |machine: usize, policy: usize| pairs.iter().find(|p| (p.machine, p.policy) == (machine, policy));
     let mut text = format!(
-        "\npolicies on machines, {}; means of {} scenes; frames a joule over full on the same machine, whole GPU (T&I units \
+        "\npolicies on machines, {}; means of {}; frames a joule over full on the same machine, whole GPU (T&I units \
          alone)\n\n{:<14} {:>9}",
         MODES[0].name,
-        systems.scenes.len(),
+        match systems.scenes.len() {
+            1 => "one scene".into(),
+            scenes => format!("{scenes} scenes"),
+        },
         "machine",
         "full"
     );
