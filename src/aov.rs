@@ -19,7 +19,7 @@ use rayreel_tracer::{CaptureOutcome, CaptureOutput, capture};
 use serde_json::json;
 
 use crate::common::{
-    GridArgs, build, check_output, digest_if_whole, keep_scene, meta, open, print, samples, size, tile_of,
+    GridArgs, build, check_output, digest_if_whole, frame, keep_scene, meta, open, print, samples, size, tile_of,
 };
 use crate::exit::Exit;
 use crate::progress;
@@ -41,7 +41,7 @@ pub struct Args {
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
     /// The frame; the first of a trace, 0 of a scene if not given.
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = frame)]
     frame: Option<u32>,
     /// Preset or policy file (.toml).
     #[arg(long, default_value = "adaptive", value_name = "NAME|FILE")]

@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use anyhow::{Result, bail};
 use clap::ValueEnum;
-use rayreel_formats::container::Writer;
+use rayreel_formats::container::{Writer, partial_path};
 use rayreel_formats::trace::Codec;
 use rayreel_tracer::{CaptureOutcome, CaptureOutput, Captured, capture};
 use serde_json::json;
@@ -105,10 +105,10 @@ pub fn run(args: &Args, quiet: bool) -> Result<Exit> {
         }
         CaptureOutcome::Interrupted(now) => {
             eprintln!(
-                "interrupted: {} of {} tiles are in {}.partial; go on with the same command and --resume",
+                "interrupted: {} of {} tiles are in {}; go on with the same command and --resume",
                 now.tiles,
                 now.tiles_total,
-                args.output.display()
+                partial_path(&args.output)?.display()
             );
             Ok(Exit::Interrupted)
         }
@@ -139,9 +139,10 @@ fn report(
     }
     let rays = captured.rays as f64;
     print(&format!(
-        "{}: {} frames, {} samples, {} rays, {:.1} steps/ray\n{}: {} bytes, {:.3} bytes/ray (paths {:.3}), {}rays/s\n",
+        "{}: {} frame{}, {} samples, {} rays, {:.1} steps/ray\n{}: {} bytes, {:.3} bytes/ray (paths {:.3}), {}rays/s\n",
         scene.name,
         meta.frames,
+        if meta.frames == 1 { "" } else { "s" },
         captured.samples,
         captured.rays,
         captured.steps as f64 / rays,

@@ -1,16 +1,18 @@
 //! Argument types and small steps that several commands share.
 
-use std::io::Write;
+use std::io::{Read, Write};
 use std::ops::Range;
 use std::path::Path;
 
 use anyhow::{Context, Result, bail};
+use rayreel_formats::container::MAGIC;
 use rayreel_formats::durable::WholeFile;
 use rayreel_formats::scene::Meta;
 use rayreel_formats::trace::{Trace, digest};
 use rayreel_replay::image::Image;
 use rayreel_replay::image::resolve::Resolver;
 use rayreel_scenes::Scene;
+use rayreel_study::sweep::folder::PLAN;
 use rayreel_tracer::{Built, SampleGrid, TOOL, TraceSettings};
 
 use crate::memory;
@@ -72,13 +74,18 @@ pub fn count(text: &str) -> Result<usize, String> {
     text.parse().map_err(|_| "give a whole number from 0 on".to_string())
 }
 
+/// Parses the number of a frame. There is one less than a `u32` holds, so that the one after the last has a number too.
+pub fn frame(text: &str) -> Result<u32, String> {
+    let number = text.trim().parse().ok().filter(|frame| *frame < u32::MAX);
+    number.ok_or_else(|| format!("give the number of a frame, below {}", u32::MAX))
+}
+
 /// Parses `A..B` or `A` to first frame and number of frames.
 pub fn frames(text: &str) -> Result<(u32, u32), String> {
     let wrong = || "give frames as A..B with A below B, such as 0..60, or one number".to_string();
     let number = |s: &str| s.trim().parse::<u32>().map_err(|_| wrong());
     let Some((first, end)) = text.split_once("..") else {
-        let frame = number(text)?;
-        return if frame < u32::MAX { Ok((frame, 1)) } else { Err(wrong()) };
+        return frame(text).map(|frame| (frame, 1)).map_err(|_| wrong());
     };
     let (first, end) = (number(first)?, number(end)?);
     if first < end { Ok((first, end - first)) } else { Err(wrong()) }
@@ -140,6 +147,21 @@ pub fn keep_input(output: &Path, input: &Path) -> Result<()> {
     Ok(())
 }
 
+/// Refuses an output that would take the place of a trace, or of a file that the sweep in `folder` lives on. Its results may be
+/// written again.
+pub fn keep_sweep(output: &Path, folder: &Path) -> Result<()> {
+    let mut head = [0; MAGIC.len()];
+    let is_trace =
+        std::fs::File::open(output).is_ok_and(|mut file| file.read_exact(&mut head).is_ok() && head == MAGIC);
+    let inside = output.parent().and_then(|parent| parent.canonicalize().ok()).zip(folder.canonicalize().ok());
+    let within = inside.is_some_and(|(parent, folder)| parent != folder && parent.starts_with(folder));
+    if is_trace || within {
+        let what = if is_trace { "is a trace" } else { "is among the files that the sweep lives on" };
+        bail!("{} {what}; name another file to write", output.display());
+    }
+    keep_input(output, &folder.join(PLAN))
+}
+
 /// Refuses an output that would take the place of a file that a scene is made of.
 pub fn keep_scene(output: &Path, scene: &Scene) -> Result<()> {
     scene.files.iter().try_for_each(|file| keep_input(output, file))
@@ -186,10 +208,15 @@ pub fn digest_if_whole(trace: &Trace, frames: &Range<u32>) -> Result<Option<Stri
     Ok(if is_whole { Some(digest(trace)?.total().to_string()) } else { None })
 }
 
+/// How many tiles are missing, in words.
+pub fn missing_tiles(missing: usize) -> String {
+    if missing == 1 { "1 tile is missing".into() } else { format!("{missing} tiles are missing") }
+}
+
 /// What a trace lacks, in words: whole tiles, and columns of tiles that are there. Empty if it is complete.
 pub fn lacks(trace: &Trace) -> String {
     let missing = trace.missing_tiles().len();
-    let tiles = (missing > 0).then(|| format!("{missing} tiles are missing"));
+    let tiles = (missing > 0).then(|| missing_tiles(missing));
     let columns = trace.lacking().iter().map(|(column, tiles)| format!("{tiles} tiles hold no {}", column.name()));
     tiles.into_iter().chain(columns).collect::<Vec<_>>().join(", ")
 }

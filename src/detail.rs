@@ -25,6 +25,11 @@ impl DetailArgs {
         self.precision.map(Detail::Precision).or(self.detail)
     }
 
+    /// The option as it was given, for messages.
+    pub fn said(&self) -> String {
+        self.words().map_or_else(String::new, |(option, value)| format!("{option} {value}"))
+    }
+
     /// The option and its value, if one was given.
     pub fn words(&self) -> Option<(&'static str, String)> {
         match (self.precision, self.detail) {

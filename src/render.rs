@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Result, bail};
 use rayreel_replay::image::{files, srgb};
 
-use crate::common::{GridArgs, build, check_output, keep_scene, meta, render, tile_of};
+use crate::common::{GridArgs, build, check_output, frame, keep_scene, meta, render, tile_of};
 use crate::exit::Exit;
 use crate::scene_args::SceneArgs;
 
@@ -20,7 +20,7 @@ pub struct Args {
     #[command(flatten)]
     grid: GridArgs,
     /// Frame of the camera path, or of an animated model.
-    #[arg(long, default_value_t = 0, value_name = "N")]
+    #[arg(long, default_value_t = 0, value_name = "N", value_parser = frame)]
     frame: u32,
 }
 

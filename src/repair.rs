@@ -7,7 +7,7 @@ use rayreel_formats::Limits;
 use rayreel_formats::container::{ChunkId, RepairReport, repair};
 use rayreel_formats::trace::Trace;
 
-use crate::common::{open, print};
+use crate::common::{missing_tiles, open, print};
 use crate::exit::Exit;
 
 /// Copy every whole chunk of a damaged or unfinished trace into a new one.
@@ -76,7 +76,7 @@ fn unreadable(report: &RepairReport, output: &Path) -> String {
 
 /// What is missing, and what can be done with the rest.
 fn incomplete(trace: &Trace, missing: &[(u32, u32)]) -> String {
-    let mut text = format!("incomplete: {} tiles are missing\n", missing.len());
+    let mut text = format!("incomplete: {}\n", missing_tiles(missing.len()));
     let torn = |frame: u32| missing.iter().any(|(of, _)| *of == frame);
     let whole: Vec<u32> = trace.meta().frame_numbers().filter(|frame| !torn(*frame)).collect();
     text += &match whole.as_slice() {

@@ -90,6 +90,11 @@ pub fn run(args: &Args, quiet: bool) -> Result<Exit> {
         let inputs = [args.trace.path(), Some(Path::new(&args.policy)), Some(Path::new(&args.machine))];
         check_output(timeline, &inputs.into_iter().flatten().collect::<Vec<_>>())?;
     }
+    if let Some((out, timeline)) = args.out.as_ref().zip(args.timeline.as_ref())
+        && *timeline == out.join(STATS)
+    {
+        bail!("{} is written by --out; name another file for --timeline", timeline.display());
+    }
     if let Some(out) = &args.out {
         std::fs::create_dir_all(out).with_context(|| format!("cannot create folder {}", out.display()))?;
     }
@@ -123,11 +128,13 @@ fn load_machine(args: &Args, overrides: &[String]) -> Result<Option<NamedMachine
 fn detail(args: &Args) -> Result<Detail> {
     let asked = args.detail.asked();
     match asked {
-        Some(detail) if args.machine == "none" => {
-            bail!("--detail {detail} is for a machine, and --machine none has none; name a machine or leave it out")
+        Some(_) if args.machine == "none" => {
+            let option = args.detail.said();
+            bail!("{option} is for a machine, and --machine none has none; name a machine or leave it out")
         }
         Some(detail) if detail != Detail::Full && args.timeline.is_some() => {
-            bail!("--timeline shows every cycle, and --detail {detail} does not simulate them all; take --detail full")
+            let option = args.detail.said();
+            bail!("--timeline shows every cycle, and {option} does not simulate them all; take --detail full")
         }
         _ => Ok(asked.unwrap_or_default()),
     }

@@ -11,7 +11,7 @@ use rayreel_study::point::wanted::Kind;
 use rayreel_study::schema;
 use serde_json::json;
 
-use crate::common::{keep_input, print, print_json};
+use crate::common::{keep_input, keep_sweep, print, print_json};
 use crate::exit::Exit;
 
 /// The figures of a replay, in its folder.
@@ -86,6 +86,7 @@ fn sweep(args: &Args) -> Result<Exit> {
     let (results, from) = load::load(&args.input)?;
     let file = args.output.clone().unwrap_or_else(|| from.with_extension("html"));
     keep_input(&file, &from)?;
+    keep_sweep(&file, &args.input)?;
     let written = html::sweep::write(&results, &file)?;
     if args.json {
         print_json(&json!({
@@ -100,8 +101,17 @@ fn sweep(args: &Args) -> Result<Exit> {
     Ok(Exit::Done)
 }
 
+/// Refuses a file where a folder is to be.
+fn check_folder(folder: &Path) -> Result<()> {
+    if folder.is_file() {
+        bail!("{} is a file; name a folder", folder.display());
+    }
+    Ok(())
+}
+
 /// The charts as files.
 fn charts(args: &Args, folder: &Path) -> Result<Exit> {
+    check_folder(folder)?;
     let names = if html::is_of_sweep(&args.input) {
         html::sweep::write_charts(&load::load(&args.input)?.0, &args.input, folder)?
     } else {
@@ -120,6 +130,7 @@ fn figures(args: &Args, folder: &Path) -> Result<Exit> {
     if html::is_of_sweep(&args.input) || replay::is_of_replay(&args.input) {
         bail!("--figures is for the folder of a study, and {} has no study.json; leave it out", args.input.display());
     }
+    check_folder(folder)?;
     let place = |folder: &Path| folder.canonicalize().ok();
     if place(folder).is_some_and(|to| Some(to) == place(&args.input)) {
         bail!("--figures {} would take the pictures out of the study itself; give another folder", folder.display());

@@ -7,7 +7,7 @@ use rayreel_tracer::against::{Against, against};
 use rayreel_tracer::verify::verify;
 use serde_json::json;
 
-use crate::common::{build, lacks, print, print_json};
+use crate::common::{build, frame, lacks, print, print_json};
 use crate::exit::Exit;
 use crate::progress::{self, Progress};
 use crate::scene_args::SceneChanges;
@@ -27,6 +27,10 @@ pub struct Args {
     scene: Option<String>,
     #[command(flatten, next_help_heading = "With --scene, as the capture was told")]
     changes: SceneChanges,
+    /// The frame as at which moving meshes and lights of a glTF model stand: the first one of the capture, which is not that of the
+    /// trace where it was cut out of a longer one.
+    #[arg(long, value_name = "N", value_parser = frame, requires = "scene")]
+    stands_at: Option<u32>,
     /// Print JSON.
     #[arg(long)]
     json: bool,
@@ -49,7 +53,7 @@ pub fn run(args: &Args, quiet: bool) -> Result<Exit> {
     if stop.is_requested() {
         return Ok(Exit::Interrupted);
     }
-    let against = args.scene.as_deref().map(|scene| compare(&trace, scene, &args.changes, quiet)).transpose()?;
+    let against = args.scene.as_deref().map(|scene| compare(&trace, scene, args, quiet)).transpose()?;
     if stop.is_requested() {
         return Ok(Exit::Interrupted);
     }
@@ -76,6 +80,13 @@ pub fn run(args: &Args, quiet: bool) -> Result<Exit> {
     }
     if !args.json {
         print(&of_scene(against.as_ref()))?;
+        let may_stand_otherwise = args.stands_at.is_none() && trace.meta().first_frame > 0;
+        if may_stand_otherwise && against.as_ref().is_some_and(|found| !found.tables.is_empty()) {
+            print(
+                "if the trace was cut out of a longer one, moving meshes and lights stand as at the first frame of that: say it with \
+                 --stands-at N\n",
+            )?;
+        }
     }
     if against.is_some_and(|found| !found.agrees()) {
         return Ok(Exit::No);
@@ -104,9 +115,9 @@ fn captured_otherwise(tool: &str) -> String {
 }
 
 /// Compares with the scene.
-fn compare(trace: &Trace, scene: &str, changes: &SceneChanges, quiet: bool) -> Result<Against> {
+fn compare(trace: &Trace, scene: &str, args: &Args, quiet: bool) -> Result<Against> {
     let (stop, meta) = (progress::stop_on_signal(), trace.meta());
-    let scene = changes.load(scene, meta.first_frame, meta.frames)?;
+    let scene = args.changes.load(scene, args.stands_at.unwrap_or(meta.first_frame), meta.frames)?;
     let built = build(&scene)?;
     let total = u64::from(trace.meta().tile_count()) * u64::from(trace.meta().frames);
     let mut bar = Progress::new("trace again", total, quiet);

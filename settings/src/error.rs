@@ -100,7 +100,7 @@ pub enum SettingsError {
         base: &'static str,
     },
     /// A value has the wrong type or is out of range.
-    #[error("{origin}: {key} = {value} is not allowed; it must be {allowed}")]
+    #[error("{origin}: {key} = {} is not allowed; it must be {allowed}", shortened(value))]
     BadValue {
         /// Where.
         origin: String,
@@ -129,6 +129,15 @@ pub enum SettingsError {
         /// Which values, and what they break.
         detail: String,
     },
+}
+
+/// A value as messages show it: a number may have hundreds of digits.
+fn shortened(value: &str) -> String {
+    const MOST: usize = 60;
+    match value.char_indices().nth(MOST) {
+        Some((end, _)) => format!("{}...", &value[..end]),
+        None => value.to_owned(),
+    }
 }
 
 fn extended(by: Option<&str>) -> String {

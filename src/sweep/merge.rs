@@ -5,13 +5,13 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Result, bail};
 use rayreel_study::files::write_named;
-use rayreel_study::sweep::folder::{Folder, PLAN};
+use rayreel_study::sweep::folder::Folder;
 use rayreel_study::sweep::merge::{Merged, merge};
 use rayreel_study::table::{csv, parquet};
 
 use super::jobs;
 use super::plan::duration;
-use crate::common::{keep_input, print};
+use crate::common::{keep_sweep, print};
 use crate::exit::Exit;
 
 /// Put the results of a sweep together: one Parquet file and one CSV file, a row a point, in the order of the plan.
@@ -41,7 +41,7 @@ pub fn run(args: &Args) -> Result<Exit> {
     let out = args.out.clone().unwrap_or_else(|| folder.path().join("results.parquet"));
     let csv = args.csv.clone().unwrap_or_else(|| out.with_extension("csv"));
     for file in [&out, &csv] {
-        keep_input(file, &folder.path().join(PLAN))?;
+        keep_sweep(file, folder.path())?;
     }
     if out == csv {
         bail!("{} cannot be the Parquet file and the CSV file; name another with -o or --csv", out.display());

@@ -80,6 +80,7 @@ pub fn check(folder: &Folder, last: &Submission, trusted: bool, given_anew: bool
         last.options.setup.as_ref().map_or_else(|| "none".into(), |setup| format!("{setup:?}"))
     );
     eprintln!("  arguments of sweep run:    {}", line(&last.run));
+    eprintln!("  tasks, at most:            {}", last.shards);
     let options = &last.options;
     let named = [
         ("--partition", &options.partition),
@@ -128,6 +129,7 @@ fn note(folder: &Folder, order: &Submit) -> Option<PathBuf> {
     };
     part(&std::fs::canonicalize(folder.path()).ok()?.display().to_string());
     part(folder.id());
+    part(&order.shards.to_string());
     part(&order.patience);
     order.run.iter().for_each(|word| part(word));
     part(&serde_json::to_string(&order.options).ok()?);

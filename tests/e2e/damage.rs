@@ -101,5 +101,5 @@ fn repair_saves_what_damage_left() {
     let report = rayreel!["repair", &damaged, "-o", &fixed].expect(3);
     assert!(report.out.contains("damaged"), "{}", report.out);
     assert_eq!(open(&fixed).missing_tiles().len(), 1, "one tile was hit");
-    rayreel!["verify", &fixed].expect(3).says(&["1 tiles are missing"]);
+    rayreel!["verify", &fixed].expect(3).says(&["1 tile is missing"]);
 }

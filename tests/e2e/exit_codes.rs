@@ -71,7 +71,7 @@ fn wrong_usage_is_2() {
             "paper --scene cornell --machine raycore --cache {}/cache --out {}/out",
             "no kernel similarity and interpolate",
         ),
-        ("render cornell -o {}/x.png --frame -1", "-1 is not in 0..="),
+        ("render cornell -o {}/x.png --frame -1", "give the number of a frame, below 4294967295"),
         ("trim {}/a.rtrace -o {}/x --frames -1", "A..B"),
         ("compare {}/a.rtrace {}/a.rtrace --top -1", "a whole number from 0 on"),
         ("compare {}/a.rtrace {}/a.rtrace", "a.rtrace: it is a trace, and holds no results"),

@@ -105,7 +105,38 @@ fn a_flight_in_a_gltf_is_captured_frame_by_frame() {
         capture(gltf.to_str().unwrap(), "--size 32x16 --samples 1x1 --fps 8 --frames 0..5", &folder.join("f.rtrace"));
     assert_eq!(film["frames"], 5);
     rayreel!["verify", &folder.join("f.rtrace")].expect(0);
-    rayreel!["render", &gltf, "-o", &folder.join("x.png"), "--fps", "8", "--frame", "5"].expect(2).says(&["5"]);
+    let render = |scene: &Path, frame: &str| {
+        rayreel!["render", scene, "-o", &folder.join("x.png"), "--fps", "8", "--frame", frame].expect(2)
+    };
+    render(&gltf, "5").says(&["5"]);
+    render(&gltf, "4294967295").says(&["give the number of a frame, below 4294967295"]);
+    render(&folder.join("m.obj"), "0").says(&["frames a second are of a glTF model"]);
+}
+
+/// What is cut out of a film holds the meshes as the film has them.
+#[test]
+fn a_part_of_the_capture_of_a_moving_model_is_verified() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    write(folder.path(), true);
+    let gltf = at("m.gltf");
+    let text = fs::read_to_string(&gltf).unwrap().replace(r#""node":2"#, r#""node":1"#);
+    fs::write(&gltf, text).unwrap();
+    capture(gltf.to_str().unwrap(), "--size 32x16 --samples 1x1 --fps 8 --frames 1..5", &at("f.rtrace"));
+    rayreel!["trim", "--quiet", &at("f.rtrace"), "--frames", "3", "-o", &at("p.rtrace")].expect(0);
+    let verify = |more: &[&str]| {
+        let mut args: Vec<std::ffi::OsString> = vec!["verify".into(), at("p.rtrace").into(), "--scene".into()];
+        args.push(gltf.clone().into());
+        args.extend(["--fps", "8"].iter().chain(more).map(std::ffi::OsString::from));
+        crate::common::run(&args)
+    };
+    let otherwise = verify(&[]).expect(1).out;
+    assert!(
+        otherwise.contains("differs from the scene: the vertices") && otherwise.contains("--stands-at N"),
+        "{otherwise}"
+    );
+    assert!(verify(&["--stands-at", "1"]).expect(0).out.contains("as the scene: all tables"));
+    rayreel!["verify", &at("p.rtrace"), "--stands-at", "1"].expect(2).says(&["--scene <SCENE>"]);
 }
 
 #[test]

@@ -23,14 +23,18 @@ fn places_are_looked_at_before_the_work() {
     let at = |name: &str| folder.path().join(name);
     capture("cornell", "--size 32x16 --samples 1x1", &at("a.rtrace"));
     fs::write(at("p.toml"), "extends = \"full\"\n").unwrap();
+    fs::create_dir(at("out")).unwrap();
     let bytes = |name: &str| fs::read(at(name)).unwrap();
     let (trace, policy) = (bytes("a.rtrace"), bytes("p.toml"));
-    let timeline = |to: &str| rayreel!["replay", &at("a.rtrace"), "--policy", &at("p.toml"), "--timeline", &at(to)];
+    let timeline = |to: &str| {
+        rayreel!["replay", &at("a.rtrace"), "--policy", &at("p.toml"), "--timeline", &at(to), "--out", &at("out")]
+    };
     for (to, said) in [
         ("a.rtrace", "a.rtrace is what is read; name another file to write"),
         ("p.toml", "p.toml is what is read"),
         ("none/t.json", "none/t.json: No such file or directory"),
         (".", "is a folder; name a file to write"),
+        ("out/stats.json", "out/stats.json is written by --out; name another file for --timeline"),
     ] {
         let ran = timeline(to).expect(2);
         assert!(ran.err.contains(said) && ran.out.is_empty(), "{ran:?}");
@@ -41,7 +45,8 @@ fn places_are_looked_at_before_the_work() {
     fs::copy(at("a.rtrace"), at("a.exr")).unwrap();
     let ran = rayreel!["aov", &at("a.exr"), "-o", &at("a.exr")].expect(2);
     assert!(ran.err.contains("a.exr is what is read"), "{ran:?}");
-    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 3, "nothing is left behind");
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 4, "nothing is left behind");
+    assert_eq!(fs::read_dir(at("out")).unwrap().count(), 0);
 }
 
 /// A sweep of one point, merged.
@@ -66,6 +71,15 @@ fn results_and_plans_are_not_overwritten() {
     let results = sweep.join("results.parquet");
     let ran = rayreel!["report", &results, "-o", &results].expect(2);
     assert!(ran.err.contains("is what is read"), "{ran:?}");
+    let columns = sweep.join("columns/x.html");
+    let ran = rayreel!["report", &sweep, "-o", &columns].expect(2);
+    assert!(ran.err.contains("x.html is among the files that the sweep lives on"), "{ran:?}");
+    let trace = folder.path().join("a.rtrace");
+    for ran in [rayreel!["report", &sweep, "-o", &trace], rayreel!["sweep", "merge", &sweep, "--csv", &trace]] {
+        assert!(ran.expect(2).err.contains("a.rtrace is a trace; name another file to write"));
+    }
+    let ran = rayreel!["report", &sweep, "--charts", &trace].expect(2);
+    assert!(ran.err.contains("a.rtrace is a file; name a folder"), "{ran:?}");
     let ran = rayreel!["sweep", "run", &sweep, "-o", &folder.path().join("other")].expect(2);
     assert!(ran.err.contains("is the folder of a sweep already; -o is for a plan file"), "{ran:?}");
     rayreel!["sweep", "merge", &sweep].expect(0);
