@@ -51,12 +51,17 @@ pub fn section(view: &StudyView<'_>) -> Option<Section> {
         html += &totals(scene, &tracks, part(view)[1]);
     }
     if !html.is_empty() {
-        html += &how_to_read(
+        let others = if view.study.tracks.iter().any(|track| track.interval.is_some()) {
+            "Where a sample of the frames was simulated, power, energy and time of the others are estimated from the simulated \
+             frames before and after, by their rays; the table says how far means over the path may be off."
+        } else {
+            "Power, energy and time are those of the frames that were simulated; rays and pictures are of all."
+        };
+        html += &how_to_read(&format!(
             "One line for each policy over the frames of the camera path; point at a frame to read its values. A missing piece of \
              a PSNR line is a frame that equals the reference. Flicker is the error of the change from frame to frame: smaller is \
-             steadier. Where a sample of the frames was simulated, power, energy and time of the others are estimated from the simulated \
-             frames before and after, by their rays; the table says how far means over the path may be off.",
-        );
+             steadier. {others}"
+        ));
     }
     Section::new("animation", "The animation, frame by frame", html)
 }
