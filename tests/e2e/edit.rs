@@ -79,6 +79,13 @@ fn what_cannot_be_done_is_said_and_leaves_nothing() {
     rayreel!["trim", "--frames", "0", &at("a"), "-o", &odd.join("out")].expect(2);
     assert_eq!(fs::read(odd.join("out.partial")).unwrap(), b"theirs");
     refused(rayreel!["merge", &at("a"), &at("other"), "-o", &odd.join("new")], "differ in the scene");
+    // What was begun goes where a tile turns out to be damaged, and that is what is said.
+    let mut bytes = fs::read(at("a")).unwrap();
+    let middle = bytes.len() * 3 / 4;
+    bytes[middle] ^= 0xff;
+    fs::write(at("damaged"), bytes).unwrap();
+    let ran = rayreel!["recompress", &at("damaged"), "-o", &at("out")].expect(65);
+    assert!(ran.err.contains("damaged") && !at("out").exists() && !at("out.partial").exists(), "{ran:?}");
     // Nor is what a killed capture left, where the parts do not go together.
     let begun = fs::read(at("other")).unwrap();
     fs::write(at("long.partial"), &begun).unwrap();

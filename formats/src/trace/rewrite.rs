@@ -71,17 +71,20 @@ pub fn rewrite(
     let (meta, bvh) = (first.trace.meta(), first.trace.bvh());
     let meta = Meta { first_frame: first.frames.start, frames: next - first.frames.start, ..meta.clone() };
     let mut writer = TraceWriter::create(path, &meta, bvh, keep.level)?;
-    let whole = copy(parts, keep, &mut writer, &mut progress);
-    let finished = match whole {
+    let finished = match copy(parts, keep, &mut writer, &mut progress) {
         Ok(true) => writer.finish().map(Some),
-        Ok(false) => Ok(None),
-        Err(error) => Err(error),
+        ended => {
+            // It holds the lock of what is discarded.
+            drop(writer);
+            ended.map(|_| None)
+        }
     };
-    if !matches!(finished, Ok(Some(_))) {
-        // What was begun is of no use.
-        Writer::discard(path)?;
+    if let Ok(Some(_)) = finished {
+        return finished;
     }
-    finished
+    // What was begun is of no use. What went wrong first is what is told.
+    let discarded = Writer::discard(path);
+    finished.and_then(|nothing| discarded.map(|()| nothing))
 }
 
 /// Writes all tiles; whether it came to the end.
@@ -91,9 +94,11 @@ fn copy(
     writer: &mut TraceWriter,
     progress: &mut impl FnMut(u64) -> bool,
 ) -> Result<bool> {
+    // All parts are of one scene.
+    let Some(first) = parts.first().map(|part| part.trace) else { return Ok(true) };
+    let (meta, topology) = (first.meta(), BvhTopology::new(first.bvh()));
     let (mut done, columns) = (0, with_needed(&keep.columns));
     for Part { trace, frames } in parts {
-        let (meta, topology) = (trace.meta(), BvhTopology::new(trace.bvh()));
         for frame in frames.clone() {
             writer.frame(frame, &trace.camera(frame)?)?;
             let wanted = |tile: &u32| keep.tiles.as_ref().is_none_or(|tiles| tiles.binary_search(tile).is_ok());

@@ -190,11 +190,16 @@ fn packed(root: &json::Root) -> Option<String> {
         others.into_iter().flat_map(|others| others.keys()).filter(|_| !is_whole).cloned().collect()
     };
     let primitives = root.meshes.iter().flat_map(|mesh| &mesh.primitives);
-    let views = root.buffer_views.iter().filter(|view| {
-        // The buffer of what stays packed has no bytes.
-        root.buffers.get(view.buffer.value()).is_some_and(|buffer| buffer.uri.is_none() && view.buffer.value() > 0)
-    });
-    let of_views = views.filter_map(|view| view.extensions.as_ref()).flat_map(|all| all.others.keys().cloned());
+    // What is packed lies in another buffer; the view's own is of the size that it would have, and without bytes.
+    let stays_packed = |view: &json::buffer::View| -> Vec<String> {
+        let unpacked = view.buffer.value();
+        let is_empty = root.buffers.get(unpacked).is_some_and(|buffer| buffer.uri.is_none());
+        let is_elsewhere =
+            |value: &json::Value| value["buffer"].as_u64().is_some_and(|buffer| buffer != unpacked as u64);
+        let others = view.extensions.iter().flat_map(|extensions| &extensions.others);
+        others.filter(|(_, value)| is_empty && is_elsewhere(value)).map(|(name, _)| name.clone()).collect()
+    };
+    let of_views = root.buffer_views.iter().flat_map(stays_packed);
     primitives.flat_map(extensions).chain(of_views).find(|name| PACKED.contains(&name.as_str()))
 }
 

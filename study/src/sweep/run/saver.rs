@@ -165,6 +165,15 @@ mod tests {
         }
     }
 
+    fn failed(key: &str) -> Row {
+        Row { key: key.into(), error: Some("of some kind".into()), figures: Default::default() }
+    }
+
+    /// How many rows of a bucket are on disk.
+    fn written(folder: &Folder, bucket: usize) -> usize {
+        segment::read(folder, bucket).unwrap().rows.len()
+    }
+
     /// Rows of a bucket that could not be written for a moment were lost, and with them those of the buckets behind it.
     #[test]
     fn rows_stay_until_they_are_written() {
@@ -173,11 +182,10 @@ mod tests {
         let settings = settings(&reused);
         let (mut saver, mut outcome) = (Saver::new(&folder, &settings), Outcome::default());
         for point in [0, BUCKET] {
-            let key = folder.plan().points[point].key.clone();
-            let row = Row { key, error: Some("of some kind".into()), figures: Default::default() };
+            let row = failed(&folder.plan().points[point].key);
             saver.take(point, row, Vec::new(), &mut outcome).unwrap();
         }
-        let rows = |bucket| segment::read(&folder, bucket).unwrap().rows.len();
+        let rows = |bucket| written(&folder, bucket);
         fs::create_dir_all(folder.path().join("segments")).unwrap();
         fs::write(folder.segments(0), "in the way").unwrap();
         assert!(saver.flush_all().is_err());
@@ -196,11 +204,9 @@ mod tests {
         let (mut saver, mut outcome) = (Saver::new(&folder, &settings), Outcome::default());
         let key = folder.plan().points[0].key.as_str();
         assert!(saver.also_in(key, 1));
-        let row = Row { key: key.into(), error: Some("of some kind".into()), figures: Default::default() };
-        saver.take(0, row, Vec::new(), &mut outcome).unwrap();
+        saver.take(0, failed(key), Vec::new(), &mut outcome).unwrap();
         assert_eq!((outcome.computed, saver.waiting()), (1, 1));
         saver.flush_all().unwrap();
-        let rows = |bucket| segment::read(&folder, bucket).unwrap().rows.len();
-        assert_eq!((rows(0), rows(1), saver.waiting()), (1, 1, 0));
+        assert_eq!((written(&folder, 0), written(&folder, 1), saver.waiting()), (1, 1, 0));
     }
 }
