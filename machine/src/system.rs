@@ -166,7 +166,7 @@ impl<'a> System<'a, MemorySystem> {
     /// What was counted before the cycle at hand. Operations that are certain to issue later are in it already.
     pub fn measure(&self) -> Stats {
         let cores = self.cores.iter().map(|core| core.report(self.now)).collect();
-        Stats { cycles: self.now.0, tiles: self.tiles, cores, memory: self.memory.report() }
+        Stats { cycles: self.now.0, tiles: self.tiles, cores, memory: self.memory.report(self.now) }
     }
 
     /// Takes tiles as it has room, and works until so much is done, or all. What it has no room for stays with `tiles`.

@@ -4,7 +4,7 @@
 //!   its samples and of the neighbouring samples that it traces again. Samples beyond the share are spilled: written to memory
 //!   and read back once, at the end of the tile (estimate).
 //! * `geometry_buffer = "external"`: only the colour stays in local memory. After each round `sample.total() - colour` bytes a
-//!   traced sample are written. At the beginning of a round each test reads what it tests of two samples, and each interpolated
+//!   traced sample are written, and what an interpolated hit has that later tests read. At the beginning of a round each test reads what it tests of two samples, and each interpolated
 //!   hit what it is made of. The bytes of a round are packed densely into lines (estimate). Nothing spills.
 //! * Local memory is accessed in words of `local_word_bytes`, each field rounded up. A shaded or missed primary writes a whole sample; a
 //!   shaded or missed secondary ray and a shadow result read and write the colour; a test reads what it tests of two samples, and
@@ -69,7 +69,12 @@ impl TileBuffer {
 
     /// Bytes of the external buffer that a round writes when it is done.
     pub fn round_written_bytes(&self, round: &Round) -> u64 {
-        if self.external { round.starts.len() as u64 * u64::from(self.fields.total() - self.fields.colour) } else { 0 }
+        if !self.external {
+            return 0;
+        }
+        let traced = round.starts.len() as u64 * u64::from(self.fields.total() - self.fields.colour);
+        let mixed: u64 = self.mixed().into_iter().map(u64::from).sum();
+        traced + u64::from(round.attributes) * mixed
     }
 
     /// Bytes of a sample that a test reads, by field; fields that the policy does not test are 0.

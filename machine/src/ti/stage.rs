@@ -4,8 +4,8 @@
 //! certain to be ready, and the cycles since the issue before can be accounted at once. A cycle without an issue is charged to
 //! what the next operation waited for:
 //! - from its arrival on, to what it waited for itself: a lookup or the hit latency, a line, a refused lookup, or a full stage behind;
-//! - before that, to `memory` if at its arrival other operations of the stage waited for lines, otherwise to `idle` as far as
-//!   no ray was in the unit, and to `starved` for the rest.
+//! - before that, to `idle` as far as no ray was in the unit; the rest to `memory` if at its arrival other operations of the
+//!   stage waited for lines, otherwise to `starved`.
 
 use crate::counters::Activity;
 use crate::time::TiCycle;
@@ -100,12 +100,11 @@ impl Stage {
         let arrived = op.arrived.clamp(self.free, at);
         let before = arrived - self.free;
         self.account[op.wait as usize] += at - arrived;
-        let others = if op.others_wait { before } else { 0 };
-        let unused = before - others;
-        let spell = (idle.total - self.idle_seen).min(unused);
+        let spell = (idle.total - self.idle_seen).min(before);
+        let others = if op.others_wait { before - spell } else { 0 };
         self.account[Wait::Memory as usize] += others;
         self.account[IDLE] += spell;
-        self.account[STARVED] += unused - spell;
+        self.account[STARVED] += before - spell - others;
         self.account[BUSY + usize::from(op.bypass)] += 1;
         self.idle_seen = idle.total;
         self.free = at + 1;
@@ -159,5 +158,15 @@ mod tests {
         // 4 idle and 6 starved before the first; 7 of others and 10 for which the second waited itself; 8 starved, 10 idle at the end.
         assert_eq!((busy, bypass, fetch, memory, idle, starved), (2, 1, 2, 17, 14, 14));
         assert_eq!(activity.total(), 50);
+    }
+
+    #[test]
+    fn a_unit_without_rays_waits_for_no_line() {
+        let (mut stage, mut idle) = (Stage::default(), Idle::new());
+        idle.end(TiCycle(4));
+        stage.issue(Candidate { others_wait: true, ..OP }, &idle);
+        let Activity { busy, fetch, memory, idle, starved, .. } = stage.report(TiCycle(13), &idle);
+        // 4 idle; 6 in which others waited for lines; 2 for which it waited itself.
+        assert_eq!((busy, fetch, memory, idle, starved), (1, 2, 6, 4, 0));
     }
 }

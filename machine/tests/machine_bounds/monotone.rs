@@ -71,7 +71,7 @@ fn more_units() {
 fn more_units_before_a_real_srp() {
     for work in &works()[..2] {
         // On one core a tile waits for the one before it, whatever the units.
-        assert_whole_never_slower(work, "ti.trv", &["1", "2", "4", "8"], 8, 3);
+        assert_whole_never_slower(work, "ti.trv", &["1", "2", "4", "8"], 8, 2);
         assert_whole_never_slower(work, "ti.ist", &["1", "2"], 8, 0);
     }
 }

@@ -52,9 +52,10 @@ pub fn extrapolate(config: &MachineConfig, passed: &Passed, detail: Detail) -> M
     // What was simulated is not uncertain: where all is, nothing is.
     let (measured, rest) = (frame.measured(), frame.rest.size());
     let unknown = (1.0 - measured / rest.max(1.0)).clamp(0.0, 1.0).sqrt();
+    // What is read from DRAM is the pass's in each of them, as in the estimate: which windows are kept says nothing about it.
     let replicates = (0..groups).map(|group| {
         let kept: Vec<bool> = (0..frame.windows.len()).map(|window| window % groups != group).collect();
-        frame.replicate(&estimated, unknown, (&frame.list(&kept), &measured_list))
+        frame.replicate(&estimated, unknown, (&frame.settled(&frame.list(&kept)), &estimated))
     });
     // Size and rates were fitted to the windows.
     let freedom = groups.saturating_sub(1 + frame.rates).max(1) as u32;

@@ -212,6 +212,12 @@ impl Dram {
     pub fn counters(&self) -> impl Iterator<Item = &ChannelCounters> {
         self.lanes.iter().map(|lane| lane.channel.counters())
     }
+
+    /// What each channel did before T&I cycle `end`, with the power-down at hand.
+    pub fn counters_before(&self, end: TiCycle) -> Vec<ChannelCounters> {
+        let end = self.up.floor(end);
+        self.lanes.iter().map(|lane| lane.channel.counters_before(end)).collect()
+    }
 }
 
 impl Component for Dram {
@@ -224,8 +230,8 @@ impl Component for Dram {
         self.next
     }
 
-    fn finish(&mut self, _: TiCycle) -> Vec<ChannelCounters> {
-        self.counters().copied().collect()
+    fn finish(&mut self, end: TiCycle) -> Vec<ChannelCounters> {
+        self.counters_before(end)
     }
 }
 

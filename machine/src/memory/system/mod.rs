@@ -89,13 +89,9 @@ impl MemorySystem {
         self.l2.warm(tags);
     }
 
-    /// What was counted so far.
-    pub(crate) fn report(&self) -> MemoryStats {
-        MemoryStats {
-            l2: *self.l2.counters(),
-            channels: self.dram.counters().copied().collect(),
-            traffic: self.traffic,
-        }
+    /// What was counted before `end`.
+    pub(crate) fn report(&self, end: TiCycle) -> MemoryStats {
+        MemoryStats { l2: *self.l2.counters(), channels: self.dram.counters_before(end), traffic: self.traffic }
     }
 
     /// What the L2 did.

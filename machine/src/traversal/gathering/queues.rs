@@ -42,6 +42,8 @@ struct Queue {
     /// Lines that were looked up, and that have not come.
     looked_up: u64,
     missing: u32,
+    /// Lines that its first issue reads after they have come; those that were there were read when they were looked up.
+    missed: u64,
     /// When its data can be read; known once all lines are here.
     ready: TiCycle,
     /// It has issued before.
@@ -53,7 +55,7 @@ struct Queue {
 pub struct Taken {
     /// Their places in the unit.
     pub places: Vec<u16>,
-    /// Lines that are read again for them.
+    /// Lines that are read for them now: those that had missed, and all where the queue has issued before.
     pub late_reads: u64,
 }
 
@@ -121,7 +123,7 @@ impl Queues {
         let Some(id) = self.keys.iter().position(|other| *other == Key::FREE) else { return false };
         let (rays, number) = (VecDeque::from([(place, now)]), self.opened);
         self.queues[id] =
-            Some(Queue { region, lines, number, rays, looked_up: 0, missing: 0, ready: now, again: false });
+            Some(Queue { region, lines, number, rays, looked_up: 0, missing: 0, missed: 0, ready: now, again: false });
         self.keys[id] = key;
         self.to_look_up.push_back(id as u8);
         self.open[testers(region)] += 1;
@@ -136,7 +138,10 @@ impl Queues {
             let line = queue.lines.first + queue.looked_up;
             match l1.access(now, line, queue.region, id, memory) {
                 Access::Hit => queue.ready = queue.ready.max(now + self.latency_cycles),
-                Access::Miss | Access::Merged => queue.missing += 1,
+                Access::Miss | Access::Merged => {
+                    queue.missing += 1;
+                    queue.missed += 1;
+                }
                 Access::Rejected => return,
             }
             queue.looked_up += 1;
@@ -198,7 +203,7 @@ impl Queues {
     /// Takes rays of queue `id`, as many as its testers test in a cycle.
     pub fn take(&mut self, id: usize) -> Option<Taken> {
         let queue = self.queues[id].as_mut()?;
-        let late_reads = if queue.again { queue.lines.count() } else { 0 };
+        let late_reads = if queue.again { queue.lines.count() } else { queue.missed };
         queue.again = true;
         let tester = testers(queue.region);
         let take = queue.rays.len().min(self.width[tester]);

@@ -1,7 +1,7 @@
 //! What happens while nobody asks: rows are closed without a command, and the channel powers down.
 
 use super::super::queue::Queue;
-use super::Channel;
+use super::{Channel, ChannelCounters};
 use crate::config::PagePolicy;
 use crate::time::DramCycle;
 
@@ -26,6 +26,21 @@ impl Channel {
         if !waits(&self.reads) && !waits(&self.writes) {
             self.close(end, bank);
         }
+    }
+
+    /// Closes the rows of all banks whose timers have run out: a refresh asks for all of them.
+    pub(super) fn time_out_all(&mut self) {
+        if self.page_policy == PagePolicy::Timeout {
+            (0..self.device.banks()).for_each(|bank| self.time_out(bank));
+        }
+    }
+
+    /// What happened before `end`, with the power-down at hand.
+    pub fn counters_before(&self, end: DramCycle) -> ChannelCounters {
+        // Its next refresh wakes it, if that is before `end`.
+        let end = self.refresh_due.cycle().map_or(end, |due| end.min(due));
+        let down = self.idle_since.map_or(0, |since| end.since(since + self.power_down_after));
+        ChannelCounters { powered_down: self.counters.powered_down + down, ..self.counters }
     }
 
     /// Closes the row of a bank without a command.

@@ -191,6 +191,7 @@ impl Channel {
             }
             if self.refresh_due.is_due(self.now) {
                 self.wake_up();
+                self.time_out_all();
             }
             self.admit();
             self.decision = self.decide();

@@ -5,6 +5,7 @@ use std::collections::BTreeSet;
 use super::super::AddressMap;
 use super::{Bench, lpddr4};
 use crate::config::{self, PagePolicy};
+use crate::time::DramCycle;
 
 fn with(page_policy: PagePolicy) -> config::Dram {
     config::Dram { page_policy, ..lpddr4() }
@@ -55,6 +56,29 @@ fn a_timer_closes_a_row_nobody_asks_for() {
     assert_eq!(after_a_read(&timeout, 248, 1), ["ACT 0 @276", "RD 0 @305"]);
     assert_eq!(after_a_read(&timeout, 276, 2), ["ACT 0 @276", "RD 0 @305"]);
     assert_eq!(after_a_read(&timeout, 277, 2), ["ACT 0 @277", "RD 0 @306"]);
+}
+
+#[test]
+fn a_refresh_finds_no_row_whose_timer_is_over() {
+    for (read_at, refresh) in [(5000, &["REF 0 @6246"][..]), (6100, &["PREab 0 @6246", "REF 0 @6282"])] {
+        let mut b = Bench::new(&with(PagePolicy::Timeout));
+        b.read(read_at, 0, 1);
+        b.run(6400);
+        assert_eq!(&b.commands()[2..], refresh, "a read at {read_at}");
+        assert_eq!(b.channel.counters().closed, u64::from(refresh.len() == 1));
+    }
+}
+
+#[test]
+fn power_down_lasts_to_the_end_of_the_frame_or_to_a_refresh() {
+    let mut b = Bench::new(&config::Dram { power_down_after: 128, ..lpddr4() });
+    b.read(10, 0, 1);
+    b.run(999);
+    // Nothing to do since 47, so it is down from 175 on, and woken by the refresh at 6246.
+    for (end, down) in [(100, 0), (175, 0), (176, 1), (1000, 825), (6246, 6071), (6300, 6071)] {
+        assert_eq!(b.channel.counters_before(DramCycle(end)).powered_down, down, "before {end}");
+    }
+    assert_eq!(b.channel.counters().powered_down, 0);
 }
 
 #[test]
