@@ -5,6 +5,7 @@ use std::fmt::Write as _;
 use rayreel_study::schema::{Point, Study};
 
 use crate::policies::word;
+use crate::widths::Widths;
 
 /// More time than a free SRP takes, by which an SRP hinders the T&I units.
 const HINDERS: f64 = 1.05;
@@ -21,6 +22,7 @@ pub fn claims(study: &Study, evaluated: &[&Point]) -> String {
 /// to pay for; what a policy has more than `full` is sampling's.
 fn overhead(study: &Study, evaluated: &[&Point]) -> String {
     let slower = |p: &Point| Some(p.gpu?.time_ms / p.ti?.time_ms);
+    let Widths { scene, .. } = Widths::of(study);
     let mut rows = String::new();
     let (mut held, mut all) = (0, 0);
     for p in evaluated {
@@ -29,14 +31,14 @@ fn overhead(study: &Study, evaluated: &[&Point]) -> String {
         let holds = policy <= full.max(HINDERS);
         (held, all) = (held + u32::from(holds), all + 1);
         let verdict = if holds { "does not hinder" } else { "hinders" };
-        let _ = writeln!(rows, "{:<10} {:<14} {policy:>12.2} {full:>12.2}   {verdict}", p.scene, word(&p.mode));
+        let _ = writeln!(rows, "{:<scene$} {:<14} {policy:>12.2} {full:>12.2}   {verdict}", p.scene, word(&p.mode));
     }
     if all == 0 {
         return String::new();
     }
     format!(
         "\n\"cannot hinder the T&I unit\": time of a frame with the real SRP over that with a free one\n\n\
-         {:<10} {:<14} {:>12} {:>12}\n{rows}it holds in {held} of {all}\n",
+         {:<scene$} {:<14} {:>12} {:>12}\n{rows}it holds in {held} of {all}\n",
         "scene", "mode", "the policy", "full"
     )
 }

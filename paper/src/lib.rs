@@ -1,6 +1,6 @@
 //! The paper's experiment (Lee et al. 2016) on Rayreel's scenes, and what goes beyond it, as a library.
 //!
-//! Scenes are captured, points of policies and machines computed, and all of it put together as a [`Study`]. Points are those of
+//! Scenes are captured, points of policies and machines computed, and all of it put together as a [`Study`](rayreel_study::schema::Study). Points are those of
 //! [`rayreel_study::point`]: what a sweep over the same traces has computed is found, and the other way round. What is there is never
 //! computed again.
 //!
@@ -18,8 +18,6 @@
 //! assert_eq!(run(&setup, &folders, 2, &Stop::never(), &mut |_| {})?.counts.computed, 0);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
-//!
-//! [`Study`]: rayreel_study::schema::Study
 
 mod ablations;
 pub mod anchors;
@@ -49,6 +47,7 @@ mod study;
 mod systems;
 mod table;
 mod traces;
+mod widths;
 
 pub use error::{PaperError, Result};
 pub use experiment::{Finished, run};

@@ -7,6 +7,7 @@ use rayreel_study::schema::{Ablation, Gain, Point, Study};
 use crate::claims::claims;
 use crate::policies::{MODES, word};
 use crate::systems;
+use crate::widths::Widths;
 
 /// Everything that is printed.
 pub fn table(study: &Study) -> String {
@@ -20,7 +21,7 @@ pub fn table(study: &Study) -> String {
     text += &claims(study, &evaluated(study).collect::<Vec<_>>());
     text += &all(study);
     text += &animation(study);
-    text += &ablations(&study.ablations);
+    text += &ablations(&study.ablations, Widths::of(study));
     text += &systems::table(study);
     text += "\nnotes\n";
     study.notes.iter().for_each(|note| text += &format!("- {note}\n"));
@@ -51,15 +52,16 @@ fn ray_ratio(point: &Point) -> f64 {
 }
 
 fn quality(study: &Study) -> String {
+    let Widths { scene, .. } = Widths::of(study);
     let mut text = format!(
-        "{:<10} {:<14} {:>13} {:>13} {:>10} {:>8} {:>9} {:>9} {:>7}\n",
+        "{:<scene$} {:<14} {:>13} {:>13} {:>10} {:>8} {:>9} {:>9} {:>7}\n",
         "scene", "mode", "rays, full", "rays, traced", "ray ratio", "rate %", "PSNR dB", "paper dB", "SSIM"
     );
     for p in evaluated(study) {
         let paper = study.references.psnr.iter().find(|paper| paper.scene == p.scene && paper.mode == p.mode);
         let _ = writeln!(
             text,
-            "{:<10} {:<14} {:>13} {:>13} {:>10.2} {:>8.1} {:>9} {:>9} {:>7}",
+            "{:<scene$} {:<14} {:>13} {:>13} {:>10.2} {:>8.1} {:>9} {:>9} {:>7}",
             p.scene,
             word(&p.mode),
             p.rays_full,
@@ -99,14 +101,16 @@ fn gains(study: &Study, machine: &str) -> String {
         format!("\nrelative to full on {machine}; T&I alone is as in the paper's Figure 7: its SRP takes no time\n\n");
     let [of_alone, of_gpu] = if is_estimated(study) { [12, 12] } else { [7, 6] };
     let (alone, gpu) = (27 + of_alone, 14 + of_gpu);
+    let Widths { scene, .. } = Widths::of(study);
+    let names = scene + 15;
     let _ = writeln!(
         text,
-        "{:<25} {:-^alone$}   {:-^gpu$}   {:-^19}",
+        "{:<names$} {:-^alone$}   {:-^gpu$}   {:-^19}",
         "", " T&I units alone ", " whole GPU ", " % of SRP busy "
     );
     let _ = writeln!(
         text,
-        "{:<10} {:<14} {:>6} {:>6} {:>of_alone$} {:>12}   {:>6} {:>6} {:>of_gpu$}   {:>9} {:>9}",
+        "{:<scene$} {:<14} {:>6} {:>6} {:>of_alone$} {:>12}   {:>6} {:>6} {:>of_gpu$}   {:>9} {:>9}",
         "scene", "mode", "perf", "power", "perf/W", "paper", "perf", "power", "perf/W", "similar.", "interp."
     );
     for p in evaluated(study) {
@@ -119,7 +123,7 @@ fn gains(study: &Study, machine: &str) -> String {
         let shares = p.sampling_shares().map(|share| share.map(|share| share * 100.0));
         let _ = writeln!(
             text,
-            "{:<10} {:<14} {:>6} {:>6} {:>of_alone$} {paper:>12}   {:>6} {:>6} {:>of_gpu$}   {:>9} {:>9}",
+            "{:<scene$} {:<14} {:>6} {:>6} {:>of_alone$} {paper:>12}   {:>6} {:>6} {:>of_gpu$}   {:>9} {:>9}",
             p.scene,
             word(&p.mode),
             alone[0],
@@ -135,7 +139,7 @@ fn gains(study: &Study, machine: &str) -> String {
     let paper = |name: &str| study.references.srp.iter().find(|k| k.kernel == name).map(|k| k.share * 100.0);
     let _ = writeln!(
         text,
-        "{:<25} {:>6} {:>6} {:>of_alone$} {:>12}   {:>6} {:>6} {:>of_gpu$}   {:>9} {:>9}",
+        "{:<names$} {:>6} {:>6} {:>of_alone$} {:>12}   {:>6} {:>6} {:>of_gpu$}   {:>9} {:>9}",
         "the paper, mean",
         "",
         or_dash(study.references.power, 2),
@@ -154,6 +158,7 @@ fn gains(study: &Study, machine: &str) -> String {
 fn all(study: &Study) -> String {
     let mut text = String::new();
     let wide = if is_estimated(study) { 12 } else { 10 };
+    let widths @ Widths { scene, policy } = Widths::of(study);
     for mode in &MODES {
         let _ = writeln!(
             text,
@@ -164,7 +169,7 @@ fn all(study: &Study) -> String {
         );
         let _ = writeln!(
             text,
-            "{:<12} {:<10} {:>9} {:>8} {:>7} {:>7} {:>9} {:>7}  {:>wide$} {:>wide$} {:>wide$}",
+            "{:<policy$} {:<scene$} {:>9} {:>8} {:>7} {:>7} {:>9} {:>7}  {:>wide$} {:>wide$} {:>wide$}",
             "policy",
             "scene",
             "ray ratio",
@@ -180,19 +185,19 @@ fn all(study: &Study) -> String {
         for policy in study.policies.iter().filter(|p| p.name != "full") {
             let points: Vec<&Point> =
                 study.points.iter().filter(|p| p.mode == mode.name && p.policy == policy.name).collect();
-            points.iter().for_each(|point| text += &line(point, mode.samples == 1, wide));
+            points.iter().for_each(|point| text += &line(point, mode.samples == 1, (widths, wide)));
             if points.len() > 1 {
-                text += &mean(&policy.name, &points, mode.samples == 1, wide);
+                text += &mean(&policy.name, &points, mode.samples == 1, (widths, wide));
             }
         }
     }
     text
 }
 
-fn line(p: &Point, over: bool, wide: usize) -> String {
+fn line(p: &Point, over: bool, (Widths { scene, policy }, wide): (Widths, usize)) -> String {
     let quality = p.quality.unwrap_or_default();
     format!(
-        "{:<12} {:<10} {:>9.2} {:>8} {:>7} {:>7} {:>9} {:>7.1}  {:>wide$} {:>wide$} {:>wide$}\n",
+        "{:<policy$} {:<scene$} {:>9.2} {:>8} {:>7} {:>7} {:>9} {:>7.1}  {:>wide$} {:>wide$} {:>wide$}\n",
         p.policy,
         p.scene,
         ray_ratio(p),
@@ -208,13 +213,13 @@ fn line(p: &Point, over: bool, wide: usize) -> String {
 }
 
 /// Geometric means over the scenes.
-fn mean(policy: &str, points: &[&Point], over: bool, wide: usize) -> String {
+fn mean(name: &str, points: &[&Point], over: bool, (Widths { scene, policy }, wide): (Widths, usize)) -> String {
     let mean = |values: Vec<Option<f64>>| or_dash(geometric_mean(values), 2);
     let watt = |gain: fn(&Point) -> Option<Gain>| {
         mean(points.iter().map(|point| gain(point).map(|g| g.perf_per_watt)).collect())
     };
     format!(
-        "{policy:<12} {:<10} {:>9} {:>8} {:>7} {:>7} {:>9} {:>7}  {:>wide$} {:>wide$} {:>wide$}\n",
+        "{name:<policy$} {:<scene$} {:>9} {:>8} {:>7} {:>7} {:>9} {:>7}  {:>wide$} {:>wide$} {:>wide$}\n",
         "(geo mean)",
         mean(points.iter().map(|point| Some(ray_ratio(point))).collect()),
         "",
@@ -280,7 +285,7 @@ fn animation(study: &Study) -> String {
 }
 
 /// The ablations, each relative to the unchanged one of its group.
-fn ablations(all: &[Ablation]) -> String {
+fn ablations(all: &[Ablation], Widths { scene, .. }: Widths) -> String {
     if all.is_empty() {
         return String::new();
     }
@@ -291,7 +296,7 @@ fn ablations(all: &[Ablation]) -> String {
             group = &ablation.group;
             let _ = writeln!(
                 text,
-                "\n{:<34} {:<10} {:>9} {:>8} {:>10} {:>10} {:>10}",
+                "\n{:<34} {:<scene$} {:>9} {:>8} {:>10} {:>10} {:>10}",
                 group, "scene", "ray ratio", "PSNR dB", "cycles", "power", "perf/W"
             );
         }
@@ -299,7 +304,7 @@ fn ablations(all: &[Ablation]) -> String {
         let over = |of: fn(&Ablation) -> Option<f64>| or_dash(base.and_then(|b| Some(of(ablation)? / of(b)?)), 3);
         let _ = writeln!(
             text,
-            "{:<34} {:<10} {:>9.2} {:>8} {:>10} {:>10} {:>10}",
+            "{:<34} {:<scene$} {:>9.2} {:>8} {:>10} {:>10} {:>10}",
             ablation.name,
             ablation.scene,
             ablation.rays_full as f64 / ablation.rays_traced.max(1) as f64,

@@ -42,7 +42,7 @@ const ORDERS: [(&str, &str); 14] = [
     ),
     (
         "paper/src/lib.rs",
-        "error between frame identity live lockstep policies claims reference results rows setup plan ablations animation ledger meter points systems estimates study table traces jobs maker execute experiment anchors",
+        "error between frame identity live lockstep policies widths claims reference results rows setup plan ablations animation ledger meter points systems estimates study table traces jobs maker execute experiment anchors",
     ),
     (
         "testkit/src/lib.rs",

@@ -12,6 +12,8 @@ pub struct Effect {
     pub overall: f64,
     /// The values with the least and the most mean.
     pub ends: [usize; 2],
+    /// Points that have a value of the dimension and a number without an end, as the PSNR of equal pictures: no mean has them.
+    pub endless: usize,
 }
 
 impl Effect {
@@ -19,7 +21,12 @@ impl Effect {
     pub fn new(dimension: &Dimension, result: &Cells) -> Option<Self> {
         let mut sums = vec![(0.0, 0_u32); dimension.values.len()];
         let rows = dimension.of.iter().enumerate().filter_map(|(row, value)| Some(((*value)?, result.number(row)?)));
-        for (value, number) in rows.filter(|(_, number)| number.is_finite()) {
+        let mut endless = 0;
+        for (value, number) in rows {
+            if !number.is_finite() {
+                endless += usize::from(number.is_infinite());
+                continue;
+            }
             sums[value].0 += number;
             sums[value].1 += 1;
         }
@@ -30,7 +37,7 @@ impl Effect {
         // The first of equal ones, so that the page is the same every time.
         let least = known().min_by(|a, b| a.1.total_cmp(&b.1))?.0;
         let most = known().rev().max_by(|a, b| a.1.total_cmp(&b.1))?.0;
-        (known().count() > 1).then(|| Self { overall: sum / f64::from(count), ends: [least, most], means })
+        (known().count() > 1).then(|| Self { overall: sum / f64::from(count), ends: [least, most], means, endless })
     }
 
     /// How far a mean lies from the mean over all, as a share of that. Where the mean over all is 0, as that of -5 and 5, it is a
@@ -102,6 +109,9 @@ mod tests {
         assert_eq!((effect.overall, effect.means.as_slice()), (4.0, &[Some(2.0), Some(6.0)][..]));
         close(effect.share(), 1.0);
         assert_eq!(Effect::new(&a, &Cells::Float(vec![Some(2.0), None, None, None])), None, "one value is no axis");
+        let endless = [Some(2.0), Some(6.0), Some(f64::INFINITY), Some(f64::INFINITY)];
+        let effect = Effect::new(&a, &Cells::Float(endless.to_vec())).unwrap();
+        assert_eq!((effect.overall, effect.endless), (4.0, 1), "one of the two has no value of the axis");
         assert_eq!(Effect::new(&a, &figure("none", &[f64::NAN; 4]).cells), None);
     }
 }

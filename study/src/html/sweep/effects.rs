@@ -54,15 +54,26 @@ fn card(view: &SweepView<'_>, field: &Field) -> String {
     let bars: String = effects.iter().map(bar).collect();
     let mean = effects
         .first()
-        .map(|(_, effect)| format!("mean {} {}", number(effect.overall), unit(field)))
+        .map(|(_, effect)| {
+            format!("mean {} {}", number(effect.overall), unit(field)).trim_end().to_owned() + &without(effect)
+        })
         .unwrap_or_default();
     format!(
         "<figure class=\"card\" data-result=\"{name}\"><figcaption><strong>{name}</strong> <small>{}</small><p>{}</p></figcaption>\
          <ul class=\"bars\">\n{bars}</ul></figure>\n",
-        escape(mean.trim_end()),
+        escape(&mean),
         escape(&field.description),
         name = escape(&field.name),
     )
+}
+
+/// Says of how many points a mean is not.
+fn without(effect: &Effect) -> String {
+    match effect.endless {
+        0 => String::new(),
+        1 => ", without 1 infinite value".into(),
+        count => format!(", without {count} infinite values"),
+    }
 }
 
 fn unit(field: &Field) -> &str {

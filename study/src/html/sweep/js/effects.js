@@ -7,11 +7,12 @@
 
   const effect = (dimension, result) => {
     const sums = new Map(dimension.of.filter((value) => value !== null).map((value) => [value, [0, 0]]));
-    let sum = 0, count = 0;
+    let sum = 0, count = 0, endless = 0;
     for (const row of sweep.filter.rows) {
       const value = sweep.value(result, row);
       const own = sums.get(dimension.values[row]);
-      if (value === null || !own || !Number.isFinite(value)) continue;
+      if (value === null || !own) continue;
+      if (!Number.isFinite(value)) { endless += Number.isNaN(value) ? 0 : 1; continue; }
       own[0] += value; own[1] += 1; sum += value; count += 1;
     }
     const means = [...sums].filter(([, own]) => own[1] > 0).map(([value, own]) => ({ value, mean: own[0] / own[1] }));
@@ -22,9 +23,11 @@
     // As `Effect::relative`: a share of the mean over all, or where that is 0 of the means' mean magnitude.
     const whole = overall === 0 ? means.reduce((all, own) => all + Math.abs(own.mean), 0) / means.length : Math.abs(overall);
     const share = (mean) => (whole === 0 ? 0 : (mean - overall) / whole);
-    return { dimension, means, overall, least, most, share, low: share(least.mean), high: share(most.mean), size: share(most.mean) - share(least.mean) };
+    return { dimension, means, overall, endless, least, most, share, low: share(least.mean), high: share(most.mean), size: share(most.mean) - share(least.mean) };
   };
   const all = (result) => sweep.dimensions.map((own) => effect(own, result)).filter(Boolean).sort((a, b) => b.size - a.size);
+
+  const without = (count) => (count === 0 ? "" : `, without ${count} infinite ${count === 1 ? "value" : "values"}`);
 
   const card = (result) => {
     const list = all(result);
@@ -41,7 +44,7 @@
         html("span", { class: "bar-track", "data-mark": "", "data-tip": tip }, html("span", { class: "bar-fill", style: `left:${at(own.low)};width:${((own.size / width) * 100).toFixed(2)}%` }), html("span", { class: "bar-mid", style: `left:${at(0)}` })),
         html("span", { class: "bar-value" }, text.percent(own.size)));
     };
-    const mean = list.length > 0 ? `mean ${text.number(list[0].overall)} ${result.unit}`.trim() : "";
+    const mean = list.length > 0 ? `mean ${text.number(list[0].overall)} ${result.unit}`.trim() + without(list[0].endless) : "";
     const figure = html("figure", { class: "card", "data-result": result.name, "data-chart": `effects-${result.name}` }, html("figcaption", {}, html("strong", {}, result.name), " ", html("small", {}, mean), html("p", {}, result.text)),
       list.length > 0 ? html("ul", { class: "bars" }, ...list.map(bar)) : html("p", {}, "These points differ in no axis."));
     if (list.length > 0) window.rayreel.offer(figure, () => [["axis", "value", result.name], ...list.flatMap((own) => own.means.map(({ value, mean }) => [own.dimension.name, text.cell(own.dimension, value), mean]))]);
