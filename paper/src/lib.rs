@@ -1,8 +1,8 @@
 //! The paper's experiment (Lee et al. 2016) on Rayreel's scenes, and what goes beyond it, as a library.
 //!
-//! Scenes are captured, points of policies and machines computed, and all of it put together as a [`Study`](rayreel_study::schema::Study). Points are those of
-//! [`rayreel_study::point`]: what a sweep over the same traces has computed is found, and the other way round. What is there is never
-//! computed again.
+//! Scenes are captured, points of policies and machines computed, and all put together as a
+//! [`Study`](rayreel_study::schema::Study). Points are those of [`rayreel_study::point`]: what a sweep over the same traces has
+//! computed is found, and the other way round. What is there is never computed again.
 //!
 //! ```
 //! use rayreel_paper::{Folders, Setup, run};

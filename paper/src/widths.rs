@@ -14,12 +14,13 @@ pub struct Widths {
 impl Widths {
     /// Of all tables of a study.
     pub fn of(study: &Study) -> Self {
-        let longest = |least: usize, names: &mut dyn Iterator<Item = &str>| {
-            names.map(|name| name.chars().count()).fold(least, usize::max)
-        };
-        let (points, ablations) = (&study.points, &study.ablations);
-        let mut scenes = points.iter().map(|p| p.scene.as_str()).chain(ablations.iter().map(|a| a.scene.as_str()));
-        Self { scene: longest(10, &mut scenes), policy: longest(12, &mut points.iter().map(|p| p.policy.as_str())) }
+        let length = |name: &str| name.chars().count();
+        let scenes = study.points.iter().map(|p| &p.scene).chain(study.ablations.iter().map(|a| &a.scene));
+        let policies = study.points.iter().map(|p| &p.policy);
+        Self {
+            scene: scenes.map(|name| length(name)).fold(10, usize::max),
+            policy: policies.map(|name| length(name)).fold(12, usize::max),
+        }
     }
 }
 

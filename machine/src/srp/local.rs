@@ -4,8 +4,9 @@
 //!   its samples and of the neighbouring samples that it traces again. Samples beyond the share are spilled: written to memory
 //!   and read back once, at the end of the tile (estimate).
 //! * `geometry_buffer = "external"`: only the colour stays in local memory. After each round `sample.total() - colour` bytes a
-//!   traced sample are written, and what an interpolated hit has that later tests read. At the beginning of a round each test reads what it tests of two samples, and each interpolated
-//!   hit what it is made of. The bytes of a round are packed densely into lines (estimate). Nothing spills.
+//!   traced sample are written, and what an interpolated hit has that later tests read. At the beginning of a round each test reads
+//!   what it tests of two samples, and each interpolated hit what it is made of. The bytes of a round are packed densely into lines
+//!   (estimate). Nothing spills.
 //! * Local memory is accessed in words of `local_word_bytes`, each field rounded up. A shaded or missed primary writes a whole sample; a
 //!   shaded or missed secondary ray and a shadow result read and write the colour; a test reads what it tests of two samples, and
 //!   a difference of colours two colours; an interpolation reads two colours and writes one; an interpolated hit that later tests

@@ -1,7 +1,6 @@
 //! Main effects: how much an axis moves a result when everything else is averaged.
 
 use crate::analysis::dims::Dimension;
-use crate::table::Cells;
 
 /// What a dimension does to a result.
 #[derive(Clone, Debug, PartialEq)]
@@ -17,10 +16,11 @@ pub struct Effect {
 }
 
 impl Effect {
-    /// The effect over the rows that have a value of the dimension and a number; none with fewer than two such values.
-    pub fn new(dimension: &Dimension, result: &Cells) -> Option<Self> {
+    /// The effect over the rows that have a value of the dimension and a number, which `result` gives; none with fewer than two such
+    /// values.
+    pub fn new(dimension: &Dimension, result: impl Fn(usize) -> Option<f64>) -> Option<Self> {
         let mut sums = vec![(0.0, 0_u32); dimension.values.len()];
-        let rows = dimension.of.iter().enumerate().filter_map(|(row, value)| Some(((*value)?, result.number(row)?)));
+        let rows = dimension.of.iter().enumerate().filter_map(|(row, value)| Some(((*value)?, result(row)?)));
         let mut endless = 0;
         for (value, number) in rows {
             if !number.is_finite() {
@@ -66,6 +66,11 @@ impl Effect {
 mod tests {
     use super::super::tables::{axis, figure};
     use super::*;
+    use crate::table::Cells;
+
+    fn effect_of(dimension: &Dimension, cells: &Cells) -> Option<Effect> {
+        Effect::new(dimension, |row| cells.number(row))
+    }
 
     fn close(a: f64, b: f64) {
         assert!((a - b).abs() < 1e-12, "{a} is not {b}");
@@ -81,37 +86,37 @@ mod tests {
         };
         let (a, b) = (Dimension::new(&column("a", |p| p.0)), Dimension::new(&column("b", |p| p.1)));
         let time = Cells::Float(pairs.iter().map(|(a, b)| Some((10 * a + b) as f64)).collect());
-        let effect = Effect::new(&a, &time).unwrap();
+        let effect = effect_of(&a, &time).unwrap();
         assert_eq!(effect.means, [Some(12.0), Some(22.0), Some(32.0)]);
         assert_eq!((effect.overall, effect.ends), (22.0, [0, 2]));
         close(effect.share(), 20.0 / 22.0);
         close(effect.end(0), -10.0 / 22.0);
-        close(Effect::new(&b, &time).unwrap().share(), 4.0 / 22.0);
+        close(effect_of(&b, &time).unwrap().share(), 4.0 / 22.0);
         // An axis that changes nothing.
-        close(Effect::new(&a, &Cells::Float(vec![Some(5.0); 6])).unwrap().share(), 0.0);
+        close(effect_of(&a, &Cells::Float(vec![Some(5.0); 6])).unwrap().share(), 0.0);
     }
 
     /// These were "no change".
     #[test]
     fn around_zero_it_is_a_share_of_the_magnitude() {
         let a = Dimension::new(&axis("a", Cells::Int(vec![Some(1), Some(2)])));
-        let effect = Effect::new(&a, &Cells::Float(vec![Some(-5.0), Some(5.0)])).unwrap();
+        let effect = effect_of(&a, &Cells::Float(vec![Some(-5.0), Some(5.0)])).unwrap();
         assert_eq!(effect.overall, 0.0);
         close(effect.end(0), -1.0);
         close(effect.share(), 2.0);
-        close(Effect::new(&a, &Cells::Float(vec![Some(0.0); 2])).unwrap().share(), 0.0);
+        close(effect_of(&a, &Cells::Float(vec![Some(0.0); 2])).unwrap().share(), 0.0);
     }
 
     #[test]
     fn points_without_a_value_do_not_count() {
         let a = Dimension::new(&axis("a", Cells::Int(vec![Some(1), Some(2), None, Some(1)])));
-        let effect = Effect::new(&a, &Cells::Float(vec![Some(2.0), Some(6.0), Some(1e9), None])).unwrap();
+        let effect = effect_of(&a, &Cells::Float(vec![Some(2.0), Some(6.0), Some(1e9), None])).unwrap();
         assert_eq!((effect.overall, effect.means.as_slice()), (4.0, &[Some(2.0), Some(6.0)][..]));
         close(effect.share(), 1.0);
-        assert_eq!(Effect::new(&a, &Cells::Float(vec![Some(2.0), None, None, None])), None, "one value is no axis");
+        assert_eq!(effect_of(&a, &Cells::Float(vec![Some(2.0), None, None, None])), None, "one value is no axis");
         let endless = [Some(2.0), Some(6.0), Some(f64::INFINITY), Some(f64::INFINITY)];
-        let effect = Effect::new(&a, &Cells::Float(endless.to_vec())).unwrap();
+        let effect = effect_of(&a, &Cells::Float(endless.to_vec())).unwrap();
         assert_eq!((effect.overall, effect.endless), (4.0, 1), "one of the two has no value of the axis");
-        assert_eq!(Effect::new(&a, &figure("none", &[f64::NAN; 4]).cells), None);
+        assert_eq!(effect_of(&a, &figure("none", &[f64::NAN; 4]).cells), None);
     }
 }

@@ -48,7 +48,8 @@ fn an_external_geometry_buffer_is_written_and_read_by_rounds() {
     let mut work = uniform(0, 20, None, 0);
     work.rounds.push(Round { tests: 50, interpolated: 30, attributes: 30, ..Round::default() });
     let (s, ..) = finished(&config, work);
-    // Written: 20 samples x 16 bytes; 30 x (4 + 4 + 1) = 270 bytes from byte 320 on, 5 lines. Read: 50 x 2 x (4 + 4 + 1) + 30 x 2 x (4 + 4 + 1) = 1440 bytes, 23 lines.
+    // Written: 20 samples x 16 bytes; 30 x (4 + 4 + 1) = 270 bytes from byte 320 on, 5 lines.
+    // Read: 50 x 2 x (4 + 4 + 1) + 30 x 2 x (4 + 4 + 1) = 1440 bytes, 23 lines.
     assert_eq!((s.stats().dma.sample_written, s.stats().dma.sample_read), (640, 1472));
     assert_eq!(s.stats().local.spilled_samples, 0);
 }

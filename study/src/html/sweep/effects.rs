@@ -104,7 +104,7 @@ fn all(view: &SweepView<'_>, results: &[&Field]) -> String {
     let columns: Vec<Head> =
         [Head::words("Axis")].into_iter().chain(results.iter().map(|field| Head::number(&field.name))).collect();
     let row = |dimension: &Dimension| {
-        let share = |field: &&Field| or_dash(Effect::new(dimension, &field.cells), |effect| percent(effect.share()));
+        let share = |field: &&Field| or_dash(view.effect(dimension, field), |effect| percent(effect.share()));
         let cells = [escape(&dimension.name)].into_iter().chain(results.iter().map(share)).collect();
         (String::new(), cells)
     };

@@ -67,6 +67,7 @@ fn an_identical_picture_has_the_most_psnr() {
     let psnr = results.field("psnr_db").unwrap();
     assert_eq!(crate::analysis::best::best(|row| view.result(psnr, row), &[0, 1, 2], Goal::Max, 2), [0, 1]);
     assert_eq!((view.shown(psnr, 0), view.shown(psnr, 1)), ("∞".into(), "40".into()));
+    assert!(html.contains("mean 35, without 1 infinite value<"), "no mean has it, and the page says so: {html}");
 }
 
 /// An axis of very many values, however strong, is not the first that a map shows.

@@ -105,10 +105,14 @@ impl<'a> SweepView<'a> {
         self.headlines.iter().copied().filter(|field| varies(&field.cells)).collect()
     }
 
+    /// What a dimension does to a result.
+    pub fn effect(&self, dimension: &Dimension, result: &Field) -> Option<Effect> {
+        Effect::new(dimension, |row| self.result(result, row))
+    }
+
     /// The dimensions by their influence on a result, the strongest first.
     pub fn effects(&self, result: &Field) -> Vec<(&Dimension, Effect)> {
-        let effects =
-            self.dimensions.iter().filter_map(|dimension| Some((dimension, Effect::new(dimension, &result.cells)?)));
+        let effects = self.dimensions.iter().filter_map(|dimension| Some((dimension, self.effect(dimension, result)?)));
         let mut effects: Vec<_> = effects.collect();
         effects.sort_by(|a, b| b.1.share().total_cmp(&a.1.share()));
         effects

@@ -37,7 +37,8 @@ impl Channel {
 
     /// What happened before `end`, with the power-down at hand.
     pub fn counters_before(&self, end: DramCycle) -> ChannelCounters {
-        // Its next refresh wakes it, if that is before `end`.
+        // Its next refresh wakes it, if that is before `end`. So may a request on its way, a few cycles earlier: then a window counts some
+        // cycles too many at its beginning or end. At the end of a frame none is on its way.
         let end = self.refresh_due.cycle().map_or(end, |due| end.min(due));
         let down = self.idle_since.map_or(0, |since| end.since(since + self.power_down_after));
         ChannelCounters { powered_down: self.counters.powered_down + down, ..self.counters }
