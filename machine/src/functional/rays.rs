@@ -166,13 +166,18 @@ impl RayTracer {
                 l1: CacheCounters::default(),
                 ist_events: &mut ist_events,
             };
-            flying.retain_mut(|ray| {
-                let goes_on = self.step(ray, ops[usize::from(ray.ray.slot)], &mut unit);
-                if !goes_on {
+            // Each ray is read and written once. `Vec::retain_mut` reads it again to move it up, before the processor has what was written.
+            let mut kept = 0;
+            for at in 0..flying.len() {
+                let ray = flying[at];
+                if let Some(ray) = self.step(ray, ops[usize::from(ray.ray.slot)], &mut unit) {
+                    flying[kept] = ray;
+                    kept += 1;
+                } else {
                     finished.push(ray.ray);
                 }
-                goes_on
-            });
+            }
+            flying.truncate(kept);
             let Unit { mut events, node_lines, triangle_lines, mut l1, .. } = unit;
             events.box_tests = 2 * events.node_visits;
             // The second pass of a visit finds what the first has brought.
@@ -211,46 +216,44 @@ impl RayTracer {
         Turned { lines: memory.lines() - lines, ..turned }
     }
 
-    /// Goes on to the next operation that reads memory; false at the end.
+    /// Goes on to the next operation that reads memory; nothing at the end.
     #[inline(always)]
-    fn step(&self, ray: &mut Flying, ops: &[Op], unit: &mut Unit<'_>) -> bool {
-        while ray.at < ray.end {
-            let op = ray.next;
-            ray.at += 1;
+    fn step(&self, ray: Flying, ops: &[Op], unit: &mut Unit<'_>) -> Option<Flying> {
+        let Flying { ray, mut at, end, mut next, mut deferred, mut held } = ray;
+        while at < end {
+            let op = next;
+            at += 1;
             // Behind the last operation of a ray stands that of another one, or none.
-            ray.next = ops.get(ray.at as usize).copied().unwrap_or(Op::END);
+            next = ops.get(at as usize).copied().unwrap_or(Op::END);
             match op.kind() {
                 OpKind::Visit { node, defers } => {
                     self.visit(node, unit);
-                    if defers {
-                        unit.events.pushes += 1;
-                        ray.deferred += 1;
-                        ray.held = (ray.held + 1).min(self.short);
-                    }
-                    return true;
+                    let pushed = u8::from(defers);
+                    unit.events.pushes += u64::from(pushed);
+                    (deferred, held) = (deferred + pushed, (held + pushed).min(self.short));
+                    return Some(Flying { ray, at, end, next, deferred, held });
                 }
                 OpKind::Leaf { triangle, tests } => {
                     unit.events.leaves += 1;
                     if tests > 0 {
                         self.leaf(triangle, tests, unit);
-                        return true;
+                        return Some(Flying { ray, at, end, next, deferred, held });
                     }
                 }
                 OpKind::Pop { node } | OpKind::Cull { node } => {
                     unit.events.stack_operations += 1;
                     unit.events.culled += u64::from(matches!(op.kind(), OpKind::Cull { .. }));
-                    if ray.held > 0 {
-                        ray.held -= 1;
-                        ray.deferred -= 1;
+                    if held > 0 {
+                        (deferred, held) = (deferred - 1, held - 1);
                     } else {
-                        self.restart(node, ray, unit);
+                        (deferred, held) = self.restart(node, deferred, unit);
                     }
                 }
                 OpKind::End => unit.events.stack_operations += 1,
             }
         }
         unit.events.rays += 1;
-        false
+        None
     }
 
     #[inline(always)]
@@ -275,16 +278,21 @@ impl RayTracer {
             events.triangle_tests += u64::from(tests);
             (&mut unit.ist[next], lines, l1)
         };
-        for triangle in triangle..triangle + tests {
-            let of_triangle = self.layout.triangle(triangle);
-            *lines += of_triangle.count();
-            of_triangle.each(|line| unit.memory.look_up((tags, unit.l2), line, Region::Triangle, l1));
+        let mut of_leaf = self.layout.triangle(triangle);
+        *lines += of_leaf.count();
+        for next in triangle + 1..triangle + tests {
+            let next = self.layout.triangle(next);
+            *lines += next.count();
+            of_leaf.last = next.last;
         }
+        // Triangles that lie side by side share lines. Who finds again what was looked up just before changes nothing.
+        of_leaf.each(|line| unit.memory.look_up((tags, unit.l2), line, Region::Triangle, l1));
     }
 
-    /// The short stack has lost the child that `node` deferred: the way down to it is walked again.
+    /// The short stack has lost the child that `node` deferred: the way down to it is walked again. Gives how many children of the
+    /// ray are deferred then, and how many of them the short stack holds.
     #[cold]
-    fn restart(&self, mut node: u32, ray: &mut Flying, unit: &mut Unit<'_>) {
+    fn restart(&self, mut node: u32, deferred: u8, unit: &mut Unit<'_>) -> (u8, u8) {
         unit.events.restarts += 1;
         let mut trail = vec![node];
         while node != 0 {
@@ -293,9 +301,9 @@ impl RayTracer {
         }
         unit.events.restart_visits += trail.len() as u64;
         trail.iter().rev().for_each(|&node| self.visit(node, unit));
-        ray.deferred -= 1;
-        ray.held = ray.deferred.min(self.short);
-        unit.events.pushes += u64::from(ray.deferred);
+        let left = deferred - 1;
+        unit.events.pushes += u64::from(left);
+        (left, left.min(self.short))
     }
 }
 
