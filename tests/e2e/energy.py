@@ -49,6 +49,15 @@ def check(path):
             + n(f"{unit}/fills") * scaled(f"{of}_fill_pj", fill, longer)
         )
 
+    # Stacks and local memories: words of 32 bits.
+    sizes = [512 << bits for bits in range(10)]
+    ram_reads = list(zip(sizes, [200, 293, 430, 800, 1122, 1575, 2210, 3100, 4349, 6100]))
+    ram_writes = list(zip(sizes, [430, 579, 780, 900, 1236, 1697, 2330, 3200, 4525, 6400]))
+
+    def ram(price, table, priced, size):
+        energy = lambda s: cacti([(Fraction(b, 1024), e) for b, e in table], s)
+        return whole(fj(price) * Fraction(energy(size), energy(constant[f"energy.{priced}_priced_size"])))
+
     def l1(unit, read, size, late=0):
         return cache(unit, read, "l1", constant[size], late)
 
@@ -84,7 +93,8 @@ def check(path):
             + rays * fj("ray_setup_pj")
             + running("ti/trv/" + first) * fj("trv_clock_pj"),
             1, trvs * constant["energy.trv_leakage_uw"], 0),
-        "stacks": (n("ti/trv/pushes") * fj("stack_push_pj") + n("ti/trv/stack_operations") * fj("stack_pop_pj"), tree, 0, trvs * stack),
+        "stacks": (n("ti/trv/pushes") * ram("stack_push_pj", ram_writes, "stack", stack)
+            + n("ti/trv/stack_operations") * ram("stack_pop_pj", ram_reads, "stack", stack), tree, 0, trvs * stack),
         "ist": (
             n("ti/ist/triangle_tests") * fj("triangle_test_pj")
             + n("ti/ist/bypasses") * constant["ti.ist_cycles"] * fj("bypass_stage_pj")
@@ -100,7 +110,8 @@ def check(path):
         "srp": (ops * fj("srp_op_pj") + array * fj("srp_clock_pj"), 1, cores * constant["energy.srp_leakage_uw"], 0),
         "srp_l1": (l1("srp/l1", "srp_l1_read_pj", "srp.l1.size"), tree, 0, cores * constant["srp.l1.size"]),
         "local_memory": (
-            n("srp/local/reads") * fj("local_read_pj") + n("srp/local/writes") * fj("local_write_pj"),
+            n("srp/local/reads") * ram("local_read_pj", ram_reads, "local", constant["srp.local_memory"])
+            + n("srp/local/writes") * ram("local_write_pj", ram_writes, "local", constant["srp.local_memory"]),
             tree, 0, cores * constant["srp.local_memory"]),
         "interface": (link * fj("interface_pj_per_byte"), tree, 0, 0),
         "l2": (

@@ -30,6 +30,7 @@ settings! {
         ray_buffer_write_pj: Picojoules = EVENT, "write of a ray's record into a ray buffer", "pJ";
         stack_push_pj: Picojoules = EVENT, "push onto a traversal stack", "pJ";
         stack_pop_pj: Picojoules = EVENT, "pop from a traversal stack", "pJ";
+        stack_priced_size: Bytes = Size(256, 4 << 20), "size of the stacks of a traversal unit that the energies of stacks are of", "bytes";
         crossbar_pj: Picojoules = EVENT, "transfer of a leaf task or its result through the crossbar", "pJ";
         trv_l1_read_pj: Picojoules = EVENT, "L1 of a TRV unit: read of a line that hits", "pJ";
         ist_l1_read_pj: Picojoules = EVENT, "L1 of an IST unit: read of a line that hits", "pJ";
@@ -50,6 +51,7 @@ settings! {
         srp_op_pj: Picojoules = EVENT, "SRP operation, operands and configuration included", "pJ";
         local_read_pj: Picojoules = EVENT, "SRP local memory: a word read", "pJ";
         local_write_pj: Picojoules = EVENT, "SRP local memory: a word written", "pJ";
+        local_priced_size: Bytes = SMALL, "size of the local memory that the energies of local memories are of", "bytes";
         dram_row_pj: Picojoules = EVENT, "DRAM: activate and precharge of a row", "pJ";
         dram_read_pj: Picojoules = EVENT, "DRAM: read of a burst, IO included", "pJ";
         dram_write_pj: Picojoules = EVENT, "DRAM: write of a burst, IO included", "pJ";

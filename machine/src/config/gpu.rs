@@ -44,7 +44,6 @@ settings! {
         ray_message_bytes: u32 = Integer(1, 256), "size of a ray on the interface", "bytes";
         hit_message_bytes: u32 = Integer(1, 256), "size of a hit on the interface", "bytes";
         stream_flush_cycles: u32 = Integer(1, 10_000), "messages through memory: time after which a partly filled line is written", "cycles";
-        // A stream's reads fit into the smallest ring (`layout.ring_lines`).
         stream_reads: u32 = Integer(1, 256), "messages through memory: lines of a stream that can be waited for at a time";
         stream_unwritten_lines: u32 = Integer(1, 4096),
             "messages through memory: lines that wait to be written at which the SRP sends no more rays";

@@ -49,7 +49,7 @@ impl NamedMachine {
         }
         let config = loaded.build()?;
         check::check(&config)
-            .and_then(|()| prices::check(&loaded.values, &loaded.chain))
+            .and_then(|()| prices::check(&config, &loaded.values, &loaded.chain))
             .map_err(|found| found.blame(|key| loaded.overridden(key), &loaded.origin))?;
         Ok(Self { name, chain: loaded.chain, config, values: loaded.values })
     }

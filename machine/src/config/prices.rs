@@ -1,9 +1,10 @@
-//! Prices of caches are of a size. Whoever sets one beside a size of a cache says which size it is of: taken for that of the base, it
-//! would be changed in proportion without a word.
+//! Prices of caches, stacks and local memories are of a size. Whoever sets one beside a size of such a memory says which size it is of: taken
+//! for that of the base, it would be changed in proportion without a word.
 
 use rayreel_settings::{Ancestor, Sourced};
 
 use super::check::Conflict;
+use super::whole::MachineConfig;
 
 /// A price, a size that it is scaled to, and the size that it is of.
 type Priced = (&'static str, &'static str, &'static str);
@@ -11,8 +12,14 @@ type Priced = (&'static str, &'static str, &'static str);
 const L1: &str = "energy.l1_priced_size";
 const L2: &str = "energy.l2_priced_size";
 const LINE: &str = "energy.priced_line_bytes";
+const LOCAL: &str = "energy.local_priced_size";
+const STACKS: &str = "energy.stack_priced_size";
 
-const ALL: [Priced; 20] = [
+/// What the stacks of a traversal unit cost, and what their size follows from.
+const STACK_PRICES: [&str; 2] = ["energy.stack_push_pj", "energy.stack_pop_pj"];
+const STACK_SIZES: [&str; 4] = ["ti.stack_entries", "ti.full_stack_entries", "ti.stack_entry_bytes", "ti.rays_per_trv"];
+
+const ALL: [Priced; 22] = [
     ("energy.trv_l1_read_pj", "ti.trv_l1.size", L1),
     ("energy.ist_l1_read_pj", "ti.ist_l1.size", L1),
     ("energy.srp_l1_read_pj", "srp.l1.size", L1),
@@ -33,6 +40,8 @@ const ALL: [Priced; 20] = [
     ("energy.l1_fill_pj", "l2.line_bytes", LINE),
     ("energy.l2_read_pj", "l2.line_bytes", LINE),
     ("energy.l2_fill_pj", "l2.line_bytes", LINE),
+    ("energy.local_read_pj", "srp.local_memory", LOCAL),
+    ("energy.local_write_pj", "srp.local_memory", LOCAL),
 ];
 
 /// Checks that a file, or the command line, that sets a price and another size than it is said to be of says so itself, and does not
@@ -40,19 +49,35 @@ const ALL: [Priced; 20] = [
 ///
 /// # Errors
 /// The first price of which that is not so.
-pub fn check(values: &[Sourced], chain: &[Ancestor]) -> Result<(), Conflict> {
+pub fn check(config: &MachineConfig, values: &[Sourced], chain: &[Ancestor]) -> Result<(), Conflict> {
     // The command line, which is in no chain, comes before all files.
     let rank = |value: &Sourced| chain.iter().position(|file| file.name == value.from).map_or(0, |at| at + 1);
     let of = |key: &str| values.iter().find(|value| value.key == key);
+    // A price and a size that one file sets, and which size the price is of, if that is inherited.
+    let unsaid = |price, size, priced| {
+        let (price, size, priced) = (of(price)?, of(size)?, of(priced)?);
+        (price.from == size.from && rank(priced) > rank(price)).then_some((price, size, priced))
+    };
     for (price, size, priced) in ALL {
-        let (Some(price), Some(size), Some(priced)) = (of(price), of(size), of(priced)) else { continue };
-        if price.from == size.from && rank(priced) > rank(price) && priced.value != size.value {
+        let Some((price, size, priced)) = unsaid(price, size, priced) else { continue };
+        if priced.value != size.value {
             let detail = format!(
                 "{} is set beside {} = {}, and is a price of {} = {}: set that too, to what the price is of",
                 price.key, size.key, size.value, priced.key, priced.value
             );
             return Err(Conflict::new([price.key, size.key], detail));
         }
+    }
+    let (bytes, of_bytes) = (config.stack_bytes(), config.energy.stack_priced_size.0);
+    let stacks = STACK_PRICES.into_iter().flat_map(|price| STACK_SIZES.map(|size| (price, size)));
+    let unsaid = stacks.filter_map(|(price, size)| unsaid(price, size, STACKS)).find(|_| bytes != of_bytes);
+    if let Some((price, size, priced)) = unsaid {
+        let detail = format!(
+            "{} is set beside {} = {}, with which the stacks of a traversal unit have {bytes} bytes, and is a price of {} = {of_bytes}: set that \
+             too, to what the price is of",
+            price.key, size.key, size.value, priced.key
+        );
+        return Err(Conflict::new([price.key, size.key], detail));
     }
     Ok(())
 }
@@ -89,6 +114,28 @@ mod tests {
     }
 
     #[test]
+    fn a_price_of_stacks_too() {
+        let error = load(&["ti.rays_per_trv=32", "energy.stack_pop_pj=0.2"]).unwrap_err();
+        assert!(
+            error.ends_with(
+                "energy.stack_pop_pj is set beside ti.rays_per_trv = 32, with which the stacks of a traversal unit have 1024 bytes, and is a \
+                 price of energy.stack_priced_size = 2048: set that too, to what the price is of"
+            ),
+            "{error}"
+        );
+        let fine = [
+            &["ti.rays_per_trv=32", "energy.stack_pop_pj=0.2", "energy.stack_priced_size=1KiB"][..],
+            &["ti.rays_per_trv=32", "ti.stack_entries=16", "energy.stack_pop_pj=0.2"],
+            &["energy.stack_pop_pj=0.2"],
+            &["ti.rays_per_trv=32"],
+        ];
+        fine.iter().for_each(|overrides| assert_eq!(load(overrides), Ok(()), "{overrides:?}"));
+        assert!(
+            load(&["srp.local_memory=32KiB", "energy.local_write_pj=2"]).unwrap_err().contains("local_priced_size")
+        );
+    }
+
+    #[test]
     fn so_does_a_file() {
         let parse =
             |text: &str| NamedMachine::parse("mine", &format!("extends = \"sgrt-ti2\"\n{text}"), &[]).map(|_| ());
@@ -105,10 +152,9 @@ mod tests {
     #[test]
     fn all_keys_are_there() {
         let machine = NamedMachine::load("sgrt-ti2", &[]).unwrap();
-        for (price, size, priced) in super::ALL {
-            for key in [price, size, priced] {
-                assert!(machine.values.iter().any(|value| value.key == key), "{key}");
-            }
+        let stacks = [&super::STACK_PRICES[..], &super::STACK_SIZES, &[super::STACKS]].concat();
+        for key in super::ALL.into_iter().flat_map(|(price, size, priced)| [price, size, priced]).chain(stacks) {
+            assert!(machine.values.iter().any(|value| value.key == key), "{key}");
         }
     }
 }

@@ -4,7 +4,7 @@
 //! ratios: a price in the configuration is that of a cache of `energy.l1_priced_size` or `energy.l2_priced_size`, with lines of
 //! `energy.priced_line_bytes`.
 
-use super::rounding::nearest;
+use super::by_size::{between, in_proportion};
 use crate::config::{Energy, L1, MachineConfig, Picojoules};
 
 /// Read and fill of a 64-byte line in a 4-way cache of so many KiB, at 22 nm, fJ. Fills are 1.5 reads at 8 KiB and 3.6 at 128 KiB; at
@@ -43,8 +43,8 @@ impl CachePrices {
 
     fn of_size(self, config: &MachineConfig, priced: u64, size: u64) -> Self {
         let lines = (u64::from(config.l2.line_bytes), u64::from(config.energy.priced_line_bytes));
-        let scaled = |price: Picojoules, of: fn(u64) -> u64, (line, priced_line): (u64, u64)| Picojoules {
-            femtojoules: in_proportion(price.femtojoules, of(size) * line, of(priced) * priced_line),
+        let scaled = |price, of: fn(u64) -> u64, (line, priced_line): (u64, u64)| {
+            in_proportion(price, of(size) * line, of(priced) * priced_line)
         };
         Self {
             read: scaled(self.read, read, lines),
@@ -60,27 +60,13 @@ impl CachePrices {
     }
 }
 
-/// `price` x `to` / `from`, to the nearest.
-fn in_proportion(price: u64, to: u64, from: u64) -> u64 {
-    nearest(u128::from(price) * u128::from(to), from.into()).try_into().unwrap_or(u64::MAX)
-}
-
 fn read(size: u64) -> u64 {
-    between(size, |&(kib, read, _)| (kib << 10, read))
+    between(&CACTI, size, |&(kib, read, _)| (kib << 10, read))
 }
 
 /// Never less than a read: below 8 KiB the line would end there.
 fn fill(size: u64) -> u64 {
-    between(size, |&(kib, _, fill)| (kib << 10, fill)).max(read(size))
-}
-
-/// On straight lines between the sizes of the table; the first and the last line go on beyond its ends.
-fn between(size: u64, of: impl Fn(&(u64, u64, u64)) -> (u64, u64)) -> u64 {
-    let right = CACTI.iter().position(|point| of(point).0 >= size).unwrap_or(CACTI.len() - 1).max(1);
-    let ((x0, y0), (x1, y1)) = (of(&CACTI[right - 1]), of(&CACTI[right]));
-    // Both grow with the size.
-    let above = |from: u64| nearest(u128::from(from) * u128::from(y1 - y0), (x1 - x0).into()) as u64;
-    if size >= x0 { y0 + above(size - x0) } else { y0.saturating_sub(above(x0 - size)) }
+    between(&CACTI, size, |&(kib, _, fill)| (kib << 10, fill)).max(read(size))
 }
 
 #[cfg(test)]

@@ -18,11 +18,14 @@
 //!   word instead of line by line; it stands with the SRP, for it does the work of both;
 //! - a unified pipeline tests triangles in the traversal unit, and their energy stands there.
 
+mod by_size;
 mod cache_prices;
 mod others;
+mod ram_prices;
 mod rounding;
 
 use cache_prices::CachePrices;
+use ram_prices::RamPrices;
 use rounding::nearest;
 
 use crate::config::{Interface, L1, MachineConfig, Picojoules, Pipeline, PrimaryVisibility};
@@ -200,7 +203,7 @@ impl<'a> Sums<'a> {
         let ist = |of: fn(&IstStats) -> u64| sum(&|ti| ti.ist.iter().map(of).sum());
         let (trvs, ists) = (self.cores * u64::from(ti.trv), self.cores * u64::from(ti.ist));
         let rays = sum(&|ti| ti.dispatch.rays);
-        let tasks = ist(|u| u.events.tasks);
+        let (tasks, stacks) = (ist(|u| u.events.tasks), RamPrices::of_stacks(self.config));
         let buffers = [&self.trv_buffer, &self.ist_buffer];
         let buffer = |of: fn(&InputBufferCounters) -> u64| buffers.into_iter().map(of).sum::<u64>();
         let of = |name, events: &[(u64, Picojoules)], uw, bytes| self.component(name, Group::Ti, events, uw, bytes);
@@ -222,10 +225,7 @@ impl<'a> Sums<'a> {
             ),
             of(
                 "stacks",
-                &[
-                    (trv(|u| u.events.pushes), energy.stack_push_pj),
-                    (trv(|u| u.events.stack_operations), energy.stack_pop_pj),
-                ],
+                &[(trv(|u| u.events.pushes), stacks.write), (trv(|u| u.events.stack_operations), stacks.read)],
                 0,
                 trvs * self.config.stack_bytes(),
             ),
@@ -274,8 +274,8 @@ impl<'a> Sums<'a> {
             Interface::Direct => sum(&|s| s.interface.ray_bytes + s.interface.hit_bytes),
             Interface::Memory => 0,
         };
-        let local =
-            [(sum(&|s| s.local.reads), energy.local_read_pj), (sum(&|s| s.local.writes), energy.local_write_pj)];
+        let prices = RamPrices::of_local(self.config);
+        let local = [(sum(&|s| s.local.reads), prices.read), (sum(&|s| s.local.writes), prices.write)];
         let ops = sum(&|s| s.kernels.iter().map(|k| k.ops).sum());
         let clock = sum(&|s| s.activity.total() - s.activity.idle);
         let srp = [(ops, energy.srp_op_pj), (clock, energy.srp_clock_pj)];

@@ -31,6 +31,8 @@ struct Read {
 #[derive(Clone, Copy, Debug)]
 pub struct ShadeReads {
     layout: Layout,
+    /// A hit has attributes.
+    attributes: bool,
     texel_block_bytes: u64,
     /// Logarithms of the edges of a block and of a tile of texels.
     block_bits: u32,
@@ -44,6 +46,7 @@ impl ShadeReads {
         let edge = u64::from(config.layout.texture_block);
         Self {
             layout,
+            attributes: config.srp.attribute_bytes > 0,
             texel_block_bytes: edge * edge * u64::from(config.srp.texel_bytes),
             block_bits: config.layout.texture_block.trailing_zeros(),
             tile_bits: config.layout.texture_tile.trailing_zeros(),
@@ -55,7 +58,9 @@ impl ShadeReads {
     pub fn lines(&self, ray: &RayWork) -> impl Iterator<Item = (u64, Region)> + use<> {
         let attributes = self.layout.attribute(ray.triangle);
         let texel = self.textures.then(|| (self.layout.lines(self.texel_address(ray), 1).first, Region::Texture));
-        (attributes.first..=attributes.last).map(|line| (line, Region::Attribute)).chain(texel)
+        let has_attributes = self.attributes;
+        let attributes = (attributes.first..=attributes.last).filter(move |_| has_attributes);
+        attributes.map(|line| (line, Region::Attribute)).chain(texel)
     }
 
     /// 2^30 bytes a material, a quarter of them for each of four depths: an address space of the model, not hardware. Textures are

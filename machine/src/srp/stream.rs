@@ -3,7 +3,8 @@
 //! Used for rays and hits of `interface = "memory"` and for the G-buffer of a rasteriser. As many messages as fit share a line
 //! and none straddles two unless it is larger than a line. A line is written when it is full, or `gpu.stream_flush_cycles` after its
 //! first message, so that few rays are not held back. One line a cycle is written and one read, at most `gpu.stream_reads` reads
-//! outstanding, and a line is read at the earliest one cycle after memory accepted its write. (Estimate.)
+//! outstanding, and a line is read at the earliest one cycle after memory accepted its write. (Estimate.) Lines lie in a ring: one is
+//! not written before the one that had its place has been read.
 
 use std::collections::VecDeque;
 
@@ -116,6 +117,11 @@ impl Stream {
         (self.first_line..self.first_line + self.ring_lines).contains(&line)
     }
 
+    /// Whether a line waits to be written whose place in the ring is free.
+    fn can_write(&self) -> bool {
+        self.unwritten_lines() > 0 && self.written < self.ring_lines
+    }
+
     fn read_line<M: Memory>(&mut self, now: TiCycle, memory: &mut M) {
         self.read_refused = !memory.request(now, self.request(self.asked, Route::Read));
         if !self.read_refused {
@@ -182,7 +188,7 @@ impl Component for Stream {
     /// Messages that can be taken are the taker's event.
     fn next_event(&self, now: TiCycle) -> When {
         let reads = self.asked < self.written && self.outstanding < self.reads_max && !self.read_refused;
-        let writes = self.unwritten_lines() > 0 && !self.write_refused;
+        let writes = self.can_write() && !self.write_refused;
         if reads || writes {
             return When::at(now + 1);
         }
@@ -204,8 +210,48 @@ impl<M: Memory> Tick<&mut M> for Stream {
         if self.asked < self.written && self.outstanding < self.reads_max && self.read_at != Some(now) {
             self.read_line(now, memory);
         }
-        if self.unwritten_lines() > 0 && self.wrote_at != Some(now) {
+        if self.can_write() && self.wrote_at != Some(now) {
             self.write_line(now, memory);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::srp::tests::mocks::Mem;
+    use crate::test_config::machine;
+
+    /// A ring of four lines, of which the first comes last: nothing takes its place before that.
+    #[test]
+    fn a_line_that_is_not_read_is_not_written_over() {
+        let mut config = machine();
+        (config.layout.ring_lines, config.gpu.stream_reads) = (4, 16);
+        let line_bytes = config.l2.line_bytes.into();
+        let mut stream = Stream::new(&config, Port(0), (Region::Ray, 0), line_bytes);
+        let (mut memory, mut now) = (Mem::new(1000, 0), 0);
+        let mut tick = |stream: &mut Stream| {
+            (0..20).for_each(|_| {
+                stream.tick(TiCycle(now), &mut memory);
+                now += 1;
+            });
+            std::mem::take(&mut memory.log)
+        };
+        let lines = |log: &[(u64, Request)], route| -> Vec<u64> {
+            log.iter().filter(|(_, request)| request.route == route).map(|(_, request)| request.line).collect()
+        };
+        (0..12).for_each(|ray| stream.push(TiCycle(0), RayRef { slot: 0, ray }));
+        let log = tick(&mut stream);
+        assert_eq!((lines(&log, Route::Write), lines(&log, Route::Read)), (vec![0, 1, 2, 3], vec![0, 1, 2, 3]));
+        (1..4).for_each(|line| stream.respond(line));
+        assert!(tick(&mut stream).is_empty() && !stream.has_ready() && stream.next_event(TiCycle(40)).is_never());
+        stream.respond(0);
+        let mut taken = Vec::new();
+        for _ in 0..3 {
+            let log = tick(&mut stream);
+            lines(&log, Route::Read).into_iter().for_each(|line| stream.respond(line));
+            taken.extend(std::iter::from_fn(|| stream.pop()).map(|ray| ray.ray));
+        }
+        assert_eq!(taken, (0..12).collect::<Vec<_>>());
     }
 }

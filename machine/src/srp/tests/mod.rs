@@ -3,5 +3,5 @@
 mod buffers;
 mod cycles;
 mod flow;
-mod mocks;
+pub(super) mod mocks;
 mod skipping;
