@@ -59,7 +59,12 @@ impl Source {
 
     /// The accessor's elements as indices.
     pub fn indices(&self, index: usize) -> Result<Vec<u32>, SceneError> {
-        Ok(self.elements::<u32, 1>(index, whole)?.into_iter().map(|[i]| i).collect())
+        Ok(self.numbers::<1>(index)?.into_iter().map(|[i]| i).collect())
+    }
+
+    /// The accessor's elements of `N` whole numbers each.
+    pub fn numbers<const N: usize>(&self, index: usize) -> Result<Vec<[u32; N]>, SceneError> {
+        self.elements(index, whole)
     }
 
     fn elements<T: Copy + Default, const N: usize>(

@@ -1,5 +1,6 @@
 //! The JSON of a glTF file and its binary data: opened, limited, checked.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use gltf::{Document, json};
@@ -50,6 +51,15 @@ impl Source {
         std::iter::once(self.path.clone()).chain(named.filter_map(|uri| uri::file(&self.path, uri))).collect()
     }
 
+    /// Extensions of which a warning tells where they stand, at nodes, materials and pictures, or which only pack what is there unpacked.
+    pub fn told(&self) -> BTreeSet<String> {
+        let of_nodes = self.root().nodes.iter().filter_map(|node| node.extensions.as_ref());
+        let of_materials = self.root().materials.iter().filter_map(|material| material.extensions.as_ref());
+        let of_nodes = of_nodes.flat_map(|extensions| extensions.others.keys());
+        let others = of_nodes.chain(of_materials.flat_map(|extensions| extensions.others.keys())).cloned();
+        others.chain(NOT_READ.into_iter().chain(PACKED).map(str::to_owned)).collect()
+    }
+
     /// A place in the file, such as `accessor 3`.
     pub fn at(&self, part: impl Into<String>) -> Location {
         Location::Part { path: self.path.clone(), part: part.into() }
@@ -89,7 +99,11 @@ fn check_size(path: &Path, bytes: u64) -> Result<(), SceneError> {
 
 /// The JSON, checked, and the binary chunk of a `.glb`.
 fn parse(path: &Path, bytes: &[u8]) -> Result<(json::Root, Option<Vec<u8>>), SceneError> {
-    let (text, blob) = if bytes.starts_with(b"glTF") { chunks(path, bytes)? } else { (bytes.to_vec(), None) };
+    let (text, blob) = if bytes.starts_with(b"glTF") {
+        chunks(path, bytes)?
+    } else {
+        (bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes).to_vec(), None)
+    };
     let root = json::deserialize::from_slice(&text).or_else(|error| without_gaps(&text).ok_or(error));
     let mut root: json::Root = root.map_err(|error| {
         let at = Location::Line { path: path.to_owned(), line: error.line(), column: Some(error.column()) };
@@ -162,8 +176,6 @@ fn check_version(path: &Path, root: &json::Root) -> Result<(), SceneError> {
 /// Refuses a file that cannot be understood without an extension that is not read. What is only used is told later.
 fn check_extensions(path: &Path, root: &mut json::Root) -> Result<(), SceneError> {
     root.extensions_required.retain(|name| !ALSO_READ.contains(&name.as_str()));
-    let known = json::extensions::ENABLED_EXTENSIONS;
-    let is_read = |name: &str| known.contains(&name) && !NOT_READ.contains(&name);
     // A file that leaves it out of what it requires has no data without it all the same.
     let packed = packed(root);
     let Some(name) = packed.or_else(|| root.extensions_required.iter().find(|name| !is_read(name)).cloned()) else {
@@ -177,6 +189,12 @@ fn check_extensions(path: &Path, root: &mut json::Root) -> Result<(), SceneError
     let verb = if root.extensions_required.contains(&name) { "requires" } else { "uses" };
     let what = format!("it {verb} the extension {name}, which is not read");
     Err(SceneError::input(Location::File(path.to_owned()), what, fix))
+}
+
+/// Whether an extension is read, here or by the `gltf` crate.
+pub(crate) fn is_read(name: &str) -> bool {
+    let known = json::extensions::ENABLED_EXTENSIONS.contains(&name) && !NOT_READ.contains(&name);
+    known || ALSO_READ.contains(&name)
 }
 
 /// The extension in which a mesh or its data are packed, without which nothing is left of them.

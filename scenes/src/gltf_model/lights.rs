@@ -20,18 +20,21 @@ struct Lamp {
     colour: DVec3,
 }
 
+/// A light nearer to the middle of the model than this part of its radius counts as so far away: no surface is nearer to it on the whole.
+const NEAREST: f64 = 0.5;
+
 /// The lights at the nodes of the scene. Exposure is the viewer's in glTF: so only how strong lights are beside each other
-/// counts, at the middle of the model, and together they are as strong as the default ones.
+/// counts, at the middle of the model, which has a radius, and together they are as strong as the default ones.
 pub(crate) fn lights(
     source: &Source,
     stands: impl Iterator<Item = (usize, DAffine3)>,
-    middle: Vec3,
+    (middle, radius): (Vec3, f32),
     warnings: &mut Warnings,
 ) -> Result<Vec<Light>, SceneError> {
     let mut lamps = Vec::new();
     for (node, world) in stands {
         if let Some(light) = named(source, node)
-            && let Some(lamp) = lamp(source, node, light, &world, middle.as_dvec3(), warnings)?
+            && let Some(lamp) = lamp(source, node, light, &world, (middle.as_dvec3(), f64::from(radius)), warnings)?
         {
             lamps.push(lamp);
         }
@@ -71,7 +74,7 @@ fn lamp(
     node: usize,
     index: usize,
     world: &DAffine3,
-    middle: DVec3,
+    (middle, radius): (DVec3, f64),
     warnings: &mut Warnings,
 ) -> Result<Option<Lamp>, SceneError> {
     let all = source.root().extensions.as_ref().and_then(|all| all.khr_lights_punctual.as_ref());
@@ -94,9 +97,8 @@ fn lamp(
         let to_light = world.matrix3.z_axis.try_normalize().ok_or_else(|| broken("shines in no direction"))?;
         (Light::Directional { to_light: to_light.as_vec3(), colour: Vec3::ZERO }, 1.0)
     } else {
-        let square = (position - middle).length_squared();
-        let fall_off = if square > 1e-12 { 1.0 / square } else { 1e12 };
-        (Light::Point { position: position.as_vec3(), colour: Vec3::ZERO }, fall_off)
+        let square = (position - middle).length_squared().max((NEAREST * radius).powi(2));
+        (Light::Point { position: position.as_vec3(), colour: Vec3::ZERO }, 1.0 / square)
     };
     let colour = colour * fall_off;
     Ok((colour.max_element() > 0.0).then_some(Lamp { light, colour }))

@@ -12,6 +12,7 @@ mod lights;
 mod materials;
 mod nodes;
 mod primitive;
+mod skin;
 mod textures;
 mod uri;
 
@@ -25,6 +26,7 @@ use self::{
     materials::Surface,
     nodes::{Tree, label},
     primitive::{Budget, Target},
+    skin::Stand,
     textures::Pictures,
 };
 use crate::{
@@ -80,9 +82,16 @@ pub(crate) fn load_gltf(path: &Path, options: &LoadOptions) -> Result<GltfModel,
     let lens = cameras::first(&source, &tree, &mut warnings);
     let solid = |node: usize| source.root().nodes[node].mesh.is_some();
     let shines = |node: usize| lights::named(&source, node).is_some();
-    let moving = |is: &dyn Fn(usize) -> bool| {
-        tree.nodes().filter(|(place, node)| is(*node) && tree.moves(*place, &animations)).count()
+    // A mesh with a skin moves with its joints.
+    let moves = |place: usize, node: usize| match source.root().nodes[node].skin {
+        Some(skin) => {
+            let mut joints = source.root().skins[skin.value()].joints.iter();
+            joints.any(|joint| tree.place(joint.value()).is_some_and(|place| tree.moves(place, &animations)))
+        }
+        None => tree.moves(place, &animations),
     };
+    let moving =
+        |is: &dyn Fn(usize) -> bool| tree.nodes().filter(|(place, node)| is(*node) && moves(*place, *node)).count();
     let (moving_meshes, moving) = (moving(&solid), moving(&|node| solid(node) || shines(node)));
     let flies = lens.as_ref().is_some_and(|lens| tree.moves(lens.place, &animations));
     let frames = if moving > 0 || flies { frames(path, &animations, options)? } else { 1 };
@@ -97,8 +106,8 @@ pub(crate) fn load_gltf(path: &Path, options: &LoadOptions) -> Result<GltfModel,
     let materials = model.materials();
     let (low, high) = main_bounds(&film.as_ref().map_or(&mesh, |film| &film.first).positions);
     let middle = (low + high) / 2.0;
-    let lights =
-        lights::lights(&source, tree.nodes().map(|(place, node)| (node, world[place])), middle, &mut warnings)?;
+    let stands = tree.nodes().map(|(place, node)| (node, world[place]));
+    let lights = lights::lights(&source, stands, (middle, (high - low).length() / 2.0), &mut warnings)?;
     let camera = |lens: &cameras::Lens| -> Result<Vec<Camera>, SceneError> {
         let at = |frame: u64| tree.world_of(lens.place, &animations, frame as f64 / options.fps());
         (0..frames).map(|frame| cameras::camera(&source, lens, &at(frame), middle)).collect()
@@ -142,15 +151,11 @@ fn tell_moving(path: &Path, moving: usize, options: &LoadOptions, warnings: &mut
 /// Counts what no part of the loader reads.
 fn tell_ignored(source: &Source, warnings: &mut Warnings) {
     let file = source.path.display();
+    let told = source.told();
+    for name in source.root().extensions_used.iter().filter(|name| !document::is_read(name) && !told.contains(*name)) {
+        warnings.add(&format!("extension {name}"), || format!("{file}: the extension {name} is not read"));
+    }
     for (index, node) in source.root().nodes.iter().enumerate() {
-        if node.skin.is_some() {
-            warnings.add("skin", || {
-                format!(
-                    "{file}: {}: skins are not read: the mesh stands as its vertices are stored",
-                    label(source, index)
-                )
-            });
-        }
         for name in node.extensions.iter().flat_map(|extensions| extensions.others.keys()) {
             warnings.add(&format!("extension {name}"), || {
                 format!("{file}: {}: the extension {name} is not read", label(source, index))
@@ -201,6 +206,7 @@ impl Builder<'_> {
             let named = &root.meshes[index.value()];
             let name = root.nodes[node].name.clone().or_else(|| named.name.clone());
             objects.push(name.unwrap_or_else(|| format!("node {node}")));
+            let stand = Stand::of(self.source, tree, world, place, node)?;
             for (p, primitive) in named.primitives.iter().enumerate() {
                 let place_name = format!("mesh {}, primitive {p}", index.value());
                 let material = self.surface(primitive.material.map(|m| m.value()), warnings)?;
@@ -213,8 +219,7 @@ impl Builder<'_> {
                     continue;
                 }
                 let object = objects.len() as u32 - 1;
-                let target =
-                    Target { mesh: &mut mesh, object, material: material as u32, surface, world: world[place] };
+                let target = Target { mesh: &mut mesh, object, material: material as u32, surface, stand: &stand };
                 primitive::append(self.source, &place_name, primitive, target, &mut budget, warnings)?;
             }
         }

@@ -29,18 +29,20 @@ struct Place {
 /// The nodes of the scene that the file shows, parents before children.
 pub(crate) struct Tree {
     places: Vec<Place>,
+    /// The place of each node of the file that is in the scene.
+    of_node: Vec<Option<usize>>,
 }
 
 impl Tree {
     /// Collects the nodes of the file's scene, in the order of the file.
     pub fn new(source: &Source, animations: &Animations, warnings: &mut Warnings) -> Result<Self, SceneError> {
         let root = source.root();
-        let mut seen = vec![false; root.nodes.len()];
+        let mut of_node = vec![None; root.nodes.len()];
         let mut places: Vec<Place> = Vec::new();
         let mut todo: Vec<(usize, usize)> = roots(source, warnings).into_iter().rev().map(|n| (n, ROOT)).collect();
         while let Some((index, parent)) = todo.pop() {
             let node = &root.nodes[index];
-            if std::mem::replace(&mut seen[index], true) {
+            if of_node[index].replace(places.len()).is_some() {
                 return Err(source.bad(
                     label(source, index),
                     "it is reached twice: nodes must form a tree",
@@ -52,12 +54,17 @@ impl Tree {
             todo.extend(children.map(|child| (child.value(), places.len())));
             places.push(Place { node: index, parent, stand });
         }
-        Ok(Self { places })
+        Ok(Self { places, of_node })
     }
 
     /// The file's node at each place.
     pub fn nodes(&self) -> impl Iterator<Item = (usize, usize)> {
         self.places.iter().enumerate().map(|(place, p)| (place, p.node))
+    }
+
+    /// The place of a node of the file; nothing if it is not in the scene.
+    pub fn place(&self, node: usize) -> Option<usize> {
+        self.of_node.get(node).copied().flatten()
     }
 
     /// Where every place stands in the scene at a time, in seconds.

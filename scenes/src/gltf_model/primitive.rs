@@ -4,7 +4,7 @@ use glam::{DAffine3, DVec3, Vec2, Vec3};
 use gltf::json::mesh::{Mode, Primitive, Semantic};
 use gltf::json::validation::Checked;
 
-use super::{document::Source, materials::Surface};
+use super::{document::Source, materials::Surface, skin::Stand};
 use crate::{
     error::SceneError,
     mesh::{MeshJoin, normals},
@@ -46,11 +46,13 @@ pub(crate) struct Target<'a> {
     pub object: u32,
     pub material: u32,
     pub surface: &'a Surface,
-    pub world: DAffine3,
+    pub stand: &'a Stand,
 }
 
 /// The vertices of a primitive.
 struct Vertices {
+    /// They stand mirrored, the first of them at least.
+    is_mirrored: bool,
     positions: Vec<Vec3>,
     /// Of any length.
     normals: Option<Vec<DVec3>>,
@@ -82,7 +84,7 @@ pub(crate) fn append(
     }
     budget.take(source, place, count, triangles.len())?;
     // A mirrored copy would show its inside.
-    if target.world.matrix3.determinant() < 0.0 {
+    if vertices.is_mirrored {
         triangles.iter_mut().for_each(|t| t.swap(1, 2));
     }
     join(source, &vertices, &triangles, target, warnings);
@@ -103,12 +105,11 @@ fn vertices(
     let file = source.path.display();
     let broken = |what: String| source.bad(place, what, "export the model again");
     let position = accessor(primitive, Semantic::Positions).ok_or_else(|| broken("it has no POSITION".into()))?;
-    let world = target.world;
-    let positions: Vec<Vec3> = source
-        .floats::<3>(position)?
-        .into_iter()
-        .map(|p| world.transform_point3(DVec3::from_array(p.map(f64::from))).as_vec3())
-        .collect();
+    let positions = source.floats::<3>(position)?;
+    let stands = target.stand.of_vertices(source, place, primitive, positions.len())?;
+    let stand =
+        |(p, world): ([f32; 3], &DAffine3)| world.transform_point3(DVec3::from_array(p.map(f64::from))).as_vec3();
+    let positions: Vec<Vec3> = positions.into_iter().zip(stands.iter().cycle()).map(stand).collect();
     if let Some(at) = positions.iter().position(|p| !p.is_finite()) {
         return Err(broken(format!("vertex {at} is not finite")));
     }
@@ -121,8 +122,8 @@ fn vertices(
     if let Some(normals) = &normals {
         same("normals", normals.len())?;
     }
-    let turn = cofactors(&world);
-    let normals = normals.map(|list| list.into_iter().map(|n| turn(DVec3::from_array(n.map(f64::from)))).collect());
+    let turn = |(n, world): ([f32; 3], &DAffine3)| cofactors(world)(DVec3::from_array(n.map(f64::from)));
+    let normals = normals.map(|list| list.into_iter().zip(stands.iter().cycle()).map(turn).collect());
     let uvs = match accessor(primitive, Semantic::TexCoords(target.surface.uv_set)) {
         Some(at) => source.floats::<2>(at)?,
         None => {
@@ -148,7 +149,8 @@ fn vertices(
     if primitive.targets.as_ref().is_some_and(|targets| !targets.is_empty()) {
         warnings.add("morph", || format!("{file}: {place}: morph targets are not read"));
     }
-    Ok(Vertices { positions, normals, uvs })
+    let is_mirrored = stands.first().is_some_and(|world| world.matrix3.determinant() < 0.0);
+    Ok(Vertices { is_mirrored, positions, normals, uvs })
 }
 
 /// A texture coordinate of the file as one of the scene, whose `v` points up.

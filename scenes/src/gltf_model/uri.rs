@@ -59,7 +59,8 @@ fn local(model: &Path, at: &Location, what: &str, uri: &str) -> Result<PathBuf, 
         Err(SceneError::input(at.clone(), format!("the {what} `{short}` {why}"), fix))
     };
     let name = percent_encoding::percent_decode_str(uri).decode_utf8_lossy().replace('\\', "/");
-    let scheme = name.split_once(':').map(|(scheme, _)| scheme);
+    // A colon that is written `%3A` is one of the name.
+    let scheme = uri.split_once(':').map(|(scheme, _)| scheme);
     if scheme.is_some_and(|s| !s.is_empty() && s.chars().all(|c| c.is_ascii_alphanumeric() || "+-.".contains(c))) {
         return refuse(
             "is not in a file beside the model, and nothing is fetched",

@@ -112,9 +112,9 @@ fn load_libraries(
     let mut done: Vec<&str> = Vec::new();
     for (line, statement) in &checked.libraries {
         // A name may hold blanks, and a statement may hold several names: the whole is tried first.
-        let whole = folder.join(statement.replace('\\', "/"));
-        let names: Vec<&str> =
-            if whole.is_file() { vec![statement] } else { mtl::before_comment(statement).split_whitespace().collect() };
+        let bare = mtl::before_comment(statement);
+        let whole = [statement, bare].into_iter().find(|name| folder.join(name.replace('\\', "/")).is_file());
+        let names: Vec<&str> = whole.map_or_else(|| bare.split_whitespace().collect(), |name| vec![name]);
         let at = Location::line(path, *line);
         if names.is_empty() {
             return Err(SceneError::input(at, "`mtllib` names no file", "name a material library"));

@@ -11,7 +11,10 @@ pub(crate) fn triangulate(points: &[DVec3]) -> (Vec<[usize; 3]>, bool) {
     let count = points.len();
     let normal = area_normal(points);
     let fan = || (1..count.saturating_sub(1)).map(|i| [0, i, i + 1]).collect();
-    let convex = (0..count).all(|i| turn(points, normal, [(i + count - 1) % count, i, (i + 1) % count]) >= -1e-9);
+    let corners = || (0..count).map(|i| [(i + count - 1) % count, i, (i + 1) % count]);
+    // A star that is drawn in one line turns left everywhere, but twice round.
+    let once = once_round(points, normal, corners());
+    let convex = once && corners().all(|corner| turn(points, normal, corner) >= -1e-9);
     if count <= 3 || convex || count > MAX_EAR_CORNERS {
         return (fan(), count <= 3 || convex);
     }
@@ -26,7 +29,7 @@ pub(crate) fn triangulate(points: &[DVec3]) -> (Vec<[usize; 3]>, bool) {
         triangles.push([left[(i + n - 1) % n], left[i], left[(i + 1) % n]]);
         left.remove(i);
     }
-    let exact = left.len() == 3;
+    let exact = once && left.len() == 3;
     triangles.extend((1..left.len() - 1).map(|i| [left[0], left[i], left[i + 1]]));
     (triangles, exact)
 }
@@ -48,6 +51,15 @@ fn turn(points: &[DVec3], normal: DVec3, [a, b, c]: [usize; 3]) -> f64 {
     let (first, second) = (points[b] - points[a], points[c] - points[b]);
     let scale = first.length() * second.length();
     if scale > 0.0 { first.cross(second).dot(normal) / scale } else { 0.0 }
+}
+
+/// Whether the sides turn once round: twice, or not at all, in a polygon that crosses itself.
+fn once_round(points: &[DVec3], normal: DVec3, corners: impl Iterator<Item = [usize; 3]>) -> bool {
+    let angle = |[a, b, c]: [usize; 3]| {
+        let (first, second) = (points[b] - points[a], points[c] - points[b]);
+        libm::atan2(first.cross(second).dot(normal), first.dot(second))
+    };
+    (corners.map(angle).sum::<f64>() - std::f64::consts::TAU).abs() < 1.0
 }
 
 fn is_ear(points: &[DVec3], normal: DVec3, left: &[usize], i: usize) -> bool {
@@ -84,6 +96,17 @@ mod tests {
             assert!(areas.iter().all(|a| *a > 0.0), "{areas:?}");
             assert!((areas.iter().sum::<f64>() - 1.5).abs() < 1e-12, "{areas:?}");
         }
+    }
+
+    #[test]
+    fn a_star_in_one_line_is_not_convex() {
+        let at = |i: u32| {
+            let angle = std::f64::consts::TAU * f64::from(i) / 5.0;
+            DVec3::new(libm::cos(angle), libm::sin(angle), 0.0)
+        };
+        let (triangles, exact) = triangulate(&[0, 2, 4, 1, 3].map(at));
+        assert_eq!((triangles.len(), exact), (3, false));
+        assert!(triangulate(&[0, 1, 2, 3, 4].map(at)).1);
     }
 
     #[test]

@@ -6,6 +6,7 @@ mod fuzz;
 mod materials;
 mod same_as_obj;
 mod shapes;
+mod skins;
 mod writer;
 
 use std::path::Path;

@@ -200,6 +200,34 @@ fn lit(lights: &[(Value, [f32; 3])]) -> Writer {
     writer
 }
 
+/// A lamp amid the model outshone all others, the more the nearer it was to the middle: it counts as half a radius away.
+#[test]
+fn a_lamp_amid_the_model_leaves_the_sun_its_light() {
+    let ratio = |at: [f32; 3]| {
+        let sun = json!({"type": "directional", "intensity": 1, "color": [0, 0, 1]});
+        let (_folder, scene) = lit(&[(json!({"type": "point", "intensity": 1}), at), (sun, [0.0; 3])]).load();
+        let [Light::Point { colour: lamp, .. }, Light::Directional { colour: sun, .. }] = scene.lights[..] else {
+            panic!("{:?}", scene.lights);
+        };
+        lamp.x / sun.z
+    };
+    // The radius is half of the box's diagonal, which is the root of 2: half of that squared is 1/8.
+    for at in [[0.5, 0.5, 0.0], [0.5, 0.5, 1e-3], [0.5, 0.5, 0.35]] {
+        assert!((ratio(at) - 8.0).abs() < 1e-4, "{at:?}: {}", ratio(at));
+    }
+    assert!((ratio([0.5, 0.5, 2.0]) - 0.25).abs() < 1e-5);
+}
+
+#[test]
+fn what_a_file_uses_and_nobody_reads_is_told() {
+    let mut writer = Writer::triangle(json!(null));
+    writer.json["extensionsUsed"] = json!(["KHR_materials_ior", "KHR_animation_pointer", "EXT_lights_image_based"]);
+    let (folder, scene) = writer.load();
+    assert_warned(&folder, &scene, 1, "the extension KHR_animation_pointer is not read");
+    assert_warned(&folder, &scene, 1, "the extension EXT_lights_image_based is not read");
+    assert_eq!(warnings(&folder, &scene).len(), 2);
+}
+
 #[test]
 fn lights_keep_their_places_and_ratios() {
     let point = |intensity: f32| json!({"type": "point", "intensity": intensity, "color": [1, 0.5, 0.25]});
