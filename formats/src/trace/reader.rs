@@ -60,6 +60,11 @@ impl Trace {
         Self::from_reader(Reader::from_source(source, name, limits)?)
     }
 
+    /// The file, as errors name it.
+    pub fn path(&self) -> &Path {
+        self.reader.path()
+    }
+
     fn from_reader(reader: Reader) -> Result<Self> {
         let limits = reader.limits().clone();
         let meta = Meta::from_payload(&reader.read(reader.require(ChunkId::META)?)?, &limits)?;

@@ -25,13 +25,28 @@ pub struct Dimension {
     pub of: Vec<Option<usize>>,
 }
 
-/// The dimensions with more than one value, in the order of the columns.
+/// The columns that say which frames of a trace a point is of.
+const OF_FRAMES: [&str; 2] = ["first_frame", "frames"];
+
+/// The dimensions with more than one value, in the order of the columns. Where each trace has its own frames these are none: they would
+/// tell the same as the trace.
 pub fn dimensions(results: &Results) -> Vec<Dimension> {
     let chosen = |field: &&Field| field.role == Role::Axis || IDENTITY.contains(&field.name.as_str());
-    results.fields.iter().filter(chosen).map(Dimension::new).filter(|dimension| dimension.values.len() > 1).collect()
+    let all = results.fields.iter().filter(chosen).map(Dimension::new).filter(|dimension| dimension.values.len() > 1);
+    let mut all: Vec<Dimension> = all.collect();
+    if let Some(trace) = all.iter().find(|dimension| dimension.name == "trace").cloned() {
+        all.retain(|dimension| !(OF_FRAMES.contains(&dimension.name.as_str()) && dimension.follows(&trace)));
+    }
+    all
 }
 
 impl Dimension {
+    /// Whether the value of another dimension decides about that of this one.
+    fn follows(&self, other: &Self) -> bool {
+        let mut known = BTreeMap::new();
+        self.of.iter().zip(&other.of).all(|(value, decides)| known.entry(decides).or_insert(value) == &value)
+    }
+
     /// The dimension of a column.
     pub fn new(field: &Field) -> Self {
         let rows = field.cells.len();
@@ -65,7 +80,7 @@ pub fn label(field: &Field, row: usize) -> Option<String> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::tables::{axis, table};
+    use super::super::tables::{axis, table, words};
     use super::*;
 
     #[test]
@@ -82,5 +97,18 @@ mod tests {
             (&["4KiB".into(), "64KiB".into()][..], &vec![Some(1), Some(0), None, Some(0)])
         );
         assert_eq!(found[1].values, ["retry", "accumulate", "reorder"]);
+    }
+
+    #[test]
+    fn frames_that_each_trace_has_of_its_own_are_no_dimension() {
+        let found = |frames: [i64; 4]| {
+            let trace = words("trace", Role::Point, &["a", "b", "a", "b"]);
+            let mut frames = axis("frames", Cells::Int(frames.map(Some).into()));
+            frames.role = Role::Point;
+            let all = dimensions(&table(vec![trace, frames, axis("l1", Cells::Int([1, 1, 2, 2].map(Some).into()))]));
+            all.into_iter().map(|dimension| dimension.name).collect::<Vec<_>>()
+        };
+        assert_eq!(found([1, 2, 1, 2]), ["trace", "l1"]);
+        assert_eq!(found([1, 2, 2, 2]), ["trace", "frames", "l1"]);
     }
 }

@@ -1,4 +1,9 @@
 //! Main effects: how much an axis moves a result when everything else is averaged.
+//!
+//! Values of an axis are compared like with like: over points whose partners, which differ in that axis alone, are all there. Where a plan
+//! leaves out large caches with many units, large caches would have few units for company, and look better than they are.
+
+use std::collections::{BTreeMap, BTreeSet};
 
 use crate::analysis::dims::Dimension;
 
@@ -13,22 +18,50 @@ pub struct Effect {
     pub ends: [usize; 2],
     /// Points that have a value of the dimension and a number without an end, as the PSNR of equal pictures: no mean has them.
     pub endless: usize,
+    /// Points that the means are of.
+    pub points: usize,
+    /// How they were chosen.
+    pub company: Company,
+}
+
+/// Which points an effect compares.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Company {
+    /// All: each has its partners.
+    Equal,
+    /// Those that have a partner at every other value.
+    Partners,
+    /// All, though none has all its partners: means differ by more than the axis.
+    Unequal,
 }
 
 impl Effect {
     /// The effect over the rows that have a value of the dimension and a number, which `result` gives; none with fewer than two such
-    /// values.
-    pub fn new(dimension: &Dimension, result: impl Fn(usize) -> Option<f64>) -> Option<Self> {
-        let mut sums = vec![(0.0, 0_u32); dimension.values.len()];
-        let rows = dimension.of.iter().enumerate().filter_map(|(row, value)| Some(((*value)?, result(row)?)));
+    /// values. Partners are the same in all `others`.
+    pub fn new(dimension: &Dimension, others: &[&Dimension], result: impl Fn(usize) -> Option<f64>) -> Option<Self> {
+        let rows = dimension.of.iter().enumerate().filter_map(|(row, value)| Some((row, (*value)?, result(row)?)));
         let mut endless = 0;
-        for (value, number) in rows {
+        let mut groups: BTreeMap<Vec<Option<usize>>, Vec<(usize, f64)>> = BTreeMap::new();
+        for (row, value, number) in rows {
             if !number.is_finite() {
                 endless += usize::from(number.is_infinite());
                 continue;
             }
-            sums[value].0 += number;
-            sums[value].1 += 1;
+            groups.entry(others.iter().map(|other| other.of[row]).collect()).or_default().push((value, number));
+        }
+        let values = |group: &[(usize, f64)]| group.iter().map(|(value, _)| *value).collect::<BTreeSet<_>>();
+        let all = groups.values().flat_map(|group| values(group)).collect::<BTreeSet<_>>().len();
+        let whole: Vec<_> = groups.values().filter(|group| values(group).len() == all).collect();
+        let company = match whole.len() {
+            0 => Company::Unequal,
+            some if some < groups.len() => Company::Partners,
+            _ => Company::Equal,
+        };
+        let compared = if whole.is_empty() { groups.values().collect() } else { whole };
+        let mut sums = vec![(0.0, 0_u32); dimension.values.len()];
+        for (value, number) in compared.into_iter().flatten() {
+            sums[*value].0 += number;
+            sums[*value].1 += 1;
         }
         let mean = |(sum, count): &(f64, u32)| (*count > 0).then(|| sum / f64::from(*count));
         let means: Vec<Option<f64>> = sums.iter().map(mean).collect();
@@ -37,7 +70,9 @@ impl Effect {
         // The first of equal ones, so that the page is the same every time.
         let least = known().min_by(|a, b| a.1.total_cmp(&b.1))?.0;
         let most = known().rev().max_by(|a, b| a.1.total_cmp(&b.1))?.0;
-        (known().count() > 1).then(|| Self { overall: sum / f64::from(count), ends: [least, most], means, endless })
+        let (overall, points) = (sum / f64::from(count), count as usize);
+        let several = known().count() > 1;
+        several.then_some(Self { overall, ends: [least, most], means, endless, points, company })
     }
 
     /// How far a mean lies from the mean over all, as a share of that. Where the mean over all is 0, as that of -5 and 5, it is a
@@ -69,7 +104,7 @@ mod tests {
     use crate::table::Cells;
 
     fn effect_of(dimension: &Dimension, cells: &Cells) -> Option<Effect> {
-        Effect::new(dimension, |row| cells.number(row))
+        Effect::new(dimension, &[], |row| cells.number(row))
     }
 
     fn close(a: f64, b: f64) {
@@ -94,6 +129,28 @@ mod tests {
         close(effect_of(&b, &time).unwrap().share(), 4.0 / 22.0);
         // An axis that changes nothing.
         close(effect_of(&a, &Cells::Float(vec![Some(5.0); 6])).unwrap().share(), 0.0);
+    }
+
+    /// time = a + 100 b over pairs of a in 1, 2, 3 and b in 0, 1, but for 3 with 1: averaged over what is there 3 would look best.
+    #[test]
+    fn values_are_compared_like_with_like() {
+        let pairs = [(1, 0), (2, 0), (3, 0), (1, 1), (2, 1)];
+        let column = |name: &str, of: fn(&(i64, i64)) -> i64| {
+            Dimension::new(&axis(name, Cells::Int(pairs.iter().map(|p| Some(of(p))).collect())))
+        };
+        let (a, b) = (column("a", |p| p.0), column("b", |p| p.1));
+        let time = |row: usize| Some((pairs[row].0 + 100 * pairs[row].1) as f64);
+        let effect = Effect::new(&a, &[&b], time).unwrap();
+        assert_eq!((effect.means.as_slice(), effect.overall), (&[Some(1.0), Some(2.0), Some(3.0)][..], 2.0));
+        assert_eq!((effect.points, effect.company, effect.ends), (3, Company::Partners, [0, 2]));
+        let effect = Effect::new(&b, &[&a], time).unwrap();
+        assert_eq!((effect.means.as_slice(), effect.points), (&[Some(1.5), Some(101.5)][..], 4));
+        // Each has its own partner: nothing can be told apart.
+        let effect = Effect::new(&a, &[&a], time).unwrap();
+        assert_eq!((effect.points, effect.company), (5, Company::Unequal));
+        // A value that is nowhere known is no partner that one could have.
+        let effect = Effect::new(&a, &[&b], |row| time(row).filter(|_| pairs[row].0 < 3)).unwrap();
+        assert_eq!((effect.means.as_slice(), effect.company), (&[Some(51.0), Some(52.0), None][..], Company::Equal));
     }
 
     /// These were "no change".

@@ -6,8 +6,8 @@ use crate::compare::change::{self, Change, ConfigChange, StateChange};
 use crate::compare::estimates::Estimates;
 use crate::compare::options::Options;
 use crate::compare::pairs::Pairs;
-use crate::error::Result;
-use crate::table::{Results, Role};
+use crate::error::{Result, StudyError};
+use crate::table::{Field, Results, Role};
 
 /// What changed from A to B.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -38,14 +38,42 @@ pub struct Comparison {
     pub results: Vec<Change>,
 }
 
+/// Refuses to compare what has no value anywhere: it would be called equal, and a gate would let everything pass.
+fn check_values<'a>(tables: [&Results; 2], taken: impl Iterator<Item = &'a String>, pairs: &Pairs) -> Result<()> {
+    let taken: Vec<&String> = taken.collect();
+    let fields = |name: &str| tables.map(|table| table.field(name));
+    let is_result =
+        |name: &str| fields(name).into_iter().flatten().any(|field| matches!(field.role, Role::Figure | Role::Counter));
+    let has_value = |name: &str| {
+        let [a, b] = fields(name);
+        let known = |field: Option<&Field>, row: usize| field.is_some_and(|field| field.cells.number(row).is_some());
+        pairs.both.iter().any(|(row_a, row_b, _)| known(a, *row_a) || known(b, *row_b))
+    };
+    if pairs.both.is_empty() || taken.iter().any(|name| !is_result(name) || has_value(name)) {
+        return Ok(());
+    }
+    let detail = match taken.as_slice() {
+        [] => "nothing is left to compare: --ignore leaves out all of it".to_owned(),
+        [one] => format!("{one} has no value at any point of both: there is nothing to compare"),
+        [first, ..] => format!(
+            "none of {} columns, such as {first}, has a value at any point of both: there is nothing to compare",
+            taken.len()
+        ),
+    };
+    Err(StudyError::Usage { detail })
+}
+
 impl Comparison {
     /// Compares two tables.
     ///
     /// # Errors
-    /// A column of [`Options::across`] that neither has; a pattern of [`Options::select`] that matches nothing.
+    /// A column of [`Options::across`] that neither has; a pattern of [`Options::select`] that matches nothing, or patterns that leave
+    /// nothing to compare.
     pub fn new(a: &Results, b: &Results, options: &Options) -> Result<Self> {
-        options.select.check(&change::comparable(a, b))?;
+        let names = change::comparable(a, b);
+        options.select.check(&names)?;
         let pairs = Pairs::new(a, b, &options.across)?;
+        check_values([a, b], names.iter().filter(|name| options.select.takes(name)), &pairs)?;
         let (columns, [columns_vanished, columns_appeared]) = change::columns(a, b, &options.select);
         let estimates = [a, b].map(Estimates::new);
         let (results, within) = change::results(&columns, &pairs, estimates.each_ref(), options.tolerance);

@@ -92,6 +92,23 @@ fn points_appear_and_vanish() {
     assert!(error.contains("did you mean machine?"), "{error}");
 }
 
+/// Both would be equal, and a gate would let anything pass.
+#[test]
+fn what_has_no_value_is_no_comparison() {
+    let (a, b) = (sweep(&[1], &[f64::NAN]), sweep(&[1], &[f64::NAN]));
+    let compare = |a: &Results, b: &Results, only: &str, ignore: &str| {
+        let select = Select::new(&[only.to_owned()], &[ignore.to_owned()]).unwrap();
+        Comparison::new(a, b, &Options { select, ..Options::default() }).map_err(|e| e.to_string())
+    };
+    let none = compare(&a, &b, "time_ms", "ti.trv").unwrap_err();
+    assert!(none.contains("time_ms has no value at any point of both"), "{none}");
+    let known = sweep(&[1], &[3.0]);
+    let nothing = compare(&known, &known, "time_ms", "time_*").unwrap_err();
+    assert!(nothing.contains("nothing is left to compare"), "{nothing}");
+    assert!(compare(&a, &known, "time_ms", "ti.trv").unwrap().changed(), "from nothing to something");
+    assert!(!compare(&a, &b, "*", "time_ms").unwrap().changed(), "a key of the machine is the same");
+}
+
 #[test]
 fn a_pattern_that_matches_nothing_is_no_comparison() {
     let error = |only: &[&str], ignore: &[&str]| {
@@ -111,7 +128,8 @@ fn a_pattern_that_matches_nothing_is_no_comparison() {
     }
     for known in ["time_ms", "time*", "ti.trv", "machine", "l1", "model_version", "*"] {
         assert_eq!(error(&[known], &[]), Ok(()), "{known}");
-        assert_eq!(error(&[], &[known]), Ok(()), "{known}");
+        // Without everything nothing is left.
+        assert_eq!(error(&[], &[known]).is_ok(), known != "*", "{known}");
     }
 }
 

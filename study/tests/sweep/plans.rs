@@ -130,6 +130,7 @@ fn bad_plans_are_one_error_with_its_place() {
             "policies = [\"full\"]\nframes = [\"3\"]".to_owned(),
             "plan.toml:3:11: frames \"3\": v1_0_cornell.rtrace holds frames 0..1",
         ),
+        ("policies = [\"full\"]\nframes = [\"0\", \"all\"]".to_owned(), "these frames stand here twice"),
         ("policies = [\"full\"]\nframes = [\"x\"]".to_owned(), "write \"all\", \"3\" or \"0..10\""),
         (axis("key = \"ti.trv\"\nvalues = []"), "plan.toml:6:10: axis \"x\" has no values"),
         (

@@ -1,7 +1,7 @@
 //! Which axis moves which result by how much.
 
 use crate::analysis::dims::Dimension;
-use crate::analysis::effects::Effect;
+use crate::analysis::effects::{Company, Effect};
 use crate::html::parts::{Head, Section, how_to_read, table};
 use crate::html::sweep::number::{number, signed_percent};
 use crate::html::sweep::view::SweepView;
@@ -15,10 +15,11 @@ pub fn section(view: &SweepView<'_>) -> Option<Section> {
         return None;
     }
     let cards: String = moved.iter().map(|field| card(view, field)).collect();
-    let read = "For each value of an axis the result is averaged over all points that have it. A bar reaches from the least to the \
-                most of these means, as far as they lie from the mean of all: its length is the main effect. Axes whose values some \
-                points lack are averaged over those that have one. Effects that axes have only together do not show here; the heat \
-                map shows them.";
+    let read = "For each value of an axis the result is averaged over points that differ in that axis alone: those that have a partner at \
+                every other value. Where some points lack partners, as after an exclude, a bar says how many points it is of; where all \
+                do, it says that it is not like with like. A bar reaches from the least to the most of these means, as far as they lie \
+                from the mean of them all: its length is the main effect. Effects that axes have only together do not show here; the \
+                heat map shows them.";
     let controls = "<div class=\"controls only-js\"><label class=\"wide\">Another result <select id=\"effects-result\"></select></label>\
                     <output id=\"effects-of\"></output></div>\n";
     let html = format!(
@@ -83,7 +84,12 @@ fn unit(field: &Field) -> &str {
 /// The values with the least and the most mean.
 fn ends(dimension: &Dimension, effect: &Effect) -> String {
     let value = |end: usize| &dimension.values[effect.ends[end]];
-    if effect.share() == 0.0 { "no change".into() } else { format!("{} to {}", value(0), value(1)) }
+    let ends = if effect.share() == 0.0 { "no change".into() } else { format!("{} to {}", value(0), value(1)) };
+    match effect.company {
+        Company::Equal => ends,
+        Company::Partners => format!("{ends}, of {} points", effect.points),
+        Company::Unequal => format!("{ends}, not like with like"),
+    }
 }
 
 /// The mean of each value, shown when a bar is pointed at.

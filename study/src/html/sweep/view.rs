@@ -107,7 +107,8 @@ impl<'a> SweepView<'a> {
 
     /// What a dimension does to a result.
     pub fn effect(&self, dimension: &Dimension, result: &Field) -> Option<Effect> {
-        Effect::new(dimension, |row| self.result(result, row))
+        let others: Vec<_> = self.dimensions.iter().filter(|other| other.name != dimension.name).collect();
+        Effect::new(dimension, &others, |row| self.result(result, row))
     }
 
     /// The dimensions by their influence on a result, the strongest first.

@@ -153,7 +153,13 @@ impl Expander<'_> {
             }
             Ok((a, n))
         };
-        entries.get_ref().iter().map(one).collect()
+        let found: Vec<(u32, u32)> = entries.get_ref().iter().map(one).collect::<Result<_>>()?;
+        if let Some(again) = (1..found.len()).find(|at| found[..*at].contains(&found[*at])) {
+            let entry = &entries.get_ref()[again];
+            let detail = format!("frames {:?}: of {} these frames stand here twice", entry.get_ref(), trace.name);
+            return Err(self.text.error(&entry.span(), detail));
+        }
+        Ok(found)
     }
 
     /// All combinations of axis values for a machine and a policy; `before` points were made already.

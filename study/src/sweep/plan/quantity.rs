@@ -2,7 +2,7 @@
 
 use rayreel_machine::config::units::Bytes;
 
-/// The expression as Jinja reads it: a size as its bytes, `=` outside of the arguments of a call as `==`.
+/// The expression as Jinja reads it: a size as its bytes, in quotes too, as plans write values of axes; `=` outside of the arguments of a call as `==`.
 pub fn jinja(source: &str) -> String {
     let mut text = String::with_capacity(source.len() + 8);
     let mut calls = Vec::new(); // for each open bracket whether it is that of a call
@@ -24,7 +24,10 @@ pub fn jinja(source: &str) -> String {
         }
         let inside_call = calls.last().copied().unwrap_or(false);
         let alone = first == '=' && !after.starts_with('=') && !text.ends_with(['=', '!', '<', '>']);
-        let size = || (first.is_ascii_digit() && token.ends_with('B')).then(|| Bytes::parse(token)).flatten();
+        let bare = token.strip_prefix(first).and_then(|rest| rest.strip_suffix(first));
+        let bare = bare.filter(|_| matches!(first, '"' | '\'')).unwrap_or(token);
+        let is_size = |text: &str| text.ends_with('B') && text.chars().all(|c| c.is_ascii_alphanumeric());
+        let size = || Bytes::parse(bare).filter(|_| is_size(bare));
         if alone && !inside_call {
             text.push_str("==");
         } else if let Some(bytes) = size() {
@@ -73,6 +76,11 @@ mod tests {
             ("f(x, y=[1 = 2])", "f(x, y=[1 == 2])"),
             ("x <= 3 and y >= 4 and z != 5", "x <= 3 and y >= 4 and z != 5"),
             ("é = 1e6", "é == 1e6"),
+            (
+                "l1 <= \"8KiB\" or l1 in ['4KiB', \"64\", '4 KiB', 'x4KiB']",
+                "l1 <= 8192 or l1 in [4096, \"64\", '4 KiB', 'x4KiB']",
+            ),
+            ("x = '4KiB", "x == '4KiB"),
             ("l1 >= 1.5KiB and x = 2.5", "l1 >= 1.5KiB and x == 2.5"),
             ("x = 16KB and b16KiB = 'unclosed = ", "x == 16KB and b16KiB == 'unclosed = "),
         ];

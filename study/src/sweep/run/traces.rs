@@ -78,10 +78,10 @@ impl<'a> SharedTraces<'a> {
         let trace = (self.settings.open)(&planned.location).map_err(unsigned)?;
         let fingerprint = trace.fingerprint().map_err(|e| e.to_string())?.to_string();
         if fingerprint != planned.fingerprint {
-            let location = &planned.location;
             return Err(format!(
-                "{location} is not the trace that the plan was made for (fingerprint {fingerprint}, not {}); put that one there, or \
+                "{} is not the trace that the plan was made for (fingerprint {fingerprint}, not {}); put that one there, or \
                  make a new plan",
+                trace.path().display(),
                 planned.fingerprint
             ));
         }

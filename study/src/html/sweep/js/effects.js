@@ -7,14 +7,26 @@
 
   const effect = (dimension, result) => {
     const sums = new Map(dimension.of.filter((value) => value !== null).map((value) => [value, [0, 0]]));
+    const others = sweep.dimensions.filter((other) => other !== dimension);
+    const groups = new Map();
     let sum = 0, count = 0, endless = 0;
     for (const row of sweep.filter.rows) {
       const value = sweep.value(result, row);
-      const own = sums.get(dimension.values[row]);
-      if (value === null || !own) continue;
+      if (value === null || !sums.has(dimension.values[row])) continue;
       if (!Number.isFinite(value)) { endless += Number.isNaN(value) ? 0 : 1; continue; }
-      own[0] += value; own[1] += 1; sum += value; count += 1;
+      const key = JSON.stringify(others.map((other) => other.values[row]));
+      if (!groups.has(key)) groups.set(key, []);
+      groups.get(key).push([dimension.values[row], value]);
     }
+    // Like with like, as `Effect::new`: points whose partners are all there.
+    const values = (group) => new Set(group.map(([value]) => value)).size;
+    const every = new Set([...groups.values()].flatMap((group) => group.map(([value]) => value))).size;
+    const complete = [...groups.values()].filter((group) => values(group) === every);
+    for (const [value, number] of (complete.length > 0 ? complete : [...groups.values()]).flat()) {
+      const own = sums.get(value);
+      own[0] += number; own[1] += 1; sum += number; count += 1;
+    }
+    const company = complete.length === 0 ? ", not like with like" : complete.length < groups.size ? `, of ${count} points` : "";
     const means = [...sums].filter(([, own]) => own[1] > 0).map(([value, own]) => ({ value, mean: own[0] / own[1] }));
     if (means.length < 2) return null;
     const overall = sum / count;
@@ -23,7 +35,7 @@
     // As `Effect::relative`: a share of the mean over all, or where that is 0 of the means' mean magnitude.
     const whole = overall === 0 ? means.reduce((all, own) => all + Math.abs(own.mean), 0) / means.length : Math.abs(overall);
     const share = (mean) => (whole === 0 ? 0 : (mean - overall) / whole);
-    return { dimension, means, overall, endless, least, most, share, low: share(least.mean), high: share(most.mean), size: share(most.mean) - share(least.mean) };
+    return { dimension, means, overall, endless, company, least, most, share, low: share(least.mean), high: share(most.mean), size: share(most.mean) - share(least.mean) };
   };
   const all = (result) => sweep.dimensions.map((own) => effect(own, result)).filter(Boolean).sort((a, b) => b.size - a.size);
 
@@ -37,7 +49,7 @@
     const bar = (own) => {
       const name = own.dimension.name;
       const shown = (value) => text.value(own.dimension, value);
-      const ends = own.size === 0 ? "no change" : `${shown(own.least.value)} to ${shown(own.most.value)}`;
+      const ends = (own.size === 0 ? "no change" : `${shown(own.least.value)} to ${shown(own.most.value)}`) + own.company;
       const lines = own.means.slice(0, 24).map(({ value, mean }) => `${shown(value)}: ${text.number(mean)} ${result.unit} (${text.signed(own.share(mean))})`);
       const tip = [`${result.name} by ${name}`, ...lines, ...(own.means.length > 24 ? ["…"] : [])].join("\n");
       return html("li", { "data-axis": name, "data-share": own.size.toFixed(6) }, html("span", { class: "bar-name" }, name, html("small", {}, ends)),

@@ -41,7 +41,8 @@ sweep.language = (() => {
       }
       const [whole, word, number, name, sign] = match;
       const at = start + whole.length - whole.trimStart().length;
-      if (word !== undefined) found.push({ kind: "value", value: unquote(text, at, word), at });
+      // A size may stand in quotes, as plans write values of axes.
+      if (word !== undefined) found.push({ kind: "value", value: /^.\d+(B|KiB|MiB).$/.test(word) ? quantity(text, at, word.slice(1, -1)) : unquote(text, at, word), at });
       else if (number !== undefined) found.push({ kind: "value", value: quantity(text, at, number), at });
       else if (name !== undefined) found.push(KEYWORDS.has(name) ? { kind: name, at } : CONSTANTS.has(name) ? { kind: "value", value: CONSTANTS.get(name), at } : { kind: "name", name, at });
       else found.push({ kind: sign === "=" ? "==" : sign, at });
