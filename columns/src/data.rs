@@ -120,6 +120,11 @@ impl<'a> Data<'a> {
                 names(What::takes_machine)
             ));
         }
+        if self.machine.is_some_and(|machine| machine.config.gpu.warm_caches) && what.is_simulated() {
+            return refuse(format!(
+                "table {name} is of frames that begin with empty caches, and gpu.warm_caches is true; set it to false"
+            ));
+        }
         if what.takes_machine() && self.machine.is_none() {
             return refuse(format!("table {name} depends on a machine; name one"));
         }

@@ -25,7 +25,7 @@ table! {
         node_visits: Vec<u32>, "events", "inner nodes that its rays visit";
         triangle_tests: Vec<u32>, "events", "triangles that its rays test";
         rounds: Vec<u32>, "", "rounds of the policy";
-        interpolated: Vec<u32>, "samples", "hits and whole subtrees that are interpolated";
+        interpolated: Vec<u32>, "", "hits and whole subtrees that are interpolated";
         similarity_tests: Vec<u32>, "events", "pairs of hits that the policy compares";
     }
 }

@@ -19,6 +19,7 @@ use rayreel_formats::math::Vec3;
 use rayreel_formats::scene::{Camera, Meta};
 
 use crate::counts::TileStats;
+use crate::policy::similarity::within_angle;
 use crate::policy::target::{FirstFrame, LimitController};
 use crate::policy::{Adaptive, Foveated, Jin2009, Mitchell1987, Multirate, Policy, Temporal, Whitted1980};
 
@@ -184,7 +185,7 @@ impl RateController {
     fn is_cut(&self, multirate: &Multirate, history: &History, frame: u32, camera: &Camera) -> bool {
         let (a, b) = (history.forward, self.forward(camera));
         let cosine = libm::cos(multirate.cut_deg.to_radians());
-        history.cut || history.frame.checked_add(1) != Some(frame) || f64::from(a.dot(b)) < cosine
+        history.cut || history.frame.checked_add(1) != Some(frame) || !within_angle(a, b, cosine)
     }
 
     /// The direction of the middle of the picture.

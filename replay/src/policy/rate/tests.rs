@@ -174,6 +174,17 @@ fn a_cut_starts_again() {
     assert_eq!(control.rates(10, &turned).blocks(), [8; 8]);
 }
 
+/// A unit vector of f32 is not quite one: its product with itself may be below 1.
+#[test]
+fn the_same_camera_is_no_cut_at_any_limit() {
+    for degrees in 0_u8..90 {
+        let (mut control, view) = (controller(&["cut_deg=0"]), camera(degrees.into()));
+        let rates = control.rates(0, &view);
+        control.learn(0, &view, &rates, &stats(&[0.1; 8]));
+        assert_eq!(control.rates(1, &view).blocks(), [8; 8], "{degrees}");
+    }
+}
+
 #[test]
 fn ratios_that_change_too_much_are_a_cut() {
     let mut control = controller(&["cut_change=0.3"]);
