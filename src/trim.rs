@@ -14,8 +14,8 @@ use crate::traces::TraceArgs;
 ///
 /// Tiles are copied as they are, and a trace of some frames has the bytes that a capture of these frames has; only of a glTF model whose
 /// meshes move a capture of later frames shows another pose. A trace without all its
-/// tiles or columns is not whole: export, info and digest read what is there, replay wants whole frames and all columns but paths, and
-/// a machine wants paths too.
+/// tiles or columns is not whole: info and digest read what is there, export the tiles that --tiles names, replay wants whole frames and
+/// all columns but paths, and a machine wants paths too.
 #[derive(Debug, clap::Args)]
 pub struct Args {
     #[command(flatten)]
