@@ -26,7 +26,7 @@ use self::{
     materials::Surface,
     nodes::{Tree, label},
     primitive::{Budget, Target},
-    skin::Stand,
+    skin::Binding,
     textures::Pictures,
 };
 use crate::{
@@ -206,7 +206,7 @@ impl Builder<'_> {
             let named = &root.meshes[index.value()];
             let name = root.nodes[node].name.clone().or_else(|| named.name.clone());
             objects.push(name.unwrap_or_else(|| format!("node {node}")));
-            let stand = Stand::of(self.source, tree, world, place, node)?;
+            let binding = Binding::new(self.source, tree, world, (place, node))?;
             for (p, primitive) in named.primitives.iter().enumerate() {
                 let place_name = format!("mesh {}, primitive {p}", index.value());
                 let material = self.surface(primitive.material.map(|m| m.value()), warnings)?;
@@ -219,7 +219,7 @@ impl Builder<'_> {
                     continue;
                 }
                 let object = objects.len() as u32 - 1;
-                let target = Target { mesh: &mut mesh, object, material: material as u32, surface, stand: &stand };
+                let target = Target { mesh: &mut mesh, object, material: material as u32, surface, binding: &binding };
                 primitive::append(self.source, &place_name, primitive, target, &mut budget, warnings)?;
             }
         }

@@ -4,7 +4,7 @@ use glam::{DAffine3, DVec3, Vec2, Vec3};
 use gltf::json::mesh::{Mode, Primitive, Semantic};
 use gltf::json::validation::Checked;
 
-use super::{document::Source, materials::Surface, skin::Stand};
+use super::{document::Source, materials::Surface, skin::Binding};
 use crate::{
     error::SceneError,
     mesh::{MeshJoin, normals},
@@ -46,7 +46,7 @@ pub(crate) struct Target<'a> {
     pub object: u32,
     pub material: u32,
     pub surface: &'a Surface,
-    pub stand: &'a Stand,
+    pub binding: &'a Binding,
 }
 
 /// The vertices of a primitive.
@@ -106,10 +106,10 @@ fn vertices(
     let broken = |what: String| source.bad(place, what, "export the model again");
     let position = accessor(primitive, Semantic::Positions).ok_or_else(|| broken("it has no POSITION".into()))?;
     let positions = source.floats::<3>(position)?;
-    let stands = target.stand.of_vertices(source, place, primitive, positions.len())?;
+    let bound = target.binding.of_vertices(source, place, primitive, positions.len())?;
     let stand =
-        |(p, world): ([f32; 3], &DAffine3)| world.transform_point3(DVec3::from_array(p.map(f64::from))).as_vec3();
-    let positions: Vec<Vec3> = positions.into_iter().zip(stands.iter().cycle()).map(stand).collect();
+        |(v, p): (usize, [f32; 3])| bound.stand(v).transform_point3(DVec3::from_array(p.map(f64::from))).as_vec3();
+    let positions: Vec<Vec3> = positions.into_iter().enumerate().map(stand).collect();
     if let Some(at) = positions.iter().position(|p| !p.is_finite()) {
         return Err(broken(format!("vertex {at} is not finite")));
     }
@@ -122,8 +122,8 @@ fn vertices(
     if let Some(normals) = &normals {
         same("normals", normals.len())?;
     }
-    let turn = |(n, world): ([f32; 3], &DAffine3)| cofactors(world)(DVec3::from_array(n.map(f64::from)));
-    let normals = normals.map(|list| list.into_iter().zip(stands.iter().cycle()).map(turn).collect());
+    let turn = |(v, n): (usize, [f32; 3])| turned(&bound.stand(v), DVec3::from_array(n.map(f64::from)));
+    let normals = normals.map(|list| list.into_iter().enumerate().map(turn).collect());
     let uvs = match accessor(primitive, Semantic::TexCoords(target.surface.uv_set)) {
         Some(at) => source.floats::<2>(at)?,
         None => {
@@ -149,7 +149,7 @@ fn vertices(
     if primitive.targets.as_ref().is_some_and(|targets| !targets.is_empty()) {
         warnings.add("morph", || format!("{file}: {place}: morph targets are not read"));
     }
-    let is_mirrored = stands.first().is_some_and(|world| world.matrix3.determinant() < 0.0);
+    let is_mirrored = count > 0 && bound.stand(0).matrix3.determinant() < 0.0;
     Ok(Vertices { is_mirrored, positions, normals, uvs })
 }
 
@@ -159,12 +159,12 @@ fn lookup(surface: &Surface, uv: Vec2) -> Vec2 {
     Vec2::new(moved.x, 1.0 - moved.y)
 }
 
-/// Turns normals as a transform turns the surface, mirrored and unevenly scaled ones too.
-fn cofactors(world: &DAffine3) -> impl Fn(DVec3) -> DVec3 + use<> {
+/// A normal turned as a transform turns the surface, mirrored and unevenly scaled ones too.
+fn turned(world: &DAffine3, n: DVec3) -> DVec3 {
     let m = world.matrix3;
     let (x, y, z) = (m.y_axis.cross(m.z_axis), m.z_axis.cross(m.x_axis), m.x_axis.cross(m.y_axis));
     let side = if m.determinant() < 0.0 { -1.0 } else { 1.0 };
-    move |n: DVec3| (x * n.x + y * n.y + z * n.z) * side
+    (x * n.x + y * n.y + z * n.z) * side
 }
 
 /// The order of vertices: that of the indices, or of the file.

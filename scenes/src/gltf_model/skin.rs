@@ -1,4 +1,4 @@
-//! Where vertices stand: with their node, or with several joints, each by its weight (a skin).
+//! To what the vertices of a mesh are bound: to its node, or to several joints, each by a weight (a skin).
 
 use glam::{DAffine3, DMat3, DMat4, DVec3};
 use gltf::json::mesh::{Primitive, Semantic};
@@ -13,17 +13,34 @@ use crate::error::SceneError;
 /// Sets of joints and weights that are looked for: four joints each.
 const SETS: u32 = 4;
 
-/// Where the vertices of a mesh stand in the scene.
-pub(crate) enum Stand {
-    /// With the node.
+/// To what the vertices of a mesh are bound, and where that stands in the scene.
+pub(crate) enum Binding {
+    /// Its node.
     Node(DAffine3),
-    /// With the joints of a skin. Where the node of the mesh stands does not count.
+    /// The joints of a skin. Where the node of the mesh stands does not count.
     Joints(Vec<DAffine3>),
 }
 
-impl Stand {
+/// The binding of a primitive's vertices.
+pub(crate) struct Bound<'a> {
+    binding: &'a Binding,
+    sets: Vec<Set>,
+}
+
+/// Four joints of each vertex, and how much each counts.
+struct Set {
+    numbers: Vec<[u32; 4]>,
+    weights: Vec<[f32; 4]>,
+}
+
+impl Binding {
     /// Of the mesh at a place of the tree, whose nodes stand as `world` says.
-    pub fn of(source: &Source, tree: &Tree, world: &[DAffine3], place: usize, node: usize) -> Result<Self, SceneError> {
+    pub fn new(
+        source: &Source,
+        tree: &Tree,
+        world: &[DAffine3],
+        (place, node): (usize, usize),
+    ) -> Result<Self, SceneError> {
         let root = source.root();
         let Some(index) = root.nodes[node].skin.map(|skin| skin.value()) else { return Ok(Self::Node(world[place])) };
         let (skin, part) = (&root.skins[index], format!("skin {index}"));
@@ -48,20 +65,17 @@ impl Stand {
         skin.joints.iter().map(|joint| joint.value()).enumerate().map(joint).collect::<Result<_, _>>().map(Self::Joints)
     }
 
-    /// Where each of the `count` vertices of a primitive stands; one for all with a node.
+    /// Of the `count` vertices of a primitive.
     pub fn of_vertices(
         &self,
         source: &Source,
         place: &str,
         primitive: &Primitive,
         count: usize,
-    ) -> Result<Vec<DAffine3>, SceneError> {
-        let joints = match self {
-            Self::Node(world) => return Ok(vec![*world]),
-            Self::Joints(joints) => joints,
-        };
+    ) -> Result<Bound<'_>, SceneError> {
+        let mut bound = Bound { binding: self, sets: Vec::new() };
+        let Self::Joints(joints) = self else { return Ok(bound) };
         let broken = |what: String| source.bad(place, what, "export the model again");
-        let mut sums = vec![(DMat3::ZERO, DVec3::ZERO, 0.0); count];
         for set in 0..SETS {
             let accessor = |semantic| primitive.attributes.get(&Checked::Valid(semantic)).map(|index| index.value());
             let (numbers, weights) = (accessor(Semantic::Joints(set)), accessor(Semantic::Weights(set)));
@@ -72,22 +86,39 @@ impl Stand {
                 return Err(broken(format!("it has {count} positions, {joints} joints and {weights} weights")));
             }
             for (vertex, (numbers, weights)) in numbers.iter().zip(&weights).enumerate() {
-                for (&number, &weight) in numbers.iter().zip(weights).filter(|(_, weight)| **weight != 0.0) {
-                    let joint = joints.get(number as usize).ok_or_else(|| {
-                        broken(format!("vertex {vertex} has joint {number}, and its skin has {}", joints.len()))
-                    })?;
-                    let (weight, (matrix, translation, sum)) = (f64::from(weight), &mut sums[vertex]);
-                    *matrix += joint.matrix3 * weight;
-                    *translation += joint.translation * weight;
-                    *sum += weight;
+                let mut used = numbers.iter().zip(weights).filter(|(_, weight)| **weight != 0.0);
+                if let Some((number, _)) = used.find(|(number, _)| **number as usize >= joints.len()) {
+                    let what = format!("vertex {vertex} has joint {number}, and its skin has {}", joints.len());
+                    return Err(broken(what));
                 }
             }
+            bound.sets.push(Set { numbers, weights });
         }
-        // Weights of few bits add up to one nearly. A vertex without weights stands as it is stored.
-        let mean = |(matrix, translation, sum): (DMat3, DVec3, f64)| {
-            let all = DAffine3 { matrix3: matrix * (1.0 / sum), translation: translation / sum };
-            if sum == 0.0 { DAffine3::IDENTITY } else { all }
+        Ok(bound)
+    }
+}
+
+impl Bound<'_> {
+    /// Where a vertex stands: with its joints in the mean, by their weights. Weights of few bits add up to one nearly; a vertex without
+    /// weights stands as it is stored.
+    pub fn stand(&self, vertex: usize) -> DAffine3 {
+        let joints = match self.binding {
+            Binding::Node(world) => return *world,
+            Binding::Joints(joints) => joints,
         };
-        Ok(sums.into_iter().map(mean).collect())
+        let (mut matrix, mut translation, mut sum) = (DMat3::ZERO, DVec3::ZERO, 0.0);
+        for Set { numbers, weights } in &self.sets {
+            let used = numbers[vertex].into_iter().zip(weights[vertex]).filter(|(_, weight)| *weight != 0.0);
+            for (number, weight) in used {
+                let (joint, weight) = (&joints[number as usize], f64::from(weight));
+                matrix += joint.matrix3 * weight;
+                translation += joint.translation * weight;
+                sum += weight;
+            }
+        }
+        if sum == 0.0 {
+            return DAffine3::IDENTITY;
+        }
+        DAffine3 { matrix3: matrix * (1.0 / sum), translation: translation / sum }
     }
 }
