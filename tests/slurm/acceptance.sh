@@ -225,14 +225,19 @@ for i in $(seq 0 $((shards - 1))); do
 done
 said "main sweep: 96 rows, the bytes of the local run"
 
-# --- 9: the time limit. Slurm looks every 30 seconds for tasks that come near theirs
+# --- 9: the time limit. Slurm looks every 30 seconds for tasks that come near theirs. On a machine that is very busy it may take n3 for
+# dead before: it puts the shard back too, and that is not what is tested here
 log=$limit/logs/shard-0.log
-until_true "the shard with a time limit is back" grep -q 'to do, .* restart 1' "$log"
-grep -q 'time limit: requeued' "$log" || fail "the shard with a time limit was not requeued by its script"
-early=$(sed -n 's/.*, attempt \([0-9a-f]*\), restart 0$/\1/p' "$log")
-done=$(sed -n 's/^ *"computed": \([0-9]*\).*/\1/p' "$limit/attempts/$early.json")
-[ "$done" -gt 0 ] || fail "the shard with a time limit wrote nothing"
-grep -q ": $done skipped, $((1000 - done)) to do, .* restart 1" "$log" || fail "$done points were done, and the next attempt does not skip them"
+back() { # an attempt began after the script had put its task back; sets `early` to the one that was put back
+    early=$(sed -n '/time limit: back into the queue/q; s/.* to do, attempt \([0-9a-f]*\), .*/\1/p' "$log" | tail -n 1)
+    later=$(awk '/time limit: back into the queue/ {put = 1} put && / to do, / {print; exit}' "$log")
+    [ -n "$later" ]
+}
+until_true "the script of the shard with a time limit has put it back" back
+[ -s "$limit/attempts/$early.json" ] || fail "attempt $early at the shard with a time limit left no report"
+[ "$(sed -n 's/^ *"computed": \([0-9]*\).*/\1/p' "$limit/attempts/$early.json")" -gt 0 ] || fail "the shard with a time limit wrote nothing"
+done=$(computed "$limit" 0/1)
+grep -q ": $done skipped, $((1000 - done)) to do, .* restart [1-9]" <<< "$later" || fail "$done points were done, and the next attempt does not skip them: $later"
 said "time limit: requeued behind $done points"
 
 # --- 10: cancel: what is finished is written, and the task stays cancelled

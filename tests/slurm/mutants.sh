@@ -78,7 +78,7 @@ program() { # NAME FILE SED-EXPRESSION: over the source
 
 script term-revives 's/stop no/stop yes/'
 script term-kills 's/kill -TERM/kill -KILL/'
-script limit-forgotten 's/elif scontrol requeue .*; then/elif true; then/'
+script limit-forgotten 's/if scontrol requeue .*; then/if true; then/'
 script code-lost 's/^exit "\$code"/exit 0/'
 script merge-ignored 's/^exec .* sweep merge .*/exit 0/'
 words not-requeued --requeue --no-requeue

@@ -31,12 +31,17 @@ pid=''
 if [ "$code" -eq 75 ] && [ "$again" = yes ]; then
     if [ "${SLURM_RESTART_COUNT:-0}" -ge @MAX@ ]; then
         echo "time limit: not requeued a further time after ${SLURM_RESTART_COUNT}" >&2
-    elif scontrol requeue "${SLURM_ARRAY_JOB_ID}_${SLURM_ARRAY_TASK_ID}"; then
-        echo "time limit: requeued" >&2
-        # The requeue ends this job with a TERM. Not to be gone before, or the task would be one that failed; not in the foreground, or
-        # the TERM would wait for the sleep.
-        sleep 60 &
-        wait $!
+    else
+        # Said first: the requeue ends this job, and may do so before another line of it runs.
+        echo "time limit: back into the queue" >&2
+        if scontrol requeue "${SLURM_ARRAY_JOB_ID}_${SLURM_ARRAY_TASK_ID}"; then
+            # It ends it with a TERM. Not to be gone before, or the task would be one that failed; not in the foreground, or the TERM
+            # would wait for the sleep.
+            sleep 60 &
+            wait $!
+        else
+            echo "time limit: Slurm did not requeue it; resubmit with \`rayreel sweep resume\`" >&2
+        fi
     fi
 fi
 exit "$code"
