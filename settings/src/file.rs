@@ -69,7 +69,7 @@ impl File {
             values.push(self.leaf(schema, key, value)?);
             Ok(())
         })?;
-        values.sort_by_key(|v| schema.place(v.key));
+        values.sort_by_cached_key(|v| schema.place(v.key));
         Ok(values)
     }
 

@@ -119,7 +119,9 @@ impl Loaded {
     /// # Errors
     /// The first key that is missing.
     pub fn build<T: DeserializeOwned>(&self) -> Result<T> {
-        let missing = |key: &&str| self.get(key).is_none();
+        // Both are in the order of the structs.
+        let mut values = self.values.iter().map(|value| value.key).peekable();
+        let missing = |key: &&str| values.next_if_eq(key).is_none();
         if let Some(key) = self.schema.keys().iter().map(|key| key.name).find(missing) {
             return Err(SettingsError::Missing { origin: self.origin.clone(), key, base: self.family.base });
         }

@@ -50,7 +50,6 @@ impl Schema {
 
     /// Whether some key begins with the first part of the override `text` (`table.name=value`).
     pub fn is_override(&self, text: &str) -> bool {
-        let first = |name: &str| name.split('.').next().unwrap_or_default().trim().to_owned();
         let table = first(text.split('=').next().unwrap_or_default());
         self.keys.iter().any(|key| first(key.name) == table)
     }
@@ -133,6 +132,11 @@ impl Schema {
             [sisters, names].iter().map(|names| near(name, names)).find(|text| text.starts_with("did you mean"));
         found.unwrap_or_else(|| all.into())
     }
+}
+
+/// The first part of a name, such as that of its table.
+fn first(name: &str) -> &str {
+    name.split('.').next().unwrap_or_default().trim()
 }
 
 /// Values as the nested table that the structs are read from.

@@ -1,7 +1,6 @@
 //! From the plan as it is written to all of its points.
 
-use std::collections::BTreeMap;
-use std::collections::btree_map::Entry;
+use std::collections::{BTreeMap, BTreeSet};
 
 use toml::Spanned;
 
@@ -15,7 +14,7 @@ use crate::sweep::plan::detail::details;
 use crate::sweep::plan::file::{At, PlanFile};
 use crate::sweep::plan::filter::{Filters, environment};
 use crate::sweep::plan::locate::Text;
-use crate::sweep::plan::machines::{Machines, Variant};
+use crate::sweep::plan::machines::{Machines, Variant, on_all_cores};
 use crate::sweep::plan::scalar::Scalar;
 use crate::sweep::plan::sources::{Sources, machines, policies, traces};
 use crate::sweep::plan::{LAYOUT, Plan, PointRef, TraceRef, is_machine_override};
@@ -54,12 +53,8 @@ impl Plan {
     }
 }
 
-/// Machines and policies that are resolved, as keys have them.
-struct Known<'a> {
-    machines: Machines<'a>,
-    jsons: BTreeMap<Variant, String>,
-    policies: BTreeMap<Variant, String>,
-}
+/// Points that are resolved at a time: many enough for all cores, few enough for an error of the first to come soon.
+const BLOCK: usize = 1 << 14;
 
 /// Makes the points.
 struct Expander<'a> {
@@ -70,9 +65,21 @@ struct Expander<'a> {
 
 impl Expander<'_> {
     fn points(&self) -> Result<Vec<PointRef>> {
+        let mut points = self.chosen()?;
+        if points.is_empty() {
+            return Err(self.text.error(&(0..0), "the plan has no points: every one is excluded"));
+        }
+        let (machines, mut policies) = (Machines::new(self.plan), BTreeMap::new());
+        for block in points.chunks_mut(BLOCK) {
+            self.find_keys(block, &machines, &mut policies)?;
+        }
+        Ok(points)
+    }
+
+    /// All points that no constraint leaves out, without their keys.
+    fn chosen(&self) -> Result<Vec<PointRef>> {
         let (plan, environment) = (self.plan, environment());
         let filters = Filters::new(&environment, &self.file.exclude, self.text)?;
-        let mut known = Known { machines: Machines::new(plan), jsons: BTreeMap::new(), policies: BTreeMap::new() };
         let mut points = Vec::new();
         for (t, trace) in plan.traces.iter().enumerate() {
             for frames in self.frames(trace)? {
@@ -84,40 +91,51 @@ impl Expander<'_> {
                             let key = String::new();
                             let point = PointRef { trace: t, machine: m, policy: p, frames, detail, values, key };
                             if !filters.excludes(&self.variables(trace, &point))? {
-                                points.push(PointRef { key: self.key(&point, &mut known)?, ..point });
+                                points.push(point);
                             }
                         }
                     }
                 }
             }
         }
-        if points.is_empty() {
-            return Err(self.text.error(&(0..0), "the plan has no points: every one is excluded"));
-        }
         Ok(points)
     }
 
-    /// The key of a point. Machines and policies are resolved once each, not once a point.
-    fn key(&self, point: &PointRef, known: &mut Known<'_>) -> Result<Key> {
-        let overrides = self.plan.overrides(&point.values);
-        let (machine, policy): (Vec<_>, Vec<_>) = overrides.into_iter().partition(|text| is_machine_override(text));
-        let refuse = |e: StudyError| self.refuse(point, &e);
-        let machine = match known.jsons.entry((point.machine, machine)) {
-            Entry::Occupied(resolved) => resolved.into_mut(),
-            Entry::Vacant(slot) => {
-                let json = known.machines.checked_json(slot.key()).map_err(refuse)?;
-                slot.insert(json)
-            }
+    /// Gives points their keys. Machines and policies are resolved once each, not once a point.
+    fn find_keys(
+        &self,
+        points: &mut [PointRef],
+        machines: &Machines<'_>,
+        policies: &mut BTreeMap<Variant, String>,
+    ) -> Result<()> {
+        let of = |point: &PointRef| -> (Variant, Variant) {
+            let overrides = self.plan.overrides(&point.values);
+            let (machine, policy) = overrides.into_iter().partition(|text| is_machine_override(text));
+            ((point.machine, machine), (point.policy, policy))
         };
-        let policy = match known.policies.entry((point.policy, policy)) {
-            Entry::Occupied(resolved) => resolved.into_mut(),
-            Entry::Vacant(slot) => {
-                let policy = self.plan.policy(point.policy, &slot.key().1).map_err(refuse)?;
-                slot.insert(policy_json(&policy))
+        let variants: Vec<(Variant, Variant)> = points.iter().map(of).collect();
+        let distinct: BTreeSet<&Variant> = variants.iter().map(|(machine, _)| machine).collect();
+        let jsons = machines.all_checked(distinct.into_iter().cloned().collect());
+        // In the order of the points: the first that cannot be resolved is the one that is told.
+        for (point, (machine, policy)) in points.iter().zip(&variants) {
+            let refuse = |e: &StudyError| self.refuse(point, e);
+            jsons[machine].as_ref().map_err(refuse)?;
+            if !policies.contains_key(policy) {
+                let found = self.plan.policy(policy.0, &policy.1).map_err(|e| refuse(&e))?;
+                policies.insert(policy.clone(), policy_json(&found));
             }
-        };
-        let fingerprint = &self.plan.traces[point.trace].fingerprint;
-        Ok(key(fingerprint, point.frames, machine, policy, self.plan.detail(point)?))
+        }
+        let policies = &*policies;
+        let items: Vec<(&PointRef, &(Variant, Variant))> = points.iter().zip(&variants).collect();
+        let keys: Vec<Result<Key>> = on_all_cores(&items, |(point, (machine, policy))| {
+            let fingerprint = &self.plan.traces[point.trace].fingerprint;
+            let machine = jsons[machine].as_deref().unwrap_or_default();
+            Ok(key(fingerprint, point.frames, machine, &policies[policy], self.plan.detail(point)?))
+        });
+        for (point, key) in points.iter_mut().zip(keys) {
+            point.key = key?;
+        }
+        Ok(())
     }
 
     /// The error of a point that cannot be resolved, at the place in the plan that is to blame.

@@ -13,7 +13,7 @@ use crate::point::key::{machine_json, values_json};
 /// Number of a machine, and the overrides of it.
 pub(super) type Variant = (usize, Vec<String>);
 
-/// Variants to a thread that are worth one.
+/// Items to a thread that are worth one.
 const SHARE_MIN: usize = 500;
 
 pub(super) struct Machines<'a> {
@@ -49,7 +49,7 @@ impl<'a> Machines<'a> {
     ///
     /// # Errors
     /// As there, and values that cannot stand together.
-    pub fn checked_json(&self, variant: &Variant) -> Result<String> {
+    fn checked_json(&self, variant: &Variant) -> Result<String> {
         let sound = |loaded: &Loaded| loaded.build::<MachineConfig>().is_ok_and(|config| config.check().is_ok());
         match self.set(variant).filter(sound) {
             Some(loaded) => Ok(values_json(&loaded.values)),
@@ -62,16 +62,27 @@ impl<'a> Machines<'a> {
         Ok(self.plan.machine(*index, overrides)?.as_ref().map(machine_json).unwrap_or_default())
     }
 
-    /// All of these, on all cores.
+    /// [`Self::json`] of all of these, on all cores.
     pub fn all(&self, variants: Vec<Variant>) -> BTreeMap<Variant, Result<String>> {
-        let cores = thread::available_parallelism().map_or(1, usize::from);
-        let share = variants.len().div_ceil(cores).max(SHARE_MIN);
-        let some = |variants: &[Variant]| variants.iter().map(|variant| self.json(variant)).collect::<Vec<_>>();
-        let jsons: Vec<Result<String>> = thread::scope(|scope| {
-            let threads: Vec<_> = variants.chunks(share).map(|part| scope.spawn(move || some(part))).collect();
-            let ended = threads.into_iter().map(|thread| thread.join());
-            ended.flat_map(|jsons| jsons.unwrap_or_else(|panic| std::panic::resume_unwind(panic))).collect()
-        });
+        let jsons = on_all_cores(&variants, |variant| self.json(variant));
         variants.into_iter().zip(jsons).collect()
     }
+
+    /// [`Self::checked_json`] of all of these, on all cores.
+    pub fn all_checked(&self, variants: Vec<Variant>) -> BTreeMap<Variant, Result<String>> {
+        let jsons = on_all_cores(&variants, |variant| self.checked_json(variant));
+        variants.into_iter().zip(jsons).collect()
+    }
+}
+
+/// What comes of each item, in their order.
+pub(super) fn on_all_cores<T: Sync, R: Send>(items: &[T], make: impl Fn(&T) -> R + Sync) -> Vec<R> {
+    let cores = thread::available_parallelism().map_or(1, usize::from);
+    let share = items.len().div_ceil(cores).max(SHARE_MIN);
+    let some = |part: &[T]| part.iter().map(&make).collect::<Vec<_>>();
+    thread::scope(|scope| {
+        let threads: Vec<_> = items.chunks(share).map(|part| scope.spawn(|| some(part))).collect();
+        let ended = threads.into_iter().map(|thread| thread.join());
+        ended.flat_map(|made| made.unwrap_or_else(|panic| std::panic::resume_unwind(panic))).collect()
+    })
 }
