@@ -40,7 +40,8 @@ pub struct Args {
     /// EXR file to write.
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
-    /// The frame; the first of a trace, 0 of a scene if not given.
+    /// The frame; the first of a trace, 0 of a scene if not given. A policy that learns from frame to frame has seen none before it, as in
+    /// `replay --frames N`.
     #[arg(long, value_name = "N", value_parser = frame)]
     frame: Option<u32>,
     /// Preset or policy file (.toml).

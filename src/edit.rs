@@ -3,7 +3,6 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::{Result, bail};
-use rayreel_formats::container::{Writer, partial_path};
 use rayreel_formats::trace::{Keep, Part, rewrite};
 
 use crate::common::{keep_input, lacks, open, print};
@@ -32,12 +31,6 @@ impl OutputArgs {
         if self.output.exists() && !self.force {
             bail!("{name} already exists; give another name, or --force to replace it");
         }
-        if self.force {
-            // What is discarded may be whole, and named as one of the traces.
-            let partial = partial_path(&self.output)?;
-            inputs.iter().try_for_each(|input| keep_input(&partial, input))?;
-            Writer::discard(&self.output)?;
-        }
         let frames: u64 = parts.iter().map(|part| part.frames.len() as u64).sum();
         let tiles = |part: &Part<'_>| u64::from(part.trace.meta().tile_count());
         let each = keep.tiles.as_ref().map_or_else(|| parts.first().map_or(0, tiles), |tiles| tiles.len() as u64);
@@ -54,6 +47,14 @@ impl OutputArgs {
                 return Ok(Exit::Interrupted);
             }
             Err(error) => return Err(error.into()),
+        }
+        for part in parts {
+            let chunks = part.trace.reader().chunks().iter();
+            let unknown = chunks.filter(|record| !record.id.kind.is_known()).count();
+            if unknown > 0 {
+                let name = part.trace.path().display();
+                eprintln!("{name}: {unknown} chunks of kinds that this version of rayreel does not know were left out");
+            }
         }
         let trace = open(&self.output)?;
         let (bytes, frames) = (trace.reader().len(), trace.meta().frame_numbers());

@@ -12,8 +12,8 @@ use crate::exit::Exit;
 
 /// Put the frames of several traces of one scene together, such as those that several computers captured.
 ///
-/// Their frames follow one another, in whatever order they are named; all else must be the same in all of them. The result has the bytes of
-/// one capture of all the frames.
+/// Their frames follow one another, in whatever order they are named; all else must be the same in all of them. Tiles are copied as they are: the
+/// result has the bytes of one capture of all the frames where all of them were captured with one codec and without `--level`.
 #[derive(Debug, clap::Args)]
 pub struct Args {
     /// The traces.

@@ -53,7 +53,12 @@ fn show(preset: &str, set: &[String], as_json: bool) -> Result<()> {
         let policy = NamedPolicy::load(preset, set)?;
         return if as_json { print_json(&policy_json(&policy)?) } else { print(&policy.page()) };
     }
-    let machine = NamedMachine::load(preset, set)?;
+    let is_neither = !is_path(preset) && !MACHINES.owns(preset);
+    let machine = NamedMachine::load(preset, set).map_err(|error| {
+        let names: Vec<_> = policy::PRESETS.iter().map(|(name, _)| *name).collect();
+        let also = if is_neither { format!("; policies are {}", names.join(", ")) } else { String::new() };
+        anyhow::anyhow!("{error}{also}")
+    })?;
     if as_json { print_json(&machine_json(&machine)) } else { print(&machine.page()) }
 }
 

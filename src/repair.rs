@@ -1,5 +1,6 @@
 //! `rayreel repair`: save what is whole.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use anyhow::Result;
@@ -77,8 +78,8 @@ fn unreadable(report: &RepairReport, output: &Path) -> String {
 /// What is missing, and what can be done with the rest.
 fn incomplete(trace: &Trace, missing: &[(u32, u32)]) -> String {
     let mut text = format!("incomplete: {}\n", missing_tiles(missing.len()));
-    let torn = |frame: u32| missing.iter().any(|(of, _)| *of == frame);
-    let whole: Vec<u32> = trace.meta().frame_numbers().filter(|frame| !torn(*frame)).collect();
+    let torn: BTreeSet<u32> = missing.iter().map(|(frame, _)| *frame).collect();
+    let whole: Vec<u32> = trace.meta().frame_numbers().filter(|frame| !torn.contains(frame)).collect();
     text += &match whole.as_slice() {
         [] => {
             "no frame is whole: replay refuses them all; info, verify, digest and diff read what is there\n".to_owned()

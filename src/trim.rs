@@ -2,8 +2,9 @@
 
 use anyhow::{Result, bail};
 use rayreel_columns::Selection;
+use rayreel_formats::container::{ChunkId, ChunkKind};
 use rayreel_formats::tile::Column;
-use rayreel_formats::trace::{Keep, Part};
+use rayreel_formats::trace::{Keep, Part, Trace};
 
 use crate::common::frames;
 use crate::edit::OutputArgs;
@@ -12,8 +13,8 @@ use crate::traces::TraceArgs;
 
 /// Copy some frames, tiles or columns of a trace into a smaller one.
 ///
-/// Tiles are copied as they are, and a trace of some frames has the bytes that a capture of these frames has; only of a glTF model whose
-/// meshes move a capture of later frames shows another pose. A trace without all its
+/// Tiles are copied as they are, and a trace of some frames has the bytes of a capture of these frames without `--level`;
+/// only of a glTF model whose meshes move a capture of later frames shows another pose. A trace without all its
 /// tiles or columns is not whole: info and digest read what is there, export the tiles that --tiles names, replay wants whole frames and
 /// all columns but paths, and a machine wants paths too.
 #[derive(Debug, clap::Args)]
@@ -52,7 +53,25 @@ pub fn run(args: &Args, quiet: bool) -> Result<Exit> {
     if let Some(tiles) = &args.tiles {
         selection = selection.tiles(tiles)?;
     }
+    check_held(args, &trace, &selection)?;
     let columns = if args.columns.is_empty() { Column::ALL.to_vec() } else { args.columns.clone() };
     let keep = Keep { tiles: args.tiles.as_ref().map(|_| selection.tiles), columns, codec: None, level: 9 };
     args.output.write(args.trace.path().as_slice(), &[Part { trace: &trace, frames: selection.frames }], &keep, quiet)
+}
+
+/// Refuses what was asked for by name and is nowhere in the frames.
+fn check_held(args: &Args, trace: &Trace, selection: &Selection) -> Result<()> {
+    let name = trace.path().display();
+    let held = trace.reader().chunks().iter().filter(|record| record.id.kind == ChunkKind::TILE).count() as u64;
+    if let Some((column, _)) = trace.lacking().iter().find(|(c, tiles)| args.columns.contains(c) && *tiles == held) {
+        bail!("{name} holds no {}; leave it out of --columns", column.name());
+    }
+    let found =
+        |tile: u32| selection.frames.clone().any(|frame| trace.reader().find(ChunkId::tile(frame, tile)).is_some());
+    if args.tiles.is_some()
+        && let Some(lost) = selection.tiles.iter().find(|tile| !found(**tile))
+    {
+        bail!("{name} holds no tile {lost} in these frames; leave it out of --tiles");
+    }
+    Ok(())
 }

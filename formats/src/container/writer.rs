@@ -72,7 +72,7 @@ impl Writer {
                 {
                     return alive;
                 }
-                let hint = "a capture was cut short; continue it with --resume, or delete this file";
+                let hint = "a command that wrote it was cut short: `rayreel capture --resume` goes on with a capture; else delete it";
                 Error::occupied(&partial, Occupant::File { hint })
             }
             _ => Error::io(&partial, "create", error),

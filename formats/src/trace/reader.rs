@@ -67,7 +67,9 @@ impl Trace {
 
     fn from_reader(reader: Reader) -> Result<Self> {
         let limits = reader.limits().clone();
-        let meta = Meta::from_payload(&reader.read(reader.require(ChunkId::META)?)?, &limits)?;
+        let record = reader.require(ChunkId::META)?;
+        let here = |error: Error| error.at(&Place::new(reader.path(), record.offset));
+        let meta = Meta::from_payload(&reader.read(record)?, &limits).map_err(here)?;
         let tiles = u64::from(meta.tile_count()).saturating_mul(u64::from(meta.frames));
         check_limit("number of tiles", tiles, Limits::tiles_max(reader.chunks().len() as u64))
             .map_err(|error| error.at(&Place::new(reader.path(), 0)))?;
@@ -93,7 +95,8 @@ impl Trace {
                 _ => false,
             };
             if foreign {
-                return Err(Error::decode("index", format!("a {} is outside what the metadata says", record.id)));
+                let error = Error::decode("index", format!("a {} is outside what the metadata says", record.id));
+                return Err(error.at(&Place::new(self.path(), record.offset)));
             }
         }
         Ok(())

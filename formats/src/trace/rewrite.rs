@@ -100,10 +100,14 @@ fn copy(
     let (mut done, columns) = (0, with_needed(&keep.columns));
     for Part { trace, frames } in parts {
         for frame in frames.clone() {
-            writer.frame(frame, &trace.camera(frame)?)?;
             let wanted = |tile: &u32| keep.tiles.as_ref().is_none_or(|tiles| tiles.binary_search(tile).is_ok());
             let held = |tile: &u32| trace.reader().find(ChunkId::tile(frame, *tile)).is_some();
             let tiles: Vec<u32> = (0..meta.tile_count()).filter(wanted).filter(held).collect();
+            if tiles.is_empty() && !trace.has_frame(frame) {
+                // A frame that was lost as a whole is missing in what is written too.
+                continue;
+            }
+            writer.frame(frame, &trace.camera(frame)?)?;
             for batch in tiles.chunks(IN_FLIGHT) {
                 let chunk = |scratch: &mut Scratch, &tile: &u32| match keep.codec {
                     Some(codec) => trace.recode_tile((frame, tile), codec, &topology, scratch),

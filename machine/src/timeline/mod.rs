@@ -3,7 +3,8 @@
 //! The counters of every unit are looked at from time to time; what is written is how busy each was in between. When there are
 //! too many looks, every second one is forgotten and the distance doubles, so memory and file stay small however long the run,
 //! and no busy cycle is lost. The SRP books items when they are done, T&I stages when an issue is certain, and the DRAM a burst when its
-//! command is sent, so over a short distance a value can come out above 100 %.
+//! command is sent. So more may be booked between two looks than fits: what does not is shown as done before that, by an SRP, or after
+//! it, by all others.
 //!
 //! Frames follow one another in time. Of each core there is a counter for every issue stage, in percent of its cycles, and the
 //! number of rays in its T&I unit; the DRAM's is in percent of its peak bandwidth. Slices show which tile each slot of a core held
@@ -29,12 +30,16 @@ const DISTANCE_CYCLES: u64 = 128;
 /// Numbers of the tracks of a core's tiles, and of its units' states; they stand in this order.
 const TILES_TID: usize = 1;
 const STATES_TID: usize = 1000;
+/// How the tracks of an SRP begin.
+const SRP: &str = "SRP";
 
 /// How a value changes, and so how it is shown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Kind {
-    /// It grows by at most `.0 / .1` a T&I cycle: shown in percent of that.
+    /// It grows by at most `.0 / .1` a T&I cycle: shown in percent of that. It is booked before it is done, or then.
     Grows(u64, u64),
+    /// As that, but booked when the last of it is done.
+    GrewBefore(u64, u64),
     /// It goes up and down: shown as it is.
     Level,
     /// Cycles in a state of the unit with this number in its core: the state that grows most is shown.
@@ -88,7 +93,7 @@ impl Timeline {
         let bytes = [dram.channels, dram.burst_bytes, dram.clock_mhz].map(u64::from).iter().product();
         Self {
             clock_mhz,
-            srp: Kind::Grows(config.srp.clock_mhz.into(), clock_mhz),
+            srp: Kind::GrewBefore(config.srp.clock_mhz.into(), clock_mhz),
             dram: Kind::Grows(bytes, u64::from(dram.tccd) * clock_mhz),
             distance_cycles: DISTANCE_CYCLES,
             due: When::at(TiCycle(0)),
@@ -183,9 +188,10 @@ impl Timeline {
             let places = first..first + of_unit.len();
             first = places.end;
             let (Kind::State(unit), Some(core)) = (of_unit[0].kind, of_unit[0].core) else { continue };
-            let grown = self.looks.windows(2).map(|pair| {
-                places.clone().map(|i| pair[1].values[i].saturating_sub(pair[0].values[i])).collect::<Vec<u64>>()
-            });
+            let kind = if of_unit[0].name.starts_with(SRP) { self.srp } else { Kind::State(unit) };
+            let states: Vec<Vec<Share>> = places.map(|i| self.shares(i, kind)).collect();
+            let steps = 0..times.len().saturating_sub(1);
+            let grown = steps.map(|step| states.iter().map(|shares| shares[step].part).collect());
             let state = |i: usize| of_unit[i].name.split_once(": ").map_or("", |(_, state)| state).to_owned();
             let slices: Vec<_> =
                 runs(&times, grown).into_iter().map(|(begin, end, i)| (begin, end, state(i))).collect();
@@ -209,13 +215,40 @@ impl Timeline {
                 last = Some(value);
             }
         };
-        for pair in self.looks.windows(2) {
-            let (from, to) = (&pair[0], &pair[1]);
-            event(from.at, shown(track.kind, to.at - from.at, from.values[i], to.values[i]));
+        for (look, value) in self.looks.iter().zip(self.shown(i)) {
+            event(look.at, value);
         }
         if let Some(end) = self.looks.last() {
             event(end.at, if track.kind == Kind::Level { "0" } else { "0.00" }.into());
         }
+    }
+
+    /// What a counter shows from each look to the next.
+    fn shown(&self, i: usize) -> Vec<String> {
+        match self.tracks[i].kind {
+            Kind::Level => self.looks.windows(2).map(|pair| pair[0].values[i].to_string()).collect(),
+            kind => self.shares(i, kind).iter().map(Share::percent).collect(),
+        }
+    }
+
+    /// How much a value grew from each look to the next, as one of this kind.
+    fn shares(&self, i: usize, kind: Kind) -> Vec<Share> {
+        let (most, per) = match kind {
+            Kind::Grows(most, per) | Kind::GrewBefore(most, per) => (most, per),
+            Kind::Level | Kind::State(_) => (1, 1),
+        };
+        // A stage takes back what it took for idle and was not.
+        let step = |pair: &[Look]| Share {
+            part: u128::from(pair[1].values[i].saturating_sub(pair[0].values[i])) * u128::from(per),
+            full: u128::from(pair[1].at - pair[0].at) * u128::from(most),
+        };
+        let mut shares: Vec<Share> = self.looks.windows(2).map(step).collect();
+        match kind {
+            Kind::Grows(..) => spread(shares.iter_mut()),
+            Kind::GrewBefore(..) => spread(shares.iter_mut().rev()),
+            Kind::Level | Kind::State(_) => {}
+        }
+        shares
     }
 
     /// Cycles as microseconds with three digits.
@@ -248,7 +281,7 @@ impl Timeline {
                 add(Some(i), format!("{unit} {index} {stage}").trim_end().into(), Kind::Grows(1, 1), cycles);
             });
             let activity = core.srp.activity();
-            add(Some(i), "SRP".into(), self.srp, activity.busy_cycles());
+            add(Some(i), SRP.into(), self.srp, activity.busy_cycles());
             add(Some(i), "rays in T&I".into(), Kind::Level, core.ti.rays_inside() as u64);
         }
         add(None, "DRAM".into(), self.dram, bytes);
@@ -290,13 +323,33 @@ fn thousandths(number: u64) -> String {
     format!("{}.{:03}", number / 1000, number % 1000)
 }
 
-/// A value over some cycles, as text: in hundredths of a percent, rounded, so that it is the same everywhere.
-fn shown(kind: Kind, cycles: u64, before: u64, after: u64) -> String {
-    let Kind::Grows(most, per) = kind else { return before.to_string() };
-    let full = u128::from(cycles) * u128::from(most);
-    let part = u128::from(after - before) * u128::from(per) * 10_000;
-    let hundredths = (part + full / 2).checked_div(full).unwrap_or(0);
-    format!("{}.{:02}", hundredths / 100, hundredths % 100)
+/// What was done between two looks, of what could be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Share {
+    part: u128,
+    full: u128,
+}
+
+impl Share {
+    /// In hundredths of a percent, rounded, so that it is the same everywhere.
+    fn percent(&self) -> String {
+        let hundredths = (self.part * 10_000 + self.full / 2).checked_div(self.full).unwrap_or(0);
+        format!("{}.{:02}", hundredths / 100, hundredths % 100)
+    }
+}
+
+/// Moves what does not fit into a step to those that come after it in `steps`; the last one keeps what is left.
+fn spread<'a>(steps: impl Iterator<Item = &'a mut Share>) {
+    let (mut over, mut last) = (0, None);
+    for step in steps {
+        let part = step.part + over;
+        step.part = part.min(step.full);
+        over = part - step.part;
+        last = Some(step);
+    }
+    if let Some(last) = last {
+        last.part += over;
+    }
 }
 
 impl Probe for Timeline {
@@ -331,12 +384,25 @@ mod tests {
 
     #[test]
     fn shares_are_of_the_peak_and_levels_are_as_they_are() {
-        assert_eq!(shown(Kind::Grows(1, 1), 200, 10, 110), "50.00");
+        let shown = |kind: Kind, looks: &[(u64, u64)]| {
+            let mut timeline = Timeline::new(&crate::config::NamedMachine::load("sgrt-ti2", &[]).unwrap().config);
+            timeline.tracks = vec![Track { core: None, name: String::new(), kind }];
+            let look = |&(at, value): &(u64, u64)| Look { at: TiCycle(at), values: vec![value] };
+            timeline.looks = looks.iter().map(look).collect();
+            timeline.shown(0)
+        };
+        assert_eq!(shown(Kind::Grows(1, 1), &[(0, 10), (200, 110)]), ["50.00"]);
         // An array that runs two of its cycles a T&I cycle; a bus that moves 51.2 bytes a T&I cycle.
-        assert_eq!(shown(Kind::Grows(1000, 500), 200, 0, 300), "75.00");
-        assert_eq!(shown(Kind::Grows(256, 5), 100, 0, 512), "10.00");
-        assert_eq!(shown(Kind::Grows(1, 1), 3, 0, 2), "66.67");
-        assert_eq!(shown(Kind::Level, 7, 3, 9), "3");
+        assert_eq!(shown(Kind::GrewBefore(1000, 500), &[(0, 0), (200, 300)]), ["75.00"]);
+        assert_eq!(shown(Kind::Grows(256, 5), &[(0, 0), (100, 512)]), ["10.00"]);
+        assert_eq!(shown(Kind::Grows(1, 1), &[(0, 0), (3, 2)]), ["66.67"]);
+        assert_eq!(shown(Kind::Level, &[(0, 3), (7, 9)]), ["3"]);
+        // 250 cycles that are booked at once take two steps and a half: those before where they are booked at their end, else those after.
+        let looks = [(0, 0), (100, 0), (200, 0), (300, 250), (400, 250), (500, 250)];
+        assert_eq!(shown(Kind::GrewBefore(1, 1), &looks), ["50.00", "100.00", "100.00", "0.00", "0.00"]);
+        assert_eq!(shown(Kind::Grows(1, 1), &looks), ["0.00", "0.00", "100.00", "100.00", "50.00"]);
+        // Nothing is lost where there is no room.
+        assert_eq!(shown(Kind::GrewBefore(1, 1), &[(0, 0), (100, 250), (200, 250)]), ["250.00", "0.00"]);
     }
 
     #[test]

@@ -40,7 +40,7 @@ pub fn of_core(core: &Core, now: TiCycle) -> Vec<State> {
 
 /// Runs of intervals whose main state is the same: begin, end, state. `grown` has for each interval how much each state grew; the first
 /// of equals counts, and an interval in which none grew is in no run.
-pub fn runs(times: &[TiCycle], grown: impl Iterator<Item = Vec<u64>>) -> Vec<(TiCycle, TiCycle, usize)> {
+pub fn runs(times: &[TiCycle], grown: impl Iterator<Item = Vec<u128>>) -> Vec<(TiCycle, TiCycle, usize)> {
     let mut runs: Vec<(TiCycle, TiCycle, usize)> = Vec::new();
     for (ends, grown) in times.windows(2).zip(grown) {
         let most = grown.iter().copied().max().unwrap_or(0);

@@ -43,7 +43,7 @@ pub struct Estimate {
 }
 
 /// Why a frame is simulated whole though a sample was asked for, as pages say it.
-pub const WHY_WHOLE: &str = "too few tiles, tiles too alike or too different, a precision that no sample reaches, or a machine that gathers \
+pub const WHY_WHOLE: &str = "too few tiles or too small ones, tiles too alike or too different, a precision that no sample reaches, or a machine that gathers \
                              rays or traces them by threads";
 
 /// The least half widths of intervals, as parts of the value.

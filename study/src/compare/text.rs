@@ -91,7 +91,8 @@ fn change(change: &Change) -> Vec<String> {
     vec![
         change.name.clone(),
         format!("{}/{}", change.changed, change.compared),
-        size(change.largest.relative, "new") + &change.largest.interval.map_or_else(String::new, plus_minus),
+        size(change.largest.relative, if change.largest.b.is_none() { "gone" } else { "new" })
+            + &change.largest.interval.map_or_else(String::new, plus_minus),
         size(change.mean_relative, "-"),
         format!("{} -> {} {unit}", value(change.largest.a), value(change.largest.b)).trim_end().to_owned(),
         change.largest.point.clone(),

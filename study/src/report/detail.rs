@@ -106,6 +106,11 @@ impl DetailReport {
     pub fn interval(&self, column: &str) -> Option<f64> {
         self.interval_percent.get(column)?.as_f64()
     }
+
+    /// Whether nothing is known of how far a figure may be off: what windows say of it may be anything.
+    pub fn is_unknown(&self, column: &str) -> bool {
+        self.interval_percent.get(column).is_some_and(Value::is_null)
+    }
 }
 
 /// The runs of which the replicates of an estimate tell.

@@ -33,6 +33,11 @@ pub(super) fn amount(value: Option<f64>, unit: &str) -> String {
     value.map_or_else(|| "-".into(), |v| format!("{} {unit}", digits(v)))
 }
 
+/// Half the width of an interval behind its figure.
+pub(super) fn plus_minus(percent: f64) -> String {
+    format!(" ±{percent:.1}%")
+}
+
 /// A value to four digits or so.
 pub(super) fn digits(value: f64) -> String {
     let places = match value.abs() {

@@ -7,7 +7,7 @@ use crate::report::Report;
 use crate::report::counters::{code_l1, ist_activity, ist_l1, processors, srp_l1, srp_sum, stages, trv_l1};
 use crate::report::detail::DetailReport;
 use crate::report::extent::Extent;
-use crate::report::format::{amount, digits, grouped, percent};
+use crate::report::format::{amount, digits, grouped, percent, plus_minus};
 use rayreel_machine::AreaReport;
 use rayreel_machine::config::{Dram, MachineConfig};
 use rayreel_machine::counters::Activity;
@@ -24,18 +24,20 @@ const WHOLE_GPU: &str = "whole GPU";
 /// Writes the page of a report's machine, if it has one.
 pub(super) fn write(f: &mut Formatter<'_>, report: &Report) -> fmt::Result {
     let Some((config, run)) = &report.machine_run else { return Ok(()) };
+    let detail = report.detail.as_ref();
     speed(f, report, config)?;
     // Where no cycle was simulated nobody waited.
-    if !report.detail.as_ref().is_some_and(DetailReport::is_counts) {
+    let timeless = detail.is_some_and(DetailReport::is_counts);
+    if !timeless {
         if has_processors(&run.stats) {
             processing(f, config, &run.stats)?;
         } else {
-            utilisation(f, &run.stats)?;
-            shader(f, &run.stats)?;
+            utilisation(f, &run.stats, detail)?;
+            shader(f, &run.stats, detail)?;
         }
     }
-    caches(f, &run.stats)?;
-    memory(f, config, &run.stats)?;
+    caches(f, &run.stats, timeless)?;
+    memory(f, config, &run.stats, timeless)?;
     power(f, config, run)?;
     area(f, report, config)
 }
@@ -84,12 +86,14 @@ fn speed(f: &mut Formatter<'_>, report: &Report, config: &MachineConfig) -> fmt:
     row("power", "power_w", |c| small(c.power_w, "W", "mW"))?;
     row("energy", "energy_mj", |c| small(c.energy_mj, "mJ", "uJ"))?;
     row("energy a ray", "energy_per_ray_nj", |c| amount(c.energy_per_ray_nj, "nJ"))?;
-    row("frames/s a watt", "perf_per_watt", |c| amount(c.perf_per_watt, ""))
-}
-
-/// Half the width of an interval behind its figure.
-fn plus_minus(percent: f64) -> String {
-    format!(" ±{percent:.1}%")
+    row("frames/s a watt", "perf_per_watt", |c| amount(c.perf_per_watt, ""))?;
+    if detail.is_some_and(DetailReport::is_estimated) {
+        writeln!(
+            f,
+            "\n  What follows is estimated too, but for work; --json has the interval of each (detail.interval_percent)."
+        )?;
+    }
+    Ok(())
 }
 
 /// An amount in `unit`, or in its thousandth part if it is below one.
@@ -98,16 +102,16 @@ fn small(value: Option<f64>, unit: &str, thousandth: &str) -> String {
 }
 
 /// What the issue stages of the T&I units did, in percent of their cycles.
-fn utilisation(f: &mut Formatter<'_>, stats: &Stats) -> fmt::Result {
+fn utilisation(f: &mut Formatter<'_>, stats: &Stats, detail: Option<&DetailReport>) -> fmt::Result {
     write!(f, "\n{:<15}", "T&I units, %")?;
     Activity::default().list().iter().try_for_each(|class| write!(f, "{:>8}", class.name))?;
     writeln!(f)?;
     let (trv, ist) = (stats.trv().count(), stats.ist().count());
     for (name, activity) in stages(stats) {
-        row(f, &format!("{trv} TRV {name}"), &activity)?;
+        row(f, &format!("{trv} TRV {name}"), &activity, (&format!("ti_trv_{name}"), detail))?;
     }
     if ist > 0 {
-        row(f, &format!("{ist} IST"), &ist_activity(stats))?;
+        row(f, &format!("{ist} IST"), &ist_activity(stats), ("ti_ist_test", detail))?;
     }
     let rays: u64 = stats.trv().map(|unit| unit.events.ray_cycles).sum();
     if stats.cycles > 0 && trv > 0 {
@@ -117,39 +121,60 @@ fn utilisation(f: &mut Formatter<'_>, stats: &Stats) -> fmt::Result {
     Ok(())
 }
 
-fn row(f: &mut Formatter<'_>, name: &str, activity: &Activity) -> fmt::Result {
+fn row(
+    f: &mut Formatter<'_>,
+    name: &str,
+    activity: &Activity,
+    (column, detail): (&str, Option<&DetailReport>),
+) -> fmt::Result {
     let all = activity.total();
     write!(f, "  {name:<13}")?;
-    activity.list().iter().try_for_each(|class| write!(f, "{:>8}", percent(class.value, all)))?;
+    for class in activity.list() {
+        let is_known = is_known(class.value, &format!("{column}_{}", class.name), detail);
+        write!(f, "{:>8}", if is_known { percent(class.value, all) } else { "-".into() })?;
+    }
     writeln!(f)
 }
 
+/// Whether anything is known of a count. Where none was seen that is what there is to say.
+fn is_known(count: u64, column: &str, detail: Option<&DetailReport>) -> bool {
+    count == 0 || !detail.is_some_and(|detail| detail.is_unknown(column))
+}
+
 /// Cycles of the SRPs by kernel, and why they stood still.
-fn shader(f: &mut Formatter<'_>, stats: &Stats) -> fmt::Result {
+fn shader(f: &mut Formatter<'_>, stats: &Stats, detail: Option<&DetailReport>) -> fmt::Result {
     let srp = srp_sum(stats);
     let activity = srp.activity;
     let all: u64 = activity.total();
     let busy = srp.kernels.iter().map(|kernel| kernel.cycles).sum::<u64>() + activity.inspector;
-    writeln!(f, "\n{:<34} {:>12} {:>15} {:>8} {:>7}", "SRP", "items", "SRP cycles", "% busy", "% all")?;
-    let line = |f: &mut Formatter<'_>, name: &str, items: String, cycles: u64, of_busy: bool| {
+    let estimated = detail.filter(|detail| detail.is_estimated());
+    let head = if estimated.is_some() { "      ±%" } else { "" };
+    writeln!(f, "\n{:<34} {:>12} {:>15} {:>8} {:>7}{head}", "SRP", "items", "SRP cycles", "% busy", "% all")?;
+    let line = |f: &mut Formatter<'_>, name: &str, items: String, cycles: u64, (of_busy, column): (bool, &str)| {
+        if !is_known(cycles, column, detail) {
+            return writeln!(f, "  {name:<32} {items:>12} {:>15} {:>8} {:>7}", "-", "", "-");
+        }
         let busy = if of_busy { percent(cycles, busy) } else { String::new() };
-        writeln!(f, "  {name:<32} {items:>12} {:>15} {busy:>8} {:>7}", grouped(cycles), percent(cycles, all))
+        let interval = estimated.and_then(|detail| detail.interval(column)).filter(|_| cycles > 0);
+        let interval = interval.map_or_else(String::new, |percent| format!(" {percent:>7.1}"));
+        let (cycles, of_all) = (grouped(cycles), percent(cycles, all));
+        writeln!(f, "  {name:<32} {items:>12} {cycles:>15} {busy:>8} {of_all:>7}{interval}")
     };
     for kernel in KernelId::ALL {
-        let counts = srp.kernels[kernel as usize];
-        line(f, kernel.name(), grouped(counts.items), counts.cycles, true)?;
+        let (name, counts) = (kernel.name(), srp.kernels[kernel as usize]);
+        line(f, name, grouped(counts.items), counts.cycles, (true, &format!("srp_kernel_{name}_cycles")))?;
     }
-    line(f, "inspector", String::new(), activity.inspector, true)?;
-    line(f, "busy", String::new(), busy, true)?;
-    for (name, cycles) in [
-        ("waits for room for rays", activity.output),
-        ("waits for attributes and texels", activity.memory),
-        ("waits for the T&I unit", activity.unit),
-        ("waits for transfers of tiles", activity.transfer),
-        ("waits for tiles beside its own", activity.border),
-        ("has no tile", activity.idle),
+    line(f, "inspector", String::new(), activity.inspector, (true, "srp_activity_inspector"))?;
+    line(f, "busy", String::new(), busy, (true, ""))?;
+    for (name, cycles, column) in [
+        ("waits for room for rays", activity.output, "srp_activity_output"),
+        ("waits for attributes and texels", activity.memory, "srp_activity_memory"),
+        ("waits for the T&I unit", activity.unit, "srp_activity_unit"),
+        ("waits for transfers of tiles", activity.transfer, "srp_activity_transfer"),
+        ("waits for tiles beside its own", activity.border, "srp_activity_border"),
+        ("has no tile", activity.idle, "srp_activity_idle"),
     ] {
-        line(f, name, String::new(), cycles, false)?;
+        line(f, name, String::new(), cycles, (false, column))?;
     }
     Ok(())
 }
@@ -201,10 +226,12 @@ fn processing(f: &mut Formatter<'_>, config: &MachineConfig, stats: &Stats) -> f
     })
 }
 
-fn caches(f: &mut Formatter<'_>, stats: &Stats) -> fmt::Result {
+/// Without time (`timeless`) nothing is known of lines that are on their way: what merges with them counts as a hit.
+fn caches(f: &mut Formatter<'_>, stats: &Stats, timeless: bool) -> fmt::Result {
     writeln!(f, "\n{:<15}{:>15}{:>14}{:>12}{:>12}", "caches", "lookups", "hits %", "merged %", "misses %")?;
     let mut row = |name: &str, lookups: u64, hits: u64, merges: u64, misses: u64| {
         let [hits, merges, misses] = [hits, merges, misses].map(|n| percent(n, lookups));
+        let merges = if timeless { "-".into() } else { merges };
         writeln!(f, "  {name:<13}{:>15}{hits:>14}{merges:>12}{misses:>12}", grouped(lookups))
     };
     let units = [("TRV L1", trv_l1(stats)), ("IST L1", ist_l1(stats)), ("SRP L1", srp_l1(stats))];
@@ -222,7 +249,7 @@ fn peak(dram: &Dram) -> f64 {
     bytes / f64::from(dram.tccd)
 }
 
-fn memory(f: &mut Formatter<'_>, config: &MachineConfig, stats: &Stats) -> fmt::Result {
+fn memory(f: &mut Formatter<'_>, config: &MachineConfig, stats: &Stats, timeless: bool) -> fmt::Result {
     let (traffic, dram) = (&stats.memory.traffic, stats.memory.dram());
     let microseconds = stats.cycles as f64 / f64::from(config.ti.clock_mhz);
     let peak = peak(&config.dram);
@@ -244,6 +271,10 @@ fn memory(f: &mut Formatter<'_>, config: &MachineConfig, stats: &Stats) -> fmt::
         }
     }
     row("all", traffic.read.iter().sum(), traffic.written.iter().sum())?;
+    if timeless {
+        // Which rows are open is a matter of time.
+        return Ok(());
+    }
     let rows = dram.row_hits + dram.row_closed + dram.row_conflicts;
     let hits = [dram.row_hits, dram.row_closed, dram.row_conflicts].map(|n| percent(n, rows));
     writeln!(f, "  row hits {} %, closed banks {} %, row conflicts {} %", hits[0], hits[1], hits[2])?;
@@ -267,6 +298,7 @@ fn power(f: &mut Formatter<'_>, config: &MachineConfig, run: &MachineRun) -> fmt
     };
     let (scale, unit) = if total < 20_000_000_000_000 { (1e-9, "uJ") } else { (1e-12, "mJ") };
     let joules = |fj: u128| format!("{:.2}", fj as f64 * scale);
+    let leaked = |fj: u128| if timeless { "-".into() } else { joules(fj) };
     let has_parts = total > 0 && unknown.is_empty();
     let part = |fj: u128| if !has_parts { "-".into() } else { format!("{:.1}", 100.0 * fj as f64 / total as f64) };
     let (dynamic, leakage) = (format!("dynamic {unit}"), format!("leakage {unit}"));
@@ -274,7 +306,7 @@ fn power(f: &mut Formatter<'_>, config: &MachineConfig, run: &MachineRun) -> fmt
     let mut row = |name: &str, dynamic: u128, leakage: u128| {
         let all = dynamic + leakage;
         let is_known = !unknown.contains(&name) && (unknown.is_empty() || name != WHOLE_GPU);
-        let (dynamic, leakage) = (if is_known { joules(dynamic) } else { "-".into() }, joules(leakage));
+        let (dynamic, leakage) = (if is_known { joules(dynamic) } else { "-".into() }, leaked(leakage));
         writeln!(f, "  {name:<13}{dynamic:>15}{leakage:>14}{:>12}{:>12}", milliwatts(all), part(all))
     };
     for Component { name, dynamic_fj, leakage_fj, .. } in &run.energy.components {

@@ -3,7 +3,8 @@
 use std::fmt::{self, Display};
 
 use crate::figures::SamplingFigures;
-use crate::report::format::{amount, grouped, ratio, share};
+use crate::report::detail::DetailReport;
+use crate::report::format::{amount, grouped, plus_minus, ratio, share};
 use crate::report::{FrameReport, Report, page};
 use rayreel_replay::counts::RayCounts;
 
@@ -26,15 +27,21 @@ fn frames(f: &mut fmt::Formatter<'_>, frames: &[FrameReport], machine: bool) -> 
     writeln!(f)?;
     write!(f, "{:>7} {:>13} {:>8} {:>8} {:>9}", "frame", "rays", "of full", "similar", "PSNR")?;
     write!(f, " {:>7} {:>7} {:>7}", "SSIM", "FLIP", "flicker")?;
-    writeln!(f, "{}", if machine { format!(" {:>10} {:>11}", "time", "GPU energy") } else { String::new() })?;
-    for FrameReport { frame, figures, run, .. } in frames {
+    // Room for what stands behind an estimate.
+    let is_estimated = |frame: &FrameReport| frame.detail.as_ref().is_some_and(DetailReport::is_estimated);
+    let [a, b] = if frames.iter().any(is_estimated) { [17, 18] } else { [10, 11] };
+    writeln!(f, "{}", if machine { format!(" {:>a$} {:>b$}", "time", "GPU energy") } else { String::new() })?;
+    for FrameReport { frame, figures, run, detail, .. } in frames {
         let cost = figures.rays_traced + figures.rays_apron;
         write!(f, "{frame:>7} {:>13} {:>8}", grouped(cost), share(cost, figures.rays_full))?;
         write!(f, " {:>8} {:>9}", ratio(figures.similarity_ratio), psnr(figures))?;
         let flicker = figures.flicker.map_or_else(|| "-".into(), |levels| format!("{levels:.2}"));
         write!(f, " {:>7} {:>7} {flicker:>7}", ratio4(figures.ssim), ratio4(figures.flip))?;
         if let (true, Some(gpu)) = (machine, run.gpu) {
-            write!(f, " {:>10} {:>11}", amount(run.time_ms, "ms"), amount(gpu.energy_mj, "mJ"))?;
+            let within = |column| detail.as_ref().and_then(|d| d.interval(column)).map_or_else(String::new, plus_minus);
+            let time = amount(run.time_ms, "ms") + &within("time_ms");
+            let energy = amount(gpu.energy_mj, "mJ") + &within("gpu_energy_mj");
+            write!(f, " {time:>a$} {energy:>b$}")?;
         }
         writeln!(f)?;
     }

@@ -69,10 +69,10 @@ impl Scale {
         };
         let step = self.step * scale;
         let whole = |places: &usize| {
-            let scaled = step * [1.0, 10.0, 100.0, 1000.0][*places];
+            let scaled = step * [1.0, 10.0, 100.0, 1e3, 1e4, 1e5, 1e6][*places];
             scaled > 0.5 && (scaled - scaled.round()).abs() < 1e-6
         };
-        let places = (0..4).find(whole).unwrap_or(3);
+        let places = (0..7).find(whole).unwrap_or(6);
         if tick == 0.0 { "0".into() } else { fixed(tick * scale, places) + prefix }
     }
 }

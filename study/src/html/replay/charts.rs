@@ -2,12 +2,18 @@
 
 use serde_json::Value;
 
+use crate::figures::column;
 use crate::html::charts::gallery::Gallery;
 use crate::html::charts::lines::{Line, Lines};
 use crate::html::parts::grid;
 
 /// A figure of a frame: key in the report, heading, places.
 pub type Figure = (&'static str, &'static str, usize);
+
+/// A figure of a frame or of all, by the name of its column; null where there is none.
+pub fn figure<'a>(figures: &'a Value, key: &str) -> &'a Value {
+    column(key).map_or(&Value::Null, |column| column.value(figures))
+}
 
 /// Half the width of the 95 % interval of a figure of a frame or of all, in percent of it; none where it is exact.
 pub fn interval(figures: &Value, key: &str) -> Option<f64> {
@@ -26,7 +32,7 @@ pub fn over_frames(stats: &Value, figures: &[Figure], drawn: &Gallery) -> String
     }
     let numbers: Vec<u32> = frames.iter().map(|(number, _)| *number).collect();
     let chart = |(key, name, _): &Figure| {
-        let values: Vec<Option<f64>> = frames.iter().map(|(_, frame)| frame[*key].as_f64()).collect();
+        let values: Vec<Option<f64>> = frames.iter().map(|(_, frame)| figure(frame, key).as_f64()).collect();
         if values.iter().all(Option::is_none) {
             return String::new();
         }

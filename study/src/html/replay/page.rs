@@ -4,6 +4,7 @@ use serde_json::{Value, json};
 
 use super::charts;
 use super::folder::Folder;
+use crate::figures::{FixedColumn, columns};
 use crate::html::charts::file::Saved;
 use crate::html::charts::gallery::Gallery;
 use crate::html::parts::{Head, Section, how_to_read, table};
@@ -21,8 +22,11 @@ const OF_FRAMES: &[charts::Figure] = &[
     ("psnr_db", "PSNR, dB", 2),
     ("ssim", "SSIM", 4),
     ("flip", "FLIP", 4),
+    ("flicker", "Flicker", 2),
     ("cycles", "Cycles", 0),
     ("time_ms", "Time, ms", 3),
+    ("energy_mj", "Energy of the T&I units, mJ", 3),
+    ("gpu_energy_mj", "Energy of the GPU, mJ", 3),
 ];
 
 /// The whole page.
@@ -88,7 +92,8 @@ fn sentences(clauses: &[String]) -> String {
 
 /// A figure of a frame or of all as people read it, with what it may be off; a dash where there is none.
 fn shown(figures: &Value, key: &str, places: usize) -> String {
-    let number = match (figures[key].as_u64(), figures[key].as_f64()) {
+    let figure = charts::figure(figures, key);
+    let number = match (figure.as_u64(), figure.as_f64()) {
         (Some(whole), _) => count(whole),
         (None, Some(number)) => format!("{number:.places$}"),
         _ => return "–".into(),
@@ -98,25 +103,26 @@ fn shown(figures: &Value, key: &str, places: usize) -> String {
 
 /// The figures of all frames together, with what they mean.
 fn figures(stats: &Value) -> Option<Section> {
-    let row = |(name, about): (&String, &Value)| {
-        stats.get(name).filter(|value| value.is_number())?;
-        let (unit, meaning) = (text(about, "unit"), text(about, "description"));
-        let cells = vec![escape(name), shown(stats, name, 4), escape(unit), escape(meaning)];
-        Some((String::new(), cells))
+    let row = |column: &FixedColumn| {
+        let FixedColumn { name, unit, description, .. } = column;
+        let is_figure = column.is_figure && column.value(stats).is_number();
+        let cells = || vec![escape(name), shown(stats, name, 4), escape(unit), escape(description)];
+        is_figure.then(|| (String::new(), cells()))
     };
-    let rows: Vec<_> = stats["descriptions"].as_object()?.iter().filter_map(row).collect();
-    let columns = [Head::words("Figure"), Head::number("Value"), Head::words("Unit"), Head::words("Meaning")];
+    let rows: Vec<_> = columns().iter().filter_map(row).collect();
+    let heads = [Head::words("Figure"), Head::number("Value"), Head::words("Unit"), Head::words("Meaning")];
     Section::new(
         "figures",
         "All frames",
-        if rows.is_empty() { String::new() } else { table("Figures of all frames", &columns, &rows) },
+        if rows.is_empty() { String::new() } else { table("Figures of all frames", &heads, &rows) },
     )
 }
 
 /// The figures of each frame.
 fn frames(stats: &Value) -> Option<Section> {
     let all = stats["frames"].as_array()?;
-    let wanted: Vec<_> = OF_FRAMES.iter().filter(|(key, ..)| all.iter().any(|frame| frame[*key].is_number())).collect();
+    let wanted: Vec<_> =
+        OF_FRAMES.iter().filter(|(key, ..)| all.iter().any(|frame| charts::figure(frame, key).is_number())).collect();
     let columns: Vec<Head> =
         std::iter::once(Head::number("Frame")).chain(wanted.iter().map(|(_, name, _)| Head::number(name))).collect();
     let row = |frame: &Value| {

@@ -117,7 +117,7 @@ fn overhead(view: &StudyView<'_>) -> Option<Tile> {
     let paper: Vec<String> = stated.iter().map(|k| format!("{} {}", percent(k.share), k.kernel)).collect();
     let paper = if paper.is_empty() { String::new() } else { format!(" The paper: {}.", paper.join(", ")) };
     (!shares[0].is_empty()).then(|| Tile {
-        label: "SRP cycles for similarity tests and interpolation".into(),
+        label: "SRP cycles of the paper's policies for similarity tests and interpolation".into(),
         value: percent(similarity + interpolation),
         detail: format!(
             "{} similarity with its inspector, {} interpolation; mean over scenes and modes.{paper}",
