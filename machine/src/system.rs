@@ -9,7 +9,7 @@ use std::iter::Peekable;
 use std::sync::Arc;
 
 use crate::component::{Component, Tick};
-use crate::config::MachineConfig;
+use crate::config::{MachineConfig, TileDispatch};
 use crate::error::{MachineError, Result};
 use crate::functional::{CacheState, Checkpoint, CoreTags};
 use crate::link::RayUnit;
@@ -49,6 +49,7 @@ pub struct System<'a, M> {
     layout: Layout,
     cores: Vec<Core>,
     ports_per_core: u16,
+    dispatch: TileDispatch,
     memory: M,
     now: TiCycle,
     arrived: Vec<Response>,
@@ -232,6 +233,7 @@ impl<'a, M: Memory> System<'a, M> {
             layout,
             cores: (0..config.gpu.cores).map(core).collect(),
             ports_per_core,
+            dispatch: config.gpu.tile_dispatch,
             memory,
             now: TiCycle(0),
             arrived: Vec::new(),
@@ -246,7 +248,7 @@ impl<'a, M: Memory> System<'a, M> {
         &mut self.memory
     }
 
-    /// Runs until a core has a free tile slot and gives it `work`: the first such core, at the first such cycle.
+    /// Runs until a core has a free tile slot and gives it `work`, at the first such cycle.
     ///
     /// # Errors
     /// [`MachineError::Deadlock`] if the machine stands still.
@@ -265,7 +267,7 @@ impl<'a, M: Memory> System<'a, M> {
         self.idle_steps = 0;
     }
 
-    /// Runs until a core has a free tile slot, and says which: the first such core, at the first such cycle.
+    /// Runs until a core has a free tile slot, and says which, at the first such cycle.
     ///
     /// # Errors
     /// [`MachineError::Deadlock`] if the machine stands still.
@@ -278,9 +280,9 @@ impl<'a, M: Memory> System<'a, M> {
         }
     }
 
-    /// The first core with a free tile slot.
+    /// The core that takes the next tile, if one has a free slot.
     fn free_core(&self) -> Option<usize> {
-        self.cores.iter().position(|core| core.srp.wants_tile())
+        self.dispatch.choose(self.cores.iter().map(|core| core.srp.free_slots()))
     }
 
     /// Runs until all tiles are done.

@@ -109,7 +109,8 @@ fn uniform_frames_are_simulated_whole_and_that_is_said() {
     }
     let page = rayreel!["replay", "--quiet", &file, "--detail", "5%"].expect(0).out;
     assert!(
-        page.contains("1 frame was simulated whole (too few tiles or too small ones, tiles too alike") && !page.contains('±'),
+        page.contains("1 frame was simulated whole (too few tiles or too small ones, tiles too alike")
+            && !page.contains('±'),
         "{page}"
     );
 }

@@ -61,6 +61,10 @@ def check(path):
     def l1(unit, read, size, late=0):
         return cache(unit, read, "l1", constant[size], late)
 
+    def scaled(price, part):
+        sizes = {"row": "dram.row_bytes", "burst": "dram.burst_bytes"}
+        return whole(fj(price) * Fraction(constant[sizes[part]], constant[f"energy.dram_priced_{part}_bytes"]))
+
     # A bypass passes the whole pipeline of its unit.
     depth = {"parallel": ["inner"], "single": ["inner", "leaf", "stack"], "unified": ["inner", "leaf", "stack", "ist"]}
     pipeline = constant["ti.pipeline"]
@@ -118,8 +122,8 @@ def check(path):
             cache("l2", "l2_read_pj", "l2", constant["l2.size"]), tree, 0, constant["l2.size"]),
         "network": (n("l2/lookups") * (constant["l2.request_bytes"] + line) * fj("network_pj_per_byte"), tree, 0, 0),
         "dram": (
-            n("dram/activates") * fj("dram_row_pj") + n("dram/reads") * fj("dram_read_pj")
-            + n("dram/writes") * fj("dram_write_pj") + n("dram/refreshes") * fj("dram_refresh_pj"),
+            n("dram/activates") * scaled("dram_row_pj", "row") + n("dram/reads") * scaled("dram_read_pj", "burst")
+            + n("dram/writes") * scaled("dram_write_pj", "burst") + n("dram/refreshes") * fj("dram_refresh_pj"),
             1, constant["dram.channels"] * constant["energy.dram_background_uw"], 0),
         "dram_phy": (bursts * fj("dram_phy_pj_per_byte"), 1, 0, 0),
     }

@@ -19,6 +19,10 @@ const RAMS: [&str; 2] = [
      --set energy.stack_priced_size=512KiB",
 ];
 
+/// Rows and bursts of another size than the prices are of.
+const DRAM: &str = "--set dram.row_bytes=1024 --set dram.burst_bytes=64 --set dram.tccd=16 --set energy.dram_read_pj=0.777 \
+                    --set energy.dram_priced_burst_bytes=48";
+
 /// Caches of other sizes than those that the prices are of, above, below and beyond the table, and other lines.
 const CACHES: &str = "--set ti.trv_l1.size=64KiB --set ti.ist_l1.size=4KiB --set srp.l1.size=24KiB --set srp.l1.ways=3 --set l2.size=1MiB \
                       --set energy.l1_priced_size=32KiB --set energy.l2_priced_size=512KiB";
@@ -37,7 +41,7 @@ fn a_script_finds_the_same_energy_in_the_counters() {
     for (machine, options) in MACHINES
         .map(|machine| (machine, ""))
         .into_iter()
-        .chain([SIZES, CACHES, LINES, RAMS[0], RAMS[1]].map(|sizes| ("sgrt-ti2", sizes)))
+        .chain([SIZES, CACHES, LINES, RAMS[0], RAMS[1], DRAM].map(|sizes| ("sgrt-ti2", sizes)))
     {
         let policy = if machine == "raycore" { "full" } else { "multirate" };
         let trace = repository("traces/v1_0_teapot.rtrace");

@@ -55,6 +55,8 @@ settings! {
         dram_row_pj: Picojoules = EVENT, "DRAM: activate and precharge of a row", "pJ";
         dram_read_pj: Picojoules = EVENT, "DRAM: read of a burst, IO included", "pJ";
         dram_write_pj: Picojoules = EVENT, "DRAM: write of a burst, IO included", "pJ";
+        dram_priced_row_bytes: u32 = Integer(256, 65_536), "row of a bank that the energy of a row is of", "bytes";
+        dram_priced_burst_bytes: u32 = Integer(8, 256), "burst that the energies of bursts are of", "bytes";
         dram_refresh_pj: Picojoules = EVENT, "DRAM: refresh of all banks of a channel", "pJ";
         dram_phy_pj_per_byte: Picojoules = EVENT, "PHY and controller", "pJ per byte";
         dram_background_uw: u64 = LEAKAGE, "DRAM background, per channel", "uW";

@@ -27,7 +27,7 @@ pub use area::Area;
 pub use cache::{L1, L2, Replacement};
 pub use dram::{Dram, PagePolicy};
 pub use energy::Energy;
-pub use gpu::{GeometryBuffer, Gpu, Interface, PrimaryVisibility};
+pub use gpu::{GeometryBuffer, Gpu, Interface, PrimaryVisibility, TileDispatch};
 pub use layout::{Framebuffer, LayoutSizes, Raster};
 pub use load::NamedMachine;
 pub use processor::{Block, Code, KernelMix, Processor, Units};

@@ -1,4 +1,4 @@
-//! Prices of caches, stacks and local memories are of a size. Whoever sets one beside a size of such a memory says which size it is of: taken
+//! Prices of caches, stacks, local memories, rows and bursts are of a size. Whoever sets one beside a size of such a memory says which size it is of: taken
 //! for that of the base, it would be changed in proportion without a word.
 
 use rayreel_settings::{Ancestor, Sourced};
@@ -19,7 +19,10 @@ const STACKS: &str = "energy.stack_priced_size";
 const STACK_PRICES: [&str; 2] = ["energy.stack_push_pj", "energy.stack_pop_pj"];
 const STACK_SIZES: [&str; 4] = ["ti.stack_entries", "ti.full_stack_entries", "ti.stack_entry_bytes", "ti.rays_per_trv"];
 
-const ALL: [Priced; 22] = [
+const ROW: &str = "energy.dram_priced_row_bytes";
+const BURST: &str = "energy.dram_priced_burst_bytes";
+
+const ALL: [Priced; 25] = [
     ("energy.trv_l1_read_pj", "ti.trv_l1.size", L1),
     ("energy.ist_l1_read_pj", "ti.ist_l1.size", L1),
     ("energy.srp_l1_read_pj", "srp.l1.size", L1),
@@ -42,6 +45,9 @@ const ALL: [Priced; 22] = [
     ("energy.l2_fill_pj", "l2.line_bytes", LINE),
     ("energy.local_read_pj", "srp.local_memory", LOCAL),
     ("energy.local_write_pj", "srp.local_memory", LOCAL),
+    ("energy.dram_row_pj", "dram.row_bytes", ROW),
+    ("energy.dram_read_pj", "dram.burst_bytes", BURST),
+    ("energy.dram_write_pj", "dram.burst_bytes", BURST),
 ];
 
 /// Checks that a file, or the command line, that sets a price and another size than it is said to be of says so itself, and does not
@@ -130,6 +136,11 @@ mod tests {
             &["ti.rays_per_trv=32"],
         ];
         fine.iter().for_each(|overrides| assert_eq!(load(overrides), Ok(()), "{overrides:?}"));
+        assert!(
+            load(&["dram.row_bytes=4096", "energy.dram_row_pj=1500"]).unwrap_err().contains("dram_priced_row_bytes")
+        );
+        let said = ["dram.burst_bytes=64", "energy.dram_read_pj=4000", "energy.dram_priced_burst_bytes=64"];
+        assert_eq!(load(&said), Ok(()));
         assert!(
             load(&["srp.local_memory=32KiB", "energy.local_write_pj=2"]).unwrap_err().contains("local_priced_size")
         );

@@ -24,6 +24,7 @@ mod others;
 mod ram_prices;
 mod rounding;
 
+use by_size::in_proportion;
 use cache_prices::CachePrices;
 use ram_prices::RamPrices;
 use rounding::nearest;
@@ -311,10 +312,14 @@ impl<'a> Sums<'a> {
         let (energy, l2, dram) = (&self.config.energy, &self.stats.memory.l2, &self.dram);
         let network = l2.lookups * u64::from(self.config.l2.request_bytes + self.config.l2.line_bytes);
         let l2 = CachePrices::of_l2(self.config).of(l2.hits, l2.misses + l2.merges, l2.fills);
+        // A row is so many cells and sense amplifiers, a burst so many bits through the array and over the wires.
+        let device = &self.config.dram;
+        let row = |price| in_proportion(price, device.row_bytes.into(), energy.dram_priced_row_bytes.into());
+        let burst = |price| in_proportion(price, device.burst_bytes.into(), energy.dram_priced_burst_bytes.into());
         let rows = [
-            (dram.activates, energy.dram_row_pj),
-            (dram.reads, energy.dram_read_pj),
-            (dram.writes, energy.dram_write_pj),
+            (dram.activates, row(energy.dram_row_pj)),
+            (dram.reads, burst(energy.dram_read_pj)),
+            (dram.writes, burst(energy.dram_write_pj)),
             (dram.refreshes, energy.dram_refresh_pj),
         ];
         let bytes = (dram.reads + dram.writes) * u64::from(self.config.dram.burst_bytes);

@@ -34,7 +34,7 @@ pub use features::{FEATURES, Features};
 
 use std::sync::Arc;
 
-use crate::config::MachineConfig;
+use crate::config::{MachineConfig, TileDispatch};
 use crate::link::RayRef;
 use crate::srp::{FrameShape, KernelId, QueueId, RestOfTile};
 use crate::stats::Stats;
@@ -57,6 +57,7 @@ pub struct FunctionalMachine<'a> {
     cores: Vec<Core>,
     /// Tiles that were given.
     given: usize,
+    dispatch: TileDispatch,
     batches: Batches,
     pace: Pace,
     batch: Vec<u32>,
@@ -104,6 +105,7 @@ impl<'a> FunctionalMachine<'a> {
             memory: TagMemory::new(config),
             cores: vec![core; config.gpu.cores as usize],
             given: 0,
+            dispatch: config.gpu.tile_dispatch,
             batches: Batches::new(config),
             pace: Pace::new(config),
             batch: Vec::new(),
@@ -127,9 +129,9 @@ impl<'a> FunctionalMachine<'a> {
         &self.warm
     }
 
-    /// The first core with a free slot.
+    /// The core that takes the next tile, if one has a free slot.
     fn free_core(&self) -> Option<usize> {
-        self.cores.iter().position(|core| core.slots.iter().any(Option::is_none))
+        self.dispatch.choose(self.cores.iter().map(|core| core.slots.iter().filter(|slot| slot.is_none()).count()))
     }
 
     /// Whether a slot is free.

@@ -105,6 +105,12 @@ impl Srp {
         }
     }
 
+    /// Tile slots that are free.
+    #[inline]
+    pub fn free_slots(&self) -> usize {
+        self.tiles.free_slots()
+    }
+
     /// Whether a tile slot is free.
     #[inline]
     pub fn wants_tile(&self) -> bool {

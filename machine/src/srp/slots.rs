@@ -86,6 +86,12 @@ impl TileSlots {
         self.slots.iter().all(|slot| !slot.is_at_work())
     }
 
+    /// Slots that hold no tile.
+    #[inline]
+    pub fn free_slots(&self) -> usize {
+        self.free
+    }
+
     /// Whether a slot is free.
     #[inline]
     pub fn wants_tile(&self) -> bool {

@@ -10,6 +10,7 @@
 //! number of rays in its T&I unit; the DRAM's is in percent of its peak bandwidth. Slices show which tile each slot of a core held
 //! (right to the first distance), and for each unit what it mostly did between two looks: the kernel of an SRP, or why it stood still.
 
+mod share;
 mod states;
 mod tiles;
 
@@ -20,6 +21,7 @@ use crate::counters::StageBusy;
 use crate::link::RayUnit;
 use crate::system::{Core, Probe};
 use crate::time::{TiCycle, When};
+use share::{Share, spread};
 use states::{of_core, runs};
 use tiles::Stays;
 
@@ -321,35 +323,6 @@ impl Timeline {
 /// A number of thousandths with three digits.
 fn thousandths(number: u64) -> String {
     format!("{}.{:03}", number / 1000, number % 1000)
-}
-
-/// What was done between two looks, of what could be.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Share {
-    part: u128,
-    full: u128,
-}
-
-impl Share {
-    /// In hundredths of a percent, rounded, so that it is the same everywhere.
-    fn percent(&self) -> String {
-        let hundredths = (self.part * 10_000 + self.full / 2).checked_div(self.full).unwrap_or(0);
-        format!("{}.{:02}", hundredths / 100, hundredths % 100)
-    }
-}
-
-/// Moves what does not fit into a step to those that come after it in `steps`; the last one keeps what is left.
-fn spread<'a>(steps: impl Iterator<Item = &'a mut Share>) {
-    let (mut over, mut last) = (0, None);
-    for step in steps {
-        let part = step.part + over;
-        step.part = part.min(step.full);
-        over = part - step.part;
-        last = Some(step);
-    }
-    if let Some(last) = last {
-        last.part += over;
-    }
 }
 
 impl Probe for Timeline {
