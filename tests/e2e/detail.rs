@@ -71,6 +71,12 @@ fn a_part_is_simulated_and_the_rest_is_estimated() {
     assert!(
         counts["cycles"].is_null() && counts["power_w"].is_null() && counts["rays_machine"] == full["rays_machine"]
     );
+    // Nobody knows which rows were open, what merged or how long things leaked.
+    let page = rayreel!["replay", "--quiet", &file, "--detail", "counts"].expect(0).out;
+    assert!(
+        !page.contains("row hits") && page.lines().any(|line| line.starts_with("  L2 ") && line.contains(" -  ")),
+        "{page}"
+    );
     assert_eq!(counts["counters"]["ti/ist/triangle_tests"], full["counters"]["ti/ist/triangle_tests"]);
 
     // The page, and a comparison that knows what is an estimate.

@@ -53,6 +53,26 @@ fn fewer_tiles_and_columns_are_said_and_still_read() {
     assert_eq!(rows("all").code, 0);
 }
 
+/// Frames that were lost as a whole are missing in what is made of the rest.
+#[test]
+fn what_was_repaired_is_cut_and_coded_anew() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    capture("chess", &format!("{OPTIONS} --frames 0..4"), &at("whole"));
+    let bytes = fs::read(at("whole")).unwrap();
+    fs::write(at("cut"), &bytes[..bytes.len() * 6 / 10]).unwrap();
+    rayreel!["repair", &at("cut"), "-o", &at("repaired")].expect(3);
+    assert!(!crate::common::trace::open(&at("repaired")).has_frame(3), "its camera is lost too");
+    for (command, options) in [("recompress", ["--codec", "plain"]), ("trim", ["--columns", "colours"])] {
+        let [a, b] = options;
+        let ran = rayreel![command, "--quiet", a, b, &at("repaired"), "-o", &at(command)].expect(0);
+        assert!(ran.out.contains("it is not whole: "), "{ran:?}");
+    }
+    let missing = |name: &str| crate::common::trace::open(&at(name)).missing_tiles();
+    assert!(missing("repaired") == missing("recompress") && missing("repaired") == missing("trim"));
+    rayreel!["verify", "--quiet", &at("recompress")].expect(3);
+}
+
 #[test]
 fn what_cannot_be_done_is_said_and_leaves_nothing() {
     let folder = tempfile::tempdir().unwrap();
@@ -92,6 +112,15 @@ fn what_cannot_be_done_is_said_and_leaves_nothing() {
     rayreel!["merge", &at("a"), &at("other"), "-o", &at("long")].expect(2);
     assert_eq!(fs::read(at("long.partial")).unwrap(), begun);
     assert!(!odd.join("new.partial").exists());
+    // Nor where the output may be replaced: it may be all that there is of a long capture.
+    rayreel!["trim", "--force", "--frames", "0", &at("a"), "-o", &at("long")]
+        .expect(2)
+        .says(&["long.partial", "--resume"]);
+    assert_eq!(fs::read(at("long.partial")).unwrap(), begun);
+    rayreel!["trim", "--quiet", "--columns", "hits", &at("a"), "-o", &at("hits")].expect(0);
+    refused(rayreel!["trim", &at("hits"), "--columns", "paths", "-o", &at("out")], "holds no paths");
+    rayreel!["trim", "--quiet", "--tiles", "0", &at("a"), "-o", &at("tile")].expect(0);
+    refused(rayreel!["trim", &at("tile"), "--tiles", "0..2", "-o", &at("out")], "holds no tile 1 in these frames");
     let ran = rayreel!["recompress", &at("a"), "-o", &at("later")].expect(2);
     assert!(ran.err.contains("already exists"), "{ran:?}");
     rayreel!["recompress", "--quiet", "--force", &at("a"), "-o", &at("later")].expect(0);

@@ -83,6 +83,19 @@ fn more_cores() {
     assert!(cycles[1] * 10 < cycles[0] * 6 && cycles[2] * 10 < cycles[1] * 6, "{cycles:?}");
 }
 
+/// Fifteen tiles on four cores: filling core after core leaves cores without tiles, and more slots make that worse.
+#[test]
+fn more_slots() {
+    let work = works()[0];
+    let cycles = |dispatch: &str, slots: u32| {
+        let overrides = [format!("gpu.tile_dispatch={dispatch}"), format!("gpu.tiles_in_flight={slots}")];
+        work.real(&machine("sgrt-ti2", &overrides.each_ref().map(String::as_str))).cycles
+    };
+    let [fill, spread] = ["fill", "spread"].map(|dispatch| [1, 4, 16].map(|slots| cycles(dispatch, slots)));
+    assert_eq!(fill[0], spread[0], "with one slot both are one");
+    assert!(spread[1] < fill[1] && spread[2] * 2 < fill[2] && spread[2] < spread[0], "{fill:?} {spread:?}");
+}
+
 #[test]
 fn faster_clocks() {
     for work in &works()[..2] {

@@ -123,6 +123,9 @@ mod tests {
         let small = Scale::nice([0.0, 0.0012], 4, [0.0, 1.0]);
         let labels: Vec<String> = small.ticks().into_iter().map(|tick| small.times(1e3).label(tick * 1e3)).collect();
         assert_eq!(labels, ["0", "0.5", "1.0", "1.5"]);
+        let close = Scale::nice([0.99312, 0.99402], 4, [0.0, 1.0]);
+        let labels: Vec<String> = close.ticks().into_iter().map(|tick| close.label(tick)).collect();
+        assert!(labels.windows(2).all(|pair| pair[0] != pair[1]), "{labels:?}");
     }
 
     #[test]

@@ -74,14 +74,14 @@ fn group_table(group: &str, all: &[&Ablation]) -> String {
 }
 
 fn times(value: f64, base: Option<f64>, within: Option<f64>) -> String {
-    let times = |base: f64| format!(" <small>({}{})</small>", factor(value / base), plus_minus(within));
+    let times = |base: f64| format!(" <small class=\"under\">({}{})</small>", factor(value / base), plus_minus(within));
     base.filter(|b| *b > 0.0).map(times).unwrap_or_default()
 }
 
 fn difference(value: Option<f64>, base: Option<f64>) -> String {
     let (Some(value), Some(base)) = (value, base) else { return String::new() };
     let sign = if value > base { "+" } else { "" };
-    format!(" <small>({sign}{})</small>", fixed(value - base, 2))
+    format!(" <small class=\"under\">({sign}{})</small>", fixed(value - base, 2))
 }
 
 /// The text with a capital first letter.
