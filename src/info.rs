@@ -25,11 +25,11 @@ pub fn run(args: &Args) -> Result<Exit> {
     let trace = args.trace.open()?;
     let missing = trace.missing_tiles();
     let rays = count(&trace, &missing)?;
-    let value = describe(&trace, &rays, missing.len());
+    let value = describe(&trace, &rays, &missing);
     if args.json {
         print_json(&value)?;
     } else {
-        print(&table(&trace, &rays))?;
+        print(&table(&trace, &rays, &missing))?;
     }
     Ok(if missing.is_empty() && trace.lacking().is_empty() { Exit::Done } else { Exit::Incomplete })
 }
@@ -68,7 +68,7 @@ fn parts(trace: &Trace) -> Vec<(String, u64)> {
     parts
 }
 
-fn describe(trace: &Trace, rays: &[u64; 4], missing: usize) -> Value {
+fn describe(trace: &Trace, rays: &[u64; 4], missing: &[(u32, u32)]) -> Value {
     let meta = trace.meta();
     let by_kind: serde_json::Map<String, Value> =
         RayKind::ALL.iter().map(|k| (k.name().into(), rays[*k as usize].into())).collect();
@@ -93,12 +93,13 @@ fn describe(trace: &Trace, rays: &[u64; 4], missing: usize) -> Value {
         "rays_by_kind": by_kind,
         "file_bytes": trace.reader().len(),
         "bytes": parts(trace).into_iter().collect::<std::collections::BTreeMap<_, _>>(),
-        "missing_tiles": missing,
+        "missing_tiles": missing.len(),
+        "missing": by_frame(missing).map(|(frame, tiles)| json!({ "frame": frame, "tiles": tiles.join(",") })).collect::<Vec<_>>(),
         "missing_columns": missing_columns(trace),
     })
 }
 
-fn table(trace: &Trace, rays: &[u64; 4]) -> String {
+fn table(trace: &Trace, rays: &[u64; 4], missing: &[(u32, u32)]) -> String {
     let meta = trace.meta();
     let total = rays.iter().sum::<u64>();
     let mut text = String::new();
@@ -138,7 +139,31 @@ fn table(trace: &Trace, rays: &[u64; 4]) -> String {
     if !lacks.is_empty() {
         text += &format!("incomplete: {lacks}\n");
     }
+    for (frame, tiles) in by_frame(missing).take(SHOWN_MAX) {
+        let more = if tiles.len() > SHOWN_MAX { ", and others" } else { "" };
+        let tiles = tiles.iter().take(SHOWN_MAX).cloned().collect::<Vec<_>>().join(",");
+        text += &format!("  missing of frame {frame}: {tiles}{more}\n");
+    }
+    if by_frame(missing).nth(SHOWN_MAX).is_some() {
+        text += "  and tiles of other frames, which --json lists\n";
+    }
     text
+}
+
+/// Frames, and runs of tiles of each, that are shown at most.
+const SHOWN_MAX: usize = 10;
+
+/// Frames with the tiles that are missing of each, as `--tiles` takes them: numbers and ranges.
+fn by_frame(missing: &[(u32, u32)]) -> impl Iterator<Item = (u32, Vec<String>)> {
+    let run = |run: &[(u32, u32)]| match *run {
+        [(_, tile)] => tile.to_string(),
+        [(_, first), .., (_, last)] => format!("{first}..{}", last + 1),
+        [] => String::new(),
+    };
+    missing.chunk_by(|a, b| a.0 == b.0).map(move |of_frame| {
+        let runs = of_frame.chunk_by(|a, b| a.1 + 1 == b.1).map(run);
+        (of_frame[0].0, runs.collect())
+    })
 }
 
 /// How many tiles lack which column.

@@ -1,6 +1,6 @@
 //! `rayreel presets`: the machines and policies that replays can name, and where each number of a machine is from.
 
-use anyhow::Result;
+use anyhow::{Result, bail};
 use clap::Subcommand;
 use rayreel_machine::config::{MACHINES, NamedMachine, PRESETS, Sourced};
 use rayreel_replay::NamedPolicy;
@@ -27,7 +27,7 @@ enum Action {
         #[arg(long)]
         json: bool,
     },
-    /// Show a preset, or a machine file (.toml): every value, how far it can be trusted, and where it is from.
+    /// Show a preset, or a machine or policy file (.toml): every value, how far it can be trusted, and where it is from.
     Show {
         /// Name or path.
         preset: String,
@@ -53,12 +53,13 @@ fn show(preset: &str, set: &[String], as_json: bool) -> Result<()> {
         let policy = NamedPolicy::load(preset, set)?;
         return if as_json { print_json(&policy_json(&policy)?) } else { print(&policy.page()) };
     }
-    let is_neither = !is_path(preset) && !MACHINES.owns(preset);
-    let machine = NamedMachine::load(preset, set).map_err(|error| {
-        let names: Vec<_> = policy::PRESETS.iter().map(|(name, _)| *name).collect();
-        let also = if is_neither { format!("; policies are {}", names.join(", ")) } else { String::new() };
-        anyhow::anyhow!("{error}{also}")
-    })?;
+    let machine = match NamedMachine::load(preset, set) {
+        Err(error) if !is_path(preset) && !MACHINES.owns(preset) => {
+            let names: Vec<_> = policy::PRESETS.iter().map(|(name, _)| *name).collect();
+            bail!("{error}; policies are {}", names.join(", "));
+        }
+        loaded => loaded?,
+    };
     if as_json { print_json(&machine_json(&machine)) } else { print(&machine.page()) }
 }
 

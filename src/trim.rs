@@ -1,8 +1,10 @@
 //! `rayreel trim`: some frames, tiles or columns of a trace.
 
+use std::collections::BTreeSet;
+
 use anyhow::{Result, bail};
 use rayreel_columns::Selection;
-use rayreel_formats::container::{ChunkId, ChunkKind};
+use rayreel_formats::container::ChunkId;
 use rayreel_formats::tile::Column;
 use rayreel_formats::trace::{Keep, Part, Trace};
 
@@ -62,16 +64,27 @@ pub fn run(args: &Args, quiet: bool) -> Result<Exit> {
 /// Refuses what was asked for by name and is nowhere in the frames.
 fn check_held(args: &Args, trace: &Trace, selection: &Selection) -> Result<()> {
     let name = trace.path().display();
-    let held = trace.reader().chunks().iter().filter(|record| record.id.kind == ChunkKind::TILE).count() as u64;
-    if let Some((column, _)) = trace.lacking().iter().find(|(c, tiles)| args.columns.contains(c) && *tiles == held) {
-        bail!("{name} holds no {}; leave it out of --columns", column.name());
-    }
-    let found =
-        |tile: u32| selection.frames.clone().any(|frame| trace.reader().find(ChunkId::tile(frame, tile)).is_some());
+    let is_held = |frame: u32, tile: u32| trace.reader().find(ChunkId::tile(frame, tile)).is_some();
+    let found = |tile: u32| selection.frames.clone().any(|frame| is_held(frame, tile));
     if args.tiles.is_some()
         && let Some(lost) = selection.tiles.iter().find(|tile| !found(**tile))
     {
         bail!("{name} holds no tile {lost} in these frames; leave it out of --tiles");
     }
-    Ok(())
+    // Only other writers than capture leave columns out: no tile is looked at for nothing.
+    let mut wanted: BTreeSet<Column> = args.columns.iter().copied().collect();
+    wanted.retain(|column| trace.lacking().iter().any(|(lacked, _)| lacked == column));
+    let frames = selection.frames.clone();
+    let tiles = frames.flat_map(|frame| selection.tiles.iter().map(move |tile| (frame, *tile)));
+    for (frame, tile) in tiles.filter(|(frame, tile)| is_held(*frame, *tile)) {
+        if wanted.is_empty() {
+            break;
+        }
+        let held = trace.readable(frame, tile)?;
+        wanted.retain(|column| !held.contains(column));
+    }
+    match wanted.first() {
+        Some(column) => bail!("{name} holds no {} in these frames; leave it out of --columns", column.name()),
+        None => Ok(()),
+    }
 }

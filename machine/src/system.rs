@@ -2,8 +2,8 @@
 //!
 //! A cycle goes: memory brings what has arrived; each core's SRP takes finished rays, runs kernels and sends rays; each core's
 //! T&I unit runs. What one of them sends, another sees a cycle later, so the order within a cycle is no more than a tie-break:
-//! memory requests of one cycle are served by core and unit. A core whose tile slot is free takes the next tile of the frame,
-//! the first core first. Every frame begins with empty pipelines, and with cold caches unless they are warmed.
+//! memory requests of one cycle are served by core and unit. A core with a free tile slot takes the next tile of the frame;
+//! of several `gpu.tile_dispatch` chooses one. Every frame begins with empty pipelines, and with cold caches unless they are warmed.
 
 use std::iter::Peekable;
 use std::sync::Arc;

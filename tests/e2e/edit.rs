@@ -63,7 +63,7 @@ fn what_was_repaired_is_cut_and_coded_anew() {
     fs::write(at("cut"), &bytes[..bytes.len() * 6 / 10]).unwrap();
     rayreel!["repair", &at("cut"), "-o", &at("repaired")].expect(3);
     assert!(!crate::common::trace::open(&at("repaired")).has_frame(3), "its camera is lost too");
-    for (command, options) in [("recompress", ["--codec", "plain"]), ("trim", ["--columns", "colours"])] {
+    for (command, options) in [("recompress", ["--codec", "plain"]), ("trim", ["--columns", "radiance"])] {
         let [a, b] = options;
         let ran = rayreel![command, "--quiet", a, b, &at("repaired"), "-o", &at(command)].expect(0);
         assert!(ran.out.contains("it is not whole: "), "{ran:?}");
@@ -71,6 +71,9 @@ fn what_was_repaired_is_cut_and_coded_anew() {
     let missing = |name: &str| crate::common::trace::open(&at(name)).missing_tiles();
     assert!(missing("repaired") == missing("recompress") && missing("repaired") == missing("trim"));
     rayreel!["verify", "--quiet", &at("recompress")].expect(3);
+    // A frame of which nothing is left makes no trace.
+    let ran = rayreel!["trim", "--frames", "3", &at("repaired"), "-o", &at("none")].expect(2);
+    assert!(ran.err.contains("holds nothing of frames 3..4") && !at("none").exists(), "{ran:?}");
 }
 
 #[test]
@@ -119,6 +122,14 @@ fn what_cannot_be_done_is_said_and_leaves_nothing() {
     assert_eq!(fs::read(at("long.partial")).unwrap(), begun);
     rayreel!["trim", "--quiet", "--columns", "hits", &at("a"), "-o", &at("hits")].expect(0);
     refused(rayreel!["trim", &at("hits"), "--columns", "paths", "-o", &at("out")], "holds no paths");
+    // A trace of which one frame has them and the other does not.
+    rayreel!["trim", "--quiet", "--frames", "2", &at("a"), "-o", &at("end")].expect(0);
+    rayreel!["trim", "--quiet", "--frames", "0..2", &at("hits"), "-o", &at("begin")].expect(0);
+    rayreel!["merge", "--quiet", &at("begin"), &at("end"), "-o", &at("mixed")].expect(0);
+    let paths =
+        |frames: &str| rayreel!["trim", &at("mixed"), "--columns", "paths", "--frames", frames, "-o", &at("out")];
+    refused(paths("0..2"), "holds no paths in these frames");
+    rayreel!["trim", "--quiet", "--columns", "paths", &at("mixed"), "-o", &at("paths")].expect(0);
     rayreel!["trim", "--quiet", "--tiles", "0", &at("a"), "-o", &at("tile")].expect(0);
     refused(rayreel!["trim", &at("tile"), "--tiles", "0..2", "-o", &at("out")], "holds no tile 1 in these frames");
     let ran = rayreel!["recompress", &at("a"), "-o", &at("later")].expect(2);

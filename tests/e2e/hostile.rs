@@ -149,7 +149,9 @@ fn a_second_writer_is_told_who_writes() {
     }
     first.kill().unwrap();
     first.wait().unwrap();
-    rayreel(folder, "capture teapot --size 2048x1024 -o {}/t.rtrace").expect(2).says(&["continue it with --resume"]);
+    rayreel(folder, "capture teapot --size 2048x1024 -o {}/t.rtrace")
+        .expect(2)
+        .says(&["`rayreel capture --resume` goes on"]);
 }
 
 /// While a scene was loaded, SIGTERM killed the process: a queue saw no code.

@@ -40,6 +40,8 @@ fn a_repaired_trace_is_readable_and_incomplete() {
 
     let info = rayreel!["info", "--json", &fixed].expect(3).json();
     assert_eq!(info["missing_tiles"], missing.len());
+    let (first, last) = (missing[0].1, missing[missing.len() - 1].1);
+    assert_eq!(info["missing"], serde_json::json!([{ "frame": 0, "tiles": format!("{first}..{}", last + 1) }]));
     assert!(rayreel!["info", &fixed].expect(3).out.contains("tiles are missing"));
     let verified = rayreel!["verify", "--json", &fixed].expect(3).says(&["incomplete"]).json();
     assert_eq!(verified["tiles"], all.meta().tile_count() as usize - missing.len());

@@ -20,7 +20,7 @@ table! {
         core: Vec<i32>, "", "core; -1 for what cores share";
         unit: Words, "", "unit of the core";
         counter: Words, "", "group and name of the counter, as rayreel replay --json explains them";
-        change: Vec<i64>, "", "by how much it changed, in its own unit; stages book an operation when its issue is certain, so an interval can hold more busy cycles than it has, and take back cycles that an earlier one took for starved or idle: sums are those of the run";
+        change: Vec<i64>, "", "by how much it changed, in its own unit; stages book an operation when its issue is certain, and an SRP items when they are done, so an interval can hold more busy cycles than it has, and take back cycles that an earlier one took for starved or idle: sums are those of the run";
     }
 }
 

@@ -195,7 +195,9 @@ fn index_record(file: &ChunkFile, header: &FileHeader, trailer: &Trailer, traile
     let corrupt = |detail: &str| Error::corrupt(file.place(trailer_offset), detail);
     if trailer.index_offset < header.len || trailer.index_offset.checked_add(trailer.index_len) != Some(trailer_offset)
     {
-        return Err(corrupt("the trailer does not point at an index that ends where the trailer starts"));
+        return Err(corrupt(
+            "the trailer does not point at an index that ends where the trailer starts: bytes were lost or added; recover with `rayreel repair`",
+        ));
     }
     if trailer.chunks > (trailer.index_offset - header.len) / CHUNK_HEADER_LEN {
         return Err(corrupt("the trailer counts more chunks than the file has room for"));

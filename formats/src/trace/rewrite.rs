@@ -68,6 +68,10 @@ pub fn rewrite(
         }
         next = part.frames.end;
     }
+    if !parts.iter().any(|part| part.frames.clone().any(|frame| part.trace.has_frame(frame))) {
+        let (start, name) = (first.frames.start, first.trace.reader().path().display());
+        return Err(Error::usage(format!("{name} holds nothing of frames {start}..{next}; name frames that it holds")));
+    }
     let (meta, bvh) = (first.trace.meta(), first.trace.bvh());
     let meta = Meta { first_frame: first.frames.start, frames: next - first.frames.start, ..meta.clone() };
     let mut writer = TraceWriter::create(path, &meta, bvh, keep.level)?;

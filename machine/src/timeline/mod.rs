@@ -4,7 +4,7 @@
 //! too many looks, every second one is forgotten and the distance doubles, so memory and file stay small however long the run,
 //! and no busy cycle is lost. The SRP books items when they are done, T&I stages when an issue is certain, and the DRAM a burst when its
 //! command is sent. So more may be booked between two looks than fits: what does not is shown as done before that, by an SRP, or after
-//! it, by all others.
+//! it, by all others; at the end of a frame, where the DRAM sends what is left to write, before it too.
 //!
 //! Frames follow one another in time. Of each core there is a counter for every issue stage, in percent of its cycles, and the
 //! number of rays in its T&I unit; the DRAM's is in percent of its peak bandwidth. Slices show which tile each slot of a core held
@@ -12,6 +12,8 @@
 
 mod share;
 mod states;
+#[cfg(test)]
+mod tests;
 mod tiles;
 
 use std::fmt::Write as _;
@@ -245,12 +247,25 @@ impl Timeline {
             full: u128::from(pair[1].at - pair[0].at) * u128::from(most),
         };
         let mut shares: Vec<Share> = self.looks.windows(2).map(step).collect();
-        match kind {
-            Kind::Grows(..) => spread(shares.iter_mut()),
-            Kind::GrewBefore(..) => spread(shares.iter_mut().rev()),
-            Kind::Level | Kind::State(_) => {}
+        // What is done for a frame is done in it.
+        let mut rest = &mut shares[..];
+        for end in self.ends_of_frames() {
+            let (of_frame, others) = rest.split_at_mut(end.min(rest.len()));
+            match kind {
+                Kind::Grows(..) => spread(of_frame, false),
+                Kind::GrewBefore(..) => spread(of_frame, true),
+                Kind::Level | Kind::State(_) => {}
+            }
+            rest = others;
         }
         shares
+    }
+
+    /// How many steps from look to look each frame has.
+    fn ends_of_frames(&self) -> Vec<usize> {
+        let frame_of = |look: &Look| self.frames.partition_point(|frame| frame.at <= look.at);
+        let steps = &self.looks[..self.looks.len().saturating_sub(1)];
+        steps.chunk_by(|a, b| frame_of(a) == frame_of(b)).map(<[Look]>::len).collect()
     }
 
     /// Cycles as microseconds with three digits.
@@ -348,46 +363,5 @@ impl Probe for Timeline {
             self.due_values = now + self.distance_cycles;
             self.look_at_values(now, at, cores, bytes);
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn shares_are_of_the_peak_and_levels_are_as_they_are() {
-        let shown = |kind: Kind, looks: &[(u64, u64)]| {
-            let mut timeline = Timeline::new(&crate::config::NamedMachine::load("sgrt-ti2", &[]).unwrap().config);
-            timeline.tracks = vec![Track { core: None, name: String::new(), kind }];
-            let look = |&(at, value): &(u64, u64)| Look { at: TiCycle(at), values: vec![value] };
-            timeline.looks = looks.iter().map(look).collect();
-            timeline.shown(0)
-        };
-        assert_eq!(shown(Kind::Grows(1, 1), &[(0, 10), (200, 110)]), ["50.00"]);
-        // An array that runs two of its cycles a T&I cycle; a bus that moves 51.2 bytes a T&I cycle.
-        assert_eq!(shown(Kind::GrewBefore(1000, 500), &[(0, 0), (200, 300)]), ["75.00"]);
-        assert_eq!(shown(Kind::Grows(256, 5), &[(0, 0), (100, 512)]), ["10.00"]);
-        assert_eq!(shown(Kind::Grows(1, 1), &[(0, 0), (3, 2)]), ["66.67"]);
-        assert_eq!(shown(Kind::Level, &[(0, 3), (7, 9)]), ["3"]);
-        // 250 cycles that are booked at once take two steps and a half: those before where they are booked at their end, else those after.
-        let looks = [(0, 0), (100, 0), (200, 0), (300, 250), (400, 250), (500, 250)];
-        assert_eq!(shown(Kind::GrewBefore(1, 1), &looks), ["50.00", "100.00", "100.00", "0.00", "0.00"]);
-        assert_eq!(shown(Kind::Grows(1, 1), &looks), ["0.00", "0.00", "100.00", "100.00", "50.00"]);
-        // Nothing is lost where there is no room.
-        assert_eq!(shown(Kind::GrewBefore(1, 1), &[(0, 0), (100, 250), (200, 250)]), ["250.00", "0.00"]);
-    }
-
-    #[test]
-    fn thinning_keeps_the_first_and_the_last_look() {
-        let config = crate::config::NamedMachine::load("sgrt-ti2", &[]).unwrap().config;
-        let mut timeline = Timeline::new(&config);
-        let looks = LOOKS_MAX as u64 * 4 + 1;
-        for at in 0..looks {
-            timeline.look(TiCycle(at * DISTANCE_CYCLES), &[], at);
-        }
-        assert!(timeline.looks.len() <= LOOKS_MAX && timeline.distance_cycles > DISTANCE_CYCLES);
-        let ends = [timeline.looks.first(), timeline.looks.last()].map(|look| look.unwrap().values.clone());
-        assert_eq!(ends, [vec![0], vec![looks - 1]]);
     }
 }

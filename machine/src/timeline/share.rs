@@ -17,8 +17,15 @@ impl Share {
     }
 }
 
+/// Moves what does not fit into a step to those before it, or to those after it; what finds no room there goes the other way.
+pub fn spread(steps: &mut [Share], before: bool) {
+    for backwards in [before, !before] {
+        if backwards { carry(steps.iter_mut().rev()) } else { carry(steps.iter_mut()) }
+    }
+}
+
 /// Moves what does not fit into a step to those that come after it in `steps`; the last one keeps what is left.
-pub fn spread<'a>(steps: impl Iterator<Item = &'a mut Share>) {
+fn carry<'a>(steps: impl Iterator<Item = &'a mut Share>) {
     let (mut over, mut last) = (0, None);
     for step in steps {
         let part = step.part + over;

@@ -10,7 +10,7 @@
 //! - Transmission makes a dielectric with the file's index; its tint for each surface crossed is base colour times
 //!   transmission.
 //! - `MASK` is a cut-out at its cutoff. `BLEND` is a cut-out at one half of the texture's alpha; a constant alpha is plain
-//!   transparency, as `d` of an MTL file is.
+//!   transparency, as `d` of an MTL file is, but of mirrors and glass it is not read.
 
 use gltf::material::AlphaMode;
 
@@ -290,14 +290,33 @@ fn alpha_mode(
                     )
                 });
             }
-            if alpha < 1.0 && out.optics != Optics::Dielectric {
-                (out.optics, out.ior, out.specular) = (Optics::Dielectric, 1.0, Vec3::ZERO);
-                out.transmission = Vec3::splat(1.0 - alpha);
-                out.diffuse *= alpha;
+            if alpha < 1.0 {
+                see_through(source, out, alpha, warnings);
             }
         }
     }
     Ok(())
+}
+
+/// Above this weight of reflection a surface is one of metal: diamond has 0.17.
+const METAL: f32 = 0.2;
+
+/// Lets light pass straight through a surface, unless it is a mirror or glass.
+fn see_through(source: &Source, out: &mut Material, alpha: f32, warnings: &mut Warnings) {
+    let told = |what: &str| format!("{}: material `{}`: {what}", source.path.display(), out.name);
+    let reflects = out.optics == Optics::FresnelMirror;
+    if out.optics == Optics::Dielectric {
+        return warnings.add("alpha of glass", || told("alpha is not read of glass: transmission says what passes"));
+    }
+    if reflects && out.specular.max_element() > METAL {
+        return warnings.add("alpha of a mirror", || told("alpha is not read of a mirror: nothing passes it"));
+    }
+    if reflects {
+        warnings.add("blended gloss", || told("what is blended lets light pass straight, and reflects nothing"));
+    }
+    (out.optics, out.ior, out.specular) = (Optics::Dielectric, 1.0, Vec3::ZERO);
+    out.transmission = Vec3::splat(1.0 - alpha);
+    out.diffuse *= alpha;
 }
 
 /// Counts cut-outs that nothing is left of, wherever the texture lies.

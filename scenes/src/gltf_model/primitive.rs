@@ -141,7 +141,9 @@ fn vertices(
     }
     let outside = |uv: &Vec2| uv.min_element() < -1e-3 || uv.max_element() > 1.001;
     if target.surface.clamped && uvs.iter().any(outside) {
-        warnings.add("clamp", || format!("{file}: {place}: a texture that should end at its edge is repeated"));
+        warnings.add("clamp", || {
+            format!("{file}: {place}: a texture that should end at its edge, or be mirrored there, is repeated")
+        });
     }
     if accessor(primitive, Semantic::Colors(0)).is_some() {
         warnings.add("colours", || format!("{file}: {place}: colours of vertices are not read"));

@@ -7,7 +7,23 @@ const MAX_EAR_CORNERS: usize = 512;
 
 /// Corner indices of the triangles of a polygon: a fan from corner 0 for a convex one, as
 /// everywhere, and ears for a concave one. `false` when ears could not be cut and a fan had to do.
+///
+/// A corner that stands where the one before it stands has no part in it.
 pub(crate) fn triangulate(points: &[DVec3]) -> (Vec<[usize; 3]>, bool) {
+    let mut kept: Vec<usize> = (0..points.len()).collect();
+    kept.dedup_by(|a, b| points[*a] == points[*b]);
+    while kept.len() > 1 && points[kept[0]] == points[kept[kept.len() - 1]] {
+        kept.pop();
+    }
+    if kept.len() < 3 || kept.len() == points.len() {
+        return cut(points);
+    }
+    let corners: Vec<DVec3> = kept.iter().map(|&corner| points[corner]).collect();
+    let (triangles, exact) = cut(&corners);
+    (triangles.into_iter().map(|triangle| triangle.map(|corner| kept[corner])).collect(), exact)
+}
+
+fn cut(points: &[DVec3]) -> (Vec<[usize; 3]>, bool) {
     let count = points.len();
     let normal = area_normal(points);
     let fan = || (1..count.saturating_sub(1)).map(|i| [0, i, i + 1]).collect();
@@ -96,6 +112,22 @@ mod tests {
             assert!(areas.iter().all(|a| *a > 0.0), "{areas:?}");
             assert!((areas.iter().sum::<f64>() - 1.5).abs() < 1e-12, "{areas:?}");
         }
+    }
+
+    #[test]
+    fn a_corner_that_is_repeated_changes_nothing() {
+        let arrow = [[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [2.0, 1.0]].map(|[x, y]| DVec3::new(x, y, 0.0));
+        for (shift, again) in (0..4).flat_map(|shift| (0..4).map(move |again| (shift, again))) {
+            let mut points: Vec<DVec3> = (0..4).map(|i| arrow[(i + shift) % 4]).collect();
+            points.insert(again, points[again]);
+            let (triangles, exact) = triangulate(&points);
+            let area = |t: &[usize; 3]| (points[t[1]] - points[t[0]]).cross(points[t[2]] - points[t[0]]).z / 2.0;
+            let areas: Vec<f64> = triangles.iter().map(area).collect();
+            assert!(exact && areas.len() == 2 && areas.iter().all(|area| *area > 0.0), "{points:?}: {areas:?}");
+            assert!((areas.iter().sum::<f64>() - 6.0).abs() < 1e-12, "{areas:?}");
+        }
+        let triangle = [[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 0.0]].map(|[x, y]| DVec3::new(x, y, 0.0));
+        assert_eq!(triangulate(&triangle), (vec![[0, 1, 2]], true));
     }
 
     #[test]

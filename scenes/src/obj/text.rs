@@ -185,6 +185,9 @@ impl ObjScan<'_> {
             let what = format!("vertex {} is not finite (`{text}`)", self.positions.len() + 1);
             return Err(self.bad(line, what, "correct the coordinate or export the model again"));
         }
+        if matches!(more, [w] if *w != 1.0) {
+            self.warn(line, "vertex weight", "the fourth number of a vertex is not read");
+        }
         if more.len() >= 3 {
             self.warn(line, "vertex colour", "vertex colours are not supported and were ignored");
         }

@@ -133,6 +133,27 @@ fn blending_is_a_cut_out_or_plain_transparency() {
 }
 
 #[test]
+fn a_mirror_and_glass_stay_what_they_are_when_blended() {
+    let blended = |metallic: f32, more: Value| {
+        let pbr = json!({"baseColorFactor": [1, 1, 1, 0.5], "metallicFactor": metallic, "roughnessFactor": 0});
+        let mut all = json!({"alphaMode": "BLEND", "pbrMetallicRoughness": pbr});
+        all.as_object_mut().expect("is an object").extend(more.as_object().expect("is one").clone());
+        Writer::triangle(all).load()
+    };
+    let (folder, scene) = blended(1.0, json!({}));
+    assert_eq!((scene.materials[0].optics, scene.materials[0].specular), (Optics::FresnelMirror, Vec3::ONE));
+    assert_warned(&folder, &scene, 1, "alpha is not read of a mirror: nothing passes it");
+    let (folder, scene) =
+        blended(0.0, json!({"extensions": {"KHR_materials_transmission": {"transmissionFactor": 1}}}));
+    assert!(close(scene.materials[0].transmission, [1.0; 3]), "{:?}", scene.materials[0]);
+    assert_warned(&folder, &scene, 1, "alpha is not read of glass: transmission says what passes");
+    // A varnish on a pane: light passes, and what it would reflect is told to be lost.
+    let (folder, scene) = blended(0.0, json!({}));
+    assert_eq!((scene.materials[0].optics, scene.materials[0].ior), (Optics::Dielectric, 1.0));
+    assert_warned(&folder, &scene, 1, "lets light pass straight, and reflects nothing");
+}
+
+#[test]
 fn a_picture_of_metal_and_roughness_is_its_mean() {
     let mut png = Vec::new();
     let picture = image::RgbImage::from_fn(2, 1, |x, _| image::Rgb([0, [51, 102][x as usize], [0, 255][x as usize]]));

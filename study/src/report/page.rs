@@ -299,7 +299,8 @@ fn power(f: &mut Formatter<'_>, config: &MachineConfig, run: &MachineRun) -> fmt
     let (scale, unit) = if total < 20_000_000_000_000 { (1e-9, "uJ") } else { (1e-12, "mJ") };
     let joules = |fj: u128| format!("{:.2}", fj as f64 * scale);
     let leaked = |fj: u128| if timeless { "-".into() } else { joules(fj) };
-    let has_parts = total > 0 && unknown.is_empty();
+    // Without leakage parts are none of the whole.
+    let has_parts = total > 0 && unknown.is_empty() && !timeless;
     let part = |fj: u128| if !has_parts { "-".into() } else { format!("{:.1}", 100.0 * fj as f64 / total as f64) };
     let (dynamic, leakage) = (format!("dynamic {unit}"), format!("leakage {unit}"));
     writeln!(f, "\n{:<15}{dynamic:>15}{leakage:>14}{:>12}{:>12}", "power", "mW", "% of GPU")?;

@@ -227,7 +227,9 @@ fn opacity(s: &Statements, place: &str, warnings: &mut Warnings) -> f32 {
     let opacity = s.dissolve.or(from_transparency).unwrap_or(1.0);
     let opaque_kind = matches!(s.illum.unwrap_or(2), 0..=2 | 10);
     if opacity <= 0.0 && opaque_kind {
-        warnings.add("d 0", || format!("{place}: `d 0` would make the surface invisible; it is read as opaque"));
+        warnings.add("d 0", || {
+            format!("{place}: `d 0` (or `Tr 1`) would make the surface invisible; it is read as opaque")
+        });
         return 1.0;
     }
     opacity

@@ -54,7 +54,17 @@ impl Plan {
 }
 
 /// Points that are resolved at a time: many enough for all cores, few enough for an error of the first to come soon.
-const BLOCK: usize = 1 << 14;
+const BLOCK: usize = 1 << 11;
+
+/// Machines under overrides that are remembered: some 200 MB.
+const REMEMBERED: usize = 1 << 15;
+
+/// Machines and policies that are resolved, as keys have them.
+struct Known<'a> {
+    machines: Machines<'a>,
+    jsons: BTreeMap<Variant, String>,
+    policies: BTreeMap<Variant, String>,
+}
 
 /// Makes the points.
 struct Expander<'a> {
@@ -69,9 +79,10 @@ impl Expander<'_> {
         if points.is_empty() {
             return Err(self.text.error(&(0..0), "the plan has no points: every one is excluded"));
         }
-        let (machines, mut policies) = (Machines::new(self.plan), BTreeMap::new());
+        let machines = Machines::new(self.plan);
+        let mut known = Known { machines, jsons: BTreeMap::new(), policies: BTreeMap::new() };
         for block in points.chunks_mut(BLOCK) {
-            self.find_keys(block, &machines, &mut policies)?;
+            self.find_keys(block, &mut known)?;
         }
         Ok(points)
     }
@@ -101,36 +112,37 @@ impl Expander<'_> {
         Ok(points)
     }
 
-    /// Gives points their keys. Machines and policies are resolved once each, not once a point.
-    fn find_keys(
-        &self,
-        points: &mut [PointRef],
-        machines: &Machines<'_>,
-        policies: &mut BTreeMap<Variant, String>,
-    ) -> Result<()> {
+    /// Gives points their keys. Machines and policies are resolved once each, not once a point, as far as they are remembered.
+    fn find_keys(&self, points: &mut [PointRef], known: &mut Known<'_>) -> Result<()> {
         let of = |point: &PointRef| -> (Variant, Variant) {
             let overrides = self.plan.overrides(&point.values);
             let (machine, policy) = overrides.into_iter().partition(|text| is_machine_override(text));
             ((point.machine, machine), (point.policy, policy))
         };
         let variants: Vec<(Variant, Variant)> = points.iter().map(of).collect();
-        let distinct: BTreeSet<&Variant> = variants.iter().map(|(machine, _)| machine).collect();
-        let jsons = machines.all_checked(distinct.into_iter().cloned().collect());
+        if known.jsons.len() > REMEMBERED {
+            known.jsons.clear();
+        }
+        let machines: BTreeSet<&Variant> = variants.iter().map(|(machine, _)| machine).collect();
+        let new: Vec<Variant> = machines.into_iter().filter(|m| !known.jsons.contains_key(*m)).cloned().collect();
+        let jsons = known.machines.checked(&new);
+        known.jsons.extend(new.into_iter().zip(jsons).filter_map(|(variant, json)| Some((variant, json?))));
         // In the order of the points: the first that cannot be resolved is the one that is told.
         for (point, (machine, policy)) in points.iter().zip(&variants) {
-            let refuse = |e: &StudyError| self.refuse(point, e);
-            jsons[machine].as_ref().map_err(refuse)?;
-            if !policies.contains_key(policy) {
-                let found = self.plan.policy(policy.0, &policy.1).map_err(|e| refuse(&e))?;
-                policies.insert(policy.clone(), policy_json(&found));
+            let refuse = |e: StudyError| self.refuse(point, &e);
+            if !known.jsons.contains_key(machine) {
+                known.jsons.insert(machine.clone(), known.machines.slow(machine).map_err(refuse)?);
+            }
+            if !known.policies.contains_key(policy) {
+                let found = self.plan.policy(policy.0, &policy.1).map_err(refuse)?;
+                known.policies.insert(policy.clone(), policy_json(&found));
             }
         }
-        let policies = &*policies;
         let items: Vec<(&PointRef, &(Variant, Variant))> = points.iter().zip(&variants).collect();
+        let (jsons, policies) = (&known.jsons, &known.policies);
         let keys: Vec<Result<Key>> = on_all_cores(&items, |(point, (machine, policy))| {
             let fingerprint = &self.plan.traces[point.trace].fingerprint;
-            let machine = jsons[machine].as_deref().unwrap_or_default();
-            Ok(key(fingerprint, point.frames, machine, &policies[policy], self.plan.detail(point)?))
+            Ok(key(fingerprint, point.frames, &jsons[machine], &policies[policy], self.plan.detail(point)?))
         });
         for (point, key) in points.iter_mut().zip(keys) {
             point.key = key?;

@@ -1,8 +1,8 @@
 //! The machines of a plan under many overrides: each text is parsed once, and not once a point.
 
 use std::collections::BTreeMap;
-use std::thread;
 
+use rayon::prelude::*;
 use rayreel_machine::config::{MACHINES, MachineConfig};
 use rayreel_settings::Loaded;
 
@@ -13,8 +13,8 @@ use crate::point::key::{machine_json, values_json};
 /// Number of a machine, and the overrides of it.
 pub(super) type Variant = (usize, Vec<String>);
 
-/// Items to a thread that are worth one.
-const SHARE_MIN: usize = 500;
+/// Items that are worth a thread.
+const SHARE_MIN: usize = 16;
 
 pub(super) struct Machines<'a> {
     plan: &'a Plan,
@@ -39,26 +39,21 @@ impl<'a> Machines<'a> {
     /// # Errors
     /// An override that is not allowed, a text that is no machine.
     fn json(&self, variant: &Variant) -> Result<String> {
-        match self.set(variant) {
-            Some(loaded) => Ok(values_json(&loaded.values)),
-            None => self.slow(variant),
-        }
+        self.set(variant).map_or_else(|| self.slow(variant), |loaded| Ok(values_json(&loaded.values)))
     }
 
-    /// The same of a machine that can be built.
-    ///
-    /// # Errors
-    /// As there, and values that cannot stand together.
-    fn checked_json(&self, variant: &Variant) -> Result<String> {
+    /// The same of machines that can be built, on all cores; none of the others, of which [`Self::slow`] says what is wrong.
+    pub fn checked(&self, variants: &[Variant]) -> Vec<Option<String>> {
         let sound = |loaded: &Loaded| loaded.build::<MachineConfig>().is_ok_and(|config| config.check().is_ok());
-        match self.set(variant).filter(sound) {
-            Some(loaded) => Ok(values_json(&loaded.values)),
-            None => self.slow(variant),
-        }
+        let json = |variant: &Variant| self.set(variant).filter(sound).map(|loaded| values_json(&loaded.values));
+        on_all_cores(variants, json)
     }
 
     /// Without what was parsed: the errors are those of the whole way.
-    fn slow(&self, (index, overrides): &Variant) -> Result<String> {
+    ///
+    /// # Errors
+    /// As [`Self::json`], and values that cannot stand together.
+    pub fn slow(&self, (index, overrides): &Variant) -> Result<String> {
         Ok(self.plan.machine(*index, overrides)?.as_ref().map(machine_json).unwrap_or_default())
     }
 
@@ -67,22 +62,9 @@ impl<'a> Machines<'a> {
         let jsons = on_all_cores(&variants, |variant| self.json(variant));
         variants.into_iter().zip(jsons).collect()
     }
-
-    /// [`Self::checked_json`] of all of these, on all cores.
-    pub fn all_checked(&self, variants: Vec<Variant>) -> BTreeMap<Variant, Result<String>> {
-        let jsons = on_all_cores(&variants, |variant| self.checked_json(variant));
-        variants.into_iter().zip(jsons).collect()
-    }
 }
 
-/// What comes of each item, in their order.
-pub(super) fn on_all_cores<T: Sync, R: Send>(items: &[T], make: impl Fn(&T) -> R + Sync) -> Vec<R> {
-    let cores = thread::available_parallelism().map_or(1, usize::from);
-    let share = items.len().div_ceil(cores).max(SHARE_MIN);
-    let some = |part: &[T]| part.iter().map(&make).collect::<Vec<_>>();
-    thread::scope(|scope| {
-        let threads: Vec<_> = items.chunks(share).map(|part| scope.spawn(|| some(part))).collect();
-        let ended = threads.into_iter().map(|thread| thread.join());
-        ended.flat_map(|made| made.unwrap_or_else(|panic| std::panic::resume_unwind(panic))).collect()
-    })
+/// What comes of each item, in their order, on all threads that there are for it.
+pub(super) fn on_all_cores<T: Sync, R: Send>(items: &[T], make: impl Fn(&T) -> R + Sync + Send) -> Vec<R> {
+    items.par_iter().with_min_len(SHARE_MIN).map(make).collect()
 }
