@@ -318,6 +318,13 @@ fn filter(page: &Page<'_>) {
     set("\\'apt\\' in policy");
     page.holds(&format!("{rows} === 6 && {least} !== {narrow}"));
     page.holds("document.getElementById('effects-of').textContent === 'of 6 points'");
+    // What stands in the field while it is empty is of this sweep: its axes, with values of the last point.
+    page.0.run(
+        "const f = document.getElementById('filter'); f.value = f.placeholder; f.dispatchEvent(new Event('input'))",
+    );
+    page.holds(&format!(
+        "document.getElementById('filter').value === 'policy = \"full\" or l1 >= 32KiB' && {rows} > 0 && !{found}.includes('Still')"
+    ));
     // The examples that the page itself gives are of its grammar.
     let examples = page.0.run("return [...document.querySelectorAll('#points .read code')].map(c => c.textContent).filter(t => /[=<>]| in /.test(t))");
     let examples: Vec<&str> = examples.as_array().unwrap().iter().map(|text| text.as_str().unwrap()).collect();

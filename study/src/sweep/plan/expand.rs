@@ -53,7 +53,8 @@ impl Plan {
     }
 }
 
-/// Points that are resolved at a time: many enough for all cores, few enough for an error of the first to come soon.
+/// Points that are resolved at a time: the first few, then many enough for all cores, and few enough for an error to come soon.
+const FEW: usize = 16;
 const BLOCK: usize = 1 << 11;
 
 /// Machines under overrides that are remembered: some 200 MB.
@@ -81,7 +82,10 @@ impl Expander<'_> {
         }
         let machines = Machines::new(self.plan);
         let mut known = Known { machines, jsons: BTreeMap::new(), policies: BTreeMap::new() };
-        for block in points.chunks_mut(BLOCK) {
+        // What is wrong with all of them shows at once.
+        let few = points.len().min(FEW);
+        let (few, others) = points.split_at_mut(few);
+        for block in std::iter::once(few).chain(others.chunks_mut(BLOCK)) {
             self.find_keys(block, &mut known)?;
         }
         Ok(points)

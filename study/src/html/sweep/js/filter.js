@@ -34,6 +34,23 @@ sweep.filter = (() => {
     return sweep.language.isWords(text, known) ? words(text) : expression(text);
   };
 
+  /** An expression over what varies here, to show how one looks. */
+  const example = () => {
+    const last = sweep.done[sweep.done.length - 1];
+    const of = (own) => {
+      const value = sweep.text.value(own, own.values[last]);
+      return own.kind === "text" && !/^[0-9]/.test(value) ? `${own.name} = "${value}"` : `${own.name} >= ${value}`;
+    };
+    const text = sweep.dimensions.filter((own) => own.values[last] !== null).slice(0, 2).map(of).join(" or ");
+    try {
+      const test = expression(text);
+      sweep.done.forEach(test);
+      return text;
+    } catch {
+      return "";
+    }
+  };
+
   const all = sweep.text.counted(sweep.all.length, "point");
   const listeners = [];
   const own = {
@@ -63,6 +80,7 @@ sweep.filter = (() => {
     }
     for (const draw of listeners) draw();
   };
+  $("filter").placeholder = example() || $("filter").placeholder;
   let waiting;
   $("filter").addEventListener("input", () => { clearTimeout(waiting); waiting = setTimeout(apply, 150); });
   $("filter-form").addEventListener("submit", (event) => { event.preventDefault(); clearTimeout(waiting); apply(); });
