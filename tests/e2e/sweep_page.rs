@@ -323,7 +323,7 @@ fn filter(page: &Page<'_>) {
         "const f = document.getElementById('filter'); f.value = f.placeholder; f.dispatchEvent(new Event('input'))",
     );
     page.holds(&format!(
-        "document.getElementById('filter').value === 'policy = \"full\" or l1 >= 32KiB' && {rows} > 0 && !{found}.includes('Still')"
+        "document.getElementById('filter').value === 'policy = \"adaptive\" or l1 >= 32KiB' && {rows} > 0 && !{found}.includes('Still')"
     ));
     // The examples that the page itself gives are of its grammar.
     let examples = page.0.run("return [...document.querySelectorAll('#points .read code')].map(c => c.textContent).filter(t => /[=<>]| in /.test(t))");
