@@ -35,7 +35,7 @@ pub struct Args {
     /// and the others are estimated from them, by their rays; --detail full simulates all. Ablations and animation stay at 512x256.
     #[arg(long)]
     full: bool,
-    /// Beside all this, every policy on every architecture: the samplers and the machines that the paper stands beside, 2x2 samples a
+    /// Beside all this, nine policies on six architectures: the samplers and the machines that the paper stands beside, 2x2 samples a
     /// pixel.
     #[arg(long)]
     systems: bool,

@@ -1,4 +1,4 @@
-//! Every policy on every architecture: the samplers and the machines that the paper stands beside.
+//! Nine policies on six architectures: the samplers and the machines that the paper stands beside.
 
 use std::fmt::Write as _;
 use std::sync::Arc;
