@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::{Result, bail};
+use rayreel_formats::container::{ChunkId, ChunkKind};
 use rayreel_formats::trace::{Keep, Part, rewrite};
 
 use crate::common::{keep_input, lacks, open, print};
@@ -31,6 +32,7 @@ impl OutputArgs {
         if self.output.exists() && !self.force {
             bail!("{name} already exists; give another name, or --force to replace it");
         }
+        parts.iter().try_for_each(check_cameras)?;
         let frames: u64 = parts.iter().map(|part| part.frames.len() as u64).sum();
         let tiles = |part: &Part<'_>| u64::from(part.trace.meta().tile_count());
         let each = keep.tiles.as_ref().map_or_else(|| parts.first().map_or(0, tiles), |tiles| tiles.len() as u64);
@@ -64,5 +66,19 @@ impl OutputArgs {
             print(&format!("it is not whole: {lacks}\n"))?;
         }
         Ok(Exit::Done)
+    }
+}
+
+/// Refuses a frame whose tiles are there and whose camera is not: nothing can be made of it.
+fn check_cameras(part: &Part<'_>) -> Result<()> {
+    let trace = part.trace;
+    let chunks = trace.reader().chunks().iter().map(|record| record.id);
+    let mut tiles = chunks.filter(|id| id.kind == ChunkKind::TILE && part.frames.contains(&id.frame));
+    match tiles.find(|id| !trace.has_frame(id.frame)) {
+        Some(ChunkId { frame, .. }) => bail!(
+            "{}: the camera of frame {frame} is lost, and its tiles say nothing without it; trim the other frames with --frames",
+            trace.path().display()
+        ),
+        None => Ok(()),
     }
 }

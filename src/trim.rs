@@ -71,7 +71,7 @@ fn check_held(args: &Args, trace: &Trace, selection: &Selection) -> Result<()> {
     {
         bail!("{name} holds no tile {lost} in these frames; leave it out of --tiles");
     }
-    // Only other writers than capture leave columns out: no tile is looked at for nothing.
+    // Where every tile has all of them, none is looked at.
     let mut wanted: BTreeSet<Column> = args.columns.iter().copied().collect();
     wanted.retain(|column| trace.lacking().iter().any(|(lacked, _)| lacked == column));
     let frames = selection.frames.clone();

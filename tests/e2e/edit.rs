@@ -2,6 +2,8 @@
 
 use std::fs;
 
+use rayreel_formats::container::ChunkId;
+
 use crate::common::{capture, digest};
 use crate::rayreel;
 
@@ -71,6 +73,15 @@ fn what_was_repaired_is_cut_and_coded_anew() {
     let missing = |name: &str| crate::common::trace::open(&at(name)).missing_tiles();
     assert!(missing("repaired") == missing("recompress") && missing("repaired") == missing("trim"));
     rayreel!["verify", "--quiet", &at("recompress")].expect(3);
+    // A frame that lost its camera alone is named.
+    let camera = crate::common::trace::open(&at("whole")).reader().find(ChunkId::frame(1)).unwrap().offset as usize;
+    let mut bytes = bytes;
+    bytes[camera + 60] ^= 0xff;
+    fs::write(at("struck"), bytes).unwrap();
+    rayreel!["repair", &at("struck"), "-o", &at("blind")].expect(3);
+    let ran = rayreel!["trim", "--columns", "hits", &at("blind"), "-o", &at("none")].expect(2);
+    assert!(ran.err.contains("the camera of frame 1 is lost") && !at("none").exists(), "{ran:?}");
+    rayreel!["trim", "--quiet", "--frames", "2..4", &at("blind"), "-o", &at("rest")].expect(0);
     // A frame of which nothing is left makes no trace.
     let ran = rayreel!["trim", "--frames", "3", &at("repaired"), "-o", &at("none")].expect(2);
     assert!(ran.err.contains("holds nothing of frames 3..4") && !at("none").exists(), "{ran:?}");
