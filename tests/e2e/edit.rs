@@ -2,7 +2,8 @@
 
 use std::fs;
 
-use rayreel_formats::container::ChunkId;
+use rayreel_formats::container::{ChunkId, ChunkKind, Encoding, Writer};
+use rayreel_formats::tile::Column;
 
 use crate::common::{capture, digest};
 use crate::rayreel;
@@ -53,6 +54,30 @@ fn fewer_tiles_and_columns_are_said_and_still_read() {
     };
     // Hits have colours, which went with their column; trees alone remain of what rays need.
     assert_eq!(rows("all").code, 0);
+}
+
+/// A later version may add chunks, which this one cannot place.
+#[test]
+fn chunks_that_nobody_knows_are_told_when_they_are_left_out() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    capture("chess", OPTIONS, &at("all"));
+    let trace = crate::common::trace::open(&at("all"));
+    let mut writer = Writer::create(&at("later")).unwrap();
+    for record in trace.reader().chunks() {
+        let ChunkId { kind, frame, tile } = record.id;
+        if kind == ChunkKind::TILE {
+            writer.write_encoded(&trace.copy_tile(frame, tile, &Column::ALL).unwrap()).unwrap();
+        } else {
+            writer.write(record.id, Encoding::Stored, &trace.reader().read(record).unwrap()).unwrap();
+        }
+    }
+    let new = ChunkId { kind: ChunkKind(*b"XTRA"), frame: 0, tile: 0 };
+    writer.write(new, Encoding::Stored, b"of a later version").unwrap();
+    writer.finish().unwrap();
+    let ran = rayreel!["recompress", "--quiet", &at("later"), "-o", &at("made")].expect(0);
+    assert!(ran.err.contains("1 chunks of kinds that this version of rayreel does not know were left out"), "{ran:?}");
+    assert!(!rayreel!["recompress", "--quiet", &at("all"), "-o", &at("same")].expect(0).err.contains("left out"));
 }
 
 /// Frames that were lost as a whole are missing in what is made of the rest.

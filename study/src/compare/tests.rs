@@ -92,6 +92,15 @@ fn points_appear_and_vanish() {
     assert!(error.contains("did you mean machine?"), "{error}");
 }
 
+/// A value that vanished was called new.
+#[test]
+fn what_vanished_is_gone_and_what_appeared_is_new() {
+    let (known, none) = (sweep(&[1], &[3.0]), sweep(&[1], &[f64::NAN]));
+    let told = |a: &Results, b: &Results| super::text::text(&compare(a, b), 0.0, 10);
+    assert!(told(&known, &none).contains("gone") && !told(&known, &none).contains("new"), "{}", told(&known, &none));
+    assert!(told(&none, &known).contains("new") && !told(&none, &known).contains("gone"), "{}", told(&none, &known));
+}
+
 /// Both would be equal, and a gate would let anything pass.
 #[test]
 fn what_has_no_value_is_no_comparison() {

@@ -39,6 +39,20 @@ fn sizes_are_numbers_or_there_is_no_page() {
     }
 }
 
+/// What stands below `gpu` and `ti_with_memory` in a report was left out.
+#[test]
+fn the_whole_gpu_has_its_figures() {
+    let mut stats = stats();
+    stats["gpu"] = json!({ "energy_mj": 12.5, "power_w": 0.75 });
+    stats["ti_with_memory"] = json!({ "perf_per_watt": 321.0 });
+    stats["frames"] = json!([{ "frame": 0, "gpu": { "energy_mj": 12.5 } }]);
+    let page = page_of(&stats);
+    for words in ["gpu_energy_mj", "12.5000", "gpu_power_w", "0.7500", "ti_with_memory_perf_per_watt", "321.0000"] {
+        assert!(page.contains(words), "{words}");
+    }
+    assert!(page.contains("Energy of the GPU, mJ") && page.contains("12.500<"), "frame by frame");
+}
+
 /// Two frames of which the second is an estimate.
 fn estimated() -> Value {
     let mut stats = stats();
