@@ -110,11 +110,12 @@ fn scene_flag(args: &Args) -> Option<&'static str> {
 /// The frame of a scene, traced into a file that goes when the program ends.
 fn traced(args: &Args, path: PathBuf) -> Result<Trace> {
     let frame = args.frame.unwrap_or(0);
-    let scene = args.scene.load(frame, 1)?;
+    let size = args.size.unwrap_or(GridArgs::SIZE);
+    let scene = args.scene.load((frame, 1), size)?;
     keep_scene(&args.output, &scene)?;
     let built = build(&scene)?;
     let grid = GridArgs {
-        size: args.size.unwrap_or(GridArgs::SIZE),
+        size,
         samples: args.samples.unwrap_or(GridArgs::SAMPLES),
         depth: args.depth.unwrap_or(TraceSettings::default().max_depth),
     };

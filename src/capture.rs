@@ -76,7 +76,7 @@ pub fn run(args: &Args, quiet: bool) -> Result<Exit> {
         bail!("{} is a folder; name a file in it", args.output.display());
     }
     let (first, count) = args.frames;
-    let scene = args.scene.load(first, count)?;
+    let scene = args.scene.load(args.frames, args.grid.size)?;
     keep_scene(&args.output, &scene)?;
     if args.force && !args.resume {
         Writer::discard(&args.output)?;

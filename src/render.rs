@@ -32,7 +32,7 @@ pub fn run(args: &Args) -> Result<Exit> {
         _ => bail!("cannot tell the picture format of {}; end it in .png or .exr", args.output.display()),
     };
     check_output(&args.output, &[Path::new(&args.scene.scene)])?;
-    let scene = args.scene.load(args.frame, 1)?;
+    let scene = args.scene.load((args.frame, 1), args.grid.size)?;
     keep_scene(&args.output, &scene)?;
     let built = build(&scene)?;
     let image =

@@ -15,9 +15,10 @@ pub struct SceneArgs {
 }
 
 impl SceneArgs {
-    /// Loads the scene for `frames` frames from `frame` on, with what the flags replace, and tells its warnings.
-    pub fn load(&self, frame: u32, frames: u32) -> Result<Scene> {
-        self.changes.load(&self.scene, frame, frames)
+    /// Loads the scene for `frames` frames from `frame` on and for pictures of a size in pixels, with what the flags replace, and tells its
+    /// warnings.
+    pub fn load(&self, frames: (u32, u32), size: (u32, u32)) -> Result<Scene> {
+        self.changes.load(&self.scene, frames, size)
     }
 }
 
@@ -48,9 +49,10 @@ pub struct SceneChanges {
 }
 
 impl SceneChanges {
-    /// Loads scene `name` for `frames` frames from `frame` on, with what the flags replace, and tells its warnings.
-    pub fn load(&self, name: &str, frame: u32, frames: u32) -> Result<Scene> {
-        let mut scene = rayreel_scenes::load_with(name, &LoadOptions { fps: self.fps, frame, frames })?;
+    /// The same of scene `name`.
+    pub fn load(&self, name: &str, (frame, frames): (u32, u32), (width, height): (u32, u32)) -> Result<Scene> {
+        let aspect = f64::from(width) / f64::from(height);
+        let mut scene = rayreel_scenes::load_with(name, &LoadOptions { fps: self.fps, frame, frames, aspect })?;
         tell_warnings(&scene);
         self.overrides().apply(&mut scene)?;
         Ok(scene)

@@ -5,7 +5,7 @@ use clap::Subcommand;
 use rayreel_scenes::{Optics, Scene};
 use serde_json::json;
 
-use crate::common::{print, print_json, printable};
+use crate::common::{GridArgs, print, print_json, printable};
 use crate::exit::Exit;
 use crate::scene_args::SceneArgs;
 
@@ -37,7 +37,7 @@ enum Action {
 pub fn run(args: &Args) -> Result<Exit> {
     match &args.action {
         Action::List { json } => list(*json)?,
-        Action::Show { scene, json } => show(&scene.load(0, 1)?, *json)?,
+        Action::Show { scene, json } => show(&scene.load((0, 1), GridArgs::SIZE)?, *json)?,
     }
     Ok(Exit::Done)
 }
@@ -69,9 +69,16 @@ fn show(scene: &Scene, as_json: bool) -> Result<()> {
             "vertices": scene.mesh.positions.len(),
             "objects": scene.objects,
             "materials": scene.materials.iter().map(|m| &m.name).collect::<Vec<_>>(),
+            "optics": scene.materials.iter().map(|m| optics_name(m.optics)).collect::<Vec<_>>(),
             "textures": scene.textures.len(),
             "lights": scene.lights.len(),
             "frames": scene.cameras.len(),
+            "camera": {
+                "eye": camera.eye.to_array(),
+                "target": camera.target.to_array(),
+                "up": camera.up.to_array(),
+                "vfov_deg": camera.vfov_deg,
+            },
             "bounds": {"min": min.to_array(), "max": max.to_array()},
             "content_hash": hex(&scene.content_hash()),
         }));

@@ -117,7 +117,8 @@ fn captured_otherwise(tool: &str) -> String {
 /// Compares with the scene.
 fn compare(trace: &Trace, scene: &str, args: &Args, quiet: bool) -> Result<Against> {
     let (stop, meta) = (progress::stop_on_signal(), trace.meta());
-    let scene = args.changes.load(scene, args.stands_at.unwrap_or(meta.first_frame), meta.frames)?;
+    let frames = (args.stands_at.unwrap_or(meta.first_frame), meta.frames);
+    let scene = args.changes.load(scene, frames, (meta.width, meta.height))?;
     let built = build(&scene)?;
     let total = u64::from(trace.meta().tile_count()) * u64::from(trace.meta().frames);
     let mut bar = Progress::new("trace again", total, quiet);

@@ -4,6 +4,7 @@ use glam::{DVec3, Vec3};
 
 use crate::{
     mesh::{meet, normals},
+    options::DEFAULT_ASPECT,
     scene::{Camera, Light, Material, Optics, Scene, Sky, Triangle},
 };
 
@@ -37,8 +38,9 @@ pub(crate) fn main_bounds(positions: &[Vec3]) -> (Vec3, Vec3) {
     (low, high)
 }
 
-/// A camera from the front, the right and above that has the whole box in view at 2:1. Y is up.
-pub(crate) fn framing_camera(bounds: (Vec3, Vec3), vfov_deg: f32) -> Camera {
+/// A camera from the front, the right and above that has the whole box in view at 2:1, and at `aspect` where that is narrower. Y is up.
+pub(crate) fn framing_camera(bounds: (Vec3, Vec3), vfov_deg: f32, aspect: f64) -> Camera {
+    let aspect = aspect.min(DEFAULT_ASPECT);
     let (centre, radius) = sphere(bounds);
     let (low, high) = (bounds.0.as_dvec3(), bounds.1.as_dvec3());
     let slope = libm::tan((f64::from(vfov_deg).to_radians() / 2.0).clamp(0.02, 1.5));
@@ -52,7 +54,7 @@ pub(crate) fn framing_camera(bounds: (Vec3, Vec3), vfov_deg: f32) -> Camera {
             if corner >> axis & 1 == 0 { low[axis] } else { high[axis] }
         };
         let arm = DVec3::new(pick(0), pick(1), pick(2)) - centre;
-        let aside = arm.dot(up).abs().max(arm.dot(right).abs() / 2.0);
+        let aside = arm.dot(up).abs().max(arm.dot(right).abs() / aspect);
         distance = distance.max(arm.dot(towards) + 1.08 * aside / slope);
     }
     Camera { eye: (centre + towards * distance).as_vec3(), target: centre.as_vec3(), up: Vec3::Y, vfov_deg }

@@ -44,6 +44,6 @@ pub use builtin::{builtin, builtin_names};
 pub use error::SceneError;
 pub use file::BOX_PADDING;
 pub use load::{load, load_with};
-pub use options::{DEFAULT_FPS, LoadOptions, MAX_FPS};
+pub use options::{DEFAULT_ASPECT, DEFAULT_FPS, LoadOptions, MAX_FPS};
 pub use overrides::Overrides;
-pub use scene::{Camera, Light, Material, Mesh, Optics, Scene, Sky, Texture, Triangle};
+pub use scene::{Camera, Light, Material, Mesh, Optics, Scene, Sky, Texture, Triangle, Wrap};

@@ -35,6 +35,10 @@ pub(crate) fn hint<'a>(name: &str, known: &[&'a str], what: &str) -> String {
 /// A message of the TOML reader in two parts: what is wrong, and for a key or word that does not exist what to write instead. The reader lists
 /// those that exist.
 pub(crate) fn of_toml(message: &str) -> (String, Option<String>) {
+    if message == "invalid type: map, expected a sequence" {
+        let fix = "write its name in two brackets, such as `[[lights]]`";
+        return ("one table stands where a list of tables is needed".to_owned(), Some(fix.to_owned()));
+    }
     let is_name = |text: &str| text.starts_with("unknown field") || text.starts_with("unknown variant");
     let unknown = message.split_once(", expected ").filter(|(start, _)| is_name(start));
     let Some((what, known)) = unknown else { return (message.to_owned(), None) };

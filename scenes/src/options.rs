@@ -7,7 +7,10 @@ pub const DEFAULT_FPS: f64 = 30.0;
 /// Most frames a second.
 pub const MAX_FPS: f64 = 1000.0;
 
-/// How a scene is loaded. Only animated models (glTF) depend on it.
+/// Width over height of the pictures that a camera is placed for, where nothing else is asked for.
+pub const DEFAULT_ASPECT: f64 = 2.0;
+
+/// How a scene is loaded. Only animated models (glTF), and cameras that no file places, depend on it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LoadOptions {
     /// Frames a second of an animation; none takes what the scene file says, else [`DEFAULT_FPS`].
@@ -16,11 +19,13 @@ pub struct LoadOptions {
     pub frame: u32,
     /// How many frames from there will be used; with several, a loader tells that meshes stand still.
     pub frames: u32,
+    /// Width over height of the picture. A camera that no file places has the model in view at it, and at [`DEFAULT_ASPECT`].
+    pub aspect: f64,
 }
 
 impl Default for LoadOptions {
     fn default() -> Self {
-        Self { fps: None, frame: 0, frames: 1 }
+        Self { fps: None, frame: 0, frames: 1, aspect: DEFAULT_ASPECT }
     }
 }
 

@@ -21,15 +21,28 @@ pub(crate) fn srgb_to_linear(encoded: f64) -> f64 {
     if encoded <= 0.040_45 { encoded / 12.92 } else { libm::pow((encoded + 0.055) / 1.055, 2.4) }
 }
 
-/// Decodes a picture file that is named at `at`.
-pub(crate) fn decode_file(at: &Location, file: &Path) -> Result<RgbaImage, SceneError> {
+/// Endings of pictures in formats that are not read.
+const OTHER_ENDINGS: [&str; 16] = [
+    "tga", "bmp", "tif", "tiff", "gif", "webp", "dds", "exr", "hdr", "psd", "ktx", "ktx2", "avif", "jp2", "pcx", "ppm",
+];
+
+/// Whether a name is that of a picture in a format that is not read.
+fn is_other_picture(file: &Path) -> bool {
+    let ending = file.extension().map(|ending| ending.to_string_lossy().to_lowercase());
+    ending.is_some_and(|ending| OTHER_ENDINGS.contains(&ending.as_str()))
+}
+
+/// Decodes a picture file that is named at `at`; none if its format is not read.
+pub(crate) fn decode_file(at: &Location, file: &Path) -> Result<Option<RgbaImage>, SceneError> {
     let missing = |source| SceneError::missing(at.clone(), "texture", file, source);
     files::check(file, MAX_DECODE_BYTES).map_err(missing)?;
     let reader = ImageReader::open(file).map_err(missing)?;
-    decode(reader).map_err(|error| match error {
-        ImageError::IoError(source) if source.kind() != ErrorKind::UnexpectedEof => missing(source),
-        other => undecoded(at, &file.display().to_string(), &other),
-    })
+    match decode(reader) {
+        Ok(image) => Ok(Some(image)),
+        Err(ImageError::Unsupported(_)) if is_other_picture(file) => Ok(None),
+        Err(ImageError::IoError(source)) if source.kind() != ErrorKind::UnexpectedEof => Err(missing(source)),
+        Err(other) => Err(undecoded(at, &file.display().to_string(), &other)),
+    }
 }
 
 /// Decodes a picture in memory; `name` is for messages.

@@ -4,7 +4,7 @@ use std::fmt::Write;
 use std::time::{Duration, Instant};
 
 use glam::Vec3;
-use rayreel_scenes::{Light, Scene, load};
+use rayreel_scenes::{Camera, Light, LoadOptions, Scene, load, load_with};
 
 /// Quads as OBJ text, each an object, each turned so that its front looks towards or away from a point.
 #[derive(Default)]
@@ -44,6 +44,36 @@ impl Quads {
         std::fs::write(&path, &self.text).expect("writes");
         load(path.to_str().expect("UTF-8")).unwrap_or_else(|e| panic!("{e}"))
     }
+}
+
+/// A tall picture shows the whole model, and a wide one is as it was for 2:1.
+#[test]
+fn the_whole_model_is_in_a_picture_of_any_shape() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = folder.path().join("a.obj");
+    let wide = Quads::default().sides([-4.0, 0.0, -1.0], [4.0, 1.0, 1.0], false, false);
+    std::fs::write(&path, &wide.text).expect("writes");
+    let camera = |aspect: f64| {
+        let options = LoadOptions { aspect, ..LoadOptions::default() };
+        load_with(path.to_str().expect("UTF-8"), &options).unwrap_or_else(|e| panic!("{e}")).cameras[0]
+    };
+    let inside = |aspect: f64| {
+        let Camera { eye, target, up, vfov_deg } = camera(aspect);
+        let forward = (target - eye).normalize();
+        let right = forward.cross(up).normalize();
+        let slope = (vfov_deg.to_radians() / 2.0).tan();
+        (0..8).all(|corner| {
+            let at = |bit: u32, low: f32, high: f32| if corner >> bit & 1 == 0 { low } else { high };
+            let arm = Vec3::new(at(0, -4.0, 4.0), at(1, 0.0, 1.0), at(2, -1.0, 1.0)) - eye;
+            let depth = arm.dot(forward) * slope;
+            arm.dot(right).abs() < depth * aspect as f32 && arm.dot(right.cross(forward)).abs() < depth
+        })
+    };
+    for aspect in [0.25, 0.5, 1.0, 1.5, 2.0, 3.0] {
+        assert!(inside(aspect), "{aspect}");
+    }
+    assert_eq!(camera(3.0), camera(2.0));
+    assert_eq!(camera(2.0), wide.load().cameras[0]);
 }
 
 fn stands_inside(scene: &Scene) -> bool {

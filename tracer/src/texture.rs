@@ -6,11 +6,14 @@
 
 use rayreel_formats::math::{Vec3, vec3};
 use rayreel_scenes as scenes;
+use rayreel_scenes::Wrap;
 
 /// A texture with its mip chain, in linear light.
 #[derive(Debug)]
 pub struct MipTexture {
     levels: Vec<MipLevel>,
+    /// What lies beyond the edges, along `u` and `v`.
+    wrap: [Wrap; 2],
 }
 
 #[derive(Debug)]
@@ -34,7 +37,7 @@ impl MipTexture {
         while let Some(next) = levels.last().and_then(MipLevel::halved) {
             levels.push(next);
         }
-        Self { levels }
+        Self { levels, wrap: source.wrap }
     }
 
     /// Number of texels of the finest level.
@@ -46,19 +49,20 @@ impl MipTexture {
     pub fn colour(&self, uv: [f32; 2], lod: f32) -> Vec3 {
         let last = self.levels.len() - 1;
         if lod <= 0.0 {
-            return self.levels[0].bilinear(uv);
+            return self.levels[0].bilinear(self.wrap, uv);
         }
         let lower = lod as usize;
         if lower >= last {
-            return self.levels[last].bilinear(uv);
+            return self.levels[last].bilinear(self.wrap, uv);
         }
         let blend = lod - lower as f32;
-        self.levels[lower].bilinear(uv) * (1.0 - blend) + self.levels[lower + 1].bilinear(uv) * blend
+        self.levels[lower].bilinear(self.wrap, uv) * (1.0 - blend)
+            + self.levels[lower + 1].bilinear(self.wrap, uv) * blend
     }
 
     /// True where the cut-out lets rays pass: alpha of the finest level below one half.
     pub fn is_transparent(&self, uv: [f32; 2]) -> bool {
-        let [_, _, _, alpha] = self.levels[0].gather(uv);
+        let [_, _, _, alpha] = self.levels[0].gather(self.wrap, uv);
         alpha < 0.5
     }
 }
@@ -83,15 +87,15 @@ impl MipLevel {
         Some(Self { width, height, texels })
     }
 
-    fn bilinear(&self, uv: [f32; 2]) -> Vec3 {
-        let [r, g, b, _] = self.gather(uv);
+    fn bilinear(&self, wrap: [Wrap; 2], uv: [f32; 2]) -> Vec3 {
+        let [r, g, b, _] = self.gather(wrap, uv);
         vec3(r, g, b)
     }
 
-    /// Repeating bilinear lookup of all four channels. `v` points up, rows run down.
-    fn gather(&self, [u, v]: [f32; 2]) -> [f32; 4] {
-        let (x0, x1, fx) = wrap(u, self.width);
-        let (y0, y1, fy) = wrap(1.0 - v, self.height);
+    /// Bilinear lookup of all four channels. `v` points up, rows run down.
+    fn gather(&self, wrap: [Wrap; 2], [u, v]: [f32; 2]) -> [f32; 4] {
+        let (x0, x1, fx) = around(wrap[0], u, self.width);
+        let (y0, y1, fy) = around(wrap[1], 1.0 - v, self.height);
         let texel = |x: u32, y: u32| self.texels[(y * self.width + x) as usize];
         let (a, b, c, d) = (texel(x0, y0), texel(x1, y0), texel(x0, y1), texel(x1, y1));
         std::array::from_fn(|i| {
@@ -102,8 +106,29 @@ impl MipLevel {
     }
 }
 
-/// The two texels around a repeating coordinate, and the weight of the second.
-fn wrap(coordinate: f32, size: u32) -> (u32, u32, f32) {
+/// The two texels around a coordinate, and the weight of the second.
+#[inline]
+fn around(wrap: Wrap, coordinate: f32, size: u32) -> (u32, u32, f32) {
+    match wrap {
+        Wrap::Repeat => repeated(coordinate, size),
+        Wrap::Mirror => {
+            let turned = coordinate - 2.0 * (coordinate * 0.5).floor();
+            clamped(if turned > 1.0 { 2.0 - turned } else { turned }, size)
+        }
+        Wrap::Clamp => clamped(coordinate, size),
+    }
+}
+
+/// The same of a texture whose edges go on.
+fn clamped(coordinate: f32, size: u32) -> (u32, u32, f32) {
+    let last = (size - 1) as f32;
+    let position = (coordinate * size as f32 - 0.5).clamp(0.0, last);
+    let first = (position.floor() as u32).min(size - 1);
+    (first, (first + 1).min(size - 1), position - first as f32)
+}
+
+/// The same of a texture that repeats.
+fn repeated(coordinate: f32, size: u32) -> (u32, u32, f32) {
     let fraction = coordinate - coordinate.floor();
     let position = fraction * size as f32 - 0.5;
     let floor = position.floor();
@@ -122,4 +147,33 @@ pub fn approximate_log2(x: f32) -> f32 {
     let exponent = (bits >> 23) as f32 - 127.0;
     let mantissa = f32::from_bits(bits & 0x007f_ffff | 0x3f80_0000) - 1.0;
     exponent + mantissa
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Four texels in a row, the red of texel k being k / 3.
+    fn row(wrap: Wrap) -> MipTexture {
+        let level = |k: u16| [k * 21845, 0, 0, u16::MAX];
+        let texels = (0..4).map(level).collect();
+        MipTexture { levels: vec![MipLevel { width: 4, height: 1, texels }], wrap: [wrap; 2] }
+    }
+
+    /// Red at some coordinates, in thirds.
+    fn thirds(wrap: Wrap, at: [f32; 6]) -> [f32; 6] {
+        at.map(|u| row(wrap).colour([u, 0.5], 0.0).x * 3.0)
+    }
+
+    #[test]
+    fn edges_repeat_turn_round_or_go_on() {
+        let at = [0.0, 0.125, 1.0, 1.125, -0.375, 2.625];
+        let near = |found: [f32; 6], wanted: [f32; 6]| {
+            let same = found.iter().zip(wanted).all(|(a, b)| (a - b).abs() < 1e-3);
+            assert!(same, "{found:?}, not {wanted:?}");
+        };
+        near(thirds(Wrap::Repeat, at), [1.5, 0.0, 1.5, 0.0, 2.0, 2.0]);
+        near(thirds(Wrap::Mirror, at), [0.0, 0.0, 3.0, 3.0, 1.0, 2.0]);
+        near(thirds(Wrap::Clamp, at), [0.0, 0.0, 3.0, 3.0, 0.0, 3.0]);
+    }
 }

@@ -8,6 +8,7 @@ use crate::{
     defaults,
     error::{Location, SceneError},
     gltf_model::{Film, load_gltf},
+    mesh::{away, bounds},
     obj::load_obj,
     options::LoadOptions,
     scene::{Camera, Light, Mesh, Scene, Triangle},
@@ -49,7 +50,10 @@ pub(crate) fn unknown_format(path: &Path) -> SceneError {
         format!("{}: .{extension} {kind} not read: models are .obj, .gltf or .glb, scene files .toml", path.display());
     let out = path.with_extension("obj");
     let name = |path: &Path| path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
-    let fix = format!("convert it: Blender exports glTF 2.0 and OBJ, or `assimp export {} {}`", name(path), name(&out));
+    let convert =
+        || format!("convert it: Blender exports glTF 2.0 and OBJ, or `assimp export {} {}`", name(path), name(&out));
+    let fix =
+        if known.contains(&extension.as_str()) { convert() } else { "name a model, a scene file or a scene".into() };
     SceneError::Usage { what, fix }
 }
 
@@ -67,14 +71,14 @@ pub(crate) fn read(path: &Path, options: &LoadOptions) -> Result<Model, SceneErr
         (scene.mesh, scene.objects) = (model.mesh, model.objects);
         (scene.materials, scene.textures) = (model.materials, model.textures);
         (scene.warnings, scene.files) = (model.warnings, model.files);
-        return finish(path, scene, None, (Vec::new(), Vec::new(), 1));
+        return finish(path, scene, (None, options.aspect), (Vec::new(), Vec::new(), 1));
     }
     let model = load_gltf(path, options)?;
     let mut scene = bare(path);
     (scene.mesh, scene.objects) = (model.mesh, model.objects);
     (scene.materials, scene.textures) = (model.materials, model.textures);
     (scene.warnings, scene.files) = (model.warnings, model.files);
-    finish(path, scene, model.film.as_ref(), (model.lights, model.cameras, model.frames))
+    finish(path, scene, (model.film.as_ref(), options.aspect), (model.lights, model.cameras, model.frames))
 }
 
 /// A scene of this name with nothing in it.
@@ -97,12 +101,13 @@ fn bare(path: &Path) -> Scene {
 fn finish(
     path: &Path,
     mut scene: Scene,
-    film: Option<&Film>,
+    (film, aspect): (Option<&Film>, f64),
     (lights, cameras, frames): (Vec<Light>, Vec<Camera>, u64),
 ) -> Result<Model, SceneError> {
     scene.warnings.extend(check_size(path, &scene.mesh.positions)?);
     scene.warnings.extend(check_span(path, &scene.mesh));
-    let view = film.map_or_else(|| View::of(&scene.mesh), |film| View::of(&film.first).within(film.bounds));
+    let view =
+        film.map_or_else(|| View::of(&scene.mesh, aspect), |film| View::of(&film.first, aspect).within(film.bounds));
     let (has_cameras, has_lights) = (!cameras.is_empty(), !lights.is_empty());
     scene.lights = if has_lights { lights } else { view.lights(&scene) };
     scene.cameras = if has_cameras { cameras } else { vec![view.camera(None); frames as usize] };
@@ -115,10 +120,6 @@ fn finish(
 const SIZES: (f32, f32) = (2e-11, 2e9);
 /// At other sizes not even a camera can be placed.
 const SIZES_AT_ALL: (f32, f32) = (1e-14, 1e14);
-/// More than so many times the model's size away from the origin, rays that leave a surface begin visibly off it: they begin a part
-/// in 131,072 of the largest coordinate away.
-const AWAY_MAX: f32 = 2000.0;
-
 /// The boxes that a tracer puts around triangles grow by this part of the distance from the ray's origin to the middle of the scene, and by
 /// this part of their own distance from there (FORMAT.md, the box test).
 pub const BOX_PADDING: f32 = 1.0 / 1_048_576.0;
@@ -164,8 +165,8 @@ fn extent(mut points: impl Iterator<Item = Vec3>) -> f32 {
 
 /// Refuses models whose size single precision cannot hold, and tells where it holds them badly.
 fn check_size(path: &Path, positions: &[Vec3]) -> Result<Option<Warning>, SceneError> {
-    let (low, high) = positions.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(l, h), p| (l.min(*p), h.max(*p)));
-    let (size, largest) = ((high - low).max_element(), low.abs().max(high.abs()).max_element());
+    let (low, high) = bounds(positions);
+    let size = (high - low).max_element();
     let within = |(smallest, largest): (f32, f32)| (smallest..=largest).contains(&size);
     if !within(SIZES_AT_ALL) {
         let what = format!("the model is {size:e} units large");
@@ -173,10 +174,9 @@ fn check_size(path: &Path, positions: &[Vec3]) -> Result<Option<Warning>, SceneE
     }
     let (what, fix) = if !within(SIZES) {
         (format!("the model is {size:e} units large"), "scale it nearer to 1")
-    } else if largest > AWAY_MAX * size {
-        (format!("the model, {size:e} units large, lies {largest:e} units from the origin"), "move it there")
     } else {
-        return Ok(None);
+        let Some(what) = away(positions) else { return Ok(None) };
+        (what, "move it there")
     };
     let message = format!("{}: {what}: surfaces may be lit wrongly; {fix}", path.display());
     Ok(Some(Warning { message, count: 1 }))

@@ -106,6 +106,9 @@ fn parse(path: &Path, bytes: &[u8]) -> Result<(json::Root, Option<Vec<u8>>), Sce
     };
     let root = json::deserialize::from_slice(&text).or_else(|error| without_gaps(&text).ok_or(error));
     let mut root: json::Root = root.map_err(|error| {
+        if let Some(version) = other_version(&text) {
+            return old_version(path, &version);
+        }
         let at = Location::Line { path: path.to_owned(), line: error.line(), column: Some(error.column()) };
         // The place is said by `at`.
         let message = error.to_string();
@@ -132,6 +135,17 @@ fn without_gaps(text: &[u8]) -> Option<json::Root> {
         }
     }
     if root == given { None } else { json::deserialize::from_value(root).ok() }
+}
+
+/// The version that a file says it has, if it is not 2: such a file has another structure.
+fn other_version(text: &[u8]) -> Option<String> {
+    let root: json::Value = json::deserialize::from_slice(text).ok()?;
+    let Some(version) = root.pointer("/asset/version") else {
+        // The oldest files do not say theirs, and have objects where later ones have lists.
+        return root.get("meshes")?.is_object().then(|| "1.0".to_owned());
+    };
+    let version = version.as_str().map_or_else(|| version.to_string(), str::to_owned);
+    (!version.starts_with("2.")).then_some(version)
 }
 
 /// The list at a key.

@@ -7,8 +7,8 @@
 //!   the highlight.
 //! - The diffuse colour is the base colour times `1 - metallic (1 - roughness)`: a rough metal would be black without
 //!   something to reflect, so it keeps its colour.
-//! - Transmission makes a dielectric with the file's index; its tint for each surface crossed is base colour times
-//!   transmission.
+//! - Transmission makes a dielectric with the file's index, of metal as far as it is none; its tint for each surface crossed is base colour
+//!   times transmission.
 //! - `MASK` is a cut-out at its cutoff. `BLEND` is a cut-out at one half of the texture's alpha; a constant alpha is plain
 //!   transparency, as `d` of an MTL file is, but of mirrors and glass it is not read.
 
@@ -18,7 +18,7 @@ use glam::{Vec2, Vec3};
 
 use super::{
     document::Source,
-    textures::{Named, Pictures},
+    textures::{Image, Named, Pictures},
 };
 use crate::{
     defaults::default_material,
@@ -39,8 +39,6 @@ pub(crate) struct Surface {
     pub uv_set: u32,
     /// Where the texture is moved to.
     pub uv_map: Option<UvMap>,
-    /// The texture does not repeat, and textures here do.
-    pub clamped: bool,
     /// A cut-out that nothing is left of.
     pub invisible: bool,
 }
@@ -76,12 +74,23 @@ pub(crate) fn surface(
     let pbr = material.pbr_metallic_roughness();
     let [r, g, b, alpha] = pbr.base_color_factor();
     let base = colour(source, &name, "baseColorFactor", [r, g, b])?;
+    if base.max_element() > 1.001 {
+        warnings.add("bright", || format!("{place}: a base colour above 1 would create light and was lowered to 1"));
+    }
+    let base = base.min(Vec3::ONE);
     let alpha = number(source, &name, "base alpha", alpha, 0.0, 1.0)?;
     let (metallic, roughness) = metal(source, &name, &pbr, pictures, warnings)?;
     let ior = material.ior().unwrap_or(1.5);
     // The extension uses 0 for "reflects everything".
     let ior = if ior == 0.0 { 1.5 } else { number(source, &name, "ior", ior, 1.0, 1000.0)? };
+    // What passes light is the part that is no metal.
     let transmission = transmission(source, material, &name, pictures, warnings)?;
+    if transmission > 0.0 && metallic > 0.0 {
+        warnings.add("metal glass", || {
+            format!("{place}: transmission is of what is no metal: it is taken times 1 - metallic ({metallic:.2} here)")
+        });
+    }
+    let transmission = transmission * (1.0 - metallic);
     let share = (ior - 1.0) / (ior + 1.0);
     let image = base_image(source, &pbr, warnings);
     let tint = match image {
@@ -113,7 +122,7 @@ pub(crate) fn surface(
             warnings.add("frosted", || format!("{place}: rough glass is drawn clear"));
         }
     }
-    let mut surface = Surface { material: out, uv_set: 0, uv_map: None, clamped: false, invisible: false };
+    let mut surface = Surface { material: out, uv_set: 0, uv_map: None, invisible: false };
     if let (Some(image), Some(info)) = (image, pbr.base_color_texture()) {
         base_texture(source, (image, &info), &mut surface, pictures)?;
     }
@@ -124,7 +133,7 @@ pub(crate) fn surface(
 /// The surface of a primitive without a material: white and rough.
 pub(crate) fn plain() -> Surface {
     let material = Material { diffuse: Vec3::ONE, ..default_material("default") };
-    Surface { material, uv_set: 0, uv_map: None, clamped: false, invisible: false }
+    Surface { material, uv_set: 0, uv_map: None, invisible: false }
 }
 
 /// The name that messages and scene files use.
@@ -134,8 +143,10 @@ fn name(material: &gltf::Material<'_>) -> String {
 }
 
 fn number(source: &Source, name: &str, what: &str, value: f32, low: f32, high: f32) -> Result<f32, SceneError> {
-    if value >= low && value <= high {
-        return Ok(value);
+    // Exporters round.
+    let near = value.clamp(low, high);
+    if (value - near).abs() <= 1e-3 {
+        return Ok(near);
     }
     let fix = format!("it must be between {low} and {high}");
     Err(source.bad(format!("material `{name}`"), format!("{what} is {value}"), &fix))
@@ -224,7 +235,7 @@ fn base_image(
     source: &Source,
     pbr: &gltf::material::PbrMetallicRoughness<'_>,
     warnings: &mut Warnings,
-) -> Option<usize> {
+) -> Option<Image> {
     match Pictures::named(source, &pbr.base_color_texture()?.texture(), warnings) {
         Named::Picture(image) => Some(image),
         Named::NotRead => None,
@@ -234,7 +245,7 @@ fn base_image(
 /// Sets the diffuse map and how it lies.
 fn base_texture(
     source: &Source,
-    (image, info): (usize, &gltf::texture::Info<'_>),
+    (image, info): (Image, &gltf::texture::Info<'_>),
     surface: &mut Surface,
     pictures: &mut Pictures,
 ) -> Result<(), SceneError> {
@@ -250,9 +261,6 @@ fn base_texture(
         }
         surface.uv_map = Some(UvMap { offset, sin: libm::sin(turn), cos: libm::cos(turn), scale });
     }
-    let sampler = info.texture().sampler();
-    let repeats = gltf::texture::WrappingMode::Repeat;
-    surface.clamped = sampler.wrap_s() != repeats || sampler.wrap_t() != repeats;
     Ok(())
 }
 
@@ -260,7 +268,7 @@ fn base_texture(
 fn alpha_mode(
     source: &Source,
     material: &gltf::Material<'_>,
-    (image, alpha): (Option<usize>, f32),
+    (image, alpha): (Option<Image>, f32),
     surface: &mut Surface,
     pictures: &mut Pictures,
     warnings: &mut Warnings,

@@ -148,17 +148,28 @@ fn tell_moving(path: &Path, moving: usize, options: &LoadOptions, warnings: &mut
     }
 }
 
+/// Copies of a mesh at other places.
+const INSTANCES: &str = "EXT_mesh_gpu_instancing";
+
 /// Counts what no part of the loader reads.
 fn tell_ignored(source: &Source, warnings: &mut Warnings) {
+    // The file names it at its head too, where nothing says what becomes of it.
+    let has = |name: &str| source.root().nodes.iter().any(|n| n.extensions.iter().any(|e| e.others.contains_key(name)));
     let file = source.path.display();
     let told = source.told();
-    for name in source.root().extensions_used.iter().filter(|name| !document::is_read(name) && !told.contains(*name)) {
+    for name in source
+        .root()
+        .extensions_used
+        .iter()
+        .filter(|name| !document::is_read(name) && !told.contains(*name) && !has(name))
+    {
         warnings.add(&format!("extension {name}"), || format!("{file}: the extension {name} is not read"));
     }
     for (index, node) in source.root().nodes.iter().enumerate() {
         for name in node.extensions.iter().flat_map(|extensions| extensions.others.keys()) {
             warnings.add(&format!("extension {name}"), || {
-                format!("{file}: {}: the extension {name} is not read", label(source, index))
+                let drawn = if name == INSTANCES { ": one copy is drawn, where the node stands" } else { "" };
+                format!("{file}: {}: the extension {name} is not read{drawn}", label(source, index))
             });
         }
     }

@@ -139,12 +139,6 @@ fn vertices(
     if let Some(at) = uvs.iter().position(|uv| !uv.is_finite()) {
         return Err(broken(format!("the texture coordinate of vertex {at} is not finite")));
     }
-    let outside = |uv: &Vec2| uv.min_element() < -1e-3 || uv.max_element() > 1.001;
-    if target.surface.clamped && uvs.iter().any(outside) {
-        warnings.add("clamp", || {
-            format!("{file}: {place}: a texture that should end at its edge, or be mirrored there, is repeated")
-        });
-    }
     if accessor(primitive, Semantic::Colors(0)).is_some() {
         warnings.add("colours", || format!("{file}: {place}: colours of vertices are not read"));
     }
@@ -200,14 +194,21 @@ fn join(source: &Source, vertices: &Vertices, triangles: &[[u32; 3]], target: Ta
     let file = source.path.display();
     let mut out = MeshJoin::new(vertices.positions.len());
     for triangle in triangles {
-        if normals::is_degenerate(&vertices.positions, *triangle) {
-            warnings.add("degenerate", || format!("{file}: triangles without area were dropped"));
+        if normals::is_dropped(&vertices.positions, *triangle, &source.path, warnings) {
             continue;
         }
         let face = normals::area_vector(&vertices.positions, *triangle).normalize_or(DVec3::Y).as_vec3();
         let corners = triangle.map(|v| {
             let at = v as usize;
-            let given = vertices.normals.as_ref().and_then(|normals| normals[at].try_normalize());
+            let given = vertices.normals.as_ref().and_then(|normals| {
+                let unit = normals[at].try_normalize();
+                if unit.is_none() {
+                    warnings.add("normal", || {
+                        format!("{file}: a normal is zero or not finite; its corners get the face's normal")
+                    });
+                }
+                unit
+            });
             let normal = given.map_or(face, |normal| normal.as_vec3());
             out.vertex(v, vertices.positions[at], normal, vertices.uvs[at])
         });

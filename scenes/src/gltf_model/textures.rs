@@ -1,13 +1,14 @@
 //! Pictures of a glTF file: decoded once each; cut-outs scaled so that their cutoff becomes one half.
 
 use glam::{DVec3, Vec3};
+use gltf::texture::WrappingMode;
 use image::RgbaImage;
 
 use super::{document::Source, uri};
 use crate::{
     error::SceneError,
     pictures,
-    scene::{MAX_TEXTURE_SIDE, Texture},
+    scene::{MAX_TEXTURE_SIDE, Texture, Wrap},
     warnings::Warnings,
 };
 
@@ -19,8 +20,16 @@ const MAX_PACKED: u64 = 1 << 30;
 /// Formats that extensions of glTF allow and that are not read.
 const OTHER_FORMATS: [&str; 6] = ["webp", "ktx2", "dds", "avif", "gif", "basis"];
 
-/// A picture and what is made of it: as it is, or with its alpha scaled for a cutoff (the bits of alpha factor and cutoff).
-type Key = (usize, Option<[u32; 2]>);
+/// A picture and what is made of it: as it is, or with its alpha scaled for a cutoff (the bits of alpha factor and cutoff); and what lies
+/// beyond its edges.
+type Key = (Image, Option<[u32; 2]>);
+
+/// A picture, and what its sampler says of its edges.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Image {
+    pub index: usize,
+    pub wrap: [Wrap; 2],
+}
 
 /// The textures of a model.
 #[derive(Default)]
@@ -33,7 +42,7 @@ pub(crate) struct Pictures {
 /// What a material's texture names.
 pub(crate) enum Named {
     /// This picture.
-    Picture(usize),
+    Picture(Image),
     /// A picture in a format that is not read.
     NotRead,
 }
@@ -50,7 +59,7 @@ impl Pictures {
             OTHER_FORMATS.into_iter().find(|kind| is(kind))
         });
         match (image, other) {
-            (Some(image), None) => Named::Picture(image),
+            (Some(index), None) => Named::Picture(Image { index, wrap: wraps(&texture.sampler()) }),
             (_, kind) => {
                 let kind = kind.unwrap_or("other formats than PNG and JPEG");
                 warnings.add("picture format", || {
@@ -66,19 +75,31 @@ impl Pictures {
     }
 
     /// The texture of a picture as it is.
-    pub fn plain(&mut self, source: &Source, image: usize) -> Result<usize, SceneError> {
+    pub fn plain(&mut self, source: &Source, image: Image) -> Result<usize, SceneError> {
         if let Some(known) = self.keys.iter().position(|key| *key == (image, None)) {
             return Ok(known);
         }
-        let texture = self.decode(source, image)?;
-        Ok(self.add((image, None), texture))
+        let texture = match self.kept(image.index) {
+            Some(other) => {
+                let copy = self.list[other].clone();
+                self.count(source, copy.texels.len() as u64)?;
+                copy
+            }
+            None => self.decode(source, image.index)?,
+        };
+        Ok(self.add((image, None), Texture { wrap: image.wrap, ..texture }))
+    }
+
+    /// A texture that has the texels of a picture as they are.
+    fn kept(&self, index: usize) -> Option<usize> {
+        self.keys.iter().position(|(image, cut)| image.index == index && cut.is_none())
     }
 
     /// The cut-out of a picture whose alpha times `factor` must reach `cutoff`; `None` where all of it does.
     pub fn cut_out(
         &mut self,
         source: &Source,
-        image: usize,
+        image: Image,
         factor: f32,
         cutoff: f32,
     ) -> Result<Option<usize>, SceneError> {
@@ -107,25 +128,24 @@ impl Pictures {
     }
 
     /// The mean of each channel of a picture, as fractions of the largest value. The picture is not kept.
-    pub fn mean(&mut self, source: &Source, image: usize) -> Result<[f64; 4], SceneError> {
+    pub fn mean(&mut self, source: &Source, image: Image) -> Result<[f64; 4], SceneError> {
         self.mean_of(source, image, |value| f64::from(value) / 255.0)
     }
 
     /// The mean colour of a picture in sRGB, linear. The picture is not kept.
-    pub fn mean_colour(&mut self, source: &Source, image: usize) -> Result<Vec3, SceneError> {
+    pub fn mean_colour(&mut self, source: &Source, image: Image) -> Result<Vec3, SceneError> {
         let linear: [f64; 256] = std::array::from_fn(|value| pictures::srgb_to_linear(value as f64 / 255.0));
         let [r, g, b, _] = self.mean_of(source, image, |value| linear[usize::from(value)])?;
         Ok(DVec3::new(r, g, b).as_vec3())
     }
 
     /// The mean of each channel, whose values mean what `value` says.
-    fn mean_of(&mut self, source: &Source, image: usize, value: impl Fn(u8) -> f64) -> Result<[f64; 4], SceneError> {
-        let kept = self.keys.iter().position(|key| *key == (image, None));
+    fn mean_of(&mut self, source: &Source, image: Image, value: impl Fn(u8) -> f64) -> Result<[f64; 4], SceneError> {
         let decoded;
-        let texture = match kept {
+        let texture = match self.kept(image.index) {
             Some(at) => &self.list[at],
             None => {
-                decoded = self.decode(source, image)?;
+                decoded = self.decode(source, image.index)?;
                 self.texels -= decoded.texels.len() as u64;
                 &decoded
             }
@@ -175,8 +195,17 @@ impl Pictures {
         };
         self.count(source, u64::from(pixels.width()) * u64::from(pixels.height()))?;
         let texels = pixels.pixels().map(|pixel| pixel.0).collect();
-        Ok(Texture { name, width: pixels.width(), height: pixels.height(), texels })
+        Ok(Texture { name, width: pixels.width(), height: pixels.height(), texels, wrap: [Wrap::Repeat; 2] })
     }
+}
+
+/// What a sampler says of the edges.
+fn wraps(sampler: &gltf::texture::Sampler<'_>) -> [Wrap; 2] {
+    [sampler.wrap_s(), sampler.wrap_t()].map(|mode| match mode {
+        WrappingMode::Repeat => Wrap::Repeat,
+        WrappingMode::MirroredRepeat => Wrap::Mirror,
+        WrappingMode::ClampToEdge => Wrap::Clamp,
+    })
 }
 
 /// Alpha so that one half is where `alpha * factor` reaches `cutoff`: what a cut-out of the scene compares with.

@@ -1,8 +1,10 @@
 //! Shading normals from geometry: smooth within a crease angle, weighted by corner angles.
 
-use std::collections::BTreeMap;
+use std::{collections::BTreeMap, path::Path};
 
 use glam::{DVec3, Vec3};
+
+use crate::warnings::Warnings;
 
 /// Faces that meet at a sharper angle than 40 degrees keep an edge.
 pub(crate) const CREASE_COS: f64 = 0.766_044_443_118_978;
@@ -29,6 +31,34 @@ pub(crate) fn is_degenerate(positions: &[Vec3], triangle: [u32; 3]) -> bool {
     let largest = a.abs().max(b.abs()).max(c.abs()).max_element();
     let height_times_base = (b - a).cross(c - a).length();
     height_times_base <= f64::from(f32::EPSILON) * largest * longest.sqrt()
+}
+
+/// Whether a triangle of a file is dropped, for it is degenerate; counts why.
+pub(crate) fn is_dropped(positions: &[Vec3], triangle: [u32; 3], file: &Path, warnings: &mut Warnings) -> bool {
+    if !is_degenerate(positions, triangle) {
+        return false;
+    }
+    if is_rounded_away(positions, triangle) {
+        warnings.add("rounded away", || {
+            format!(
+                "{}: triangles that single precision cannot tell from lines, so small and so far from the origin, were dropped: move the \
+                 model there",
+                file.display()
+            )
+        });
+    } else {
+        warnings.add("degenerate", || format!("{}: triangles without area were dropped", file.display()));
+    }
+    true
+}
+
+/// Whether a triangle that is degenerate may be so by rounding alone: its edges are a few roundings of its largest coordinate long. Three corners
+/// that are one say nothing.
+pub(crate) fn is_rounded_away(positions: &[Vec3], triangle: [u32; 3]) -> bool {
+    let [a, b, c] = triangle.map(|v| positions[v as usize]);
+    let longest = (b - a).abs().max((c - b).abs()).max((a - c).abs()).max_element();
+    let largest = a.abs().max(b.abs()).max(c.abs()).max_element();
+    longest > 0.0 && longest <= 64.0 * f32::EPSILON * largest
 }
 
 /// Per triangle the normal at each corner. Vertices at the same place in the same group are joined,

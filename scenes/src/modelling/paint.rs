@@ -4,7 +4,10 @@ use std::sync::LazyLock;
 
 use glam::DVec3;
 
-use crate::{pictures::srgb_to_linear, scene::Texture};
+use crate::{
+    pictures::srgb_to_linear,
+    scene::{Texture, Wrap},
+};
 
 /// Paints a texture: `colour(u, v)` in linear RGB at each texel's centre, `v` up.
 pub fn paint(name: &str, side: u32, colour: impl Fn(f64, f64) -> DVec3) -> Texture {
@@ -17,7 +20,7 @@ pub fn paint(name: &str, side: u32, colour: impl Fn(f64, f64) -> DVec3) -> Textu
             texels.push([r, g, b, 255]);
         }
     }
-    Texture { name: name.to_owned(), width: side, height: side, texels }
+    Texture { name: name.to_owned(), width: side, height: side, texels, wrap: [Wrap::Repeat; 2] }
 }
 
 /// Linear to 8-bit sRGB, rounded to the nearest code. Looked up in a table of the codes' lower bounds, because three

@@ -12,7 +12,10 @@ use std::{
 
 use rayreel_settings::files;
 
-use self::{mtl::TextureSet, text::CheckedObj};
+use self::{
+    mtl::{MaterialList, TextureSet},
+    text::CheckedObj,
+};
 use crate::{
     defaults::default_material,
     error::{Location, SceneError},
@@ -70,7 +73,7 @@ pub fn load_obj(path: impl AsRef<Path>) -> Result<ObjModel, SceneError> {
     Ok(ObjModel {
         mesh: triangles::join(raw),
         objects: checked.objects,
-        materials,
+        materials: materials.into_list(),
         textures: textures.into_list(),
         warnings: warnings.into_list(),
         files,
@@ -81,13 +84,14 @@ pub fn load_obj(path: impl AsRef<Path>) -> Result<ObjModel, SceneError> {
 /// with a warning.
 fn read_text(path: &Path, warnings: &mut Warnings) -> io::Result<String> {
     let bytes = files::read(path, MODEL_MAX)?;
-    if let Some(text) = from_utf16(&bytes) {
-        return Ok(text);
-    }
-    Ok(String::from_utf8(bytes).unwrap_or_else(|error| {
-        warnings.add("utf-8", || format!("{}: is not UTF-8; the odd bytes were replaced", path.display()));
-        String::from_utf8_lossy(error.as_bytes()).into_owned()
-    }))
+    let text = from_utf16(&bytes).unwrap_or_else(|| {
+        String::from_utf8(bytes).unwrap_or_else(|error| {
+            warnings.add("utf-8", || format!("{}: is not UTF-8; the odd bytes were replaced", path.display()));
+            String::from_utf8_lossy(error.as_bytes()).into_owned()
+        })
+    });
+    // Old Macintosh programs end lines in a carriage return alone.
+    Ok(if text.contains('\r') && !text.contains('\n') { text.replace('\r', "\n") } else { text })
 }
 
 /// A text in UTF-16, as its byte order mark says.
@@ -106,9 +110,9 @@ fn load_libraries(
     checked: &CheckedObj,
     (textures, files): (&mut TextureSet, &mut Vec<PathBuf>),
     warnings: &mut Warnings,
-) -> Result<Vec<Material>, SceneError> {
+) -> Result<MaterialList, SceneError> {
     let folder = path.parent().unwrap_or(Path::new(""));
-    let mut materials = Vec::new();
+    let mut materials = MaterialList::default();
     let mut done: Vec<&str> = Vec::new();
     for (line, statement) in &checked.libraries {
         // A name may hold blanks, and a statement may hold several names: the whole is tried first.
@@ -138,31 +142,48 @@ fn load_libraries(
 fn material_slots(
     path: &Path,
     checked: &CheckedObj,
-    materials: &mut Vec<Material>,
+    materials: &mut MaterialList,
     warnings: &mut Warnings,
 ) -> Vec<u32> {
     let mut slots = Vec::with_capacity(checked.uses.len());
-    for (name, line) in &checked.uses {
-        let known = materials.iter().position(|m| m.name == *name);
-        slots.push(known.unwrap_or_else(|| {
-            if name.is_empty() {
-                warnings.add("no usemtl", || {
-                    format!("{}:{line}: faces without a material get a default grey", path.display())
-                });
-                materials.push(default_material("default"));
-            } else {
-                let names: Vec<&str> = materials.iter().map(|m| m.name.as_str()).collect();
-                let hint = hint(name, &names, "materials");
-                warnings.add("usemtl", || {
-                    format!(
-                        "{}:{line}: material `{name}` is in no library and becomes a default grey; {hint}",
-                        path.display()
-                    )
-                });
-                materials.push(default_material(name));
-            }
-            materials.len() - 1
-        }) as u32);
+    for (number, (name, line)) in checked.uses.iter().enumerate() {
+        // A name may hold a `#`; one that nobody knows has a comment behind it.
+        let known = materials.find(name).or_else(|| materials.find(mtl::before_comment(name)));
+        let slot = known.unwrap_or_else(|| unknown_material((path, *line), name, materials, warnings));
+        if let (Some(line), Some(material)) = (checked.without_uv.get(&number), materials.get(slot))
+            && (material.diffuse_map.is_some() || material.alpha_map.is_some())
+        {
+            warnings.add("no vt", || {
+                format!(
+                    "{}:{line}: material `{}`: without `vt` its texture has one colour",
+                    path.display(),
+                    material.name
+                )
+            });
+        }
+        slots.push(slot as u32);
     }
     slots
+}
+
+/// The place of a default material for a name that no library knows.
+fn unknown_material(
+    (path, line): (&Path, usize),
+    name: &str,
+    materials: &mut MaterialList,
+    warnings: &mut Warnings,
+) -> usize {
+    let place = format!("{}:{line}", path.display());
+    let name = if name.is_empty() {
+        warnings.add("no usemtl", || format!("{place}: faces without a material get a default grey"));
+        "default"
+    } else {
+        warnings.add("usemtl", || {
+            let hint = hint(name, &materials.names(), "materials");
+            format!("{place}: material `{name}` is in no library and becomes a default grey; {hint}")
+        });
+        name
+    };
+    // A library may have a `default` of its own, which faces without a material have nothing to do with.
+    materials.append(default_material(name))
 }

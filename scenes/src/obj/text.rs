@@ -20,8 +20,9 @@ use crate::{
 pub(crate) const ABSENT_NORMAL: [f32; 3] = [0.0; 3];
 /// Stand-ins at the front of the rewritten `vn` list: absent, broken.
 const NORMAL_STAND_INS: usize = 2;
-/// Stand-ins at the front of the rewritten `vt` list.
+/// Stand-ins at the front of the rewritten `vt` list: none given.
 const UV_STAND_INS: usize = 1;
+const NO_UV: usize = 1;
 
 /// A checked and rewritten OBJ.
 #[derive(Debug, Default)]
@@ -35,6 +36,8 @@ pub(crate) struct CheckedObj {
     /// Material names in the order of their first face, each with that face's line; `mN` in the text is index N. Faces
     /// without `usemtl` have the empty name.
     pub uses: Vec<(String, usize)>,
+    /// Of material N the line of its first face with a corner that has no texture coordinate.
+    pub without_uv: BTreeMap<usize, usize>,
 }
 
 /// The current name, and its number once a face has used it.
@@ -244,7 +247,8 @@ impl ObjScan<'_> {
                 "f" | "fo" => self.face(line, rest, seen, totals)?,
                 "o" | "g" => self.object = CurrentName::new(if rest.is_empty() { "unnamed" } else { rest }),
                 "usemtl" if rest.is_empty() => {
-                    return Err(self.bad(line, "`usemtl` without a name".into(), "name a material"));
+                    self.warn(line, "usemtl without name", "`usemtl` without a name: its faces have no material");
+                    self.material = CurrentName::new("");
                 }
                 "usemtl" => self.material = CurrentName::new(rest),
                 "mtllib" => self.out.libraries.push((line, rest.to_owned())),
@@ -273,7 +277,10 @@ impl ObjScan<'_> {
             self.warn(line, "short face", "a face with fewer than three corners was ignored");
             return Ok(());
         }
-        self.select(line);
+        let material = self.select(line);
+        if corners.iter().any(|corner| corner[1] == NO_UV) {
+            self.out.without_uv.entry(material).or_insert(line);
+        }
         let points: Vec<DVec3> = corners.iter().map(|c| self.positions[c[0] - 1]).collect();
         let (triangles, exact) = polygon::triangulate(&points);
         if !exact {
@@ -331,12 +338,12 @@ impl ObjScan<'_> {
             n if self.normals[n - 1] => n + NORMAL_STAND_INS,
             _ => 2,
         };
-        Ok([found[0], if found[1] == 0 { 1 } else { found[1] + UV_STAND_INS }, normal])
+        Ok([found[0], if found[1] == 0 { NO_UV } else { found[1] + UV_STAND_INS }, normal])
     }
 
     /// Writes `g` and `usemtl` when they changed. Names get their number at their first face, so
-    /// empty groups are no objects.
-    fn select(&mut self, line: usize) {
+    /// empty groups are no objects. Returns the number of the material.
+    fn select(&mut self, line: usize) -> usize {
         let objects = &mut self.out.objects;
         let object = self.object.resolve(&mut self.object_index, |name| objects.push(name.to_owned()));
         let uses = &mut self.out.uses;
@@ -345,5 +352,6 @@ impl ObjScan<'_> {
             self.selected = Some((object, material));
             let _ = writeln!(self.faces, "g g{object}\nusemtl m{material}");
         }
+        material
     }
 }

@@ -6,7 +6,7 @@ use glam::{Vec2, Vec3};
 
 use crate::{
     error::{Location, SceneError},
-    mesh::{MeshJoin, normals},
+    mesh::{MeshJoin, away, normals},
     obj::text::{ABSENT_NORMAL, CheckedObj, empty_mesh},
     scene::{Mesh, Triangle},
     warnings::Warnings,
@@ -51,12 +51,15 @@ pub(crate) fn triangles(
     }
     let before = raw.triangles.len();
     let RawMesh { positions, triangles, .. } = &mut raw;
-    triangles.retain(|t| !normals::is_degenerate(positions, t.vertices));
-    for _ in triangles.len()..before {
-        warnings.add("degenerate", || format!("{}: triangles without area were dropped", path.display()));
-    }
+    triangles.retain(|t| !normals::is_dropped(positions, t.vertices, path, warnings));
     if triangles.is_empty() {
-        return Err(empty_mesh(path, &format!("all {before} triangles have no area")));
+        let why = match away(positions) {
+            Some(away) => {
+                format!("of {before} triangles single precision leaves no area: {away}; move it there, and what it has")
+            }
+            None => format!("all {before} triangles have no area"),
+        };
+        return Err(empty_mesh(path, &why));
     }
     Ok(raw)
 }

@@ -2,7 +2,7 @@
 
 use glam::{Vec2, Vec3};
 
-use super::{Light, Material, Optics, Scene};
+use super::{Light, Material, Optics, Scene, Wrap};
 
 /// Bumped when the written order below changes, so that old and new hashes never meet.
 const LAYOUT: &[u8] = b"rayreel scene content 1\n";
@@ -43,6 +43,10 @@ impl Scene {
             out.u32(texture.height);
             out.count(texture.texels.len());
             texture.texels.chunks(1024).for_each(|row| out.bytes(row.as_flattened()));
+            // Nothing of textures that repeat: scenes without others keep their hash.
+            if texture.wrap != [Wrap::Repeat; 2] {
+                texture.wrap.into_iter().for_each(|wrap| out.u32(wrap as u32));
+            }
         }
         out.count(self.lights.len());
         self.lights.iter().for_each(|l| out.light(l));

@@ -113,6 +113,20 @@ pub struct Texture {
     /// RGBA, sRGB-encoded colour, linear alpha; `width * height` texels, row by row. A one-channel image that is used
     /// as `map_d` has its value in alpha.
     pub texels: Vec<[u8; 4]>,
+    /// What lies beyond its edges, along `u` and along `v`.
+    pub wrap: [Wrap; 2],
+}
+
+/// What lies beyond the edge of a texture.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Wrap {
+    /// The texture again.
+    #[default]
+    Repeat,
+    /// The texture again, every other time mirrored.
+    Mirror,
+    /// The texels of the edge.
+    Clamp,
 }
 
 /// A light without extent: one shadow ray each.

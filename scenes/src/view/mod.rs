@@ -32,6 +32,8 @@ pub(crate) struct View {
     room: Option<Room>,
     /// The box that a camera should frame.
     bounds: (Vec3, Vec3),
+    /// Width over height of the picture.
+    aspect: f64,
 }
 
 /// A place in a room.
@@ -43,11 +45,11 @@ struct Room {
 }
 
 impl View {
-    /// Looks at a mesh.
-    pub fn of(mesh: &Mesh) -> Self {
+    /// Looks at a mesh, for a picture of this width over height.
+    pub fn of(mesh: &Mesh, aspect: f64) -> Self {
         let grid = Grid::new(mesh);
         let room = if is_room(&grid) { room(&grid) } else { None };
-        Self { room, bounds: defaults::main_bounds(&mesh.positions) }
+        Self { room, bounds: defaults::main_bounds(&mesh.positions), aspect }
     }
 
     /// The same, of a mesh that moves within a box.
@@ -58,7 +60,7 @@ impl View {
     /// A camera with the field of view that was asked for, in degrees, or one that suits the place.
     pub fn camera(&self, vfov_deg: Option<f32>) -> Camera {
         let Some(room) = &self.room else {
-            return framing_camera(self.bounds, vfov_deg.unwrap_or(defaults::DEFAULT_VFOV_DEG));
+            return framing_camera(self.bounds, vfov_deg.unwrap_or(defaults::DEFAULT_VFOV_DEG), self.aspect);
         };
         let vfov_deg = vfov_deg.unwrap_or(ROOM_VFOV_DEG);
         Camera { eye: room.eye.as_vec3(), target: room.target.as_vec3(), up: Vec3::Y, vfov_deg }

@@ -112,7 +112,7 @@ fn a_moving_mesh_stands_as_at_the_first_frame_that_is_asked_for() {
     film.channel(0, "translation", "LINEAR", &[0.0, 1.0], &[[0.0, 0.0, 0.0], [0.0, 3.0, 0.0]]);
     let writer = film.finish();
     for (frame, frames) in [(0, 1), (10, 1), (10, 3), (30, 1), (90, 1)] {
-        let (folder, scene) = writer.try_load(&LoadOptions { fps: None, frame, frames });
+        let (folder, scene) = writer.try_load(&LoadOptions { frame, frames, ..LoadOptions::default() });
         let scene = scene.expect("loads");
         assert_eq!(scene.cameras.len(), 31, "the still camera stands for all frames");
         let low = scene.bounds().0.y;
@@ -178,7 +178,7 @@ fn a_view_that_nobody_gave_stands_still() {
     writer.json["nodes"].as_array_mut().expect("is a list").iter_mut().for_each(|node| {
         node.as_object_mut().expect("is an object").remove("camera");
     });
-    let at = |frame| writer.try_load(&LoadOptions { fps: None, frame, frames: 1 }).1.expect("loads");
+    let at = |frame| writer.try_load(&LoadOptions { frame, ..LoadOptions::default() }).1.expect("loads");
     let (first, last) = (at(0), at(30));
     assert!(last.bounds().0.y > first.bounds().0.y + 29.0, "the mesh moves");
     assert_eq!((&last.cameras, &last.lights), (&first.cameras, &first.lights));
@@ -205,7 +205,7 @@ fn a_light_that_moves_has_frames() {
     writer.json["extensions"] = json!({"KHR_lights_punctual": {"lights": [{"type": "point"}]}});
     writer.json["extensionsUsed"] = json!(["KHR_lights_punctual"]);
     let place = |frame| {
-        let scene = writer.try_load(&LoadOptions { fps: None, frame, frames: 1 }).1.expect("loads");
+        let scene = writer.try_load(&LoadOptions { frame, ..LoadOptions::default() }).1.expect("loads");
         assert_eq!(scene.cameras.len(), 31);
         match scene.lights[..] {
             [rayreel_scenes::Light::Point { position, .. }] => position.x,

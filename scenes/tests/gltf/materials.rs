@@ -1,7 +1,7 @@
 //! How metallic-roughness materials, alpha modes and lights become what the scene has.
 
 use glam::Vec3;
-use rayreel_scenes::{Light, Material, Optics};
+use rayreel_scenes::{Light, Material, Optics, Wrap};
 use serde_json::{Value, json};
 
 use crate::{assert_warned, message, warnings, writer::Writer};
@@ -47,6 +47,50 @@ fn glass_has_the_index_and_the_tint_of_the_file() {
     let glass = material(glass);
     assert_eq!((glass.optics, glass.ior), (Optics::Dielectric, 1.33));
     assert!(close(glass.transmission, [0.4, 0.2, 0.1]) && close(glass.diffuse, [0.4, 0.2, 0.1]), "{glass:?}");
+}
+
+#[test]
+fn metal_lets_no_light_through() {
+    let read = |metallic: f32| {
+        let mut mixed = pbr(metallic, 0.0);
+        mixed["extensions"] = json!({"KHR_materials_transmission": {"transmissionFactor": 1.0}});
+        Writer::triangle(mixed).load()
+    };
+    let (folder, scene) = read(1.0);
+    assert_eq!(scene.materials[0].optics, Optics::FresnelMirror);
+    assert_warned(&folder, &scene, 1, "transmission is of what is no metal");
+    let (folder, scene) = read(0.75);
+    assert_eq!(scene.materials[0].optics, Optics::Dielectric);
+    assert!(close(scene.materials[0].transmission, [0.2, 0.1, 0.05]), "{:?}", scene.materials[0]);
+    assert_warned(&folder, &scene, 1, "it is taken times 1 - metallic (0.75 here)");
+}
+
+#[test]
+fn numbers_a_rounding_beyond_their_limits_are_taken() {
+    let near =
+        json!({"baseColorFactor": [0.5, 0.5, 0.5, 1.000_000_1], "metallicFactor": -1e-7, "roughnessFactor": 1.0005});
+    let (folder, scene) = Writer::triangle(json!({"pbrMetallicRoughness": near})).load();
+    assert!(warnings(&folder, &scene).is_empty());
+    let bright = json!({"baseColorFactor": [1.5, 0.5, 0.5, 1.0], "metallicFactor": 0});
+    let (folder, scene) = Writer::triangle(json!({"pbrMetallicRoughness": bright})).load();
+    assert!(close(scene.materials[0].diffuse, [1.0, 0.5, 0.5]), "{:?}", scene.materials[0]);
+    assert_warned(&folder, &scene, 1, "a base colour above 1 would create light and was lowered to 1");
+}
+
+#[test]
+fn samplers_say_what_lies_beyond_the_edges() {
+    for (sampler, wrap) in [
+        (json!({}), [Wrap::Repeat, Wrap::Repeat]),
+        (json!({"wrapS": 33071}), [Wrap::Clamp, Wrap::Repeat]),
+        (json!({"wrapS": 10497, "wrapT": 33648}), [Wrap::Repeat, Wrap::Mirror]),
+    ] {
+        let mut writer = pictured([10, 255], &json!({"alphaMode": "MASK"}));
+        writer.push("samplers", sampler);
+        writer.json["textures"][0]["sampler"] = json!(0);
+        let (_folder, scene) = writer.load();
+        let [map, mask] = [scene.materials[0].diffuse_map, scene.materials[0].alpha_map].map(Option::unwrap);
+        assert_eq!((scene.textures[map].wrap, scene.textures[mask].wrap), (wrap, wrap));
+    }
 }
 
 /// A triangle with a picture of 2 x 1 texels, whose alpha is given, as base colour.

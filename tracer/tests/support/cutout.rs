@@ -7,7 +7,13 @@ use rayreel_scenes::{Camera, Light, Material, Scene, Texture};
 /// Every other square of an 8 x 8 board is a hole.
 fn board() -> Texture {
     let texel = |i: u32| [200, 40, 90, if (i % 8 + i / 8).is_multiple_of(2) { 255 } else { 0 }];
-    Texture { name: "board".into(), width: 8, height: 8, texels: (0..64).map(texel).collect() }
+    Texture {
+        name: "board".into(),
+        width: 8,
+        height: 8,
+        texels: (0..64).map(texel).collect(),
+        wrap: [rayreel_scenes::Wrap::Repeat; 2],
+    }
 }
 
 /// The scene with `lights` lights, points and directions in turn.

@@ -23,7 +23,10 @@ mod textures;
 
 pub(crate) use line::before_comment;
 
-use std::path::{Path, PathBuf};
+use std::{
+    collections::BTreeMap,
+    path::{Path, PathBuf},
+};
 
 use glam::Vec3;
 
@@ -35,6 +38,57 @@ use crate::{
 };
 
 pub(crate) use textures::TextureSet;
+
+/// The materials of a model, each name once.
+#[derive(Debug, Default)]
+pub(crate) struct MaterialList {
+    list: Vec<Material>,
+    by_name: BTreeMap<String, usize>,
+}
+
+impl MaterialList {
+    /// The material of a name.
+    pub fn find(&self, name: &str) -> Option<usize> {
+        self.by_name.get(name).copied()
+    }
+
+    /// A material by its place.
+    pub fn get(&self, at: usize) -> Option<&Material> {
+        self.list.get(at)
+    }
+
+    /// All names, in the order of the materials.
+    pub fn names(&self) -> Vec<&str> {
+        self.list.iter().map(|material| material.name.as_str()).collect()
+    }
+
+    /// Appends a material; its name finds it unless another has that name.
+    pub fn append(&mut self, material: Material) -> usize {
+        let at = self.list.len();
+        self.by_name.entry(material.name.clone()).or_insert(at);
+        self.list.push(material);
+        at
+    }
+
+    /// Appends a material, or puts it in the place of the earlier one of its name; says whether there was one.
+    pub fn define(&mut self, material: Material) -> bool {
+        match self.find(&material.name) {
+            Some(earlier) => {
+                self.list[earlier] = material;
+                true
+            }
+            None => {
+                self.append(material);
+                false
+            }
+        }
+    }
+
+    /// The materials.
+    pub fn into_list(self) -> Vec<Material> {
+        self.list
+    }
+}
 
 /// What the statements of one material say, one by one.
 #[derive(Debug, Default)]
@@ -59,7 +113,7 @@ struct Statements {
 pub(crate) fn read(
     path: &Path,
     text: &str,
-    materials: &mut Vec<Material>,
+    materials: &mut MaterialList,
     textures: &mut TextureSet,
     warnings: &mut Warnings,
 ) -> Result<(), SceneError> {
@@ -118,7 +172,7 @@ fn statement(line: &MtlLine<'_>, into: &mut Statements, warnings: &mut Warnings)
 fn finish(
     path: &Path,
     s: Statements,
-    materials: &mut Vec<Material>,
+    materials: &mut MaterialList,
     textures: &mut TextureSet,
     warnings: &mut Warnings,
 ) -> Result<(), SceneError> {
@@ -140,9 +194,15 @@ fn finish(
         diffuse *= opacity;
     }
     let mut load = |map: &Option<(PathBuf, usize)>, mask: bool| match map {
-        Some((file, line)) => textures.load(path, *line, file, mask).map(Some),
+        Some((file, line)) => textures.load((path, *line), file, mask, warnings),
         None => Ok(None),
     };
+    let (diffuse_map, alpha_map) = (load(&s.diffuse_map, false)?, load(&s.alpha_map, true)?);
+    if s.alpha_map.is_none() && diffuse_map.is_some_and(|map| textures.has_alpha(map)) {
+        warnings.add("alpha of map_Kd", || {
+            format!("{place}: the alpha of its texture is not read: name the file as `map_d` too to cut it out")
+        });
+    }
     let material = Material {
         diffuse,
         specular: s.specular.unwrap_or(Vec3::splat(f32::from(u8::from(dielectric)))),
@@ -151,11 +211,13 @@ fn finish(
         optics,
         ior,
         transmission,
-        diffuse_map: load(&s.diffuse_map, false)?,
-        alpha_map: load(&s.alpha_map, true)?,
+        diffuse_map,
+        alpha_map,
         name: s.name,
     };
-    add(material, materials, &place, warnings);
+    if materials.define(material) {
+        warnings.add("newmtl twice", || format!("{place} is defined twice; the later definition counts"));
+    }
     Ok(())
 }
 
@@ -181,17 +243,6 @@ fn optics(illum: Option<i64>, place: &str, warnings: &mut Warnings) -> Optics {
             Optics::Opaque
         }
         _ => Optics::Opaque,
-    }
-}
-
-/// Appends a material, or puts it in the place of an earlier one of the same name.
-fn add(material: Material, materials: &mut Vec<Material>, place: &str, warnings: &mut Warnings) {
-    match materials.iter_mut().find(|m| m.name == material.name) {
-        Some(earlier) => {
-            warnings.add("newmtl twice", || format!("{place} is defined twice; the later definition counts"));
-            *earlier = material;
-        }
-        None => materials.push(material),
     }
 }
 

@@ -7,7 +7,8 @@ use image::RgbaImage;
 use crate::{
     error::{Location, SceneError},
     pictures,
-    scene::Texture,
+    scene::{Texture, Wrap},
+    warnings::Warnings,
 };
 
 /// The textures of a model; a file that several materials name is decoded once.
@@ -18,22 +19,48 @@ pub(crate) struct TextureSet {
 }
 
 impl TextureSet {
-    /// Loads a texture that `path:line` names. A `mask` is used as `map_d`: without an alpha
-    /// channel its luminance becomes alpha.
-    pub fn load(&mut self, path: &Path, line: usize, file: &Path, mask: bool) -> Result<usize, SceneError> {
+    /// Loads a texture that a line of a library names. A `mask` is used as `map_d`: without an alpha
+    /// channel its luminance becomes alpha. None for a picture in a format that is not read, which is told.
+    pub fn load(
+        &mut self,
+        (path, line): (&Path, usize),
+        file: &Path,
+        mask: bool,
+        warnings: &mut Warnings,
+    ) -> Result<Option<usize>, SceneError> {
         let key = (file.to_owned(), mask);
         if let Some(known) = self.keys.iter().position(|k| *k == key) {
-            return Ok(known);
+            return Ok(Some(known));
         }
-        let mut image = pictures::decode_file(&Location::line(path, line), file)?;
+        let Some(mut image) = pictures::decode_file(&Location::line(path, line), file)? else {
+            warnings.add("picture format", || {
+                format!(
+                    "{}:{line}: `{}` is no PNG or JPEG, and the material is drawn without it; convert it to PNG",
+                    path.display(),
+                    file.display()
+                )
+            });
+            return Ok(None);
+        };
         if mask {
             luminance_to_alpha(&mut image);
         }
         let name = file.file_name().unwrap_or(file.as_os_str()).to_string_lossy().into_owned();
         let texels = image.pixels().map(|p| p.0).collect();
-        self.textures.push(Texture { name, width: image.width(), height: image.height(), texels });
+        self.textures.push(Texture {
+            name,
+            width: image.width(),
+            height: image.height(),
+            texels,
+            wrap: [Wrap::Repeat; 2],
+        });
         self.keys.push(key);
-        Ok(self.textures.len() - 1)
+        Ok(Some(self.textures.len() - 1))
+    }
+
+    /// Whether a texel of a texture is not opaque.
+    pub fn has_alpha(&self, texture: usize) -> bool {
+        self.textures[texture].texels.iter().any(|texel| texel[3] != 255)
     }
 
     /// The files that were read; one that is colour and mask stands there twice.
