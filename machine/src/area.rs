@@ -35,13 +35,6 @@ impl AreaReport {
         let MachineConfig { gpu, ti, l2, srp, area, .. } = config;
         let cores = u64::from(gpu.cores);
         let (trvs, ists) = (cores * u64::from(ti.trv), cores * u64::from(ti.ist));
-        let gathers = ti.pipeline == Pipeline::Gathering;
-        let boxes = u64::from(if gathers { 2 * ti.gather_boxes } else { ti.aabbs_per_cycle }) * area.box_um2;
-        let intersects = match ti.pipeline {
-            Pipeline::Unified => area.triangle_um2,
-            Pipeline::Gathering => u64::from(ti.gather_triangles) * area.triangle_um2,
-            _ => 0,
-        };
         let line = u64::from(l2.line_bytes);
         let cache = |count: u64, bytes: u64| {
             let bits = bytes * 8 + bytes.div_ceil(line) * area.tag_bits;
@@ -59,7 +52,7 @@ impl AreaReport {
             of(Group::Srp, "ray_buffers", buffer(config.ray_buffer_bytes())),
         ];
         let units = vec![
-            of(Group::Ti, "trv", trvs * (area.trv_control_um2 + boxes + intersects)),
+            of(Group::Ti, "trv", trvs * config.trv_um2(config.trv_width())),
             of(Group::Ti, "stacks", buffer(trvs * config.stack_bytes())),
             of(Group::Ti, "ist", ists * area.triangle_um2),
             of(Group::Ti, "trv_l1", l1(trvs, &ti.trv_l1)),

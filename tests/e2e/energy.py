@@ -65,6 +65,22 @@ def check(path):
         sizes = {"row": "dram.row_bytes", "burst": "dram.burst_bytes"}
         return whole(fj(price) * Fraction(constant[sizes[part]], constant[f"energy.dram_priced_{part}_bytes"]))
 
+    # A longer word of a local memory costs what its bytes cost.
+    longer_word = Fraction(constant["srp.local_word_bytes"], constant["energy.local_priced_word_bytes"])
+
+    def local(price, table):
+        return whole(ram(price, table, "local", constant["srp.local_memory"]) * longer_word)
+
+    # Clock and leakage of a traversal unit follow the area of its tests.
+    triangles = 1 if constant["ti.pipeline"] == "unified" else 0
+    logic = lambda boxes, triangles: (
+        constant["area.trv_control_um2"] + boxes * constant["area.box_um2"] + triangles * constant["area.triangle_um2"]
+    )
+    wider = Fraction(
+        logic(constant["ti.aabbs_per_cycle"], triangles),
+        logic(constant["energy.trv_priced_boxes"], constant["energy.trv_priced_triangles"]),
+    )
+
     # A bypass passes the whole pipeline of its unit.
     depth = {"parallel": ["inner"], "single": ["inner", "leaf", "stack"], "unified": ["inner", "leaf", "stack", "ist"]}
     pipeline = constant["ti.pipeline"]
@@ -95,8 +111,8 @@ def check(path):
             + n("ti/trv/triangle_tests") * fj("triangle_test_pj")
             + n("ti/trv/bypasses") * stages * fj("bypass_stage_pj")
             + rays * fj("ray_setup_pj")
-            + running("ti/trv/" + first) * fj("trv_clock_pj"),
-            1, trvs * constant["energy.trv_leakage_uw"], 0),
+            + running("ti/trv/" + first) * whole(fj("trv_clock_pj") * wider),
+            1, trvs * whole(constant["energy.trv_leakage_uw"] * wider), 0),
         "stacks": (n("ti/trv/pushes") * ram("stack_push_pj", ram_writes, "stack", stack)
             + n("ti/trv/stack_operations") * ram("stack_pop_pj", ram_reads, "stack", stack), tree, 0, trvs * stack),
         "ist": (
@@ -114,8 +130,8 @@ def check(path):
         "srp": (ops * fj("srp_op_pj") + array * fj("srp_clock_pj"), 1, cores * constant["energy.srp_leakage_uw"], 0),
         "srp_l1": (l1("srp/l1", "srp_l1_read_pj", "srp.l1.size"), tree, 0, cores * constant["srp.l1.size"]),
         "local_memory": (
-            n("srp/local/reads") * ram("local_read_pj", ram_reads, "local", constant["srp.local_memory"])
-            + n("srp/local/writes") * ram("local_write_pj", ram_writes, "local", constant["srp.local_memory"]),
+            n("srp/local/reads") * local("local_read_pj", ram_reads)
+            + n("srp/local/writes") * local("local_write_pj", ram_writes),
             tree, 0, cores * constant["srp.local_memory"]),
         "interface": (link * fj("interface_pj_per_byte"), tree, 0, 0),
         "l2": (

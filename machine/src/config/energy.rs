@@ -15,6 +15,8 @@ settings! {
         bypass_stage_pj: Picojoules = EVENT, "a stage of a pipeline that an operation passes as a bypass", "pJ";
         trv_clock_pj: Picojoules = EVENT, "a cycle of a traversal unit whose clock runs: rays are in it", "pJ";
         ist_clock_pj: Picojoules = EVENT, "a cycle of an intersection unit whose clock runs: a task is in it", "pJ";
+        trv_priced_boxes: u32 = Integer(1, 128), "boxes a cycle that the traversal unit tests that the energies of such units' clock and leakage are of";
+        trv_priced_triangles: u32 = Integer(0, 64), "triangles a cycle that it tests";
         processor_clock_pj: Picojoules = EVENT, "a cycle of a processor whose clock runs: warps are in it", "pJ";
         instruction_pj: Picojoules = EVENT, "an instruction of a warp: fetch, decode, control", "pJ";
         lane_pj: Picojoules = EVENT, "an instruction in a lane: operands and result", "pJ";
@@ -52,6 +54,7 @@ settings! {
         local_read_pj: Picojoules = EVENT, "SRP local memory: a word read", "pJ";
         local_write_pj: Picojoules = EVENT, "SRP local memory: a word written", "pJ";
         local_priced_size: Bytes = SMALL, "size of the local memory that the energies of local memories are of", "bytes";
+        local_priced_word_bytes: u32 = Integer(1, 64), "word that these energies are of", "bytes";
         dram_row_pj: Picojoules = EVENT, "DRAM: activate and precharge of a row", "pJ";
         dram_read_pj: Picojoules = EVENT, "DRAM: read of a burst, IO included", "pJ";
         dram_write_pj: Picojoules = EVENT, "DRAM: write of a burst, IO included", "pJ";

@@ -20,6 +20,7 @@ pub mod schema;
 mod srp;
 mod ti;
 mod whole;
+mod widths;
 
 pub use rayreel_settings::{Ancestor, Bytes, Class, Picojoules, Sourced, units};
 
@@ -35,3 +36,4 @@ pub use schema::{MACHINES, PRESETS};
 pub use srp::{Divergence, Kernel, Kernels, MixOps, PolicyKernel, SampleFields, Srp, TestOps};
 pub use ti::{MissHandling, Pipeline, Ti};
 pub use whole::MachineConfig;
+pub use widths::TrvWidth;

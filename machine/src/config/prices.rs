@@ -1,5 +1,5 @@
-//! Prices of caches, stacks, local memories, rows and bursts are of a size. Whoever sets one beside a size of such a memory says which size it is of: taken
-//! for that of the base, it would be changed in proportion without a word.
+//! Prices of caches, stacks, local memories, rows and bursts are of a size, those of traversal units of a width. Whoever sets one beside such a size
+//! says which size it is of: taken for that of the base, it would be changed in proportion without a word.
 
 use rayreel_settings::{Ancestor, Sourced};
 
@@ -22,7 +22,15 @@ const STACK_SIZES: [&str; 4] = ["ti.stack_entries", "ti.full_stack_entries", "ti
 const ROW: &str = "energy.dram_priced_row_bytes";
 const BURST: &str = "energy.dram_priced_burst_bytes";
 
-const ALL: [Priced; 25] = [
+/// What a traversal unit costs whatever it does, and what its width follows from.
+const TRV_PRICES: [&str; 2] = ["energy.trv_clock_pj", "energy.trv_leakage_uw"];
+const TRV_SIZES: [&str; 4] = ["ti.pipeline", "ti.aabbs_per_cycle", "ti.gather_boxes", "ti.gather_triangles"];
+const TRV_BOXES: &str = "energy.trv_priced_boxes";
+const TRV_TRIANGLES: &str = "energy.trv_priced_triangles";
+
+const WORD: &str = "energy.local_priced_word_bytes";
+
+const ALL: [Priced; 27] = [
     ("energy.trv_l1_read_pj", "ti.trv_l1.size", L1),
     ("energy.ist_l1_read_pj", "ti.ist_l1.size", L1),
     ("energy.srp_l1_read_pj", "srp.l1.size", L1),
@@ -45,6 +53,8 @@ const ALL: [Priced; 25] = [
     ("energy.l2_fill_pj", "l2.line_bytes", LINE),
     ("energy.local_read_pj", "srp.local_memory", LOCAL),
     ("energy.local_write_pj", "srp.local_memory", LOCAL),
+    ("energy.local_read_pj", "srp.local_word_bytes", WORD),
+    ("energy.local_write_pj", "srp.local_word_bytes", WORD),
     ("energy.dram_row_pj", "dram.row_bytes", ROW),
     ("energy.dram_read_pj", "dram.burst_bytes", BURST),
     ("energy.dram_write_pj", "dram.burst_bytes", BURST),
@@ -76,10 +86,26 @@ pub fn check(config: &MachineConfig, values: &[Sourced], chain: &[Ancestor]) -> 
     }
     let (bytes, of_bytes) = (config.stack_bytes(), config.energy.stack_priced_size.0);
     let stacks = STACK_PRICES.into_iter().flat_map(|price| STACK_SIZES.map(|size| (price, size)));
-    let unsaid = stacks.filter_map(|(price, size)| unsaid(price, size, STACKS)).find(|_| bytes != of_bytes);
-    if let Some((price, size, priced)) = unsaid {
+    let of_stacks = stacks.filter_map(|(price, size)| unsaid(price, size, STACKS)).find(|_| bytes != of_bytes);
+    if let Some((price, size, priced)) = of_stacks {
         let detail = format!(
             "{} is set beside {} = {}, with which the stacks of a traversal unit have {bytes} bytes, and is a price of {} = {of_bytes}: set that \
+             too, to what the price is of",
+            price.key, size.key, size.value, priced.key
+        );
+        return Err(Conflict::new([price.key, size.key], detail));
+    }
+    let (width, of_width) = (config.trv_width(), config.trv_priced_width());
+    let parts = [
+        (TRV_BOXES, "boxes", width.boxes, of_width.boxes),
+        (TRV_TRIANGLES, "triangles", width.triangles, of_width.triangles),
+    ];
+    for (priced, what, tested, of_tested) in parts {
+        let units = TRV_PRICES.into_iter().flat_map(|price| TRV_SIZES.map(|size| (price, size)));
+        let of_units = units.filter_map(|(price, size)| unsaid(price, size, priced)).find(|_| tested != of_tested);
+        let Some((price, size, priced)) = of_units else { continue };
+        let detail = format!(
+            "{} is set beside {} = {}, with which a traversal unit tests {tested} {what} a cycle, and is a price of {} = {of_tested}: set that \
              too, to what the price is of",
             price.key, size.key, size.value, priced.key
         );
@@ -144,6 +170,35 @@ mod tests {
         assert!(
             load(&["srp.local_memory=32KiB", "energy.local_write_pj=2"]).unwrap_err().contains("local_priced_size")
         );
+        assert!(
+            load(&["srp.local_word_bytes=8", "energy.local_write_pj=2"])
+                .unwrap_err()
+                .contains("local_priced_word_bytes")
+        );
+    }
+
+    #[test]
+    fn a_price_of_traversal_units_too() {
+        let error = load(&["ti.aabbs_per_cycle=1", "energy.trv_clock_pj=4"]).unwrap_err();
+        assert!(
+            error.ends_with(
+                "energy.trv_clock_pj is set beside ti.aabbs_per_cycle = 1, with which a traversal unit tests 1 boxes a cycle, and is a price of \
+                 energy.trv_priced_boxes = 2: set that too, to what the price is of"
+            ),
+            "{error}"
+        );
+        let error = load(&["ti.pipeline=unified", "ti.ist=0", "energy.trv_leakage_uw=500"]).unwrap_err();
+        assert!(
+            error.contains("tests 1 triangles a cycle, and is a price of energy.trv_priced_triangles = 0"),
+            "{error}"
+        );
+        let fine = [
+            &["ti.aabbs_per_cycle=1", "energy.trv_clock_pj=4", "energy.trv_priced_boxes=1"][..],
+            &["ti.aabbs_per_cycle=2", "energy.trv_clock_pj=4"],
+            &["ti.gather_boxes=8", "energy.trv_clock_pj=4"],
+            &["ti.aabbs_per_cycle=1"],
+        ];
+        fine.iter().for_each(|overrides| assert_eq!(load(overrides), Ok(()), "{overrides:?}"));
     }
 
     #[test]
@@ -163,8 +218,10 @@ mod tests {
     #[test]
     fn all_keys_are_there() {
         let machine = NamedMachine::load("sgrt-ti2", &[]).unwrap();
-        let stacks = [&super::STACK_PRICES[..], &super::STACK_SIZES, &[super::STACKS]].concat();
-        for key in super::ALL.into_iter().flat_map(|(price, size, priced)| [price, size, priced]).chain(stacks) {
+        use super::*;
+        let stacks =
+            [&STACK_PRICES[..], &STACK_SIZES, &[STACKS], &TRV_PRICES, &TRV_SIZES, &[TRV_BOXES, TRV_TRIANGLES]].concat();
+        for key in ALL.into_iter().flat_map(|(price, size, priced)| [price, size, priced]).chain(stacks) {
             assert!(machine.values.iter().any(|value| value.key == key), "{key}");
         }
     }

@@ -23,11 +23,13 @@ mod cache_prices;
 mod others;
 mod ram_prices;
 mod rounding;
+mod trv_prices;
 
 use by_size::in_proportion;
 use cache_prices::CachePrices;
 use ram_prices::RamPrices;
 use rounding::nearest;
+use trv_prices::TrvPrices;
 
 use crate::config::{Interface, L1, MachineConfig, Picojoules, Pipeline, PrimaryVisibility};
 use crate::memory::{CacheCounters, ChannelCounters};
@@ -205,6 +207,7 @@ impl<'a> Sums<'a> {
         let (trvs, ists) = (self.cores * u64::from(ti.trv), self.cores * u64::from(ti.ist));
         let rays = sum(&|ti| ti.dispatch.rays);
         let (tasks, stacks) = (ist(|u| u.events.tasks), RamPrices::of_stacks(self.config));
+        let trv_prices = TrvPrices::of(self.config);
         let buffers = [&self.trv_buffer, &self.ist_buffer];
         let buffer = |of: fn(&InputBufferCounters) -> u64| buffers.into_iter().map(of).sum::<u64>();
         let of = |name, events: &[(u64, Picojoules)], uw, bytes| self.component(name, Group::Ti, events, uw, bytes);
@@ -219,10 +222,10 @@ impl<'a> Sums<'a> {
                     (rays, energy.ray_setup_pj),
                     (
                         trv(|u| u.stages.first().map_or(0, |(_, account)| account.total() - account.idle)),
-                        energy.trv_clock_pj,
+                        trv_prices.clock,
                     ),
                 ],
-                trvs * energy.trv_leakage_uw,
+                trvs * trv_prices.leakage_uw,
             ),
             of(
                 "stacks",

@@ -2,7 +2,8 @@
 //!
 //! CACTI 7 gives the energy of a read and of a write of a word of 32 bits in memories of 512 B, and 2, 4, 64 and 256 KB (`hardware.md`
 //! 9.5). Prices follow their ratios: a price in the configuration is that of a memory of `energy.stack_priced_size` or
-//! `energy.local_priced_size`.
+//! `energy.local_priced_size`. Words of a local memory cost in proportion to their bytes; the width of a stack entry changes a price as far
+//! as it changes the size.
 
 use super::by_size::{between, in_proportion};
 use crate::config::{MachineConfig, Picojoules};
@@ -41,7 +42,10 @@ impl RamPrices {
     pub fn of_local(config: &MachineConfig) -> Self {
         let energy = &config.energy;
         let prices = Self { read: energy.local_read_pj, write: energy.local_write_pj };
-        prices.of_size(energy.local_priced_size.0, config.srp.local_memory.0)
+        let Self { read, write } = prices.of_size(energy.local_priced_size.0, config.srp.local_memory.0);
+        let word =
+            |price| in_proportion(price, config.srp.local_word_bytes.into(), energy.local_priced_word_bytes.into());
+        Self { read: word(read), write: word(write) }
     }
 
     fn of_size(self, priced: u64, size: u64) -> Self {
@@ -124,5 +128,13 @@ mod tests {
         assert_eq!(prices(&said)[..2], [300, 470]);
         let said = ["srp.local_memory=128KiB", "energy.local_priced_size=128KiB", "energy.local_read_pj=2.0"];
         assert_eq!(prices(&said)[2..], [2_000, 1_900]);
+        let said = ["srp.local_word_bytes=16", "energy.local_priced_word_bytes=16", "energy.local_read_pj=6.0"];
+        assert_eq!(prices(&said)[2..], [6_000, 1_900]);
+    }
+
+    #[test]
+    fn a_longer_word_costs_what_its_bytes_cost() {
+        assert_eq!(prices(&["srp.local_word_bytes=8"]), [260, 470, 3_600, 3_800]);
+        assert_eq!(prices(&["srp.local_word_bytes=2"])[2..], [900, 950]);
     }
 }
