@@ -78,6 +78,20 @@ def test_tables_are_compared_by_value(cornell: rayreel.Trace):
     assert rays == changed, "no value is no value"
 
 
+def test_keys_values_and_items_are_those_of_the_columns(cornell: rayreel.Trace):
+    rays = cornell.table("rays", columns=["kind", "t"])
+    assert len(rays) == 10051 and len(rays.keys()) == len(rays.values()) == len(rays.items()) == 2
+    assert rays.keys() == {"kind", "t"} and list(rays.keys()) == list(rays) == ["kind", "t"]
+    assert [name for name, _ in rays.items()] == ["kind", "t"] and dict(rays.items())["t"] is rays["t"]
+    assert list(rays.values())[0][0] == "primary" and dict(rays).keys() == rays.keys()
+
+
+def test_no_part_is_empty_and_none_is_large(teapot: rayreel.Trace):
+    sizes = [len(batch) for batch in teapot.batches("steps")]
+    assert sum(sizes) == len(teapot.table("steps", columns="number")) and len(sizes) > 4
+    assert 0 < min(sizes) and max(sizes) <= 131072
+
+
 def test_words(cornell: rayreel.Trace):
     rays = cornell.table("rays")
     assert rays["kind"][0] == "primary" and rays.words("kind")[rays.codes("kind")[0]] == "primary"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Iterator, Mapping
+from typing import TYPE_CHECKING, Any, ItemsView, Iterator, KeysView, Mapping, ValuesView
 
 import numpy as np
 import numpy.typing as npt
@@ -24,7 +24,7 @@ class Column:
     """What a column of a table is."""
 
     name: str
-    #: u8 to u64, i8, i32, f32, bool or word.
+    #: u8 to u64, i8, i32, i64, f32, bool or word.
     type: str
     #: Empty where its values have none.
     unit: str
@@ -57,6 +57,8 @@ class Table(Mapping[str, "Array"]):
 
     Numbers are the memory in which the rows were made, without a copy. A column of words is an array of text, made when it is first
     asked for; `codes` and `words` give what it is made of.
+
+    It is a mapping of names to arrays, but that its length is the number of rows; `len(table.keys())` is that of columns.
     """
 
     def __init__(self, info: TableInfo, columns: Mapping[str, Any]) -> None:
@@ -75,6 +77,22 @@ class Table(Mapping[str, "Array"]):
 
     def __iter__(self) -> Iterator[str]:
         return iter(self._columns)
+
+    # The views of a mapping take its length for the number of names.
+    def keys(self) -> KeysView[str]:
+        """The names of the columns, in order."""
+        return self._columns.keys()
+
+    def values(self) -> ValuesView[Array]:
+        """The columns, in order."""
+        return self._arrays().values()
+
+    def items(self) -> ItemsView[str, Array]:
+        """Names and columns, in order."""
+        return self._arrays().items()
+
+    def _arrays(self) -> dict[str, Array]:
+        return {name: self[name] for name in self}
 
     def __len__(self) -> int:
         """Number of rows."""
