@@ -1,5 +1,7 @@
 //! A tile in the hands of a policy in Python: it sees what it has traced, and nothing else.
 
+use std::sync::atomic::{AtomicU64, Ordering};
+
 use numpy::{PyArray1, PyArrayMethods as _, PyReadonlyArray2, PyUntypedArrayMethods as _};
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
@@ -16,20 +18,27 @@ use crate::error::refuse;
 type Sample = (i64, i64);
 
 scoped_tls_hkt::scoped_thread_local!(static mut LENT: for<'a> &'a mut Lent);
+// Which loan it is: tiles of another frame have the same numbers and places.
+scoped_tls_hkt::scoped_thread_local!(static LOAN: u64);
+
+/// How many tiles were lent.
+static LOANS: AtomicU64 = AtomicU64::new(0);
 
 /// A tile of the sample grid while a policy decides it. Columns and rows are those of the frame's grid.
 ///
 /// It holds no tile itself: the tile is lent to the thread that calls the policy, as long as the call takes.
 #[pyclass(frozen, module = "rayreel._native")]
 pub struct TileView {
+    loan: u64,
     index: u32,
     rect: Rect,
 }
 
 /// Lends a tile to `decide`.
 pub fn lend(py: Python<'_>, tile: &mut Lent, decide: impl FnOnce(&Py<TileView>) -> PyResult<()>) -> PyResult<()> {
-    let view = Py::new(py, TileView { index: tile.index(), rect: tile.rect() })?;
-    LENT.set(tile, || decide(&view))
+    let loan = LOANS.fetch_add(1, Ordering::Relaxed);
+    let view = Py::new(py, TileView { loan, index: tile.index(), rect: tile.rect() })?;
+    LOAN.set(&loan, || LENT.set(tile, || decide(&view)))
 }
 
 impl TileView {
@@ -37,10 +46,10 @@ impl TileView {
     fn with<T>(&self, what: impl FnOnce(&mut Lent) -> PyResult<T>) -> PyResult<T> {
         let over =
             || PyRuntimeError::new_err("a view is of use only during the call of begin_tile that it was given to");
-        if !LENT.is_set() {
+        if !LOAN.is_set() || LOAN.with(|loan| *loan != self.loan) {
             return Err(over());
         }
-        LENT.with(|tile| if (tile.index(), tile.rect()) == (self.index, self.rect) { what(tile) } else { Err(over()) })
+        LENT.with(what)
     }
 
     /// A sample of the tile.
@@ -96,6 +105,29 @@ impl TileView {
 
 fn surface<T>(of: impl Fn(&SurfacePoint) -> T) -> impl Fn(&Node) -> Option<T> {
     move |node| node.surface.as_ref().map(&of)
+}
+
+/// So many values out of a list, a tuple, an array, or whatever else gives them one by one.
+fn values<T: for<'a, 'py> FromPyObject<'a, 'py>, const N: usize>(given: &Bound<'_, PyAny>) -> Option<[T; N]> {
+    let value = |item: PyResult<Bound<'_, PyAny>>| item.ok()?.extract().ok();
+    let values: Option<Vec<T>> = given.try_iter().ok()?.take(N + 1).map(value).collect();
+    values?.try_into().ok()
+}
+
+/// A sample as Python gives it.
+fn sample(given: &Bound<'_, PyAny>) -> PyResult<Sample> {
+    match values(given) {
+        Some([x, y]) => Ok((x, y)),
+        None => Err(refuse(format!("a sample is its column and its row, such as (8, 3), not {given}"))),
+    }
+}
+
+/// A colour as Python gives it.
+fn colour_of(given: &Bound<'_, PyAny>) -> PyResult<Vec3> {
+    match values(given) {
+        Some([x, y, z]) if [x, y, z].iter().all(|part: &f32| part.is_finite() && *part >= 0.0) => Ok(Vec3 { x, y, z }),
+        _ => Err(refuse(format!("a colour is three finite numbers of 0 or more, not {given}"))),
+    }
 }
 
 /// A round as Python gives it.
@@ -174,11 +206,19 @@ impl TileView {
 
     /// Gives a sample what lies `share` of the way from sample `near` to sample `far`.
     #[pyo3(signature = (x, y, near, far, share=0.5, round=1))]
-    fn interpolate(&self, x: i64, y: i64, near: Sample, far: Sample, share: f32, round: i64) -> PyResult<()> {
+    fn interpolate(
+        &self,
+        x: i64,
+        y: i64,
+        near: &Bound<'_, PyAny>,
+        far: &Bound<'_, PyAny>,
+        share: f32,
+        round: i64,
+    ) -> PyResult<()> {
         if !(0.0..=1.0).contains(&share) {
             return Err(refuse(format!("a share is from 0 to 1, not {share}")));
         }
-        let round = round_of(round)?;
+        let (round, near, far) = (round_of(round)?, sample(near)?, sample(far)?);
         self.with(|tile| {
             let (x, y) = self.open(tile, (x, y))?;
             let (near, far) = (self.tree(tile, near)?, self.tree(tile, far)?);
@@ -190,8 +230,8 @@ impl TileView {
 
     /// Gives a sample what sample `source` has.
     #[pyo3(signature = (x, y, source, round=1))]
-    fn copy(&self, x: i64, y: i64, source: Sample, round: i64) -> PyResult<()> {
-        let round = round_of(round)?;
+    fn copy(&self, x: i64, y: i64, source: &Bound<'_, PyAny>, round: i64) -> PyResult<()> {
+        let (round, source) = (round_of(round)?, sample(source)?);
         self.with(|tile| {
             let (x, y) = self.open(tile, (x, y))?;
             let tree = self.tree(tile, source)?.to_vec();
@@ -200,11 +240,10 @@ impl TileView {
         })
     }
 
-    /// Gives a sample a colour, linear RGB, and no surface.
+    /// Gives a sample a colour, linear RGB of three finite numbers of 0 or more, and no surface.
     #[pyo3(signature = (x, y, colour, round=1))]
-    fn paint(&self, x: i64, y: i64, colour: [f32; 3], round: i64) -> PyResult<()> {
-        let (round, [r, g, b]) = (round_of(round)?, colour);
-        let colour = Vec3 { x: r, y: g, z: b };
+    fn paint(&self, x: i64, y: i64, colour: &Bound<'_, PyAny>, round: i64) -> PyResult<()> {
+        let (round, colour) = (round_of(round)?, colour_of(colour)?);
         let none = (None, None);
         let (surface, (reflect, refract)) = (None, none);
         let node = Node { surface, local: colour, colour, reflect, refract, hit_rays: 0, rays: 0, len: 1, age: 0 };

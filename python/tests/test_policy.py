@@ -122,6 +122,14 @@ def test_paint(cornell: rayreel.Trace):
         (lambda view: view.paint(view.x, view.y, (0, 0, 0), round=-1), "a round is from 0 to 255, not -1"),
         (lambda view: view.trace_mask(np.ones((view.height, view.width), np.uint8)), "the mask is an array of bool"),
         (lambda view: view.trace_mask([[True]]), "the mask is an array of bool"),
+        (lambda view: view.paint(view.x, view.y, (0, np.nan, 0)), "a colour is three finite numbers of 0 or more, not"),
+        (lambda view: view.paint(view.x, view.y, (0, 0, np.inf)), "a colour is three finite numbers of 0 or more, not"),
+        (lambda view: view.paint(view.x, view.y, (0, 0, 1e300)), "a colour is three finite numbers of 0 or more, not"),
+        (lambda view: view.paint(view.x, view.y, (-0.1, 0, 0)), r"a colour is.*not \(-0.1, 0, 0\)"),
+        (lambda view: view.paint(view.x, view.y, (0, 0)), r"a colour is.*not \(0, 0\)"),
+        (lambda view: view.paint(view.x, view.y, "red"), "a colour is.*not red"),
+        (lambda view: view.copy(view.x, view.y, 3), "a sample is its column and its row, such as .*, not 3"),
+        (lambda view: view.copy(view.x, view.y, (1, 2, 3)), "a sample is its column and its row"),
     ],
 )
 def test_wrong_policies_are_told(cornell: rayreel.Trace, decide, says: str):
@@ -205,6 +213,41 @@ def test_what_a_policy_raises_comes_out(cornell: rayreel.Trace):
 
     with pytest.raises(KeyError, match="tile 3"):
         cornell.replay(Raises())
+
+
+def test_samples_and_colours_may_be_lists_and_arrays(teapot: rayreel.Trace):
+    class Lists:
+        def begin_tile(self, view: TileView) -> None:
+            samples = view.samples()
+            view.paint(*samples[0], np.float32([1, 2, 3]))
+            view.copy(*samples[1], samples[0])
+            view.interpolate(*samples[2], samples[0].tolist(), list(samples[1]))
+            for x, y in samples[3:]:
+                view.paint(x, y, [1, 2, 3])
+
+    for frame in teapot.replay(Lists()).frames:
+        np.testing.assert_array_equal(frame.image, np.broadcast_to(np.float32([1, 2, 3]), frame.image.shape))
+
+
+def test_a_view_of_a_frame_before_is_of_no_use(teapot: rayreel.Trace):
+    """The same tile of the next frame has its number and its place."""
+
+    class Keeps(Full):
+        def __init__(self) -> None:
+            self.kept: dict[int, TileView] = {}
+            self.refused = 0
+
+        def begin_tile(self, view: TileView) -> None:
+            if view.index in self.kept:
+                with pytest.raises(RuntimeError, match="only during the call"):
+                    self.kept[view.index].known
+                self.refused += 1
+            self.kept[view.index] = view
+            super().begin_tile(view)
+
+    policy = Keeps()
+    teapot.replay(policy)
+    assert policy.refused == teapot.meta["tiles"] == 2
 
 
 def test_a_view_is_of_use_during_its_call_only(cornell: rayreel.Trace):

@@ -1,12 +1,15 @@
 """The native part: what `rayreel` is made of."""
 
-from typing import Any, Iterator, Mapping, Self, Sequence, TypeAlias, final
+from typing import Any, Iterable, Iterator, Mapping, Self, SupportsFloat, SupportsIndex, TypeAlias, final
 
 import numpy as np
 import numpy.typing as npt
 
 _Array: TypeAlias = npt.NDArray[Any]
 _Floats: TypeAlias = npt.NDArray[np.float32]
+#: Column and row.
+_Sample: TypeAlias = Iterable[SupportsIndex]
+_Colour: TypeAlias = Iterable[SupportsFloat]
 
 __all__ = ["Batches", "Error", "Frame", "MODEL_VERSION", "TileView", "Trace", "__version__", "presets", "tables"]
 __version__: str
@@ -102,22 +105,28 @@ class TileView:
     def samples(self) -> npt.NDArray[np.uint32]:
         """Column and row of all samples, row by row."""
 
-    def trace(self, x: int, y: int, round: int = 0, reference: bool = True) -> None:
+    def trace(self, x: SupportsIndex, y: SupportsIndex, round: SupportsIndex = 0, reference: bool = True) -> None:
         """Traces a sample with all its rays."""
 
-    def trace_mask(self, mask: npt.NDArray[np.bool_], round: int = 0, reference: bool = True) -> None:
+    def trace_mask(self, mask: npt.NDArray[np.bool_], round: SupportsIndex = 0, reference: bool = True) -> None:
         """Traces the samples where `mask`, of the tile's rows and columns, is true."""
 
     def interpolate(
-        self, x: int, y: int, near: tuple[int, int], far: tuple[int, int], share: float = 0.5, round: int = 1
+        self,
+        x: SupportsIndex,
+        y: SupportsIndex,
+        near: _Sample,
+        far: _Sample,
+        share: float = 0.5,
+        round: SupportsIndex = 1,
     ) -> None:
         """Gives a sample what lies `share` of the way from sample `near` to sample `far`."""
 
-    def copy(self, x: int, y: int, source: tuple[int, int], round: int = 1) -> None:
+    def copy(self, x: SupportsIndex, y: SupportsIndex, source: _Sample, round: SupportsIndex = 1) -> None:
         """Gives a sample what sample `source` has."""
 
-    def paint(self, x: int, y: int, colour: Sequence[float], round: int = 1) -> None:
-        """Gives a sample a colour, linear RGB, and no surface."""
+    def paint(self, x: SupportsIndex, y: SupportsIndex, colour: _Colour, round: SupportsIndex = 1) -> None:
+        """Gives a sample a colour, linear RGB of three finite numbers of 0 or more, and no surface."""
 
 @final
 class Trace:
