@@ -25,6 +25,15 @@ def test_results_of_a_sweep(program: Path, tmp_path: Path):
     assert rayreel.open_results(folder / "results.parquet").equals(frame)
 
 
+def test_results_that_are_not_parquet_are_named(tmp_path: Path):
+    file = tmp_path / "results.parquet"
+    for bytes_there in (b"", b"machine,policy\n", b"PAR1" + bytes(100) + b"PAR1"):
+        file.write_bytes(bytes_there)
+        for read in (rayreel.read_results, rayreel.open_results):
+            with pytest.raises(rayreel.Error, match="results.parquet cannot be read as a Parquet file"):
+                read(tmp_path)
+
+
 def test_a_folder_without_results_is_named(tmp_path: Path):
     with pytest.raises(rayreel.Error, match="results.parquet is not there"):
         rayreel.read_results(tmp_path)

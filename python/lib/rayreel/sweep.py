@@ -22,15 +22,28 @@ def _file(folder: str | os.PathLike[str]) -> Path:
     return path
 
 
+def _unreadable(path: Path, error: Exception) -> Error:
+    return Error(f"{path} cannot be read as a Parquet file: {error}")
+
+
 def read_results(folder: str | os.PathLike[str]) -> pyarrow.Table:
     """The table of a sweep: of its folder, or of a Parquet file. Needs pyarrow. Units and meanings stand in the metadata."""
+    import pyarrow as pa
     import pyarrow.parquet as pq
 
-    return pq.read_table(_file(folder))
+    path = _file(folder)
+    try:
+        return pq.read_table(path)
+    except (pa.ArrowException, OSError) as error:
+        raise _unreadable(path, error) from error
 
 
 def open_results(folder: str | os.PathLike[str]) -> polars.DataFrame:
     """The same as a data frame of polars; needs polars."""
     import polars as pl
 
-    return pl.read_parquet(_file(folder))
+    path = _file(folder)
+    try:
+        return pl.read_parquet(path)
+    except (pl.exceptions.PolarsError, OSError) as error:
+        raise _unreadable(path, error) from error
