@@ -123,6 +123,13 @@ def test_wrong_machines_are_refused(cornell: rayreel.Trace):
         cornell.simulate(detail="some")
 
 
+def test_a_result_is_shown_in_a_line(teapot: rayreel.Trace):
+    assert repr(teapot.replay("full")) == "<rayreel.Result of full: 2 frames, 27115 rays>"
+    run = teapot.simulate(Full(), frames=30)
+    said = f"<rayreel.Result of Full on sgrt-ti2: 1 frames, {run['rays_traced']} rays, {run['cycles']} cycles>"
+    assert repr(run) == said
+
+
 def test_ctrl_c_ends_a_simulation(cornell: rayreel.Trace):
     class Slow:
         def begin_tile(self, view: rayreel.TileView) -> None:

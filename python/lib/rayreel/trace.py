@@ -29,7 +29,7 @@ class State(IntEnum):
     INTERPOLATED = 3
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Result:
     """What came of a replay or a simulation."""
 
@@ -46,6 +46,13 @@ class Result:
     def counters(self) -> dict[str, Any]:
         """What the machine counted, by name; empty without a machine."""
         return self.stats["counters"] or {}
+
+    def __repr__(self) -> str:
+        of, cycles = self.stats["policy"], self.stats["cycles"]
+        ran = "" if cycles is None else f", {cycles} cycles"
+        if self.stats["machine"] is not None:
+            of += f" on {self.stats['machine']}"
+        return f"<rayreel.Result of {of}: {len(self.frames)} frames, {self.stats['rays_traced']} rays{ran}>"
 
 
 class Trace:
