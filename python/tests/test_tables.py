@@ -1,5 +1,10 @@
 """Tables as arrays: the same values as in the program's files."""
 
+import copy
+import multiprocessing
+import operator
+import os
+import pickle
 import subprocess
 from pathlib import Path
 
@@ -144,6 +149,50 @@ def test_files_that_are_no_traces(tmp_path: Path):
     (tmp_path / "bad.rtrace").write_bytes(b"not a trace")
     with pytest.raises(rayreel.Error):
         rayreel.open(tmp_path / "bad.rtrace")
+
+
+def test_paths_may_be_bytes_and_are_of_files(cornell: rayreel.Trace):
+    assert rayreel.open(os.fsencode(cornell.path)).path == cornell.path
+    assert len(rayreel.open(Path(cornell.path)).table("nodes")) > 0
+    with pytest.raises(rayreel.Error, match="https://host/t.rtrace is a URL, and only local files are read"):
+        rayreel.open("https://host/t.rtrace")
+    with pytest.raises(rayreel.Error, match="a path is text, bytes or a path, not 3"):
+        rayreel.open(3)
+
+
+def test_a_trace_that_is_closed_is_of_no_use(cornell: rayreel.Trace):
+    with rayreel.open(cornell.path) as trace:
+        batches = trace.batches("rays")
+        fingerprint = trace.fingerprint
+    assert fingerprint == cornell.fingerprint and sum(map(len, batches)) == 10051, "what was begun goes on"
+    asks = [
+        lambda: trace.table("rays"),
+        lambda: trace.batches("rays"),
+        lambda: trace.replay("full"),
+        lambda: trace.fingerprint,
+        lambda: trace.frame_numbers,
+        lambda: pickle.dumps(trace),
+        lambda: trace.__enter__(),
+    ]
+    for ask in asks:
+        with pytest.raises(rayreel.Error, match="is closed; open it again"):
+            ask()
+    trace.close()
+
+
+def test_a_trace_may_be_copied_and_given_away(cornell: rayreel.Trace, monkeypatch: pytest.MonkeyPatch, tmp_path: Path):
+    monkeypatch.chdir(Path(cornell.path).parent)
+    trace = rayreel.open("v1_0_cornell.rtrace", memory=64)
+    monkeypatch.chdir(tmp_path)
+    for other in (copy.copy(trace), copy.deepcopy(trace), pickle.loads(pickle.dumps(trace))):
+        trace.close()
+        assert other.fingerprint == cornell.fingerprint and other._memory == 64
+        trace = other
+    # Another process opens the file anew.
+    with multiprocessing.get_context("spawn").Pool(1) as pool:
+        assert pool.apply(operator.attrgetter("fingerprint"), (trace,)) == cornell.fingerprint
+        there = pool.apply(operator.methodcaller("table", "rays"), (trace,))
+    assert there == cornell.table("rays")
 
 
 def test_memory_is_bounded(cornell: rayreel.Trace):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import operator
 import os
 import re
-from typing import Any, Mapping, Sequence, TypeAlias
+from typing import Any, Mapping, Sequence, SupportsIndex, TypeAlias
 
 import numpy as np
 
@@ -19,6 +19,8 @@ Tiles: TypeAlias = int | range | str
 Overrides: TypeAlias = str | Sequence[str] | Mapping[str, Any]
 #: The name of a preset, or a file.
 PresetOrFile: TypeAlias = str | os.PathLike[str]
+#: Where a file is.
+Location: TypeAlias = str | bytes | os.PathLike[str] | os.PathLike[bytes]
 
 _LARGEST = 2**32 - 1
 
@@ -32,6 +34,17 @@ def whole(argument: str, value: object, largest: int = _LARGEST) -> int:
     if not 0 <= number <= largest:
         raise Error(f"{argument} is a whole number from 0 to {largest}, not {value!r}")
     return number
+
+
+def path(wanted: Location) -> str:
+    """The path of a file. Only local files are read."""
+    try:
+        found = os.fsdecode(wanted)
+    except TypeError:
+        raise Error(f"a path is text, bytes or a path, not {wanted!r}") from None
+    if re.match(r"[A-Za-z][A-Za-z0-9+.-]*://", found):
+        raise Error(f"{found} is a URL, and only local files are read; download it, and give the path of the file")
+    return found
 
 
 def _run(argument: str, wanted: range) -> tuple[int, int]:

@@ -7,11 +7,11 @@ import os
 from dataclasses import dataclass
 from enum import IntEnum
 from functools import partial
-from typing import Any, Iterator, Sequence
+from typing import Any, Iterator, Sequence, SupportsIndex
 
 from . import _arguments, _native
-from ._arguments import Frames, Overrides, PresetOrFile, Tiles
-from ._native import Frame
+from ._arguments import Frames, Location, Overrides, PresetOrFile, Tiles
+from ._native import Error, Frame
 from .policy import Policy
 from .table import Table, tables
 
@@ -56,12 +56,39 @@ class Result:
 
 
 class Trace:
-    """A trace file that is open; decoding it takes at most `memory` MiB at a time."""
+    """A trace file that is open; decoding it takes at most `memory` MiB at a time.
 
-    def __init__(self, path: str | os.PathLike[str], *, memory: int = 1024) -> None:
-        self.path = os.fspath(path)
-        self._native = _native.Trace(self.path, _arguments.whole("memory", memory))
-        self.meta: dict[str, Any] = self._native.meta()
+    `with` closes it. Where it is copied, or given to another process, its file is opened once more.
+    """
+
+    def __init__(self, path: Location, *, memory: SupportsIndex = 1024) -> None:
+        self.path = _arguments.path(path)
+        self._memory = _arguments.whole("memory", memory)
+        self._open: _native.Trace | None = _native.Trace(self.path, self._memory)
+        # What is run later may run in another folder.
+        self._place = os.path.abspath(self.path)
+        self.meta: dict[str, Any] = self._open.meta()
+
+    @property
+    def _recorded(self) -> _native.Trace:
+        if self._open is None:
+            raise Error(f"trace {self.path} is closed; open it again")
+        return self._open
+
+    def close(self) -> None:
+        """Lets go of the file: nothing can be asked of the trace any more. Batches that were begun go on."""
+        self._open = None
+
+    def __enter__(self) -> Trace:
+        self._recorded  # Raises if it is closed.
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        self._recorded  # Raises if it is closed.
+        return partial(type(self), memory=self._memory), (self._place,)
 
     def __repr__(self) -> str:
         meta = self.meta
@@ -70,12 +97,12 @@ class Trace:
     @property
     def fingerprint(self) -> str:
         """What the trace holds, in 64 digits; the same in reports and in tables of sweeps."""
-        return self._native.fingerprint()
+        return self._recorded.fingerprint()
 
     @property
     def frame_numbers(self) -> range:
         """The numbers of its frames."""
-        return range(*self._native.frame_numbers)
+        return range(*self._recorded.frame_numbers)
 
     def table(
         self,
@@ -93,7 +120,7 @@ class Trace:
         `requests`, `counters` or `tiles`. The arguments are the options of `rayreel export`. Of columns that are not asked for nothing is
         kept."""
         asked = _arguments.asked(columns, frames, tiles, policy, machine, set, interval)
-        columns_by_name = self._native.table(what, asked)
+        columns_by_name = self._recorded.table(what, asked)
         return Table(tables()[what], columns_by_name)
 
     def batches(
@@ -108,8 +135,9 @@ class Trace:
         set: Overrides | None = None,
         interval: int = 1000,
     ) -> Iterator[Table]:
-        """The same table in parts of some 100 000 rows, made in the background: memory does not depend on its length."""
-        batches = self._native.batches(what, _arguments.asked(columns, frames, tiles, policy, machine, set, interval))
+        """The same table in parts of some 100 000 rows, 131 072 at most, made in the background: memory does not depend on its
+        length. Each part has rows, but that of a table without any."""
+        batches = self._recorded.batches(what, _arguments.asked(columns, frames, tiles, policy, machine, set, interval))
         # Unlike a generator, this goes on after an interruption.
         return map(partial(Table, tables()[what]), batches)
 
@@ -160,12 +188,12 @@ class Trace:
             "pictures": bool(pictures),
             "compare": bool(compare),
         }
-        stats, kept = self._native.replay(request)
+        stats, kept = self._recorded.replay(request)
         return Result(json.loads(stats), kept)
 
 
-def open(path: str | os.PathLike[str], *, memory: int = 1024) -> Trace:
-    """Opens a trace file; decoding it takes at most `memory` MiB at a time."""
+def open(path: Location, *, memory: SupportsIndex = 1024) -> Trace:
+    """Opens a trace file on this computer; decoding it takes at most `memory` MiB at a time."""
     return Trace(path, memory=memory)
 
 
