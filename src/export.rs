@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::{Result, bail};
-use rayreel_columns::{ColumnsError, Data, Encoder, Format, Selection, Sink, Use, What};
+use rayreel_columns::{Choice, ColumnsError, Data, Encoder, Format, Selection, Sink, Use, What};
 use rayreel_formats::scene::Meta;
 use rayreel_machine::NamedMachine;
 use rayreel_machine::config::schema::is_machine_override;
@@ -79,7 +79,7 @@ pub fn run(args: &Args, quiet: bool) -> Result<Exit> {
     let mut data = Data::new(&trace, args.what);
     data.selection = selection(args, trace.meta()).map_err(plain)?;
     (data.policy, data.machine) = (policy.as_ref(), machine.as_ref());
-    data.interval = args.interval.unwrap_or(data.interval);
+    data.interval = args.interval;
     data.stop = progress::stop_on_signal();
     data.columns = (!args.columns.is_empty()).then(|| args.columns.clone());
     let encoder = data.head().and_then(|head| Encoder::new(format, head)).map_err(plain)?;
@@ -157,18 +157,13 @@ fn settings(args: &Args) -> Result<(Option<NamedPolicy>, Option<NamedMachine>)> 
 
 /// Whether all that is asked for means something for the table.
 fn check(args: &Args) -> Result<()> {
-    let (what, name) = (args.what, args.what.name());
-    if args.frames.is_some() && !what.takes_frames() {
-        bail!("table {name} is the same for all frames; leave --frames out");
-    }
-    if args.tiles.is_some() && !what.takes_tiles() {
-        let why = if what.is_simulated() { "a machine works on whole frames" } else { "it is not of tiles" };
-        bail!("table {name} takes no --tiles: {why}; leave it out");
-    }
-    if args.interval.is_some() && what != What::Counters {
-        bail!("--interval is for table counters, not for {name}; leave it out");
-    }
-    Ok(())
+    let choices = [
+        (args.frames.is_some(), Choice::Frames, "--frames"),
+        (args.tiles.is_some(), Choice::Tiles, "--tiles"),
+        (args.interval.is_some(), Choice::Interval, "--interval"),
+    ];
+    let mut made = choices.into_iter().filter(|(made, ..)| *made);
+    made.try_for_each(|(_, choice, option)| args.what.check(choice, option)).map_err(plain)
 }
 
 /// The frames and tiles asked for.

@@ -22,7 +22,10 @@ use crate::rows::{
 use crate::schema::{Batch, Head};
 use crate::select::Selection;
 use crate::simulated::{Intervals, Issue, TableProbe, TileTimes};
-use crate::what::What;
+use crate::what::{Choice, What};
+
+/// Length of the intervals of counters if none is asked for, T&I cycles.
+pub const INTERVAL: u64 = 1000;
 
 /// Nothing is replayed for its picture.
 const NO_PICTURES: Options = Options { reference: false, perception: false };
@@ -34,7 +37,7 @@ pub struct Data<'a> {
     pub trace: &'a Trace,
     /// Which table.
     pub what: What,
-    /// Of which frames and tiles; tables that are not of tiles take no notice of it.
+    /// Of which frames and tiles; a choice is refused where the table has none.
     pub selection: Selection,
     /// The columns that are looked at, in this order, or all. Batches have all columns of the table, but what takes long to decode is 0
     /// where nobody looks at it.
@@ -43,8 +46,8 @@ pub struct Data<'a> {
     pub policy: Option<&'a NamedPolicy>,
     /// The machine of tables that depend on one.
     pub machine: Option<&'a NamedMachine>,
-    /// Length of the intervals of counters, T&I cycles.
-    pub interval: u64,
+    /// Length of the intervals of counters, T&I cycles: [`INTERVAL`] if there is none. Refused for other tables.
+    pub interval: Option<u64>,
     /// Ends early what takes long.
     pub stop: Stop,
 }
@@ -61,7 +64,7 @@ impl<'a> Data<'a> {
     /// A table of all of a trace, without policy and machine.
     pub fn new(trace: &'a Trace, what: What) -> Self {
         let selection = Selection::all(trace.meta());
-        Self { trace, what, selection, columns: None, policy: None, machine: None, interval: 1000, stop: Stop::never() }
+        Self { trace, what, selection, columns: None, policy: None, machine: None, interval: None, stop: Stop::never() }
     }
 
     /// The columns that are looked at, before the first row.
@@ -96,12 +99,12 @@ impl<'a> Data<'a> {
             What::Triangles => triangles(bvh, triangle_words(bvh), 0..0).batch(),
             What::Lookups => Issue::new(self.config()?).lookups().batch(),
             What::Requests => Issue::new(self.config()?).requests().batch(),
-            What::Counters => Intervals::new(self.config()?, self.interval).batch(),
+            What::Counters => self.intervals()?.batch(),
             What::Tiles => TileTimes::default().batch(),
         })
     }
 
-    /// Whether policy, machine and table go together.
+    /// Whether all that is asked for means something for the table, and goes together.
     ///
     /// # Errors
     /// [`ColumnsError::Request`] that says what does not.
@@ -135,7 +138,14 @@ impl<'a> Data<'a> {
                  a machine whose ti.pipeline is parallel, single or unified"
             ));
         }
-        if self.interval == 0 {
+        let meta = self.trace.meta();
+        let choices = [
+            (self.selection.chooses_frames(meta), Choice::Frames, "frames"),
+            (self.selection.chooses_tiles(meta), Choice::Tiles, "tiles"),
+            (self.interval.is_some(), Choice::Interval, "interval"),
+        ];
+        choices.iter().filter(|(made, ..)| *made).try_for_each(|(_, choice, option)| what.check(*choice, option))?;
+        if self.interval == Some(0) {
             return refuse("an interval of 0 cycles never ends; take 1 or more".into());
         }
         Ok(())
@@ -144,6 +154,10 @@ impl<'a> Data<'a> {
     fn config(&self) -> Result<&'a MachineConfig> {
         let none = || ColumnsError::Request(format!("table {} depends on a machine; name one", self.what.name()));
         self.machine.map(|machine| &machine.config).ok_or_else(none)
+    }
+
+    fn intervals(&self) -> Result<Intervals> {
+        Ok(Intervals::new(self.config()?, self.interval.unwrap_or(INTERVAL)))
     }
 
     /// How many tiles [`Data::run`] goes through.
@@ -185,7 +199,7 @@ impl<'a> Data<'a> {
                 chunks(to, bvh.triangles.len(), |range| triangles(bvh, words.clone(), range).batch())
             }
             What::Lookups | What::Requests => self.issue(to),
-            What::Counters => self.probed(Intervals::new(self.config()?, self.interval), to),
+            What::Counters => self.probed(self.intervals()?, to),
             What::Tiles => self.probed(TileTimes::default(), to),
         }
     }

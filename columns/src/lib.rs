@@ -40,4 +40,4 @@ pub use schema::{Batch, ColumnInfo, Head, Table};
 pub use select::Selection;
 pub use sink::{Encoded, Encoder, Format, Sink};
 pub use value::{Column, Names, Type, Words};
-pub use what::What;
+pub use what::{Choice, What};

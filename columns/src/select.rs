@@ -13,12 +13,20 @@ pub struct Selection {
     pub frames: Range<u32>,
     /// Tile numbers, ascending, of each frame.
     pub tiles: Vec<u32>,
+    /// Whether somebody chose them, even if all were chosen: that is refused where a table has none.
+    chosen: Chosen,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+struct Chosen {
+    frames: bool,
+    tiles: bool,
 }
 
 impl Selection {
     /// All that a trace says it holds.
     pub fn all(meta: &Meta) -> Self {
-        Self { frames: meta.frame_numbers(), tiles: (0..meta.tile_count()).collect() }
+        Self { frames: meta.frame_numbers(), tiles: (0..meta.tile_count()).collect(), chosen: Chosen::default() }
     }
 
     /// Only these frames.
@@ -34,7 +42,7 @@ impl Selection {
                 "frame {frame} is not in the trace, which holds frames {first} to {last}; choose one of these"
             )));
         }
-        Ok(Self { frames: wanted, ..self })
+        Ok(Self { frames: wanted, chosen: Chosen { frames: true, ..self.chosen }, ..self })
     }
 
     /// Only these tiles: numbers and ranges `A..B` without B, separated by commas, such as `0..8,17`.
@@ -68,7 +76,17 @@ impl Selection {
         }
         wanted.sort_unstable();
         wanted.dedup();
-        Ok(Self { tiles: wanted, ..self })
+        Ok(Self { tiles: wanted, chosen: Chosen { tiles: true, ..self.chosen }, ..self })
+    }
+
+    /// Whether frames were chosen, or only some are left.
+    pub fn chooses_frames(&self, meta: &Meta) -> bool {
+        self.chosen.frames || self.frames != meta.frame_numbers()
+    }
+
+    /// Whether tiles were chosen, or only some are left.
+    pub fn chooses_tiles(&self, meta: &Meta) -> bool {
+        self.chosen.tiles || !self.is_whole(meta)
     }
 
     /// Whether all tiles of a frame are wanted.
@@ -83,7 +101,7 @@ mod tests {
 
     #[test]
     fn tiles_are_numbers_and_ranges() {
-        let all = Selection { frames: 3..5, tiles: (0..20).collect() };
+        let all = Selection { frames: 3..5, tiles: (0..20).collect(), chosen: Chosen::default() };
         let tiles = |text: &str| all.clone().tiles(text).map(|chosen| chosen.tiles);
         assert_eq!(tiles("4").unwrap(), [4]);
         assert_eq!(tiles("17,2..5, 3").unwrap(), [2, 3, 4, 17]);

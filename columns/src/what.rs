@@ -1,5 +1,6 @@
 //! The tables by name.
 
+use crate::error::{ColumnsError, Result};
 use crate::rows::{AddressRows, HitRows, NodeRows, RayRows, SampleRows, StepRows, TriangleRows};
 use crate::schema::Table;
 use crate::simulated::{CounterRows, LookupRows, RequestRows, TileTimeRows};
@@ -29,6 +30,17 @@ pub enum What {
     Counters,
     /// When a machine worked on which tile, and what it was.
     Tiles,
+}
+
+/// What may be chosen of a table, where it means something.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Choice {
+    /// Some frames.
+    Frames,
+    /// Some tiles of each frame.
+    Tiles,
+    /// The length of intervals.
+    Interval,
 }
 
 impl What {
@@ -97,5 +109,27 @@ impl What {
     /// Whether it has rows by frame.
     pub fn takes_frames(self) -> bool {
         self.takes_tiles() || self.is_simulated()
+    }
+
+    /// Whether a choice means something for the table. `option` is the name by which it is made: `tiles`, `--tiles`.
+    ///
+    /// # Errors
+    /// [`ColumnsError::Request`] that says why not.
+    pub fn check(self, choice: Choice, option: &str) -> Result<()> {
+        let name = self.name();
+        let detail = match choice {
+            Choice::Frames if !self.takes_frames() => {
+                format!("table {name} is the same for all frames; leave {option} out")
+            }
+            Choice::Tiles if !self.takes_tiles() => {
+                let why = if self.is_simulated() { "a machine works on whole frames" } else { "it is not of tiles" };
+                format!("table {name} takes no {option}: {why}; leave it out")
+            }
+            Choice::Interval if self != Self::Counters => {
+                format!("{option} is for table counters, not for {name}; leave it out")
+            }
+            _ => return Ok(()),
+        };
+        Err(ColumnsError::Request(detail))
     }
 }

@@ -149,12 +149,14 @@ fn with_nulls(cells: Cells, what: What) -> Cells {
     cells.into_iter().map(|(name, cells)| (name.clone(), cells.into_iter().map(|c| null(&name, c)).collect())).collect()
 }
 
-/// Few rows of a table: under a policy that traces little, of one tile.
+/// Few rows of a table: under a policy that traces little, of one tile where there are tiles.
 fn data<'a>(trace: &'a Trace, (machine, policy): (&'a NamedMachine, &'a NamedPolicy), what: What) -> Data<'a> {
     let machine = what.takes_machine().then_some(machine);
-    let selection = Selection::all(trace.meta()).tiles("1").unwrap();
+    let all = Selection::all(trace.meta());
+    let selection = if what.takes_tiles() { all.tiles("1").unwrap() } else { all };
     let policy = what.takes_policy().then_some(policy);
-    Data { machine, policy, selection, interval: 5000, ..Data::new(trace, what) }
+    let interval = (what == What::Counters).then_some(5000);
+    Data { machine, policy, selection, interval, ..Data::new(trace, what) }
 }
 
 #[test]

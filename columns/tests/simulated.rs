@@ -160,7 +160,7 @@ fn intervals_add_up_to_the_run() {
     // Units that wait long book cycles as starved that turn out to be of another class later.
     for (interval, name) in [(50, "sgrt-ti2-rob"), (500, "sgrt-ti2"), (7777, "sgrt-ti2"), (10_000_000, "sgrt-ti2")] {
         let machine = machine(name, &[]);
-        let data = Data { machine: Some(&machine), interval, ..Data::new(&trace, What::Counters) };
+        let data = Data { machine: Some(&machine), interval: Some(interval), ..Data::new(&trace, What::Counters) };
         let (rows, counted) = (Rows::of(&data), stats(&trace, &policy, &machine));
         let (unit, counter, change) = (rows.words("unit"), rows.words("counter"), rows.integers("change"));
         let sum = |of: &str, name: &str| -> u64 {
@@ -196,9 +196,35 @@ fn what_does_not_fit_is_said() {
     let with_machine = Data { machine: Some(&machine), ..Data::new(&trace, What::Steps) };
     assert!(error(with_machine).contains("the same for every machine"));
     assert!(error(Data::new(&trace, What::Addresses)).contains("depends on a machine; name one"));
-    let never = Data { interval: 0, machine: Some(&machine), ..Data::new(&trace, What::Counters) };
+    let never = Data { interval: Some(0), machine: Some(&machine), ..Data::new(&trace, What::Counters) };
     assert!(error(never).contains("take 1 or more"));
     let threads = NamedMachine::load("mimd-trax", &[]).unwrap();
     let lookups = Data { machine: Some(&threads), ..Data::new(&trace, What::Lookups) };
     assert!(error(lookups).contains("take requests"));
+}
+
+#[test]
+fn a_choice_that_means_nothing_is_refused() {
+    let (trace, machine) = (trace("cornell"), machine("sgrt-ti2", &[]));
+    let all = || Selection::all(trace.meta());
+    for what in What::ALL {
+        let data = || Data { machine: what.takes_machine().then_some(&machine), ..Data::new(&trace, what) };
+        let said = |data: Data<'_>| data.check().err().map(|error| error.to_string());
+        assert_eq!(said(data()), None);
+        // The trace has one frame: the choice is refused, though all are chosen.
+        let frames = said(Data { selection: all().frames(0..1).unwrap(), ..data() });
+        let the_same = format!("table {} is the same for all frames; leave frames out", what.name());
+        assert_eq!(frames, (!what.takes_frames()).then_some(the_same));
+        let tiles = said(Data { selection: all().tiles("0..15").unwrap(), ..data() });
+        let why = if what.is_simulated() { "a machine works on whole frames" } else { "it is not of tiles" };
+        let no_tiles = format!("table {} takes no tiles: {why}; leave it out", what.name());
+        assert_eq!(tiles, (!what.takes_tiles()).then_some(no_tiles.clone()));
+        // By hand.
+        let mut fewer = all();
+        fewer.tiles.pop();
+        assert_eq!(said(Data { selection: fewer, ..data() }), (!what.takes_tiles()).then_some(no_tiles));
+        let interval = said(Data { interval: Some(7), ..data() });
+        let counters = format!("interval is for table counters, not for {}; leave it out", what.name());
+        assert_eq!(interval, (what != What::Counters).then_some(counters));
+    }
 }

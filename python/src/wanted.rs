@@ -16,7 +16,7 @@ pub struct Wanted {
     selection: Selection,
     policy: Option<NamedPolicy>,
     machine: Option<NamedMachine>,
-    interval: u64,
+    interval: Option<u64>,
     columns: Option<Vec<String>>,
 }
 
@@ -29,7 +29,7 @@ pub struct Asked {
     policy: Option<String>,
     machine: Option<String>,
     overrides: Vec<String>,
-    interval: u64,
+    interval: Option<u64>,
     columns: Option<Vec<String>>,
 }
 

@@ -121,8 +121,8 @@ fn what_cannot_be_exported_is_said_and_leaves_no_file() {
     refused("--what steps --machine sgrt-ti2", "a.npy", &["the same for every machine"]);
     refused("--what rays --set block=4", "a.npy", &["--set block=4 is for a policy"]);
     refused("--what rays --set ti.trv=4", "a.npy", &["--set ti.trv=4 is for a machine"]);
-    refused("--what nodes --frames 0", "a.npy", &["the same for all frames"]);
-    refused("--what lookups --tiles 0", "a.npy", &["a machine works on whole frames"]);
+    refused("--what nodes --frames 0", "a.npy", &["the same for all frames; leave --frames out"]);
+    refused("--what lookups --tiles 0", "a.npy", &["takes no --tiles: a machine works on whole frames"]);
     refused("--what lookups --machine mimd-trax", "a.npy", &["take requests"]);
     refused("--what rays --interval 5", "a.npy", &["--interval is for table counters"]);
     refused("--what counters --interval 0", "a.npy", &["--interval <CYCLES>", "1.."]);

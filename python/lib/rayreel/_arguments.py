@@ -127,7 +127,7 @@ def asked(
     policy: PresetOrFile | None,
     machine: PresetOrFile | None,
     wanted_overrides: Overrides | None,
-    interval: int,
+    interval: SupportsIndex | None,
 ) -> dict[str, Any]:
     """How a table is asked for."""
     return {
@@ -137,5 +137,5 @@ def asked(
         "policy": preset_or_file("policy", policy),
         "machine": preset_or_file("machine", machine),
         "overrides": overrides(wanted_overrides),
-        "interval": whole("interval", interval, 2**64 - 1),
+        "interval": None if interval is None else whole("interval", interval, 2**64 - 1),
     }

@@ -114,11 +114,11 @@ class Trace:
         policy: PresetOrFile | None = None,
         machine: PresetOrFile | None = None,
         set: Overrides | None = None,
-        interval: int = 1000,
+        interval: SupportsIndex | None = None,
     ) -> Table:
         """A table, all of it in memory: `rays`, `hits`, `steps`, `addresses`, `samples`, `nodes`, `triangles`, `lookups`,
-        `requests`, `counters` or `tiles`. The arguments are the options of `rayreel export`. Of columns that are not asked for nothing is
-        kept."""
+        `requests`, `counters` or `tiles`. The arguments are the options of `rayreel export`; one that means nothing for
+        the table is refused. Of columns that are not asked for nothing is kept."""
         asked = _arguments.asked(columns, frames, tiles, policy, machine, set, interval)
         columns_by_name = self._recorded.table(what, asked)
         return Table(tables()[what], columns_by_name)
@@ -133,7 +133,7 @@ class Trace:
         policy: PresetOrFile | None = None,
         machine: PresetOrFile | None = None,
         set: Overrides | None = None,
-        interval: int = 1000,
+        interval: SupportsIndex | None = None,
     ) -> Iterator[Table]:
         """The same table in parts of some 100 000 rows, 131 072 at most, made in the background: memory does not depend on its
         length. Each part has rows, but that of a table without any."""
