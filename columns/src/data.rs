@@ -168,12 +168,24 @@ impl<'a> Data<'a> {
         if self.what.takes_frames() { frames * tiles as u64 } else { 1 }
     }
 
-    /// All batches, in order; the same for any number of threads.
+    /// All batches, in order; the same for any number of threads. Each has [`ROWS`] rows at most, and one at least: only a table without
+    /// rows is one batch without rows.
     ///
     /// # Errors
     /// As [`Data::head`]; a trace that lacks a tile or is damaged; what the use of a batch returns.
-    pub fn run<T: Send>(&self, to: Use<'_, T>) -> Result<()> {
+    pub fn run<T: Send>(&self, Use { make, take }: Use<'_, T>) -> Result<()> {
         self.head()?;
+        let mut any = false;
+        let mut note = |made, tiles| {
+            any = true;
+            take(made, tiles)
+        };
+        self.rows(Use { make, take: &mut note })?;
+        if any { Ok(()) } else { take(make(self.empty()?)?, self.tiles()) }
+    }
+
+    /// As [`Data::run`], without a batch for a table without rows.
+    fn rows<T: Send>(&self, to: Use<'_, T>) -> Result<()> {
         let (trace, bvh) = (self.trace, self.trace.bvh());
         match self.what {
             What::Rays => self.tile_rows::<RayRows, T>(to, |_| Ok(())),
@@ -234,11 +246,13 @@ impl<'a> Data<'a> {
                 self.stop.check()?;
                 let mut rows = R::default();
                 groups[group].iter().try_for_each(|&tile| rows.add(self.trace, &with, (frame, tile)))?;
-                Ok((make(rows.into_batch())?, groups[group].len() as u64))
+                // How many rows the tiles have was a guess.
+                let made: Result<Vec<T>> = rows.into_batch().parts(ROWS).into_iter().map(make).collect();
+                Ok((made?, groups[group].len() as u64))
             };
             ordered(groups.len(), one, &mut |(made, tiles)| {
                 done += tiles;
-                take(made, done)
+                made.into_iter().try_for_each(|made| take(made, done))
             })?;
         }
         Ok(())

@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use crate::error::Result;
 use crate::schema::Batch;
 
-/// Rows of a batch, about; a batch is a row group of a Parquet file.
+/// Rows of a batch at most; a batch is a row group of a Parquet file.
 pub const ROWS: usize = 1 << 17;
 
 /// Calls `make` for 0 to `count` - 1 in parallel and gives what comes of it to `take` in this order, which meanwhile is made for the
@@ -73,12 +73,12 @@ impl<'a, T: Send> Gathered<'a, T> {
         Self { make, take, waiting: Vec::new() }
     }
 
-    /// Takes a batch.
+    /// Takes rows, however many: they become batches of [`ROWS`] at most.
     ///
     /// # Errors
     /// Those of `make` and `take`.
-    pub fn add(&mut self, batch: Batch) -> Result<()> {
-        self.waiting.push(batch);
+    pub fn add(&mut self, rows: Batch) -> Result<()> {
+        self.waiting.extend(rows.parts(ROWS));
         if self.waiting.len() < rayon::current_num_threads() { Ok(()) } else { self.flush() }
     }
 

@@ -40,6 +40,26 @@ impl Batch {
         self.columns.first().map_or(0, Column::len)
     }
 
+    /// Parts of about the same size, of `most` rows at most; none if there is no row.
+    pub fn parts(mut self, most: usize) -> Vec<Self> {
+        let rows = self.rows();
+        if rows == 0 {
+            return Vec::new();
+        }
+        let size = rows.div_ceil(rows.div_ceil(most.max(1)));
+        let mut parts = Vec::new();
+        // From the end, so that each row is moved once.
+        for at in (size..rows).step_by(size).rev() {
+            parts.push(Self { columns: self.columns.iter_mut().map(|column| column.split_off(at)).collect() });
+        }
+        if !parts.is_empty() {
+            self.columns.iter_mut().for_each(Column::shrink);
+        }
+        parts.push(self);
+        parts.reverse();
+        parts
+    }
+
     /// The columns at `places` alone, in that order.
     #[must_use]
     pub fn select(self, places: &[usize]) -> Self {
@@ -131,3 +151,33 @@ macro_rules! table {
     };
 }
 pub(crate) use table;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn parts_are_all_rows_in_order() {
+        let batch = |rows: u32| Batch {
+            columns: vec![Column::U32((0..rows).collect()), Column::Bool(vec![true; rows as usize])],
+        };
+        for (rows, most, sizes) in [
+            (0, 4, vec![]),
+            (1, 4, vec![1]),
+            (4, 4, vec![4]),
+            (5, 4, vec![3, 2]),
+            (8, 4, vec![4, 4]),
+            (9, 4, vec![3, 3, 3]),
+        ] {
+            let parts = batch(rows).parts(most);
+            assert_eq!(parts.iter().map(Batch::rows).collect::<Vec<_>>(), sizes, "{rows} rows");
+            let mut joined = Vec::new();
+            for part in &parts {
+                let Column::U32(values) = &part.columns[0] else { panic!("another type") };
+                assert_eq!(part.columns[1].len(), values.len());
+                joined.extend_from_slice(values);
+            }
+            assert_eq!(joined, (0..rows).collect::<Vec<_>>());
+        }
+    }
+}

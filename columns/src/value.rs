@@ -169,6 +169,30 @@ impl Column {
         }
     }
 
+    /// Takes the rows from `at` on away, and gives them.
+    #[must_use]
+    pub fn split_off(&mut self, at: usize) -> Self {
+        match self {
+            Self::U8(values) => Self::U8(values.split_off(at)),
+            Self::I8(values) => Self::I8(values.split_off(at)),
+            Self::U16(values) => Self::U16(values.split_off(at)),
+            Self::U32(values) => Self::U32(values.split_off(at)),
+            Self::I32(values) => Self::I32(values.split_off(at)),
+            Self::U64(values) => Self::U64(values.split_off(at)),
+            Self::I64(values) => Self::I64(values.split_off(at)),
+            Self::F32(values) => Self::F32(values.split_off(at)),
+            Self::Bool(values) => Self::Bool(values.split_off(at)),
+            Self::Word(Words { codes, names }) => {
+                Self::Word(Words { codes: codes.split_off(at), names: names.clone() })
+            }
+        }
+    }
+
+    /// Gives back memory that no row takes.
+    pub fn shrink(&mut self) {
+        each!(self, values => values.shrink_to_fit());
+    }
+
     /// Appends the rows of a column of the same type; those of another type are left out.
     pub fn extend(&mut self, more: Self) {
         match (self, more) {

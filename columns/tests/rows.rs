@@ -4,12 +4,14 @@ mod common;
 
 use std::collections::BTreeMap;
 
-use common::{Rows, traces};
-use rayreel_columns::{Column as Values, Data, Selection, What};
+use common::{Rows, trace, traces};
+use rayreel_columns::order::ROWS;
+use rayreel_columns::{Batch, Column as Values, Data, Selection, Use, What};
 use rayreel_formats::Trace;
 use rayreel_formats::intersect::intersect;
 use rayreel_formats::rays::RayEnd;
 use rayreel_formats::tile::{Column, RayKind, ShadowState, composite, step};
+use rayreel_machine::NamedMachine;
 
 /// Frame, tile, sample, in the order of the tables.
 fn tiles(trace: &Trace) -> Vec<(u32, u32)> {
@@ -306,4 +308,32 @@ fn columns_that_are_left_out_change_no_other() {
         assert!(error(&["colour"]).starts_with("table hits has no column \"colour\""));
         assert!(error(&[]).starts_with("no column is asked for"));
     }
+}
+
+#[test]
+fn batches_have_rows_and_not_too_many() {
+    let (trace, machine) = (trace("teapot"), NamedMachine::load("sgrt-ti2", &[]).unwrap());
+    let sizes = |data: &Data<'_>| {
+        let mut sizes = Vec::new();
+        let mut take = |batch: Batch, _| {
+            sizes.push(batch.rows());
+            Ok(())
+        };
+        data.run(Use { make: &Ok, take: &mut take }).unwrap();
+        sizes
+    };
+    let mut split = Vec::new();
+    for what in What::ALL {
+        let data = Data { machine: what.takes_machine().then_some(&machine), ..Data::new(&trace, what) };
+        let sizes = sizes(&data);
+        assert!(sizes.iter().all(|rows| (1..=ROWS).contains(rows)), "{}: {sizes:?}", what.name());
+        assert_eq!(sizes.iter().sum::<usize>(), data.collect().unwrap().rows(), "{}", what.name());
+        if sizes.len() > trace.meta().tile_count() as usize * 2 {
+            split.push(what.name());
+        }
+    }
+    assert_eq!(split, ["steps", "addresses", "lookups"], "tiles of these have more rows than a batch");
+    let mut none = Data::new(&trace, What::Rays);
+    none.selection.tiles.clear();
+    assert_eq!(sizes(&none), [0], "what has no rows is still a table");
 }
