@@ -106,7 +106,7 @@ impl Tiles for Srp {
 
 /// Looks at the machine from time to time; see `timeline`.
 pub trait Probe {
-    /// A frame begins; its time begins at cycle 0.
+    /// A frame begins; its time begins at cycle 0. Told once a frame, before anything of it is looked at.
     fn begin(&mut self, _frame: u32) {}
     /// So many tiles of the frame have passed; told where there is no machine to look at.
     fn passed(&mut self, _tiles: u64) {}

@@ -94,7 +94,6 @@ impl<S: PathSource + ?Sized> FrameLoop<'_, S> {
         (tree, detail): (&Topology, Detail),
         probe: &mut P,
     ) -> Result<(FrameReplay, Vec<MachineRun>)> {
-        probe.begin(frame);
         let named: Vec<_> = machines.iter().map(|machine| (machine.name.as_str(), &machine.config)).collect();
         match detail {
             Detail::Full => simulate_all(&mut self.replayer, frame, tree, &named, probe),

@@ -71,7 +71,7 @@ impl MachineRun {
 }
 
 /// Replays frame `frame` and runs its rays through a machine. Its caches are empty at first, or hold what the frame before left if
-/// they keep it (`gpu.warm_caches`). `probe` may watch.
+/// they keep it (`gpu.warm_caches`). `probe` may watch, and is told that the frame begins.
 ///
 /// # Errors
 /// As [`Replayer::frame_with`]; [`RequestError::MissingKernel`] if the machine cannot run the policy; [`ReplayError::Machine`] if
@@ -104,11 +104,12 @@ pub fn simulate_all<S: PathSource + ?Sized, P: Probe>(
     machines: &[(&str, &MachineConfig)],
     probe: &mut P,
 ) -> Result<(FrameReplay, Vec<MachineRun>)> {
+    probe.begin(frame);
     let (passed, runs) = pass_all(replayer, frame, tree, machines, probe)?;
     Ok((replayer.finish(passed)?, runs))
 }
 
-/// As [`simulate_all`], without the end of the frame.
+/// As [`simulate_all`], without the end of the frame; the probe has been told of its beginning.
 pub(crate) fn pass_all<S: PathSource + ?Sized, P: Probe>(
     replayer: &mut Replayer<'_, S>,
     frame: u32,

@@ -45,7 +45,8 @@ pub type Named<'a> = (&'a str, &'a MachineConfig);
 /// Passes after which the precision asked for is given up for a whole simulation.
 const PASSES: usize = 3;
 
-/// Replays a frame and runs its rays through machines, as `detail` says, in one pass for all of them.
+/// Replays a frame and runs its rays through machines, as `detail` says, in one pass for all of them. `probe` is told once that the
+/// frame begins, however often it is passed.
 ///
 /// # Errors
 /// As [`crate::simulate::simulate`].
@@ -57,6 +58,7 @@ pub fn simulate_estimated<S: PathSource + ?Sized, P: Probe>(
     detail: Detail,
     probe: &mut P,
 ) -> Result<(FrameReplay, Vec<MachineRun>)> {
+    probe.begin(frame);
     let mut simulation = Simulation { replayer, frame, tree, detail, probe };
     let tiles = tiles(simulation.replayer.source().meta());
     let places =
