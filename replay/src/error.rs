@@ -129,6 +129,15 @@ pub enum RequestError {
         /// What is missing.
         kernels: String,
     },
+    /// A memory wants to be told what units look for, and none of the machine's tells.
+    #[error(
+        "no unit of machine {machine} tells what it looks for ray by ray: it looks things up for several rays at once; use a machine \
+         whose ti.pipeline is parallel, single or unified, or let Memory::wants_lookups be false"
+    )]
+    NothingTold {
+        /// The machine.
+        machine: String,
+    },
     /// There is nothing to replay.
     #[error("{what}; there is nothing to replay")]
     Nothing {

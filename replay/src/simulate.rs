@@ -22,6 +22,7 @@ use rayreel_formats::scene::Meta;
 use rayreel_machine::config::{Framebuffer, MachineConfig};
 use rayreel_machine::energy::EnergyReport;
 use rayreel_machine::memory::{Memory, MemorySystem};
+use rayreel_machine::ports::tells_lookups;
 use rayreel_machine::srp::{FrameShape, Needs, missing_kernels};
 use rayreel_machine::stats::Stats;
 use rayreel_machine::system::{NoProbe, Probe, System};
@@ -152,7 +153,8 @@ pub(crate) fn pass_all<S: PathSource + ?Sized, P: Probe>(
 /// what the machine did.
 ///
 /// # Errors
-/// As [`simulate`]; what `each` returns.
+/// As [`simulate`]; what `each` returns; [`RequestError::NothingTold`] for a memory that wants to be told of lookups
+/// ([`Memory::wants_lookups`]), if the machine tells none ([`tells_lookups`]).
 pub fn simulate_in_front_of<S: PathSource + ?Sized, M: Memory, P: Probe, E: From<ReplayError>>(
     replayer: &mut Replayer<'_, S>,
     (frame, tree): (u32, &Topology),
@@ -162,7 +164,11 @@ pub fn simulate_in_front_of<S: PathSource + ?Sized, M: Memory, P: Probe, E: From
 ) -> Result<Stats, E> {
     let (meta, config) = (replayer.source().meta(), machine.1);
     let shape = frame_shape(meta, config, replayer.reads());
-    let mut system = System::with_memory(config, tree, shape, memory(MemorySystem::new(config)));
+    let memory = memory(MemorySystem::new(config));
+    if memory.wants_lookups() && !tells_lookups(config) {
+        return Err(ReplayError::from(RequestError::NothingTold { machine: machine.0.into() }).into());
+    }
+    let mut system = System::with_memory(config, tree, shape, memory);
     probe.begin(frame);
     // An error of `each` ends the frame; what the replay says of that is of no interest.
     let mut stopped = None;

@@ -1,10 +1,11 @@
-//! What stands beside a machine: a probe is told of each frame once.
+//! What stands beside a machine: a probe is told of each frame once, and a memory that wants lookups is refused where none are told.
 
 use std::path::Path;
 
 use rayreel_formats::{Limits, Trace};
 use rayreel_machine::NamedMachine;
-use rayreel_machine::system::{Core, Probe};
+use rayreel_machine::memory::Recording;
+use rayreel_machine::system::{Core, NoProbe, Probe};
 use rayreel_machine::time::{TiCycle, When};
 use rayreel_replay::sequence::Simulator;
 use rayreel_replay::simulate::{simulate, simulate_all, simulate_in_front_of};
@@ -76,4 +77,30 @@ fn a_probe_is_told_of_each_frame_once() {
         frames.run(trace.meta().frame_numbers(), Some(simulator), &mut probe, sink).unwrap();
         assert_eq!(probe.frames, [30, 31], "{detail}");
     }
+}
+
+#[test]
+fn a_memory_that_wants_lookups_is_refused_where_none_are_told() {
+    let (trace, policy) = (trace(), NamedPolicy::load("full", &[]).unwrap());
+    let tree = trace.topology();
+    let run = |name: &str, lookups: bool| {
+        let machine = machine(name);
+        let mut replayer = Replayer::new(&trace, &policy, Options::default()).unwrap();
+        let record = |memory| if lookups { Recording::of_lookups(memory) } else { Recording::of_requests(memory) };
+        let mut told = 0;
+        let ran = simulate_in_front_of(
+            &mut replayer,
+            (30, &tree),
+            (&machine.name, &machine.config),
+            (record, &mut NoProbe),
+            |memory, _| {
+                told += memory.take_lookups().len() + memory.take_requests().len();
+                Ok::<_, ReplayError>(())
+            },
+        );
+        ran.map(|_| told)
+    };
+    assert!(run("sgrt-ti2", true).unwrap() > 0 && run("mimd-trax", false).unwrap() > 0);
+    let refused = run("mimd-trax", true).unwrap_err().to_string();
+    assert!(refused.starts_with("no unit of machine mimd-trax tells what it looks for ray by ray"), "{refused}");
 }

@@ -10,10 +10,17 @@ use crate::time::TiCycle;
 /// A tick runs up to and including its cycle and appends what arrived by then, in the order of arrival. Its next event is the
 /// next cycle at which a tick can bring a response or free a queue.
 pub trait Memory: Component<Report = MemoryStats> + for<'a> Tick<&'a mut Vec<Response>> {
-    /// Whether units tell it what they look for: a constant, so that it costs nothing where nobody listens.
+    /// Whether units tell it what they look for: a constant, so that it costs nothing where nobody listens. Those that tell are the
+    /// traversal and intersection units of fixed function ([`tells_lookups`](crate::ports::tells_lookups)); SRPs, processors and
+    /// units that gather rays tell nothing. What any of them misses is a request.
     const LISTENS: bool = false;
 
-    /// A unit looks for something at cycle `now`; told if it listens.
+    /// Whether it is of no use in front of a machine that tells nothing: it is refused there.
+    fn wants_lookups(&self) -> bool {
+        Self::LISTENS
+    }
+
+    /// A unit that tells looks for something at cycle `now`; called if this memory listens.
     fn looked_for(&mut self, _now: TiCycle, _lookup: Lookup) {}
 
     /// Takes a request at cycle `now`, or refuses it because a queue is full: then nothing changed, ask again later.

@@ -50,6 +50,10 @@ impl<M> Recording<M> {
 impl<M: Memory> Memory for Recording<M> {
     const LISTENS: bool = true;
 
+    fn wants_lookups(&self) -> bool {
+        self.lookups.is_some()
+    }
+
     fn looked_for(&mut self, now: TiCycle, lookup: Lookup) {
         if let Some(lookups) = &mut self.lookups {
             lookups.push(Issued { at: now, what: lookup });
