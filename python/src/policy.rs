@@ -145,6 +145,10 @@ impl InPython {
     /// A policy of an object with a method `begin_tile`. `stop` ends the replay, and is requested when the object fails.
     pub fn new(py: Python<'_>, object: Py<PyAny>, stop: Stop) -> PyResult<Self> {
         let bound = object.bind(py);
+        if let Ok(class) = bound.cast::<PyType>() {
+            let name = class.name()?;
+            return Err(refuse(format!("a policy is an object, and {name} is a class; pass an instance: {name}()")));
+        }
         if !bound.getattr_opt("begin_tile")?.is_some_and(|method| method.is_callable()) {
             let kind = bound.get_type().name()?;
             return Err(refuse(format!(

@@ -19,7 +19,7 @@ use crate::columns::{picture, plane};
 use crate::error::{raise, refuse};
 use crate::policy::InPython;
 use crate::wait::interruptible_with;
-use crate::wanted::settings;
+use crate::wanted::{Kind, settings};
 
 /// What is to be replayed, and how.
 #[derive(FromPyObject)]
@@ -51,21 +51,23 @@ pub fn frames_of(
     request: Request,
 ) -> PyResult<(String, Vec<Frame>)> {
     let name: Option<String> = request.policy.extract(py).ok();
-    let (policy, machine) = settings(name.as_deref(), request.machine.as_deref(), &request.overrides)?;
+    let lacks = |kind: Kind| match kind {
+        Kind::Machine => "there is none in a replay; call simulate, or leave it out".into(),
+        Kind::Policy => "this one is an object; set its values in Python, and leave this out".into(),
+    };
+    // What is no policy at all is said before what is wrong with its overrides.
+    let stop = Stop::default();
+    let in_python = match &name {
+        Some(_) => None,
+        None => Some(InPython::new(py, request.policy.clone_ref(py), stop.clone())?),
+    };
+    let (policy, machine) = settings(name.as_deref(), request.machine.as_deref(), &request.overrides, lacks)?;
     let detail: Detail = request.detail.as_deref().unwrap_or("full").parse().map_err(refuse)?;
-    if machine.is_none() && request.detail.is_some() {
-        return Err(refuse("detail is for a machine, and there is none; call simulate, or leave it out"));
-    }
     let mut selection = Selection::all(trace.meta());
     if let Some((first, end)) = request.frames {
         selection = selection.frames(first..end).map_err(|e| raise(&e))?;
     }
     let frames = selection.frames;
-    let stop = Stop::default();
-    let in_python = match &policy {
-        Some(_) => None,
-        None => Some(InPython::new(py, request.policy.clone_ref(py), stop.clone())?),
-    };
     let hurry = |py: Python<'_>| in_python.iter().for_each(|policy| policy.interrupt(py));
     let (ran, failure) = interruptible_with(py, (&stop, hurry), || {
         let options = Options { reference: request.compare, perception: request.compare };

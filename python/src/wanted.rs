@@ -49,7 +49,12 @@ impl Wanted {
         let (policy, machine) = (asked.policy.as_deref(), asked.machine.as_deref());
         let machine = machine.or(what.takes_machine().then_some("sgrt-ti2"));
         let policy = policy.or(what.is_simulated().then_some("full"));
-        let (policy, machine) = settings(policy, machine, &asked.overrides)?;
+        let lacks = |kind: Kind| match kind {
+            Kind::Machine => format!("table {} is the same for every machine; leave it out", what.name()),
+            Kind::Policy if what.takes_policy() => "there is none; name one, or leave it out".into(),
+            Kind::Policy => format!("table {} takes no policy; leave it out", what.name()),
+        };
+        let (policy, machine) = settings(policy, machine, &asked.overrides, lacks)?;
         let wanted = Self { what, selection, policy, machine, interval: asked.interval, columns: asked.columns };
         wanted.head(trace)?;
         Ok(wanted)
@@ -75,19 +80,29 @@ impl Wanted {
     }
 }
 
-/// Policy and machine by preset or file, with overrides for both.
+/// What an override is for.
+#[derive(Clone, Copy, Debug)]
+pub enum Kind {
+    /// A value of a machine.
+    Machine,
+    /// A value of a policy.
+    Policy,
+}
+
+/// Policy and machine by preset or file, with overrides for both. `lacks` says why one of them is not there to be overridden, and what
+/// to do.
 pub fn settings(
     policy: Option<&str>,
     machine: Option<&str>,
     overrides: &[String],
+    lacks: impl Fn(Kind) -> String,
 ) -> PyResult<(Option<NamedPolicy>, Option<NamedMachine>)> {
     let (of_machine, of_policy): (Vec<_>, Vec<_>) =
         overrides.iter().cloned().partition(|text| is_machine_override(text));
-    for (kind, there, texts) in [("machine", machine, &of_machine), ("policy", policy, &of_policy)] {
+    let kinds = [("machine", machine, &of_machine, Kind::Machine), ("policy", policy, &of_policy, Kind::Policy)];
+    for (name, there, texts, kind) in kinds {
         if let (None, Some(text)) = (there, texts.first()) {
-            return Err(refuse(format!(
-                "override {text} is for a {kind}, and there is none; name one, or leave it out"
-            )));
+            return Err(refuse(format!("override {text} is for a {name}, and {}", lacks(kind))));
         }
     }
     let policy = policy.map(|name| NamedPolicy::load(name, &of_policy)).transpose().map_err(|e| raise(&e))?;

@@ -107,8 +107,10 @@ def test_what_is_not_wanted_is_not_there(cornell: rayreel.Trace):
         ({"policy": "full", "frames": 8}, "frame 8 is not in the trace"),
         ({"policy": "full", "frames": (0, 9)}, "frame 8 is not in the trace"),
         ({"policy": "full", "frames": -1}, "frames is a whole number"),
-        ({"policy": "full", "set": ["ti.trv_l1.size=8KiB"]}, "is for a machine"),
+        ({"policy": "full", "set": ["ti.trv_l1.size=8KiB"]}, "is for a machine, and there is none in a replay; call simulate"),
         ({"policy": 3}, "an object with a method begin_tile"),
+        ({"policy": Full}, r"Full is a class; pass an instance: Full\(\)"),
+        ({"policy": Full(), "set": {"block": 4}}, "block=4 is for a policy, and this one is an object; set its values in Python"),
     ],
 )
 def test_wrong_replays_are_refused(cornell: rayreel.Trace, asked: dict, says: str):
@@ -119,6 +121,8 @@ def test_wrong_replays_are_refused(cornell: rayreel.Trace, asked: dict, says: st
 def test_wrong_machines_are_refused(cornell: rayreel.Trace):
     with pytest.raises(rayreel.Error, match="sgrt-ti2"):
         cornell.simulate(machine="sgrt-ti22")
+    with pytest.raises(rayreel.Error, match="simulate takes a machine.*without one, call replay"):
+        cornell.simulate("full", None)
     with pytest.raises(rayreel.Error, match="is not a detail"):
         cornell.simulate(detail="some")
 

@@ -65,7 +65,8 @@ def test_columns_frames_and_tiles(teapot: rayreel.Trace):
 
 def test_frames_and_tiles_may_be_said_in_many_ways(teapot: rayreel.Trace):
     one = teapot.table("rays", frames=31, tiles="1")
-    for frames, tiles in [(np.int64(31), 1), ("31", np.int64(1)), (range(31, 32), range(1, 2)), ((31, 32), "1..2")]:
+    ways = [(np.int64(31), 1), ("31", np.int64(1)), (range(31, 32), range(1, 2)), ((31, 32), "1..2"), ("31", (1, 2))]
+    for frames, tiles in ways:
         assert teapot.table("rays", frames=frames, tiles=tiles) == one
     assert teapot.table("rays", frames="30..32") == teapot.table("rays")
     assert list(teapot.table("rays", columns="t")) == ["t"]
@@ -125,7 +126,11 @@ def test_words(cornell: rayreel.Trace):
         ({"what": "rays", "frames": -1}, "frames is a whole number.*not -1"),
         ({"what": "rays", "frames": (0, -1)}, "frames is a whole number.*not -1"),
         ({"what": "rays", "frames": (0, 1, 2)}, "frames as a pair"),
-        ({"what": "rays", "frames": 0.5}, "frames is a whole number.*not 0.5"),
+        ({"what": "rays", "frames": 0.5}, "frames are a whole number, a range, a pair.*such as 0..60, not 0.5"),
+        ({"what": "rays", "frames": [0]}, r"frames are a whole number, a range, a pair.*such as 0..60, not \[0\]"),
+        ({"what": "rays", "tiles": [0]}, r"tiles are a whole number, a range, a pair.*such as 0..8,17, not \[0\]"),
+        ({"what": "rays", "tiles": (3, 0)}, "tiles are a run of numbers"),
+        ({"what": "rays", "tiles": (0, 1, 2)}, "tiles as a pair"),
         ({"what": "rays", "frames": "2..1"}, "frames are a run of numbers"),
         ({"what": "rays", "frames": "first"}, "frames as text are A..B"),
         ({"what": "rays", "tiles": -1}, "tiles is a whole number.*not -1"),

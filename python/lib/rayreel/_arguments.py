@@ -12,9 +12,9 @@ import numpy as np
 from ._native import Error
 
 #: A frame, a run of them (`range(0, 60)`, or its first and the one behind its last), or the same as text: `0..60`.
-Frames: TypeAlias = int | range | tuple[int, int] | str
-#: A tile, a run of them, or text such as `0..8,17`.
-Tiles: TypeAlias = int | range | str
+Frames: TypeAlias = SupportsIndex | range | tuple[SupportsIndex, SupportsIndex] | str
+#: The same of tiles; as text also several runs, such as `0..8,17`.
+Tiles: TypeAlias = SupportsIndex | range | tuple[SupportsIndex, SupportsIndex] | str
 #: `key=value` once or several times, or values by key.
 Overrides: TypeAlias = str | Sequence[str] | Mapping[str, Any]
 #: The name of a preset, or a file.
@@ -53,34 +53,42 @@ def _run(argument: str, wanted: range) -> tuple[int, int]:
     return whole(argument, wanted.start), whole(argument, wanted.stop)
 
 
+def _numbers(argument: str, wanted: object, text: str) -> tuple[int, int]:
+    """The first of a run of numbers, and the one behind the last; `text` is how such a run may be written."""
+    if isinstance(wanted, range):
+        return _run(argument, wanted)
+    if isinstance(wanted, tuple):
+        if len(wanted) != 2:
+            raise Error(f"{argument} as a pair are the first and the one behind the last, not {wanted}")
+        return _run(argument, range(*(whole(argument, number) for number in wanted)))
+    try:
+        operator.index(wanted)  # type: ignore[arg-type]
+    except TypeError:
+        kinds = f"a whole number, a range, a pair of the first and the one behind the last, or text such as {text}"
+        raise Error(f"{argument} are {kinds}, not {wanted!r}") from None
+    first = whole(argument, wanted, _LARGEST - 1)
+    return first, first + 1
+
+
 def frames(wanted: Frames | None) -> tuple[int, int] | None:
     """The first frame, and the one behind the last."""
     if wanted is None:
         return None
-    if isinstance(wanted, range):
-        return _run("frames", wanted)
     if isinstance(wanted, str):
         found = re.fullmatch(r"\s*(\d+)\s*(?:\.\.\s*(\d+)\s*)?", wanted, re.ASCII)
         if not found:
             raise Error(f"frames as text are A..B with A below B, such as 0..60, or one number, not {wanted!r}")
         first = int(found[1])
         return _run("frames", range(first, int(found[2]) if found[2] else first + 1))
-    if isinstance(wanted, tuple):
-        if len(wanted) != 2:
-            raise Error(f"frames as a pair are the first and the one behind the last, not {wanted}")
-        return _run("frames", range(whole("frames", wanted[0]), whole("frames", wanted[1])))
-    first = whole("frames", wanted, _LARGEST - 1)
-    return first, first + 1
+    return _numbers("frames", wanted, "0..60")
 
 
 def tiles(wanted: Tiles | None) -> str | None:
     """The tiles as text."""
     if wanted is None or isinstance(wanted, str):
         return wanted
-    if isinstance(wanted, range):
-        first, end = _run("tiles", wanted)
-        return f"{first}..{end}"
-    return str(whole("tiles", wanted))
+    first, end = _numbers("tiles", wanted, "0..8,17")
+    return f"{first}..{end}"
 
 
 def overrides(wanted: Overrides | None) -> list[str]:
@@ -120,12 +128,25 @@ def preset_or_file(argument: str, wanted: PresetOrFile | None) -> str | None:
         raise Error(f"{argument} is the name of a preset, or a file, not {wanted!r}") from None
 
 
+def policy(wanted: object) -> object:
+    """The name of a preset or of a file, or an object."""
+    return os.fsdecode(wanted) if isinstance(wanted, (str, bytes, os.PathLike)) else wanted
+
+
+def machine(wanted: PresetOrFile | None) -> str:
+    """The name of a preset, or of a file; there is one."""
+    name = preset_or_file("machine", wanted)
+    if name is None:
+        raise Error("simulate takes a machine: the name of a preset, or a file; without one, call replay")
+    return name
+
+
 def asked(
     columns: str | Sequence[str] | None,
     wanted_frames: Frames | None,
     wanted_tiles: Tiles | None,
-    policy: PresetOrFile | None,
-    machine: PresetOrFile | None,
+    wanted_policy: PresetOrFile | None,
+    wanted_machine: PresetOrFile | None,
     wanted_overrides: Overrides | None,
     interval: SupportsIndex | None,
 ) -> dict[str, Any]:
@@ -134,8 +155,8 @@ def asked(
         "columns": None if columns is None else texts("columns", columns),
         "frames": frames(wanted_frames),
         "tiles": tiles(wanted_tiles),
-        "policy": preset_or_file("policy", policy),
-        "machine": preset_or_file("machine", machine),
+        "policy": preset_or_file("policy", wanted_policy),
+        "machine": preset_or_file("machine", wanted_machine),
         "overrides": overrides(wanted_overrides),
         "interval": None if interval is None else whole("interval", interval, 2**64 - 1),
     }

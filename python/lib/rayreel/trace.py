@@ -167,7 +167,7 @@ class Trace:
     ) -> Result:
         """The same on a machine: a preset or a file. `detail` is that of `rayreel replay`: `full`, `all`, `counts`, a share of the
         tiles, or `precision P`. Under a policy of yours every cycle is simulated, whatever share is asked for."""
-        return self._replay(policy, _arguments.preset_or_file("machine", machine), set, frames, str(detail), pictures, compare)
+        return self._replay(policy, _arguments.machine(machine), set, frames, str(detail), pictures, compare)
 
     def _replay(
         self,
@@ -180,7 +180,7 @@ class Trace:
         compare: bool,
     ) -> Result:
         request = {
-            "policy": _arguments.preset_or_file("policy", policy) if isinstance(policy, (str, os.PathLike)) else policy,
+            "policy": _arguments.policy(policy),
             "machine": machine,
             "overrides": _arguments.overrides(overrides),
             "frames": _arguments.frames(frames),
