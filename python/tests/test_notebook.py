@@ -16,13 +16,15 @@ def printed(cell) -> str:
     return "".join("".join(text) for text in texts)
 
 
+@pytest.mark.parametrize("folder", [ROOT, ROOT / "examples"], ids=["root", "examples"])
 @pytest.mark.parametrize("notebook", sorted((ROOT / "examples").glob("*.ipynb")), ids=lambda path: path.name)
-def test_notebooks_print_what_stands_in_them(notebook: Path, program: Path):
+def test_notebooks_print_what_stands_in_them(notebook: Path, folder: Path, program: Path):
+    """Run in the root, and in their own folder, as Jupyter does."""
     nbformat = pytest.importorskip("nbformat", reason="nbformat is not installed")
     nbclient = pytest.importorskip("nbclient", reason="nbclient is not installed")
     stored = nbformat.read(notebook, as_version=4)
     run = nbformat.read(notebook, as_version=4)
-    nbclient.NotebookClient(run, timeout=120, resources={"metadata": {"path": ROOT}}).execute()
+    nbclient.NotebookClient(run, timeout=120, resources={"metadata": {"path": folder}}).execute()
     if os.environ.get("RAYREEL_BLESS"):
         for cell in run.cells:
             cell.metadata = {}

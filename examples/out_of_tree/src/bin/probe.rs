@@ -1,9 +1,10 @@
 //! A probe of another package, which sees what units ask of memory and how busy they are: `cargo run --release --bin probe`, here.
 //!
-//! `Reuse` stands between the machine and its memory. It is told of every node and triangle that a unit looks for, and passes requests
-//! on as they are, so the machine does what it does without it. `Busy` looks at the units every 10000 cycles.
+//! `Reuse` stands between the machine and its memory. It is told of every node and triangle that a unit of this machine looks for (other
+//! machines tell nothing: `rayreel_machine::ports::tells_lookups`), and passes requests on as they are, so the machine does what it
+//! does without it. `Busy` looks at the units every 10000 cycles.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use rayreel_formats::{Limits, Trace};
 use rayreel_machine::NamedMachine;
@@ -19,8 +20,8 @@ use rayreel_replay::{NamedPolicy, Options, PathSource, ReplayError, Replayer, si
 struct Reuse {
     behind: MemorySystem,
     layout: Layout,
-    /// By port and line: how often.
-    lines: BTreeMap<(usize, u64), u64>,
+    /// By port: how often it looked, and at which lines.
+    looked: BTreeMap<usize, (u64, BTreeSet<u64>)>,
     requests: u64,
 }
 
@@ -33,7 +34,10 @@ impl Memory for Reuse {
             Region::Node => self.layout.node_at(lookup.index),
             _ => self.layout.triangle_at(lookup.index),
         };
-        *self.lines.entry((place(lookup.port), span.address / 64)).or_default() += 1;
+        let (count, lines) = self.looked.entry(place(lookup.port)).or_default();
+        *count += 1;
+        // What begins in one line may end in the next.
+        lines.extend(span.address / 64..=(span.address + span.bytes - 1) / 64);
     }
 
     fn request(&mut self, now: TiCycle, request: Request) -> bool {
@@ -96,13 +100,13 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let (policy, machine) = (NamedPolicy::load("adaptive", &[])?, NamedMachine::load("sgrt-ti2", &[])?);
     let mut replayer = Replayer::new(&trace, &policy, Options::default())?;
     let config = &machine.config;
-    let reuse = |behind| Reuse { behind, layout: Layout::new(config), lines: BTreeMap::new(), requests: 0 };
-    let (mut busy, mut lines, mut requests) = (Busy { due: 0, seen: Vec::new() }, BTreeMap::new(), 0);
+    let reuse = |behind| Reuse { behind, layout: Layout::new(config), looked: BTreeMap::new(), requests: 0 };
+    let (mut busy, mut looked, mut requests) = (Busy { due: 0, seen: Vec::new() }, BTreeMap::new(), 0);
     let frame = (trace.meta().first_frame, &trace.topology());
     let stats =
         simulate_in_front_of(&mut replayer, frame, (&machine.name, config), (reuse, &mut busy), |memory, _| {
             // After each tile, and at the end: what was written down so far.
-            (lines, requests) = (memory.lines.clone(), memory.requests);
+            (looked, requests) = (memory.looked.clone(), memory.requests);
             Ok::<_, ReplayError>(())
         })?;
     println!("{} cycles, {requests} requests behind the L1s", stats.cycles);
@@ -110,10 +114,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         println!("cycle {cycle:6}: {tiles:2} tiles done, {bytes:6} bytes to and from DRAM");
     }
     for (port, asker) in askers(config).into_iter().enumerate() {
-        let of_unit = lines.iter().filter(|((of, _), _)| *of == port);
-        let (count, sum) = of_unit.fold((0, 0), |(count, sum), (_, times)| (count + 1, sum + times));
-        if sum > 0 {
-            println!("core {} {}: {sum:6} lookups of {count:4} lines", asker.core, asker.unit);
+        if let Some((count, lines)) = looked.get(&port) {
+            println!("core {} {}: {count:6} lookups of {:4} lines", asker.core, asker.unit, lines.len());
         }
     }
     Ok(())
