@@ -14,7 +14,7 @@ class Policy(Protocol):
     These are used if they are there: an attribute `name` that results show, a method `begin_frame(frame)`, and a method
     `end_frame(tiles)`, which is told what the policy did in each tile.
 
-    Tiles are decided one at a time, but in several threads and in any order, so what `begin_tile` does must depend on the tile alone,
+    In a replay tiles are decided one at a time, but in several threads and in any order, so what `begin_tile` does must depend on the tile alone,
     and on what earlier frames left behind. A policy sees one tile at a time and decides all its samples. It cannot ask for tables or
     replays there: `begin_frame` can.
     """
