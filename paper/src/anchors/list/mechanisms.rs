@@ -30,9 +30,8 @@ pub const ANCHORS: &[Anchor] = &[
         value: Value::Runs(&[FULL, full(On::Preset("sgrt-ti1"))], |of| ratio("time_ms", &of[1], &of[0])),
         why: &[Why {
             of: &[],
-            below: "Box tests are not the bottleneck of sgrt-ti2. At 128x64 pixels the factor is 1.4 in teapot and 1.5 in car, \
-                    where most lookups hit: there the one triangle unit of a core tests in 81 and 60 % of the cycles. It is \
-                    1.00 to 1.07 in the other scenes, where triangle units wait for memory. In all scenes the leaf stages wait \
+            below: "Box tests are not the bottleneck of sgrt-ti2. At 128x64 pixels the factor is 1.4 in teapot and in car, \
+                    where most lookups hit: there the one triangle unit of a core tests in 83 and 59 % of the cycles. It is 0.95 to 1.07 in the other scenes, where triangle units wait for memory. In all scenes the leaf stages wait \
                     for the triangle unit in 66 to 90 % of the cycles. The published factor is of a traversal unit whose \
                     triangle units keep up.",
             above: "",

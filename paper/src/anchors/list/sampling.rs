@@ -91,8 +91,7 @@ pub const ANCHORS: &[Anchor] = &[
         why: &[Why {
             of: &[],
             below: "The units do less a cycle, not more: rays come in rounds of a tile, so the units hold fewer of them, and \
-                    they miss more. At 128x64 pixels the triangle units test in 74 % of the cycles against 91 % (teapot), 34 \
-                    against 65 (car), 34 against 49 (lab). Clocks of units that have rays are paid whether they issue or not, \
+                    they miss more. At 128x64 pixels the triangle units test in 68 % of the cycles against 79 % (teapot), 36 against 72 (car), 36 against 49 (lab). Clocks of units that have rays are paid whether they issue or not, \
                     but that is the smaller part. The paper reports higher utilisation.",
             above: "",
         }],

@@ -40,7 +40,7 @@ pub const ANCHORS: &[Anchor] = &[
         why: &[Why {
             of: &[],
             below: "A ray takes 30 to 63 node visits and triangle tests in these scenes, one a cycle in each of six pipelines: \
-                    48 to 101 Mrays/s at most at 500 MHz. At 128x64 pixels teapot (54) and car (56) lie inside, and the others \
+                    48 to 101 Mrays/s at most at 500 MHz. At 128x64 pixels teapot and car (55) lie inside, and the others \
                     below. One pipeline a unit is an assumption, for the report gives no count. With it the stated peak leaves \
                     12.6 a ray, so it is one of short rays, or units have more pipelines. Ours issue in nearly every cycle in \
                     which they have rays, a part of them bypasses.",
@@ -76,7 +76,7 @@ pub const ANCHORS: &[Anchor] = &[
             of: &[],
             below: "",
             above: "Most of it are nodes and triangles that missed: most rays are shadow and secondary rays, in trees larger \
-                    than the caches, and the caches are cold. At 128x64 pixels teapot takes 1.4 GB/s, car 5, and the others 8 \
+                    than the caches, and the caches are cold. At 128x64 pixels teapot takes 1.5 GB/s, car 5, and the others 8 \
                     to 9. RayCore walks a kd-tree, in caches whose sizes we do not know.",
         }],
     },
