@@ -80,7 +80,8 @@ fn more_units_before_a_real_srp() {
 fn more_cores() {
     let work = works()[0];
     let cycles = ["1", "2", "4"].map(|n| work.real(&machine("sgrt-ti2", &[&format!("gpu.cores={n}")])).cycles);
-    assert!(cycles[1] * 10 < cycles[0] * 6 && cycles[2] * 10 < cycles[1] * 6, "{cycles:?}");
+    // Fifteen tiles of unequal work on the eight slots of four cores: who gets the last ones decides.
+    assert!(cycles[1] * 10 < cycles[0] * 6 && cycles[2] * 10 < cycles[1] * 7, "{cycles:?}");
 }
 
 /// Fifteen tiles on four cores: filling core after core leaves cores without tiles, and more slots make that worse.
