@@ -10,7 +10,7 @@
 //! let mut replayer = Replayer::new(&trace, &policy, Options::default())?;
 //! let named = (machine.name.as_str(), &machine.config);
 //! let frame = simulate(&mut replayer, 0, &trace.topology(), named, &mut NoProbe)?;
-//! assert_eq!((frame.stats.cycles, frame.stats.rays()), (41_992, 4254));
+//! assert_eq!((frame.stats.cycles, frame.stats.rays()), (40_787, 4254));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
