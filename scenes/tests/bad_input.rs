@@ -66,7 +66,7 @@ fn obj_errors_name_the_line() {
         ),
         (
             "v 500000 0 4000000\nv 500000.1 0 4000000\nv 500000 0.1 4000000\nf 1 2 3\n",
-            "a.obj: the mesh is empty: of 1 triangles single precision leaves no area: the model, 1e-1 units large, lies 4e6 units from the origin",
+            "a.obj: the mesh is empty: all 1 triangles have no area in single precision: the model, 1e-1 units large, lies 4e6 units from the origin",
         ),
     ];
     for (obj, wanted) in cases {

@@ -105,7 +105,7 @@ pub fn check(config: &MachineConfig, values: &[Sourced], chain: &[Ancestor]) -> 
         let of_units = units.filter_map(|(price, size)| unsaid(price, size, priced)).find(|_| tested != of_tested);
         let Some((price, size, priced)) = of_units else { continue };
         let detail = format!(
-            "{} is set beside {} = {}, with which a traversal unit tests {tested} {what} a cycle, and is a price of {} = {of_tested}: set that \
+            "{} is set beside {} = {}, with which a traversal unit tests {what} {tested} at a time, and is a price of {} = {of_tested}: set that \
              too, to what the price is of",
             price.key, size.key, size.value, priced.key
         );
@@ -182,14 +182,14 @@ mod tests {
         let error = load(&["ti.aabbs_per_cycle=1", "energy.trv_clock_pj=4"]).unwrap_err();
         assert!(
             error.ends_with(
-                "energy.trv_clock_pj is set beside ti.aabbs_per_cycle = 1, with which a traversal unit tests 1 boxes a cycle, and is a price of \
+                "energy.trv_clock_pj is set beside ti.aabbs_per_cycle = 1, with which a traversal unit tests boxes 1 at a time, and is a price of \
                  energy.trv_priced_boxes = 2: set that too, to what the price is of"
             ),
             "{error}"
         );
         let error = load(&["ti.pipeline=unified", "ti.ist=0", "energy.trv_leakage_uw=500"]).unwrap_err();
         assert!(
-            error.contains("tests 1 triangles a cycle, and is a price of energy.trv_priced_triangles = 0"),
+            error.contains("tests triangles 1 at a time, and is a price of energy.trv_priced_triangles = 0"),
             "{error}"
         );
         let fine = [

@@ -55,7 +55,7 @@ pub(crate) fn triangles(
     if triangles.is_empty() {
         let why = match away(positions) {
             Some(away) => {
-                format!("of {before} triangles single precision leaves no area: {away}; move it there, and what it has")
+                format!("all {before} triangles have no area in single precision: {away}; move it there")
             }
             None => format!("all {before} triangles have no area"),
         };

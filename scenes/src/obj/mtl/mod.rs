@@ -39,7 +39,7 @@ use crate::{
 
 pub(crate) use textures::TextureSet;
 
-/// The materials of a model, each name once.
+/// The materials of a model, found by their names.
 #[derive(Debug, Default)]
 pub(crate) struct MaterialList {
     list: Vec<Material>,
