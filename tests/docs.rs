@@ -3,7 +3,8 @@
 //! A block is run if `<!-- run -->` stands on the line before it; before one whose commands end with another code than 0 stands
 //! `<!-- run 2 -->`, and what they print as errors is compared too. What is no command of rayreel is one of the shell. Blocks of one document
 //! share a folder, where `releases` of the repository is, and are run in order. A line `...` stands for any lines; a figure that depends on
-//! the clock stands for any other. Links between documents are followed too.
+//! the clock stands for any other. A table below a line `<!-- table: COMMAND -->` is part of what that command prints, an example of this
+//! repository with a file that is in it. Links between documents are followed too.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -124,6 +125,49 @@ fn check(document: &Path) -> usize {
     all.len()
 }
 
+/// The tables of a document that an example prints: the line of the mark, the command, and the rows.
+fn tables(text: &str) -> Vec<(usize, &str, Vec<&str>)> {
+    let lines: Vec<&str> = text.lines().collect();
+    let marked = lines.iter().enumerate().filter_map(|(at, &line)| {
+        let command = line.strip_prefix("<!-- table: ")?.strip_suffix(" -->")?;
+        Some((at, command))
+    });
+    let rows = |at: usize| {
+        let below = lines[at + 1..].iter().copied().skip_while(|line| line.is_empty());
+        below.take_while(|line| line.starts_with('|')).collect()
+    };
+    marked.map(|(at, command)| (at + 1, command, rows(at))).collect()
+}
+
+/// What an example prints that `cargo test` has built beside the program.
+fn printed_by_example(command: &str, place: &str) -> String {
+    let words: Vec<&str> = command.split_whitespace().collect();
+    let ["cargo", "run", "--release", "--example", name, "--", arguments @ ..] = &words[..] else {
+        panic!("{place}: an example is run by `cargo run --release --example NAME -- ..`");
+    };
+    let built = Path::new(env!("CARGO_BIN_EXE_rayreel")).with_file_name("examples").join(name);
+    let output = Command::new(&built).args(arguments).current_dir(root()).output();
+    let output = output.unwrap_or_else(|error| panic!("{place}: {}: {error}; build the examples", built.display()));
+    assert!(output.status.success(), "{place}: {}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8(output.stdout).unwrap()
+}
+
+#[test]
+fn tables_are_what_their_commands_print() {
+    let mut checked = 0;
+    for document in documents() {
+        for (line, command, rows) in tables(&fs::read_to_string(&document).unwrap()) {
+            let place = format!("{}:{line}", document.display());
+            let printed = printed_by_example(command, &place);
+            assert!(rows.len() > 2, "{place}: a table stands below its command");
+            let table = rows.join("\n") + "\n";
+            assert!(printed.contains(&table), "{place}: {command} prints\n{printed}\nand the document has\n{table}");
+            checked += 1;
+        }
+    }
+    assert!(checked >= 3, "only {checked} tables are checked");
+}
+
 #[test]
 fn commands_print_what_the_documents_say() {
     let run: usize = documents().iter().map(|document| check(document)).sum();
@@ -187,4 +231,6 @@ fn a_wrong_document_is_noticed() {
     let found = examples(text);
     assert_eq!(found.len(), 2, "blocks without a mark are not run");
     assert_eq!((found[0].line, found[0].command.as_str(), found[0].expected.len()), (3, "rayreel a", 1));
+    let text = "a\n<!-- table: cargo x -->\n\n| 1 |\n|---|\n| 2 |\n\n| 3 |\n";
+    assert_eq!(tables(text), [(2, "cargo x", vec!["| 1 |", "|---|", "| 2 |"])]);
 }

@@ -1,11 +1,11 @@
-//! Makes the pictures and the table of the README: the built-in scenes, and what adaptive sampling brings on each.
+//! The table of the README, and its pictures: the built-in scenes, and what adaptive sampling brings on each.
 //!
 //! ```console
-//! $ cargo run --release --example pictures -- headline.sweep/results.csv docs
+//! $ cargo run --release --example pictures -- releases/paper-full/study.json docs
 //! ```
 //!
-//! writes `docs/scenes.jpg` and `docs/perf_per_watt.svg` and prints the table. `examples/sweeps/headline.toml` says how to get the
-//! results.
+//! prints the table and writes `docs/scenes.jpg` and `docs/perf_per_watt.svg`; without a folder it prints the table alone. In the place of
+//! the study may stand `results.csv` of the sweep of `examples/sweeps/headline.toml`, which computes the same points.
 
 mod chart;
 mod scenes;
@@ -15,10 +15,16 @@ use std::path::Path;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let [results, folder] = &arguments[..] else { return Err("give results.csv of the sweep, and a folder".into()) };
+    let (results, folder) = match &arguments[..] {
+        [results] => (results, None),
+        [results, folder] => (results, Some(Path::new(folder))),
+        _ => return Err("give study.json, or results.csv of the sweep, and a folder if there shall be pictures".into()),
+    };
     let rows = table::read(Path::new(results))?;
-    std::fs::write(Path::new(folder).join("scenes.jpg"), scenes::jpeg()?)?;
-    std::fs::write(Path::new(folder).join("perf_per_watt.svg"), chart::svg(&rows))?;
+    if let Some(folder) = folder {
+        std::fs::write(folder.join("scenes.jpg"), scenes::jpeg()?)?;
+        std::fs::write(folder.join("perf_per_watt.svg"), chart::svg(&rows))?;
+    }
     print!("{}", table::markdown(&rows));
     Ok(())
 }

@@ -1,10 +1,18 @@
-//! The results of the sweep, relative to `full`.
+//! What policies give over `full`, from a study or from the sweep.
 
 use std::collections::BTreeMap;
+use std::error::Error;
 use std::path::Path;
+
+use rayreel_study::schema::{Gain, Point, Study};
+
+type Result<T> = std::result::Result<T, Box<dyn Error>>;
 
 /// The scenes in the paper's order.
 pub const SCENES: [&str; 5] = ["teapot", "chess", "car", "lab", "provence"];
+
+/// The policies of the table, for each scene in this order.
+const POLICIES: [&str; 2] = ["paper-ss", "multirate"];
 
 /// A policy on a scene.
 pub struct Row {
@@ -19,39 +27,63 @@ pub struct Row {
     pub gpu: [f64; 3],
 }
 
-/// Reads `results.csv`; rows come scene by scene, `paper-ss` before `multirate`.
-pub fn read(path: &Path) -> Result<Vec<Row>, Box<dyn std::error::Error>> {
+/// Reads `study.json`, or `results.csv` of the sweep; rows come scene by scene, `paper-ss` before `multirate`.
+pub fn read(path: &Path) -> Result<Vec<Row>> {
+    let is_study = path.extension().is_some_and(|ending| ending == "json");
+    let rows = if is_study { of_study(path) } else { of_sweep(path) };
+    Ok(rows.map_err(|error| format!("{}: {error}", path.display()))?)
+}
+
+fn of_study(path: &Path) -> Result<Vec<Row>> {
+    let study: Study = serde_json::from_slice(&std::fs::read(path)?)?;
+    let row = |scene: &str, policy: &str| {
+        let is = |point: &&Point| (&*point.scene, &*point.policy, &*point.mode) == (scene, policy, "2x2");
+        let point = study.points.iter().find(is);
+        let none = || format!("not all figures of {scene} under {policy}");
+        let point = point.ok_or_else(none)?;
+        let factors = |gain: Gain| [gain.performance, gain.power, gain.perf_per_watt];
+        let quality = point.quality.ok_or_else(none)?;
+        Ok(Row {
+            scene: scene.into(),
+            policy: policy.into(),
+            ray_ratio: point.rays_full as f64 / point.rays_traced as f64,
+            psnr_db: quality.psnr_db.ok_or_else(none)?,
+            flip: quality.flip.ok_or_else(none)?,
+            gain: point.ti_gain.map(factors).ok_or_else(none)?,
+            gpu: point.gpu_gain.map(factors).ok_or_else(none)?,
+        })
+    };
+    SCENES.iter().flat_map(|scene| POLICIES.iter().map(|policy| row(scene, policy))).collect()
+}
+
+fn of_sweep(path: &Path) -> Result<Vec<Row>> {
     let mut points: BTreeMap<(String, String, String), BTreeMap<String, String>> = BTreeMap::new();
     for record in csv::Reader::from_path(path)?.deserialize::<BTreeMap<String, String>>() {
         let record = record?;
         let part = record.get("srp").cloned().ok_or("no column srp")?;
         points.insert((record["scene"].clone(), record["policy"].clone(), part), record);
     }
-    let mut rows = Vec::new();
-    for scene in SCENES {
-        for policy in ["paper-ss", "multirate"] {
-            let value = |policy: &str, part: &str, name: &str| -> Result<f64, Box<dyn std::error::Error>> {
-                let point = points.get(&(scene.to_owned(), policy.to_owned(), part.to_owned()));
-                let point = point.ok_or_else(|| format!("{}: no {scene} under {policy}", path.display()))?;
-                Ok(point.get(name).ok_or_else(|| format!("no column {name}"))?.parse()?)
-            };
-            let over = |part: &str, name: &str| {
-                Ok::<f64, Box<dyn std::error::Error>>(value(policy, part, name)? / value("full", part, name)?)
-            };
-            let [alone, whole] = ["alone", "whole"];
-            rows.push(Row {
-                scene: scene.into(),
-                policy: policy.into(),
-                ray_ratio: value(policy, alone, "rays_full")?
-                    / (value(policy, alone, "rays_traced")? + value(policy, alone, "rays_apron")?),
-                psnr_db: value(policy, alone, "psnr_db")?,
-                flip: value(policy, alone, "flip")?,
-                gain: [1.0 / over(alone, "time_ms")?, over(alone, "power_w")?, over(alone, "perf_per_watt")?],
-                gpu: [1.0 / over(whole, "time_ms")?, over(whole, "gpu_power_w")?, over(whole, "gpu_perf_per_watt")?],
-            });
-        }
-    }
-    Ok(rows)
+    let row = |scene: &str, policy: &str| {
+        let value = |policy: &str, part: &str, name: &str| -> Result<f64> {
+            let point = points.get(&(scene.to_owned(), policy.to_owned(), part.to_owned()));
+            let point = point.ok_or_else(|| format!("no {scene} under {policy}"))?;
+            Ok(point.get(name).ok_or_else(|| format!("no column {name}"))?.parse()?)
+        };
+        let over =
+            |part: &str, name: &str| -> Result<f64> { Ok(value(policy, part, name)? / value("full", part, name)?) };
+        let [alone, whole] = ["alone", "whole"];
+        Ok(Row {
+            scene: scene.into(),
+            policy: policy.into(),
+            ray_ratio: value(policy, alone, "rays_full")?
+                / (value(policy, alone, "rays_traced")? + value(policy, alone, "rays_apron")?),
+            psnr_db: value(policy, alone, "psnr_db")?,
+            flip: value(policy, alone, "flip")?,
+            gain: [1.0 / over(alone, "time_ms")?, over(alone, "power_w")?, over(alone, "perf_per_watt")?],
+            gpu: [1.0 / over(whole, "time_ms")?, over(whole, "gpu_power_w")?, over(whole, "gpu_perf_per_watt")?],
+        })
+    };
+    SCENES.iter().flat_map(|scene| POLICIES.iter().map(|policy| row(scene, policy))).collect()
 }
 
 /// The geometric mean of a figure of a policy over the scenes.
