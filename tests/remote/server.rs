@@ -1,7 +1,7 @@
 //! A web server for one file, on this machine: ranges, versions, and a record of what it was asked for.
 
 use std::io::{BufRead, BufReader, Write};
-use std::net::{TcpListener, TcpStream};
+use std::net::{Shutdown, TcpListener, TcpStream};
 use std::ops::Range;
 use std::sync::{Arc, Mutex};
 use std::thread;
@@ -19,6 +19,8 @@ pub struct State {
     pub sent: Vec<Range<usize>>,
     /// Answers that are errors before the next real one.
     pub failures: u32,
+    /// Answers that end in the middle, with the connection, before the next whole one.
+    pub cuts: u32,
 }
 
 /// A running server. Its thread ends with the test program.
@@ -86,7 +88,10 @@ fn answer(mut stream: &TcpStream, state: &Mutex<State>) -> Option<()> {
         let head = format!("HTTP/1.1 206 Partial Content\r\nContent-Range: bytes {first}-{last}/{size}\r\n{tag}");
         (head, state.bytes[range].to_vec())
     };
+    let is_cut = state.cuts > 0 && head.starts_with("HTTP/1.1 206");
+    state.cuts -= u32::from(is_cut);
     drop(state);
     stream.write_all(format!("{head}Content-Length: {}\r\n\r\n", body.len()).as_bytes()).ok()?;
-    stream.write_all(&body).ok()
+    stream.write_all(&body[..if is_cut { body.len() / 2 } else { body.len() }]).ok()?;
+    if is_cut { stream.shutdown(Shutdown::Both).ok().and(None) } else { Some(()) }
 }

@@ -50,6 +50,23 @@ fn faults_of_a_server_are_explained() {
     fails(&server.url(), "503", 69);
 }
 
+/// With a tag the library asks for the rest; without one it gives up, and the part is asked for again.
+#[test]
+fn answers_that_are_cut_short_are_asked_for_again() {
+    let server = Server::start(fs::read(few()).unwrap());
+    for tag in ["\"one\"", ""] {
+        server.state.lock().unwrap().tag = tag.into();
+        server.state.lock().unwrap().cuts = 2;
+        let trace = rayreel_store::open(server.url().as_str(), &Options::default()).unwrap();
+        server.state.lock().unwrap().cuts = 2;
+        trace.tile(7, 1, &Column::ALL).unwrap();
+        assert_eq!(server.state.lock().unwrap().cuts, 0, "tag {tag:?}");
+    }
+    server.state.lock().unwrap().cuts = 1000;
+    let error = rayreel_store::open(server.url().as_str(), &Options { retries: 1, ..Options::default() }).unwrap_err();
+    assert!(anyhow::Error::new(error).chain().any(|cause| cause.to_string().contains("cannot")), "it ends");
+}
+
 #[test]
 fn two_versions_are_not_mixed() {
     let bytes = fs::read(few()).unwrap();
