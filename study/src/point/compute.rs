@@ -8,6 +8,8 @@ use crate::error::{Result, StudyError};
 use crate::point::key::{Key, Point};
 use crate::point::row::{Column, Row};
 use crate::point::task::{Computed, Missing, PointTask};
+use rayreel_formats::Error as TraceError;
+use rayreel_formats::error::Fault;
 use rayreel_machine::config::NamedMachine;
 use rayreel_machine::probes::Watch;
 use rayreel_machine::work::topology::Topology;
@@ -109,11 +111,25 @@ pub fn compute_rows<S: PathSource + ?Sized>(
     points.iter().map(|(point, key)| compute_row(point, key, source, stop, &mut tell)).collect()
 }
 
-/// Whether another attempt may succeed.
+/// Whether another attempt may succeed. A key names the checksums of all that a trace holds: bytes that do not fit them are not those of
+/// the point, and another copy of the file may have the right ones.
 fn may_pass(error: &StudyError) -> bool {
     match error {
         StudyError::Replay(ReplayError::Interrupted) => true,
-        StudyError::Replay(ReplayError::Trace { source, .. }) => matches!(**source, rayreel_formats::Error::Io { .. }),
+        StudyError::Replay(ReplayError::Trace { source, .. }) => match &**source {
+            TraceError::Io { .. } => true,
+            TraceError::Damaged { fault, .. } => is_of_bytes(fault),
+            _ => false,
+        },
+        _ => false,
+    }
+}
+
+/// Whether the bytes are not those that were written, and not what was written with them.
+fn is_of_bytes(fault: &Fault) -> bool {
+    match fault {
+        Fault::Checksum { .. } | Fault::Truncated { .. } => true,
+        Fault::Again { fault, .. } => is_of_bytes(fault),
         _ => false,
     }
 }
@@ -137,6 +153,8 @@ fn message(panic: &(dyn Any + Send)) -> String {
 
 #[cfg(test)]
 mod tests {
+    use rayreel_formats::error::Place;
+
     use super::*;
 
     #[test]
@@ -147,7 +165,10 @@ mod tests {
         };
         assert!(may_pass(&StudyError::Replay(ReplayError::Interrupted)));
         // A wrong use is wrong the next time too: for everybody, whatever its words.
-        assert!(!may_pass(&trace(rayreel_formats::Error::usage("interrupted"))));
+        assert!(!may_pass(&trace(TraceError::usage("interrupted"))));
+        let damaged = |fault: Fault| TraceError::Damaged { place: Place::unknown(), fault };
+        assert!(may_pass(&trace(damaged(Fault::Truncated { needed: 8, available: 3 }))));
+        assert!(!may_pass(&trace(damaged(Fault::Content("a ray without an end".into())))));
         assert!(!may_pass(&StudyError::Usage { detail: "interrupted".into() }));
     }
 }
