@@ -6,7 +6,7 @@ mod templates;
 
 use std::path::Path;
 
-use crate::cluster::shell::quote;
+use crate::cluster::shell::{filled, quote};
 
 pub use templates::{ENGINES, Engine};
 
@@ -29,19 +29,22 @@ pub const LABEL: &str = "NOT TESTED: a template to edit.";
 impl Engine {
     /// Its files: names and contents.
     pub fn files(&self, fill: Fill<'_>) -> Vec<(&'static str, String)> {
-        self.files.iter().map(|(name, text)| (*name, filled(text, fill))).collect()
+        self.files.iter().map(|(name, text)| (*name, of_template(text, fill))).collect()
     }
 }
 
-/// Fills in a template. Paths come last, and stand in shell scripts alone: elsewhere other quotes would be needed.
-fn filled(text: &str, fill: Fill<'_>) -> String {
+/// Fills in a template. Paths stand in shell scripts alone: elsewhere other quotes would be needed.
+fn of_template(text: &str, fill: Fill<'_>) -> String {
     let word = |path: &Path| quote(&path.display().to_string());
-    text.replace("@LABEL@", LABEL)
-        .replace("@NAME@", &super::slurm::sbatch::name(fill.plan))
-        .replace("@SHARDS@", &fill.shards.to_string())
-        .replace("@LAST@", &(fill.shards - 1).to_string())
-        .replace("@PROGRAM@", &word(fill.program))
-        .replace("@SWEEP@", &word(fill.sweep))
+    let values = [
+        ("LABEL", LABEL.to_owned()),
+        ("NAME", super::slurm::sbatch::name(fill.plan)),
+        ("SHARDS", fill.shards.to_string()),
+        ("LAST", (fill.shards - 1).to_string()),
+        ("PROGRAM", word(fill.program)),
+        ("SWEEP", word(fill.sweep)),
+    ];
+    filled(text, &values.each_ref().map(|(name, value)| (*name, value.as_str())))
 }
 
 #[cfg(test)]

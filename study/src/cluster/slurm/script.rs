@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::cluster::shell::quote;
+use crate::cluster::shell::{filled, quote};
 
 /// What a script does.
 #[derive(Clone, Copy, Debug)]
@@ -26,24 +26,25 @@ pub const REQUEUES_MAX: u32 = 20;
 pub fn shard(job: Job<'_>, shards: usize, run: &[String]) -> String {
     let words: Vec<String> = run.iter().map(|word| quote(word)).collect();
     let run = if words.is_empty() { String::new() } else { format!(" {}", words.join(" ")) };
-    let (program, sweep) = (quoted(job.program), quoted(job.sweep));
-    SHARD
-        .replace("@SETUP@", &setup(job))
-        .replace("@PROGRAM@", &program)
-        .replace("@RUN@", &run)
-        .replace("@SHARDS@", &shards.to_string())
-        .replace("@MAX@", &REQUEUES_MAX.to_string())
-        // Last: a path may contain anything, and nothing in it is to be replaced.
-        .replace("@SWEEP@", &sweep)
+    filled(
+        SHARD,
+        &[
+            ("SETUP", &setup(job)),
+            ("PROGRAM", &quoted(job.program)),
+            ("RUN", &run),
+            ("SHARDS", &shards.to_string()),
+            ("MAX", &REQUEUES_MAX.to_string()),
+            ("SWEEP", &quoted(job.sweep)),
+        ],
+    )
 }
 
 /// The script of the merge. `patience` is for file systems that show a file some time after another machine wrote it.
 pub fn merge(job: Job<'_>, patience: &str) -> String {
-    MERGE
-        .replace("@SETUP@", &setup(job))
-        .replace("@PROGRAM@", &quoted(job.program))
-        .replace("@PATIENCE@", &quote(patience))
-        .replace("@SWEEP@", &quoted(job.sweep))
+    let (setup, patience) = (setup(job), quote(patience));
+    let values =
+        [("SETUP", &setup), ("PROGRAM", &quoted(job.program)), ("PATIENCE", &patience), ("SWEEP", &quoted(job.sweep))];
+    filled(MERGE, &values.map(|(name, value)| (name, value.as_str())))
 }
 
 fn quoted(path: &Path) -> String {
@@ -65,7 +66,7 @@ mod tests {
         Job {
             program: Path::new("/opt/my tools/rayreel"),
             sweep: Path::new("/data/it's a @RUN@/x.sweep"),
-            setup: Some("module load gcc"),
+            setup: Some("echo @PROGRAM@; module load gcc"),
         }
     }
 
@@ -75,7 +76,7 @@ mod tests {
         let call = "'/opt/my tools/rayreel' --quiet --threads \"${SLURM_CPUS_PER_TASK:-1}\" sweep run '/data/it'\\''s a @RUN@/x.sweep' \
                     --shard auto/1240 --index-offset \"$offset\" --flush 30s &";
         assert!(text.contains(call), "{text}");
-        assert!(text.contains("\n# --setup\nmodule load gcc\n"), "{text}");
+        assert!(text.contains("\n# --setup\necho @PROGRAM@; module load gcc\n"), "{text}");
         assert!(text.starts_with("#!/bin/bash\n") && !text.contains("@SH") && !text.contains("@SETUP"), "{text}");
         assert!(text.contains("-ge 20 ]"), "{text}");
     }
