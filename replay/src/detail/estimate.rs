@@ -44,7 +44,7 @@ pub struct Estimate {
 
 /// Why a frame is simulated whole though a sample was asked for, as pages say it.
 pub const WHY_WHOLE: &str = "too few tiles or too small ones, tiles too alike or too different, a precision that no sample reaches, or a machine that gathers \
-                             rays or traces them by threads";
+                             rays, traces them by threads or has a rasteriser";
 
 /// The least half widths of intervals, as parts of the value.
 #[derive(Clone, Copy, Debug, PartialEq)]

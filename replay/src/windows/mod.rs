@@ -18,7 +18,7 @@ mod window;
 use std::sync::Arc;
 
 use rayreel_formats::scene::Meta;
-use rayreel_machine::config::{MachineConfig, Pipeline};
+use rayreel_machine::config::{MachineConfig, Pipeline, PrimaryVisibility};
 use rayreel_machine::energy::EnergyReport;
 use rayreel_machine::system::Probe;
 use rayreel_machine::work::check::PathCounts;
@@ -93,10 +93,11 @@ fn slots(config: &MachineConfig) -> usize {
     (config.gpu.cores * config.gpu.tiles_in_flight.clamp(1, 255)) as usize
 }
 
-/// Whether a sample can stand for a frame on this machine. Where rays are gathered, or traced by threads, the pass tells too little of
-/// how the time goes, and intervals missed more often than they state (docs/detail.md).
+/// Whether a sample can stand for a frame on this machine. Where rays are gathered, or traced by threads, or come out of a rasteriser, the
+/// pass tells too little of how the time goes, and intervals missed more often than they state (docs/detail.md).
 fn is_sampled(config: &MachineConfig) -> bool {
-    !matches!(config.ti.pipeline, Pipeline::Gathering | Pipeline::Software)
+    let is_raster = config.gpu.primary_visibility == PrimaryVisibility::Raster;
+    !is_raster && !matches!(config.ti.pipeline, Pipeline::Gathering | Pipeline::Software)
 }
 
 /// What a machine has under way at a time, at most.
