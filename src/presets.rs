@@ -1,13 +1,12 @@
 //! `rayreel presets`: the machines and policies that replays can name, and where each number of a machine is from.
 
-use anyhow::{Result, bail};
+use anyhow::Result;
 use clap::Subcommand;
-use rayreel_machine::config::{MACHINES, NamedMachine, PRESETS, Sourced};
-use rayreel_replay::NamedPolicy;
-use rayreel_replay::policy::{self, POLICIES};
-use rayreel_settings::{is_path, near};
+use rayreel_machine::config::{MACHINES, PRESETS};
+use rayreel_replay::policy;
 use rayreel_study::policy_text::{first_sentence, why};
-use serde_json::{Map, Value, json};
+use rayreel_study::presets::Preset;
+use serde_json::json;
 
 use crate::common::{print, print_json};
 use crate::exit::Exit;
@@ -49,27 +48,8 @@ pub fn run(args: &Args) -> Result<Exit> {
 }
 
 fn show(preset: &str, set: &[String], as_json: bool) -> Result<()> {
-    if is_policy(preset) {
-        let policy = NamedPolicy::load(preset, set)?;
-        return if as_json { print_json(&policy_json(&policy)?) } else { print(&policy.page()) };
-    }
-    let machine = match NamedMachine::load(preset, set) {
-        Err(error) if !is_path(preset) && !MACHINES.owns(preset) => {
-            let names: Vec<_> = policy::PRESETS.iter().map(|(name, _)| *name).collect();
-            bail!("{error}; policies are {}", names.join(", "));
-        }
-        loaded => loaded?,
-    };
-    if as_json { print_json(&machine_json(&machine)) } else { print(&machine.page()) }
-}
-
-/// Whether `preset` is a policy rather than a machine. Of a name that is neither, the message that knows a similar one is better.
-fn is_policy(preset: &str) -> bool {
-    let similar = || {
-        let names: Vec<_> = policy::PRESETS.iter().map(|(name, _)| *name).collect();
-        near(preset, &names).starts_with("did you mean")
-    };
-    POLICIES.owns(preset) || (!is_path(preset) && !MACHINES.owns(preset) && similar())
+    let preset = Preset::load(preset, set)?;
+    if as_json { print_json(&preset.json()?) } else { print(&preset.page()) }
 }
 
 fn list(as_json: bool) -> Result<()> {
@@ -91,17 +71,4 @@ fn list(as_json: bool) -> Result<()> {
     text += "\npolicies\n";
     policies.iter().for_each(|(name, why)| text += &format!("  {name:<22} {}\n", first_sentence(why)));
     print(&text)
-}
-
-fn machine_json(machine: &NamedMachine) -> Value {
-    let value = |v: &Sourced| json!({"value": v.value, "class": v.class.name(), "source": v.source, "from": v.from});
-    json!({
-        "name": machine.name,
-        "chain": machine.chain.iter().map(|a| json!({"name": a.name, "why": a.why})).collect::<Vec<_>>(),
-        "values": machine.values.iter().map(|v| (v.key.to_owned(), value(v))).collect::<Map<_, _>>(),
-    })
-}
-
-fn policy_json(policy: &NamedPolicy) -> Result<Value> {
-    Ok(json!({"name": policy.name, "policy": serde_json::to_value(&policy.policy)?}))
 }

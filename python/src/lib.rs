@@ -24,7 +24,7 @@ mod _native {
     #[pymodule_export]
     use crate::replay::Frame;
     #[pymodule_export]
-    use crate::trace::{Trace, presets, tables};
+    use crate::trace::{Trace, preset, presets, tables};
     #[pymodule_export]
     use crate::view::TileView;
 

@@ -6,13 +6,15 @@ use std::sync::Arc;
 
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
-use rayreel_columns::{Batch, Head, What};
+use rayreel_columns::{Batch, Head, Selection, What, aov};
 use rayreel_formats::budget::Budget;
-use rayreel_formats::{Limits, Trace as Recorded};
-use rayreel_replay::Stop;
+use rayreel_formats::{Camera, Limits, Trace as Recorded};
+use rayreel_replay::image::layers::{Channel, Values};
+use rayreel_replay::{NamedPolicy, Stop};
+use rayreel_study::presets::Preset;
 
 use crate::batches::Batches;
-use crate::columns::to_dict;
+use crate::columns::{plane, to_dict};
 use crate::error::raise;
 use crate::replay::{Frame, Request, frames_of};
 use crate::wait::interruptible;
@@ -57,6 +59,18 @@ impl Trace {
         Ok(dict)
     }
 
+    /// The camera of a frame, the first if none is named.
+    fn camera<'py>(&self, py: Python<'py>, frame: Option<u32>) -> PyResult<Bound<'py, PyDict>> {
+        let frame = frame.unwrap_or(self.recorded.meta().first_frame);
+        let frames = Selection::all(self.recorded.meta()).frames(frame..frame.saturating_add(1));
+        frames.map_err(|e| raise(&e))?;
+        let Camera { eye, corner, right, down } = self.recorded.camera(frame).map_err(|e| raise(&e))?;
+        let dict = PyDict::new(py);
+        let vectors = [("eye", eye), ("corner", corner), ("right", right), ("down", down)];
+        vectors.into_iter().try_for_each(|(name, v)| dict.set_item(name, (v.x, v.y, v.z)))?;
+        Ok(dict)
+    }
+
     /// The fingerprint, as sweeps and reports name the trace.
     fn fingerprint(&self) -> PyResult<String> {
         Ok(self.recorded.fingerprint().map_err(|e| raise(&e))?.to_string())
@@ -75,6 +89,30 @@ impl Trace {
         let wanted = Wanted::new(&self.recorded, what, asked)?;
         let head = wanted.head(&self.recorded)?;
         Batches::new(Arc::clone(&self.recorded), wanted, head)
+    }
+
+    /// What a frame holds beside its colours, and what a policy makes of it: planes by name.
+    fn aov<'py>(
+        &self,
+        py: Python<'py>,
+        frame: Option<u32>,
+        policy: &str,
+        overrides: Vec<String>,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let policy = NamedPolicy::load(policy, &overrides).map_err(|e| raise(&e))?;
+        let meta = self.recorded.meta();
+        let frame = frame.unwrap_or(meta.first_frame);
+        let channels =
+            interruptible(py, |stop| aov::channels(&self.recorded, &policy, frame, stop).map_err(|e| raise(&e)))?;
+        let (dict, size) = (PyDict::new(py), (meta.width, meta.height));
+        for Channel { name, values } in channels {
+            let plane = match values {
+                Values::Floats(values) => plane(py, size, values)?,
+                Values::Whole(values) => plane(py, size, values)?,
+            };
+            dict.set_item(name, plane)?;
+        }
+        Ok(dict)
     }
 
     /// Replays frames, on a machine if one is named: the report as JSON, and the frames.
@@ -126,4 +164,11 @@ pub fn tables(py: Python<'_>) -> PyResult<Bound<'_, PyList>> {
 pub fn presets() -> (Vec<&'static str>, Vec<&'static str>) {
     let names = |presets: &[(&'static str, &'static str)]| presets.iter().map(|preset| preset.0).collect();
     (names(rayreel_replay::policy::PRESETS), names(rayreel_machine::config::schema::PRESETS))
+}
+
+/// The values of a policy or a machine, as JSON.
+#[pyfunction]
+pub fn preset(name: &str, overrides: Vec<String>) -> PyResult<String> {
+    let json = Preset::load(name, &overrides).and_then(|preset| preset.json());
+    Ok(json.map_err(|e| raise(&e))?.to_string())
 }

@@ -145,3 +145,36 @@ def test_ctrl_c_ends_a_simulation(cornell: rayreel.Trace):
     with pytest.raises(KeyboardInterrupt):
         cornell.replay(Slow())
     assert time.monotonic() - began < 2.5, "15 tiles of 0.2 s take longer"
+
+
+def test_layers_are_those_of_the_program(path: Path, program: Path, tmp_path: Path):
+    """Depth and place of a pixel fit its camera: the place lies so far along the ray of the pixel's first sample."""
+    trace = rayreel.open(path)
+    frame = trace.frame_numbers[-1]
+    layers, camera = trace.aov(frame, policy="full"), trace.camera(frame)
+    shape = (trace.meta["height"], trace.meta["width"])
+    assert {layer.shape for layer in layers.values()} == {shape}
+    y, x = np.argwhere(np.isfinite(layers["depth.Z"]))[0]
+    n = trace.meta["samples"]
+    eye, corner, right, down = (np.array(camera[name]) for name in ("eye", "corner", "right", "down"))
+    along = corner + right * (n * x + 0.5) + down * (n * y + 0.5)
+    place = eye + layers["depth.Z"][y, x] * along / np.linalg.norm(along)
+    np.testing.assert_allclose([layers[f"position.{axis}"][y, x] for axis in "XYZ"], place, rtol=1e-4, atol=1e-4)
+    samples = trace.table("samples", columns=["rays"], frames=frame)
+    assert layers["rays.all"].sum() == samples["rays"].sum()
+    file = tmp_path / "x.exr"
+    command = [program, "aov", path, "--frame", str(frame), "--policy", "full", "-o", file, "-q"]
+    told = subprocess.run(command, check=True, capture_output=True, text=True).stdout
+    assert f" {len(layers)} channels " in told
+    with pytest.raises(rayreel.Error, match="frame 9999"):
+        trace.aov(9999)
+    with pytest.raises(rayreel.Error, match="frame 9999"):
+        trace.camera(9999)
+
+
+@pytest.mark.parametrize("name", ["sgrt-ti2", "multirate"])
+def test_presets_are_those_of_the_program(name: str, program: Path):
+    there = subprocess.run([program, "presets", "show", name, "--json"], check=True, capture_output=True).stdout
+    assert rayreel.preset(name) == json.loads(there)
+    with pytest.raises(rayreel.Error, match="policies are"):
+        rayreel.preset("nothing")

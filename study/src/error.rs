@@ -23,6 +23,12 @@ pub enum StudyError {
         /// What is wrong, and what would be right.
         detail: String,
     },
+    /// Neither a machine nor a policy has this name.
+    #[error("{detail}")]
+    NoPreset {
+        /// Which one, and which there are.
+        detail: String,
+    },
     /// A file of results that does not hold what it should: it has to be made again.
     #[error("{}: {detail}", path.display())]
     Corrupt {

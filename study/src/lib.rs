@@ -44,6 +44,7 @@ pub mod html;
 pub mod point;
 pub mod policy_text;
 pub mod pool;
+pub mod presets;
 pub mod report;
 pub mod schema;
 pub mod sweep;

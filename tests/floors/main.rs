@@ -38,7 +38,7 @@ const ORDERS: [(&str, &str); 14] = [
     ),
     (
         "study/src/lib.rs",
-        "error files pool policy_text schema figures report table point sweep cluster analysis compare html",
+        "error files pool policy_text presets schema figures report table point sweep cluster analysis compare html",
     ),
     (
         "paper/src/lib.rs",

@@ -14,7 +14,7 @@ from ._native import MODEL_VERSION, Error, Frame, TileView, __version__
 from .policy import Policy
 from .sweep import open_results, read_results
 from .table import Column, Table, TableInfo, tables
-from .trace import Result, State, Trace, open, presets
+from .trace import Result, State, Trace, open, preset, presets
 
 __all__ = [
     "Column",
@@ -31,6 +31,7 @@ __all__ = [
     "__version__",
     "open",
     "open_results",
+    "preset",
     "presets",
     "read_results",
     "tables",

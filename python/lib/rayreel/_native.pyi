@@ -11,7 +11,7 @@ _Floats: TypeAlias = npt.NDArray[np.float32]
 _Sample: TypeAlias = Iterable[SupportsIndex]
 _Colour: TypeAlias = Iterable[SupportsFloat]
 
-__all__ = ["Batches", "Error", "Frame", "MODEL_VERSION", "TileView", "Trace", "__version__", "presets", "tables"]
+__all__ = ["Batches", "Error", "Frame", "MODEL_VERSION", "TileView", "Trace", "__version__", "preset", "presets", "tables"]
 __version__: str
 MODEL_VERSION: int
 
@@ -140,6 +140,9 @@ class Trace:
     def meta(self) -> dict[str, Any]:
         """What was captured, by name."""
 
+    def camera(self, frame: int | None) -> dict[str, tuple[float, float, float]]:
+        """The camera of a frame, the first if none is named."""
+
     def fingerprint(self) -> str:
         """What the trace holds, in 64 digits."""
 
@@ -149,6 +152,9 @@ class Trace:
     def batches(self, what: str, asked: Mapping[str, Any]) -> Batches:
         """A table, batch by batch."""
 
+    def aov(self, frame: int | None, policy: str, overrides: list[str]) -> dict[str, _Array]:
+        """What a frame holds beside its colours, and what a policy makes of it: planes by name."""
+
     def replay(self, request: Mapping[str, Any]) -> tuple[str, list[Frame]]:
         """Replays frames, on a machine if one is named: the report as JSON, and the frames."""
 
@@ -157,3 +163,6 @@ def tables() -> list[tuple[str, str, list[tuple[str, str, str, str]]]]:
 
 def presets() -> tuple[list[str], list[str]]:
     """Names of the policies and of the machines."""
+
+def preset(name: str, overrides: list[str]) -> str:
+    """The values of a policy or a machine, as JSON."""

@@ -9,6 +9,8 @@ from enum import IntEnum
 from functools import partial
 from typing import Any, Iterator, Sequence, SupportsIndex
 
+import numpy.typing as npt
+
 from . import _arguments, _native
 from ._arguments import Frames, Location, Overrides, PresetOrFile, Tiles
 from ._native import Error, Frame
@@ -104,6 +106,11 @@ class Trace:
         """The numbers of its frames."""
         return range(*self._recorded.frame_numbers)
 
+    def camera(self, frame: SupportsIndex | None = None) -> dict[str, tuple[float, float, float]]:
+        """The camera of a frame, the first if none is named: `eye`, and from it `corner` to the upper left corner of the picture, `right`
+        and `down` from sample to sample. The ray through sample x, y goes along corner + right * (x + 0.5) + down * (y + 0.5)."""
+        return self._recorded.camera(None if frame is None else _arguments.whole("frame", frame))
+
     def table(
         self,
         what: str,
@@ -140,6 +147,21 @@ class Trace:
         batches = self._recorded.batches(what, _arguments.asked(columns, frames, tiles, policy, machine, set, interval))
         # Unlike a generator, this goes on after an interruption.
         return map(partial(Table, tables()[what]), batches)
+
+    def aov(
+        self,
+        frame: SupportsIndex | None = None,
+        *,
+        policy: PresetOrFile = "adaptive",
+        set: Overrides | None = None,
+    ) -> dict[str, npt.NDArray[Any]]:
+        """What a frame holds beside its colours, the first if none is named, and what a policy makes of it: by name planes of rows
+        and columns, with the names of the channels that `rayreel aov` writes, such as `depth.Z`, `normal.X` and `work.node_visits`."""
+        number = None if frame is None else _arguments.whole("frame", frame)
+        name = _arguments.preset_or_file("policy", policy)
+        if name is None:
+            raise Error("aov takes a policy: the name of a preset, or a file")
+        return self._recorded.aov(number, name, _arguments.overrides(set))
 
     def replay(
         self,
@@ -201,3 +223,13 @@ def presets() -> dict[str, list[str]]:
     """The names of the built-in policies and machines."""
     policies, machines = _native.presets()
     return {"policies": policies, "machines": machines}
+
+
+def preset(name: PresetOrFile, *, set: Overrides | None = None) -> dict[str, Any]:
+    """The values of a policy or a machine, a preset or a file: what `rayreel presets show NAME --json` prints. Those of a machine are
+    text with their units, each with its class and source."""
+    given = _arguments.preset_or_file("name", name)
+    if given is None:
+        raise Error("name is the name of a preset, or a file, not None")
+    values: dict[str, Any] = json.loads(_native.preset(given, _arguments.overrides(set)))
+    return values
