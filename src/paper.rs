@@ -18,6 +18,10 @@ use crate::detail::DetailArgs;
 use crate::exit::Exit;
 use crate::progress::{self, Progress};
 
+const DETAIL: &str = "How much the machine simulates cycle by cycle: full, all, or a share of the tiles such as 0.05 or 5%.\n\n\
+    full is every cycle, in one thread; all is every tile, in windows side by side on all cores; a share is a sample, from which everything \
+    is estimated, with intervals. No result depends on the number of threads.";
+
 /// Reproduce the paper's experiment, and what it left as future work, on the built-in scenes.
 ///
 /// Captures what is missing into the cache folder; simulates every policy in both modes (supersampling: 2x2 samples a pixel,
@@ -27,6 +31,9 @@ use crate::progress::{self, Progress};
 /// GPU. Frames that are large enough are estimated from a sample of their tiles, with intervals; --detail full simulates every cycle.
 /// Every result is kept in the cache folder: a run that was killed goes on where it was, a second run computes nothing.
 #[derive(Debug, clap::Args)]
+#[command(mut_arg("detail", |arg| arg.value_name("full|all|SHARE")
+    .help("How much the machine simulates cycle by cycle: full, all, or a share of the tiles such as 0.05 or 5%")
+    .long_help(DETAIL)))]
 pub struct Args {
     /// Image size in pixels; 512x256 by default, the paper's 2048x1024 with --full.
     #[arg(long, value_name = "WxH", value_parser = crate::common::size)]

@@ -37,7 +37,8 @@ fn overhead(study: &Study, evaluated: &[&Point]) -> String {
         return String::new();
     }
     format!(
-        "\n\"cannot hinder the T&I unit\": time of a frame with the real SRP over that with a free one\n\n\
+        "\n\"cannot hinder the T&I unit\": time of a frame with the real SRP over that with a free one;\nsampling \
+         hinders where that is more than under full, and more than {HINDERS}\n\n\
          {:<scene$} {:<14} {:>12} {:>12}\n{rows}it holds in {held} of {all}\n",
         "scene", "mode", "the policy", "full"
     )

@@ -62,7 +62,7 @@ pub enum ReportError {
         found: u64,
     },
     /// A picture that the study names is not there.
-    #[error("{} names the picture {name:?}, which is not there; run the command that made the folder again", path.display())]
+    #[error("picture {name:?} of {} is not there; run the command that made the folder again", path.display())]
     NoPicture {
         /// The study.
         path: PathBuf,

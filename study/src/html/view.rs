@@ -1,5 +1,7 @@
 //! The study as the sections see it: looked up by scene, mode and policy. A policy looks the same on the whole page.
 
+use rayreel_replay::detail::FLOOR;
+
 use crate::html::charts::gallery::Gallery;
 use crate::html::charts::svg::{COLOURS, marker};
 use crate::html::magnitude::{ENERGY, Unit, for_all};
@@ -219,13 +221,15 @@ pub fn gain_interval(point: &Point) -> Option<f64> {
     Some(point.ti_gain.or(point.gpu_gain)?.interval?.perf_per_watt)
 }
 
-/// How far a geometric mean of factors may be off that are off by so much each, independently; nothing if all are exact.
+/// How far a geometric mean of factors may be off that are off by so much each, independently; nothing if all are exact. It is at least
+/// [`FLOOR`] for the part of them that is estimated: what makes up that is no chance that a mean would take away.
 pub fn mean_interval(intervals: impl Iterator<Item = Option<f64>>) -> Option<f64> {
-    let (squares, count) = intervals.fold((0.0, 0_u32), |(squares, count), interval| {
+    let (squares, estimated, count) = intervals.fold((0.0, 0_u32, 0_u32), |(squares, estimated, count), interval| {
         let part = interval.unwrap_or(0.0);
-        (squares + part * part, count + 1)
+        (squares + part * part, estimated + u32::from(part > 0.0), count + 1)
     });
-    (squares > 0.0).then(|| squares.sqrt() / f64::from(count))
+    let part = f64::from(estimated) / f64::from(count.max(1));
+    (squares > 0.0).then(|| (squares.sqrt() / f64::from(count)).max(FLOOR * part))
 }
 
 /// The geometric mean; nothing without values or where one is missing or not positive.

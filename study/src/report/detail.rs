@@ -215,11 +215,11 @@ fn intervals(
     all
 }
 
-/// Whether a figure is one of L2 and DRAM, or has their energy in it.
+/// Whether a figure is one of L2 and DRAM, or has their energy in it. Rays a second and area are of time alone, whatever the area.
 pub fn needs_memory(name: &str) -> bool {
     let of_memory =
         ["ti_with_memory_", "gpu_", "l2_", "dram_", "traffic_", "energy_l2", "energy_network", "energy_dram"];
-    of_memory.iter().any(|part| name.starts_with(part))
+    name != "gpu_mrays_per_mm2" && of_memory.iter().any(|part| name.starts_with(part))
 }
 
 /// Whether a figure of the machine is counted in any case: known by its name where no replicate shows it.

@@ -37,6 +37,9 @@ pub struct Lines<'a> {
     pub zero: bool,
 }
 
+/// Most frames of which each has a dot: of more they would hide the line.
+const DOTTED: usize = 40;
+
 /// Height of the chart.
 const HEIGHT: f64 = 200.0;
 
@@ -99,7 +102,7 @@ impl Lines<'_> {
     }
 
     fn line(&self, svg: &mut Svg, line: &Line, x: &Scale, y: &Scale) {
-        let (mut d, mut drawing) = (String::new(), false);
+        let (mut d, mut dots, mut drawing) = (String::new(), String::new(), false);
         for (i, (frame, value)) in self.frames.iter().zip(&line.values).enumerate() {
             let Some(value) = value else {
                 drawing = false;
@@ -109,11 +112,12 @@ impl Lines<'_> {
             let _ = write!(d, "{}{px} {py}", if drawing { 'L' } else { 'M' });
             let alone = !drawing && line.values.get(i + 1).is_none_or(Option::is_none);
             // A frame without neighbours would be a line of no length.
-            if alone {
-                d += "m-2.5 0a2.5 2.5 0 1 0 5 0a2.5 2.5 0 1 0 -5 0";
+            if alone || self.frames.len() <= DOTTED {
+                let _ = write!(dots, "M{px} {py}m-2.5 0a2.5 2.5 0 1 0 5 0a2.5 2.5 0 1 0 -5 0");
             }
             drawing = true;
         }
+        d += &dots;
         let list = |values: &mut dyn Iterator<Item = Option<f64>>| {
             values.map(|v| v.map(short).unwrap_or_default()).collect::<Vec<_>>().join(",")
         };

@@ -38,8 +38,14 @@ pub enum StackedRow {
 /// Height of a bar with the gap below it.
 const ROW: f64 = 21.0;
 
-/// Draws the bars. The axis reaches `most`; `tick` writes a value along it.
-pub fn stacked(rows: &[StackedRow], most: f64, tick: impl Fn(&Scale, f64) -> String, label: &str) -> Chart {
+/// Draws the bars. The axis reaches `most`; `tick` writes a value along it. `value` is what the file of the values calls them, with
+/// their unit.
+pub fn stacked(
+    rows: &[StackedRow],
+    (most, value): (f64, &str),
+    tick: impl Fn(&Scale, f64) -> String,
+    label: &str,
+) -> Chart {
     let names =
         rows.iter().filter_map(|row| if let StackedRow::Bar { name, .. } = row { Some(name.as_str()) } else { None });
     let texts = rows.iter().map(|row| if let StackedRow::Bar { text, .. } = row { text_width(text) } else { 0.0 });
@@ -71,18 +77,22 @@ pub fn stacked(rows: &[StackedRow], most: f64, tick: impl Fn(&Scale, f64) -> Str
     let parts = rows.iter().flat_map(|row| if let StackedRow::Bar { parts, .. } = row { &parts[..] } else { &[] });
     let key = |part: &Part| Key { opacity: part.opacity, ..Key::new(&part.class, &part.name) };
     let keys = once(parts.filter(|part| part.value > 0.0).map(key));
-    Chart { svg: svg.finish(label, ""), data: of_parts(rows), keys }
+    Chart { svg: svg.finish(label, ""), data: of_parts(rows, value), keys }
 }
 
-fn of_parts(rows: &[StackedRow]) -> Data {
-    let mut data = Data::new(&["of", "bar", "part", "value"]);
+fn of_parts(rows: &[StackedRow], value: &str) -> Data {
+    let headed = rows.iter().any(|row| matches!(row, StackedRow::Head(_)));
+    let columns = ["of", "bar", "part", value];
+    let mut data = Data::new(if headed { &columns } else { &columns[1..] });
     let mut head = "";
     for row in rows {
         match row {
             StackedRow::Head(text) => head = text,
             StackedRow::Bar { name, parts, .. } => {
                 for part in parts {
-                    data.row(vec![head.into(), name.clone(), part.name.clone(), cell(Some(part.value))]);
+                    let of = headed.then(|| head.to_owned());
+                    let cells = [name.clone(), part.name.clone(), cell(Some(part.value))];
+                    data.row(of.into_iter().chain(cells).collect());
                 }
             }
         }

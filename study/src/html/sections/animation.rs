@@ -58,8 +58,9 @@ pub fn section(view: &StudyView<'_>) -> Option<Section> {
             "Power, energy and time are those of the frames that were simulated; rays and pictures are of all."
         };
         html += &how_to_read(&format!(
-            "One line for each policy over the frames of the camera path; point at a frame to read its values. A missing piece of \
-             a PSNR line is a frame that equals the reference. Flicker is the error of the change from frame to frame: smaller is \
+            "One line for each policy over the frames of the camera path, which count from 1 as in the paper: frame 340 is frame 339 of \
+             <code>rayreel capture --frames</code>. Point at a frame to read its values. Where there are few, each has a dot, and a line between \
+             dots passes frames that were left out. A missing piece of a PSNR line is a frame that equals the reference. Flicker is the error of the change from frame to frame: smaller is \
              steadier. {others}"
         ));
     }

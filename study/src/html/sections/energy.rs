@@ -5,7 +5,7 @@ use crate::html::charts::stacked::{Part, StackedRow, stacked};
 use crate::html::magnitude::Unit;
 use crate::html::modes::{by_mode, mode_name};
 use crate::html::parts::{Head, Section, details, grid, how_to_read, key, legend, table};
-use crate::html::text::{digits, escape, fixed, or_dash, percent};
+use crate::html::text::{digits, escape, fixed, or_dash, percent, plus_minus};
 use crate::html::view::StudyView;
 use crate::schema::{Component, Point};
 
@@ -41,6 +41,11 @@ fn amount(mj: f64, unit: Unit) -> String {
     format!("{} {}", digits(mj * unit.scale), unit.name)
 }
 
+/// How far the energy of the whole GPU may be off, as a part of it.
+fn interval(point: &Point) -> Option<f64> {
+    Some(point.gpu?.interval?.energy_mj)
+}
+
 fn chart(view: &StudyView<'_>, scene: &str, mode: &str, unit: Unit) -> String {
     let points: Vec<&Point> = view.of(scene, mode).into_iter().filter(|p| !p.energy.is_empty()).collect();
     let most = points.iter().map(|p| total(p)).fold(0.0, f64::max);
@@ -50,14 +55,14 @@ fn chart(view: &StudyView<'_>, scene: &str, mode: &str, unit: Unit) -> String {
     let row = |point: &&Point| StackedRow::Bar {
         name: point.policy.clone(),
         parts: parts(point, unit),
-        text: amount(total(point), unit),
+        text: amount(total(point), unit) + &plus_minus(interval(point)),
     };
     let text: Vec<String> = points.iter().map(|p| format!("{} {}", p.policy, amount(total(p), unit))).collect();
     let label = format!("Stacked bars, {scene}: energy by component. {}.", text.join("; "));
     let rows: Vec<StackedRow> = points.iter().map(row).collect();
     // The bars, and the file of their values, stay in the unit of the study; only what is written is in the other.
     let tick = |scale: &Scale, tick: f64| scale.times(unit.scale).label(tick * unit.scale);
-    view.charts.card(&["energy", mode, scene], scene, &stacked(&rows, most, tick, &label), "")
+    view.charts.card(&["energy", mode, scene], scene, &stacked(&rows, (most, "energy, mJ"), tick, &label), "")
 }
 
 fn parts(point: &Point, unit: Unit) -> Vec<Part> {
@@ -101,7 +106,8 @@ fn numbers(view: &StudyView<'_>, mode: &str, unit: Unit) -> String {
     columns.extend(names.iter().map(|name| Head::number(name)));
     let cell = |mj: f64| fixed(mj * unit.scale, 3);
     let row = |point: &Point| {
-        let mut cells = vec![escape(&point.scene), escape(&point.policy), cell(total(point))];
+        let mut cells =
+            vec![escape(&point.scene), escape(&point.policy), cell(total(point)) + &plus_minus(interval(point))];
         let of = |name: &&str| point.energy.iter().find(|c| c.component == *name);
         cells.extend(names.iter().map(|name| or_dash(of(name), |c| cell(c.mj))));
         (String::new(), cells)

@@ -5,7 +5,7 @@ use crate::html::modes::{mode_name, mode_reference};
 use crate::html::parts::Section;
 use crate::html::text::{decibels, escape, factor, percent, plus_minus};
 use crate::html::view::{StudyView, gain, gain_interval, geometric_mean, mean_interval};
-use crate::schema::Point;
+use crate::schema::{GainBand, Point};
 
 /// A number with what it is.
 struct Tile {
@@ -71,9 +71,16 @@ fn mean_tile(view: &StudyView<'_>, mode: &str, policy: &str) -> Option<(Tile, us
 
 fn paper(view: &StudyView<'_>, mode: &str, policy: &str) -> Option<Tile> {
     let (mut tile, _) = mean_tile(view, mode, policy)?;
-    let bands = &view.study.references.gains;
-    if let Some([low, high]) = extent(bands.iter().flat_map(|b| [b.least, b.most.unwrap_or(b.least)])) {
-        tile.detail += &format!(" The paper: {} to {}.", factor(low), factor(high));
+    let shown = |band: &&GainBand| view.points.iter().any(|point| point.scene == band.scene);
+    let bands: Vec<&GainBand> = view.study.references.gains.iter().filter(shown).collect();
+    if let Some([low, _]) = extent(bands.iter().map(|band| band.least)) {
+        // For some scenes the paper states no upper end.
+        let most: Option<Vec<f64>> = bands.iter().map(|band| band.most).collect();
+        let high = most.and_then(extent);
+        tile.detail += &match high {
+            Some([_, high]) => format!(" The paper: {} to {}.", factor(low), factor(high)),
+            None => format!(" The paper: at least {}.", factor(low)),
+        };
     }
     Some(tile)
 }

@@ -109,7 +109,7 @@ fn chart(view: &StudyView<'_>, scene: &str, mode: &str) -> String {
     view.charts.card(
         &["utilisation", mode, scene],
         scene,
-        &stacked(&rows, 1.0, |_, tick| percent(tick).replace(".0", ""), &label),
+        &stacked(&rows, (1.0, "share of the cycles"), |_, tick| percent(tick).replace(".0", ""), &label),
         "",
     )
 }
