@@ -55,7 +55,4 @@ pub use point::key::Point;
 pub use point::row::Row;
 pub use point::segment::Writer;
 pub use point::store::Store;
-pub use sweep::folder::Folder;
-pub use sweep::merge::merge;
-pub use sweep::plan::Plan;
-pub use sweep::{reused::ReusedRows, shard::Shard};
+pub use sweep::{folder::Folder, merge::merge, plan::Plan, reused::ReusedRows, shard::Shard};
