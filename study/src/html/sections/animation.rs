@@ -59,7 +59,7 @@ pub fn section(view: &StudyView<'_>) -> Option<Section> {
         };
         html += &how_to_read(&format!(
             "One line for each policy over the frames of the camera path, which count from 1 as in the paper: frame 340 is frame 339 of \
-             <code>rayreel capture --frames</code>. Point at a frame to read its values. Where there are few, each has a dot, and a line between \
+             rayreel capture --frames. Point at a frame to read its values. Where there are few, each has a dot, and a line between \
              dots passes frames that were left out. A missing piece of a PSNR line is a frame that equals the reference. Flicker is the error of the change from frame to frame: smaller is \
              steadier. {others}"
         ));
