@@ -83,7 +83,7 @@ mod tests {
     fn a_name_is_that_of_a_machine_or_of_a_policy() {
         let loaded = |name: &str| Preset::load(name, &[]).unwrap();
         let machine = loaded("raycore").json().unwrap();
-        assert_eq!((&machine["name"], machine["values"]["gpu.cores"]["value"].is_string()), (&json!("raycore"), true));
+        assert_eq!((&machine["name"], machine["values"]["gpu.cores"]["class"].is_string()), (&json!("raycore"), true));
         assert_eq!(loaded("paper-ss").json().unwrap()["policy"]["kind"], "adaptive");
         let set = Preset::load("multirate", &["correct.passes=1".into()]).unwrap();
         assert_eq!(set.json().unwrap()["policy"]["correct"]["passes"], 1);

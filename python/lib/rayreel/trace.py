@@ -227,7 +227,7 @@ def presets() -> dict[str, list[str]]:
 
 def preset(name: PresetOrFile, *, set: Overrides | None = None) -> dict[str, Any]:
     """The values of a policy or a machine, a preset or a file: what `rayreel presets show NAME --json` prints. Those of a machine are
-    text with their units, each with its class and source."""
+    numbers, or text with a unit, each with its class and source."""
     given = _arguments.preset_or_file("name", name)
     if given is None:
         raise Error("name is the name of a preset, or a file, not None")
