@@ -122,12 +122,16 @@ fn uniform_frames_are_simulated_whole_and_that_is_said() {
 }
 
 #[test]
-fn machines_without_traversal_units_are_not_sampled() {
+fn machines_that_the_pass_does_not_know_are_not_sampled() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("c.rtrace");
-    capture("cornell", "--size 256x256 --samples 1x1 --tile 16 --depth 0", &file);
+    capture("cornell", "--size 256x256 --samples 2x2 --tile 32 --depth 0", &file);
     let of = |options: &str| replay(&file, &format!("--policy adaptive --detail {options}")).expect(0).json();
-    for machine in ["mimd-trax", "gr6500"] {
+    assert!(
+        of("5% --machine sgrt-ti2")["detail"]["windows"].as_u64() > Some(0),
+        "the frame is large enough for a sample"
+    );
+    for machine in ["mimd-trax", "gr6500", "hybrid-raster"] {
         let (sampled, full) = (of(&format!("5% --machine {machine}")), of(&format!("full --machine {machine}")));
         assert_eq!((&sampled["cycles"], &sampled["detail"]["whole_frames"]), (&full["cycles"], &json!(1)), "{machine}");
         assert!(of(&format!("counts --machine {machine}"))["cycles"].is_null());

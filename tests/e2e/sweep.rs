@@ -274,3 +274,21 @@ fn listing(path: &Path) -> Vec<PathBuf> {
     all.sort();
     all
 }
+
+/// A key names the checksums of its trace: bytes that do not fit them make no row, and a sound copy does.
+#[test]
+fn a_damaged_trace_leaves_no_row() {
+    let place = Place::new("32x32");
+    place.plan("p.toml", "machines = [\"none\"]\npolicies = [\"full\", \"adaptive\"]\n");
+    place.run("plan {p.toml} -o {s} --no-estimate --quiet").expect(0);
+    let sound = fs::read(place.path("small.rtrace")).unwrap();
+    let mut damaged = sound.clone();
+    damaged[sound.len() / 2] ^= 1;
+    fs::write(place.path("small.rtrace"), damaged).unwrap();
+    place.run("run {s} --quiet").expect(3).says(&["not done", "checksum"]);
+    fs::write(place.path("small.rtrace"), sound).unwrap();
+    place.run("resume {s} --quiet").expect(0);
+    place.run("merge {s} --quiet").expect(0);
+    let csv = fs::read_to_string(place.path("s/results.csv")).unwrap();
+    assert!(csv.lines().count() == 3 && !csv.contains("failed"), "{csv}");
+}

@@ -238,3 +238,17 @@ pub fn geometric_mean(values: impl Iterator<Item = Option<f64>>) -> Option<f64> 
     let logs = logs.filter(|logs| !logs.is_empty())?;
     Some(libm::exp(logs.iter().sum::<f64>() / logs.len() as f64))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn means_are_known_no_better_than_windows_tell() {
+        let near = |a: Option<f64>, b: f64| (a.unwrap() - b).abs() < 1e-12;
+        assert_eq!(mean_interval([None, None].into_iter()), None, "all exact");
+        assert!(near(mean_interval([Some(0.03), Some(0.04)].into_iter()), 0.025), "independent");
+        assert!(near(mean_interval([Some(FLOOR); 5].into_iter()), FLOOR), "all at the least");
+        assert!(near(mean_interval([Some(FLOOR), None].into_iter()), FLOOR / 2.0), "a half is exact");
+    }
+}

@@ -167,7 +167,9 @@ mod tests {
         // A wrong use is wrong the next time too: for everybody, whatever its words.
         assert!(!may_pass(&trace(TraceError::usage("interrupted"))));
         let damaged = |fault: Fault| TraceError::Damaged { place: Place::unknown(), fault };
-        assert!(may_pass(&trace(damaged(Fault::Truncated { needed: 8, available: 3 }))));
+        let cut = Fault::Truncated { needed: 8, available: 3 };
+        assert!(may_pass(&trace(damaged(cut.clone()))));
+        assert!(may_pass(&trace(damaged(Fault::Again { fault: Box::new(cut), fetched: "twice".into() }))));
         assert!(!may_pass(&trace(damaged(Fault::Content("a ray without an end".into())))));
         assert!(!may_pass(&StudyError::Usage { detail: "interrupted".into() }));
     }

@@ -252,3 +252,16 @@ fn deviations(value: &BTreeMap<String, f64>, replicates: &[BTreeMap<String, f64>
     }
     Value::Object(all)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_has_the_memory_in_it_is_known_by_name() {
+        assert!(["gpu_energy_mj", "gpu_power_w", "l2_misses", "energy_dram_mj"].into_iter().all(needs_memory));
+        assert!(
+            !["cycles", "energy_mj", "mrays_per_s", "mrays_per_mm2", "gpu_mrays_per_mm2"].into_iter().any(needs_memory)
+        );
+    }
+}
