@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::Stats;
+use super::work_done::{ISSUES, SRP_WORK};
 use crate::config::MachineConfig;
 use crate::memory::CacheCounters;
 use crate::srp::{KernelId, srp_cycles};
@@ -34,18 +35,23 @@ impl Stats {
     }
 
     /// Closes the accounts: the classes of each unit's cycles add up to the cycles of the run, and what lookups found to the lookups.
+    /// Cycles of work, which follow from what is known exactly, stay as they are; those in which a unit waits make up the rest.
     pub fn close_accounts(&mut self, config: &MachineConfig) {
         let cycles = self.cycles;
         for core in &mut self.cores {
             core.srp_cycles = srp_cycles(config, TiCycle(cycles));
             for unit in &mut core.ti.trv {
-                unit.stages.iter_mut().for_each(|(_, account)| close(account, cycles, |a, visit| a.each_mut(visit)));
+                for (_, account) in &mut unit.stages {
+                    close(account, cycles, ISSUES, |a, visit| a.each_mut(visit));
+                }
             }
-            core.ti.ist.iter_mut().for_each(|unit| close(&mut unit.activity, cycles, |a, visit| a.each_mut(visit)));
+            for unit in &mut core.ti.ist {
+                close(&mut unit.activity, cycles, ISSUES, |a, visit| a.each_mut(visit));
+            }
             let l1s =
                 core.ti.trv.iter_mut().map(|unit| &mut unit.l1).chain(core.ti.ist.iter_mut().map(|unit| &mut unit.l1));
             l1s.chain([&mut core.srp_l1]).for_each(close_lookups);
-            close(&mut core.srp.activity, core.srp_cycles, |a, visit| a.each_mut(visit));
+            close(&mut core.srp.activity, core.srp_cycles, SRP_WORK, |a, visit| a.each_mut(visit));
             for kernel in KernelId::ALL {
                 core.srp.kernels[kernel as usize].cycles = core.srp.activity.in_kernel(kernel);
             }
@@ -59,17 +65,26 @@ fn close_lookups(l1: &mut CacheCounters) {
         [&mut l1.hits, &mut l1.misses, &mut l1.merges].into_iter().enumerate().for_each(|(i, class)| visit(i, class));
     };
     let lookups = l1.lookups;
-    close(l1, lookups, found);
+    close(l1, lookups, 0, found);
 }
 
-/// Scales the classes of an account to a total; the largest takes what rounding leaves over, the last one all if all are 0.
-fn close<A>(account: &mut A, total: u64, each: impl Fn(&mut A, &mut dyn FnMut(usize, &mut u64))) {
+/// Makes the classes of an account add up to a total. The first `work` of them stay as they are, unless they are more than that
+/// alone; the others are scaled to what is left, and the last one takes it all if they are 0.
+fn close<A>(account: &mut A, total: u64, work: usize, each: impl Fn(&mut A, &mut dyn FnMut(usize, &mut u64))) {
     let mut classes = Vec::new();
     each(account, &mut |_, class| classes.push(*class));
-    let sum: u64 = classes.iter().sum();
-    let Some(rest) = (0..classes.len()).max_by_key(|&place| classes[place]) else { return };
-    let part = |class: u64| (u128::from(class) * u128::from(total) / u128::from(sum.max(1))) as u64;
-    classes.iter_mut().for_each(|class| *class = part(*class));
-    classes[rest] += total - classes.iter().sum::<u64>();
+    let (worked, waited) = classes.split_at_mut(work);
+    let busy = worked.iter().sum::<u64>().min(total);
+    share_out(worked, busy);
+    share_out(waited, total - busy);
     each(account, &mut |place, class| *class = classes[place]);
+}
+
+/// Scales numbers so that they add up to a total; the largest takes what rounding leaves over, the last one all if all are 0.
+fn share_out(numbers: &mut [u64], total: u64) {
+    let sum: u64 = numbers.iter().sum();
+    let Some(rest) = (0..numbers.len()).max_by_key(|&place| numbers[place]) else { return };
+    let part = |number: u64| (u128::from(number) * u128::from(total) / u128::from(sum.max(1))) as u64;
+    numbers.iter_mut().for_each(|number| *number = part(*number));
+    numbers[rest] += total - numbers.iter().sum::<u64>();
 }

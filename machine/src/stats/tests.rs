@@ -55,14 +55,23 @@ fn accounts_are_closed() {
     stats.cycles = 1000;
     for core in &mut stats.cores {
         (core.ti.trv[0].stages[0].1.busy, core.ti.trv[0].stages[0].1.memory) = (333, 670);
-        core.srp.activity.shade = 7;
+        (core.ti.trv[1].stages[0].1.busy, core.ti.trv[1].stages[0].1.memory) = (1200, 300);
+        let srp = &mut core.srp.activity;
+        (srp.shade, srp.inspector, srp.output, srp.unit) = (700, 40, 30, 10);
+        (core.srp_l1.lookups, core.srp_l1.hits, core.srp_l1.misses) = (100, 30, 20);
     }
     stats.close_accounts(&config);
     assert!(stats.trv().all(|unit| unit.stages.iter().all(|(_, account)| account.total() == 1000)));
     assert!(stats.ist().all(|unit| unit.activity.idle == 1000));
     assert!(stats.cores.iter().all(|core| core.srp.activity.total() == core.srp_cycles && core.srp_cycles > 0));
-    let first = &stats.cores[0].ti.trv[0].stages[0].1;
-    assert_eq!((first.busy, first.memory), (332, 668));
+    let [first, second] = [0, 1].map(|unit| &stats.cores[0].ti.trv[unit].stages[0].1);
+    assert_eq!((first.busy, first.memory), (333, 667), "work stays, waits make up the rest");
+    assert_eq!((second.busy, second.memory), (1000, 0), "no unit works more than always");
+    let (core, total) = (&stats.cores[0], stats.cores[0].srp_cycles);
+    let srp = &core.srp.activity;
+    assert_eq!((srp.shade, srp.inspector, srp.output, srp.unit), (700, 40, (total - 740) * 3 / 4, (total - 740) / 4));
+    assert_eq!(core.srp.kernels[KernelId::Shade as usize].cycles, 700);
+    assert_eq!((core.srp_l1.hits, core.srp_l1.misses), (60, 40));
 }
 
 /// Twice the visits that were estimated, half the tests, and a third more resolved samples.

@@ -63,7 +63,9 @@ impl Stats {
 }
 
 /// The first classes of an [`Activity`](crate::counters::Activity), in which something issues: busy and bypass.
-const ISSUES: usize = 2;
+pub(super) const ISSUES: usize = 2;
+/// The first classes of [`SrpActivity`](crate::srp::SrpActivity), in which the SRP works: kernels come first, then the inspector.
+pub(super) const SRP_WORK: usize = KERNELS + 1;
 
 impl Factors {
     fn new(estimated: &Stats, exact: &Stats) -> Self {
@@ -90,9 +92,9 @@ impl Factors {
         }
     }
 
-    /// That of a class of [`SrpActivity`](crate::srp::SrpActivity), unless the SRP waits in it: kernels come first, then the inspector.
+    /// That of a class of [`SrpActivity`](crate::srp::SrpActivity), unless the SRP waits in it.
     fn of_srp(&self, class: usize) -> Option<f64> {
-        self.kernels.get(class).copied().or((class == KERNELS).then_some(self.items))
+        self.kernels.get(class).copied().or((class < SRP_WORK).then_some(self.items))
     }
 }
 

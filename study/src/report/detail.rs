@@ -149,7 +149,8 @@ struct Known<'a> {
 impl Known<'_> {
     /// The counters by name, and whether they are the same whenever things happen.
     fn counters(&self) -> BTreeMap<String, bool> {
-        self.marks(exact_counters(self.config))
+        let marks = self.marks(exact_counters(self.config)).into_iter();
+        marks.map(|(name, mark)| (name.clone(), mark || is_counted(&name))).collect()
     }
 
     /// Whether a counter is marked, by its name.

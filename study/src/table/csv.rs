@@ -36,7 +36,8 @@ fn plain(word: &str) -> Cow<'_, str> {
     if word.starts_with(['=', '+', '-', '@', '\t', '\r']) { format!("'{word}").into() } else { word.into() }
 }
 
-/// The same of a cell whose kind is not known: what reads as a number is one.
+/// The same of a cell whose kind is not known: what reads as a number is one. Charts have such cells.
+#[cfg(feature = "html")]
 pub(crate) fn plain_or_number(cell: &str) -> Cow<'_, str> {
     if cell.parse::<f64>().is_ok() { cell.into() } else { plain(cell) }
 }
