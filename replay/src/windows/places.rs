@@ -14,8 +14,8 @@ const FEWEST_WINDOWS: usize = 24;
 /// in few long ones, for neighbours are alike; but a window has to be longer than what is under way at its ends.
 const LENGTH: (f64, f64) = (2.0, 4.0);
 /// What is simulated before a window and not measured, in tiles, of the shortest windows and of the longest: until the machine is as full as it
-/// was. What is still missing then falls on all that a window measures, so short ones take longer. With one tile for all, frames of 625
-/// tiles of which a part is empty took 1.1 % too many cycles in the mean (docs/detail.md).
+/// was. What is still missing then falls on all that a window measures, so short ones take longer. With one tile for all, a frame of 625
+/// tiles of which a part is empty took 4.5 % too many cycles (docs/detail.md).
 const WARM_UP: (f64, f64) = (2.0, 1.0);
 /// Samples of a tile that these lengths are made for, with as many rays in the T&I units and [`SLOTS`] tiles in the slots. Of smaller tiles it
 /// takes more: what is under way at the ends of a window are rays, and no fewer of them if tiles are small. So it does where more of
