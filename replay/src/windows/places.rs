@@ -220,6 +220,8 @@ mod tests {
         assert!(Places::sample(tiles(512), USUAL, 0.1).is_some());
         assert!(Places::sample(tiles(303), USUAL, 0.05).is_some());
         assert_eq!(Places::sample(tiles(302), USUAL, 0.05), None);
+        let small = |count| Places::sample(Tiles { count, samples: 256 }, USUAL, 0.05);
+        assert!(small(1143).is_some() && small(1142).is_none());
         assert_eq!(Places::all(64, USUAL), None);
     }
 

@@ -149,8 +149,9 @@ struct Known<'a> {
 impl Known<'_> {
     /// The counters by name, and whether they are the same whenever things happen.
     fn counters(&self) -> BTreeMap<String, bool> {
-        let marks = self.marks(exact_counters(self.config)).into_iter();
-        marks.map(|(name, mark)| (name.clone(), mark || is_counted(&name))).collect()
+        let mut marks = self.marks(exact_counters(self.config));
+        marks.iter_mut().for_each(|(name, mark)| *mark |= is_counted(name));
+        marks
     }
 
     /// Whether a counter is marked, by its name.
