@@ -37,6 +37,14 @@ pub trait TileSource: Sync {
     fn shared_tile(&self, frame: u32, index: u32) -> rayreel_formats::Result<Arc<Tile>> {
         self.tile(frame, index).map(Arc::new)
     }
+
+    /// How many rays a tile has, under `full`.
+    ///
+    /// # Errors
+    /// As [`TileSource::tile`].
+    fn ray_count(&self, frame: u32, index: u32) -> rayreel_formats::Result<u64> {
+        self.shared_tile(frame, index).map(|tile| tile.tree.ray_count())
+    }
 }
 
 /// A tile with its paths: as steps in [`Tile::paths`], which nobody has checked, or as bytes.
@@ -98,6 +106,11 @@ impl TileSource for Trace {
 
     fn tile(&self, frame: u32, index: u32) -> rayreel_formats::Result<Tile> {
         SCRATCH.with_borrow_mut(|scratch| self.tile_with(frame, index, COLUMNS, scratch))
+    }
+
+    fn ray_count(&self, frame: u32, index: u32) -> rayreel_formats::Result<u64> {
+        let tile = SCRATCH.with_borrow_mut(|scratch| self.tile_with(frame, index, &[Column::Tree], scratch))?;
+        Ok(tile.tree.ray_count())
     }
 }
 

@@ -1,5 +1,6 @@
 //! One frame after the other under a policy, with or without a machine that takes the tiles as work.
 
+use rayon::prelude::*;
 use rayreel_formats::scene::Camera;
 use rayreel_machine::work::check::PathCounts;
 use rayreel_machine::work::topology::Topology;
@@ -111,6 +112,18 @@ impl<'a, S: TileSource + ?Sized> Replayer<'a, S> {
             frame,
             source: Box::new(e),
         })
+    }
+
+    /// How many rays each tile of a frame has.
+    pub(crate) fn ray_counts(&self, frame: u32) -> Result<Vec<u64>> {
+        self.camera(frame)?;
+        let count = |index| {
+            self.stop.check()?;
+            self.source.ray_count(frame, index).map_err(|e| ReplayError::tile((frame, index), e))
+        };
+        // The first tile that cannot be read tells, whichever thread finds it first.
+        let counts: Vec<_> = (0..self.source.meta().tile_count()).into_par_iter().map(count).collect();
+        counts.into_iter().collect()
     }
 
     /// Ends a frame.

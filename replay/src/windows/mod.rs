@@ -6,14 +6,15 @@
 //! ```
 //!
 //! After SMARTS (Wunderlich et al., ISCA 2003): between the windows the machine's long-lived state, its caches, is kept warm by
-//! a pass without time. `places` chooses the windows, `window` simulates one, `pass` takes the tiles through, `calibrate` weighs
-//! windows and `extrapolate` makes the frame. Several machines share a pass.
+//! a pass without time. `work_line` tells where the rays lie, `places` chooses the windows, `window` simulates one, `pass` takes the
+//! tiles through, `calibrate` weighs windows and `extrapolate` makes the frame. Several machines share a pass.
 
 mod calibrate;
 mod extrapolate;
 mod pass;
 mod places;
 mod window;
+mod work_line;
 
 use std::sync::Arc;
 
@@ -32,6 +33,7 @@ use crate::simulate::{MachineRun, check_kernels, frame_shape, only, pass_all};
 use crate::source::PathSource;
 use pass::{MachinePass, Passed, Shared, WindowSlots};
 use places::{Places, Tiles, UnderWay};
+use work_line::WorkLine;
 
 /// A frame is uniform of which this part of the work lies in parts that are alike: those whose sizes differ by less than [`ALIKE`]. Of
 /// twelve scenes under three policies the most uniform has 0.25, a triangle before half a sky 0.40 to 0.53, nothing but sky 0.92 and more.
@@ -59,11 +61,15 @@ pub fn simulate_estimated<S: PathSource + ?Sized, P: Probe>(
     probe: &mut P,
 ) -> Result<(FrameReplay, Vec<MachineRun>)> {
     probe.begin(frame);
-    let mut simulation = Simulation { replayer, frame, tree, detail, probe };
+    let mut simulation = Simulation { replayer, frame, tree, detail, probe, rays: Vec::new() };
     let tiles = tiles(simulation.replayer.source().meta());
     let places =
         |config| Places::of(detail, tiles, under_way(config)).filter(|_| detail == Detail::All || is_sampled(config));
-    let places: Vec<_> = machines.iter().map(|(_, config)| places(config)).collect();
+    let mut places: Vec<_> = machines.iter().map(|(_, config)| places(config)).collect();
+    if detail != Detail::All && places.iter().any(Option::is_some) {
+        simulation.rays = simulation.replayer.ray_counts(frame)?;
+        places = places.into_iter().map(|places| places.map(|places| simulation.by_work(places))).collect();
+    }
     // A policy that cannot begin a frame again can be counted: that takes one pass.
     let begin = simulation.replayer.fork();
     let sampled = begin.is_some() && places.iter().any(Option::is_some);
@@ -118,6 +124,8 @@ struct Simulation<'r, 'a, S: ?Sized, P> {
     tree: &'r Topology,
     detail: Detail,
     probe: &'r mut P,
+    /// Of each tile, where windows are a sample.
+    rays: Vec<u64>,
 }
 
 impl<S: PathSource + ?Sized, P: Probe> Simulation<'_, '_, S, P> {
@@ -181,7 +189,8 @@ impl<S: PathSource + ?Sized, P: Probe> Simulation<'_, '_, S, P> {
             }
             // The width falls with the square root of the number of windows.
             let factor = (width / wanted.fraction()).powi(2) * 1.3;
-            places = held.more(tiles(self.replayer.source().meta()), factor.max(1.5));
+            let more = held.more(tiles(self.replayer.source().meta()), factor.max(1.5));
+            places = more.map(|places| self.by_work(places));
             if places.is_some() {
                 begin.into_iter().for_each(|begin| self.replayer.restore(begin));
                 let again = std::slice::from_ref(&places);
@@ -192,6 +201,12 @@ impl<S: PathSource + ?Sized, P: Probe> Simulation<'_, '_, S, P> {
         begin.into_iter().for_each(|begin| self.replayer.restore(begin));
         let (_, runs) = self.whole(&[machine])?;
         only(runs)
+    }
+
+    /// Windows at their places among the work of the frame.
+    fn by_work(&self, places: Places) -> Places {
+        let line = WorkLine::new(&self.rays, places.slots());
+        places.by_work(&line)
     }
 
     /// Whether windows can stand for a frame of these tiles. Under `all` they stand for themselves, uniform or not.

@@ -1,11 +1,12 @@
 //! Which parts of a frame are simulated: its beginning, its end, and windows between them.
 //!
-//! Places are given in tiles that are done, parts of tiles included. So every part of every tile is as likely to lie in a window
-//! as any other, whatever it takes. The choice depends on the number of tiles, the machine's tile slots and the share asked for,
-//! and on nothing else: runs of several policies have their windows at the same places of the picture, so that what these share
-//! cancels in ratios. Beginning and end are always simulated: at the beginning the machine is empty and its caches are cold, at
-//! the end it drains.
+//! Places are given in tiles that are done, parts of tiles included, and chosen in work ([`WorkLine`]): every ray is as likely to lie in a
+//! window as any other. The choice depends on the tiles and their rays, the machine's tile slots and the share asked for, and on
+//! nothing else: runs of several policies have their windows at the same places of the picture, so that what these share cancels
+//! in ratios. Beginning and end are always simulated: at the beginning the machine is empty and its caches are cold, at the end
+//! it drains.
 
+use super::work_line::WorkLine;
 use crate::detail::Detail;
 
 /// Fewer windows than this tell too little about one another.
@@ -70,11 +71,13 @@ pub struct UnderWay {
 pub struct Places {
     list: Vec<Place>,
     under_way: UnderWay,
+    /// The part of the work that is measured, beginning and end left out.
+    share: f64,
 }
 
 impl Places {
     /// The windows of a frame of `tiles` tiles on a machine that has so much under way; nothing where the frame is to be simulated
-    /// whole. `share` is the part of the tiles to be measured.
+    /// whole. `share` is the part of the tiles to be measured, and of the work, once they are [by work](Places::by_work).
     pub fn sample(Tiles { count: tiles, samples }: Tiles, under_way: UnderWay, share: f64) -> Option<Self> {
         let UnderWay { slots, rays } = under_way;
         let (tiles, edge) = (tiles as f64, slots as f64 / 2.0);
@@ -103,7 +106,7 @@ impl Places {
         let start = Place { begin: 0.0, from: 0.0, to: first, is_certain: true };
         let end = Place { begin: last - warm_up, from: last, to: f64::INFINITY, is_certain: true };
         let list = std::iter::once(start).chain((0..windows).map(window)).chain([end]).collect();
-        Some(Self { list, under_way })
+        Some(Self { list, under_way, share: windows as f64 * length / tiles })
     }
 
     /// Windows that follow one another, so that all tiles are simulated; nothing for a frame that is too small.
@@ -116,7 +119,7 @@ impl Places {
             let to = if i + 1 == windows { f64::INFINITY } else { from + length as f64 };
             Place { begin: (from - LONG_WARM_UP * slots as f64).max(0.0), from, to, is_certain: true }
         };
-        (windows >= 2).then(|| Self { list: (0..windows).map(window).collect(), under_way })
+        (windows >= 2).then(|| Self { list: (0..windows).map(window).collect(), under_way, share: 1.0 })
     }
 
     /// The windows of what a frame is to be simulated with, as [`Places::sample`] or [`Places::all`].
@@ -131,9 +134,32 @@ impl Places {
 
     /// As these, but measuring more by this factor; nothing if that is too much.
     pub fn more(&self, tiles: Tiles, factor: f64) -> Option<Self> {
-        let sampled = self.list.iter().filter(|place| !place.is_certain);
-        let measured: f64 = sampled.map(|place| place.to - place.from).sum();
-        Self::sample(tiles, self.under_way, factor * measured / tiles.count as f64)
+        Self::sample(tiles, self.under_way, factor * self.share)
+    }
+
+    /// The same windows in a frame whose work is not the same in all tiles: each at its place among the work, and as long in it. Beginning
+    /// and end stay, for they are those of a machine that works on so many tiles.
+    #[must_use]
+    pub fn by_work(mut self, line: &WorkLine) -> Self {
+        let (Some(first), Some(last)) = (self.list.first(), self.list.last()) else { return self };
+        let (first, last) = (first.to, last.from);
+        let (from, to) = (line.work_at(first), line.work_at(last));
+        let scale = (to - from) / (last - first);
+        let place_of = |at: f64| line.tiles_at((from + (at - first) * scale).max(0.0));
+        for place in &mut self.list {
+            if place.is_certain {
+                // The beginning has no warm-up.
+                place.begin = if place.begin > 0.0 { place_of(place.begin) } else { 0.0 };
+            } else {
+                *place = Place {
+                    begin: place_of(place.begin),
+                    from: place_of(place.from),
+                    to: place_of(place.to),
+                    ..*place
+                };
+            }
+        }
+        self
     }
 
     /// The windows, in order.
@@ -211,6 +237,46 @@ mod tests {
         let mean = middle.iter().map(|place| place.from).sum::<f64>() / 102.0;
         assert!((mean - 4094.0).abs() < 2.0, "{mean}");
         assert_eq!((places.list[0].to, places.list[103].from), (4.0, 8188.0));
+    }
+
+    #[test]
+    fn windows_are_of_the_same_work_wherever_they_lie() {
+        // A third of the tiles trace nine times as much as the others.
+        let rays: Vec<u64> = (0..2048).map(|tile| if tile % 1024 < 683 { 1000 } else { 9000 }).collect();
+        let line = WorkLine::new(&rays, USUAL.slots);
+        let even = Places::sample(tiles(2048), USUAL, 0.05).unwrap();
+        let places = even.clone().by_work(&line);
+        let work = |from: f64, to: f64| line.work_at(to) - line.work_at(from);
+        let middle = |places: &Places| places.list[1..places.list.len() - 1].to_vec();
+        let (whole, first) = (work(4.0, 2044.0) / 2040.0, middle(&places)[0]);
+        for (place, even) in middle(&places).iter().zip(middle(&even)) {
+            assert!((work(place.from, place.to) - whole * (even.to - even.from)).abs() < 1e-6, "{place:?}");
+            assert!((work(place.begin, place.from) - whole * (even.from - even.begin)).abs() < 1e-6, "{place:?}");
+        }
+        assert!(first.to - first.from > 10.0, "among tiles of few rays a window takes many: {first:?}");
+        let glass = middle(&places).iter().filter(|place| place.from as usize % 1024 >= 683).count();
+        // Of the work 82 % lie there, of the tiles a third.
+        assert!((20..=24).contains(&glass), "{glass} of 28 windows");
+        // Beginning and end are those of so many tiles.
+        assert_eq!((places.list[0], places.list[places.list.len() - 1].from), (even.list[0], 2044.0));
+    }
+
+    #[test]
+    fn where_tiles_trace_alike_windows_stay() {
+        let even = Places::sample(tiles(2048), USUAL, 0.05).unwrap();
+        let same = even.clone().by_work(&WorkLine::new(&[77; 2048], USUAL.slots));
+        for (a, b) in even.list.iter().zip(&same.list) {
+            assert!((a.begin - b.begin).abs() < 1e-6 && (a.from - b.from).abs() < 1e-6, "{a:?} {b:?}");
+            assert!(a.to == b.to || (a.to - b.to).abs() < 1e-6, "{a:?} {b:?}");
+        }
+    }
+
+    #[test]
+    fn more_is_more_than_was_asked_for() {
+        let (frame, rays) = (tiles(8192), (0..8192).map(|tile| 100 + tile).collect::<Vec<u64>>());
+        let places = Places::sample(frame, USUAL, 0.05).unwrap().by_work(&WorkLine::new(&rays, USUAL.slots));
+        assert_eq!(places.list.len(), 102 + 2);
+        assert_eq!(places.more(frame, 2.0).unwrap().list.len(), 204 + 2, "however long windows are in tiles");
     }
 
     #[test]

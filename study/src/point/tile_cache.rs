@@ -171,6 +171,10 @@ impl TileSource for TileCache {
     fn shared_tile(&self, frame: u32, index: u32) -> rayreel_formats::Result<Arc<Tile>> {
         Ok(self.read(frame, index)?.tile)
     }
+
+    fn ray_count(&self, frame: u32, index: u32) -> rayreel_formats::Result<u64> {
+        self.trace.ray_count(frame, index)
+    }
 }
 
 impl PathSource for TileCache {

@@ -7,4 +7,4 @@ pub const MODEL_VERSION: u32 = 9;
 
 /// The same for results of which not every cycle was simulated: it grows with every change of windows or estimates, and the
 /// others stay valid.
-pub const ESTIMATE_VERSION: u32 = 15;
+pub const ESTIMATE_VERSION: u32 = 16;
