@@ -24,7 +24,7 @@ use rayreel_machine::config::NamedMachine;
 use rayreel_machine::energy::EnergyReport;
 use rayreel_machine::system::NoProbe;
 use rayreel_machine::work::topology::Topology;
-use rayreel_replay::detail::{Detail, Floors, half_width};
+use rayreel_replay::detail::{Detail, Floors, half_width, replicates_of_ratio};
 use rayreel_replay::error::RequestError;
 use rayreel_replay::sequence::{FrameLoop, Simulator};
 use rayreel_replay::simulate::MachineRun;
@@ -150,9 +150,9 @@ impl Figure {
         }
     }
 
-    /// What is the quotient of this figure and another one.
+    /// What is the quotient of this figure and that of another policy.
     fn over(&self, other: &Self) -> Self {
-        let replicates = self.replicates.iter().zip(&other.replicates).map(|(a, b)| a / b).collect();
+        let replicates = replicates_of_ratio((self.value, &self.replicates), (other.value, &other.replicates), false);
         Self {
             truth: self.truth / other.truth,
             value: self.value / other.value,

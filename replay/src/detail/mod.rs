@@ -5,6 +5,6 @@
 mod estimate;
 mod mode;
 
-pub use estimate::{Estimate, FLOOR, Floors, Replicate, WHY_WHOLE, half_width};
+pub use estimate::{Estimate, FLOOR, Floors, Replicate, WHY_WHOLE, half_width, replicates_of_ratio};
 pub(crate) use estimate::{READS, weight_of_pair};
 pub use mode::{Detail, Share};

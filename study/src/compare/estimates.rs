@@ -12,14 +12,13 @@ pub struct Estimates(Vec<RowEstimates>);
 impl Estimates {
     /// That of a table.
     pub fn new(results: &Results) -> Self {
-        let value = |name: &str, row: usize| match results.field(name).map(|field| &field.cells) {
-            Some(Cells::Text(cells)) => cells[row].as_deref().and_then(|text| serde_json::from_str(text).ok()),
+        let text = |name: &str, row: usize| match results.field(name).map(|field| &field.cells) {
+            Some(Cells::Text(cells)) => cells[row].as_deref(),
             _ => None,
         };
-        let value = |name, row| value(name, row).unwrap_or(Value::Null);
-        Self(
-            (0..results.rows()).map(|row| RowEstimates::new(&value(INTERVALS, row), &value(REPLICATES, row))).collect(),
-        )
+        let value = |name, row| text(name, row).and_then(|text| serde_json::from_str(text).ok()).unwrap_or(Value::Null);
+        let of_row = |row| RowEstimates::new(&value(INTERVALS, row), &value(REPLICATES, row), text("policy", row));
+        Self((0..results.rows()).map(of_row).collect())
     }
 
     /// Half the width of the 95 % interval of `b / a`, of column `name` in a row of two tables, relative to it; 0 if both are exact.

@@ -1,8 +1,8 @@
 //! How far the figures of a row may be off, and their ratios to those of another.
 //!
 //! Two runs that were estimated from the same windows of the picture have much in common, and replicates at equal places leave out
-//! equal windows: so the ratio of the two is known better than each. Where replicates are missing, or are of another number, the
-//! intervals add up as those of independent values.
+//! equal windows: so the ratio of the two is known better than each. Only under one policy do they read alike from DRAM. Where
+//! replicates are missing, or are of another number, the intervals add up as those of independent values.
 
 use std::collections::BTreeMap;
 
@@ -10,7 +10,7 @@ use serde_json::{Map, Value};
 
 use crate::point::known::{INTERVALS, REPLICATES};
 use crate::report::detail::needs_memory;
-use rayreel_replay::detail::{Floors, half_width};
+use rayreel_replay::detail::{Floors, half_width, replicates_of_ratio};
 
 /// The widest interval of a ratio, relative to it: an estimate that may be off by more is worth nothing, and a ratio whose reference may
 /// be 0 would have none that can be written down.
@@ -25,16 +25,19 @@ pub struct RowEstimates {
     floors: Floors,
     /// Replicates over the estimate, by base figure.
     replicates: BTreeMap<String, Vec<f64>>,
+    /// The policy of the run, if it was told.
+    policy: Option<String>,
 }
 
 impl RowEstimates {
     /// What the columns of a row say.
     pub fn of_row(row: &Map<String, Value>) -> Self {
-        Self::new(row.get(INTERVALS).unwrap_or(&Value::Null), row.get(REPLICATES).unwrap_or(&Value::Null))
+        let policy = row.get("policy").and_then(Value::as_str);
+        Self::new(row.get(INTERVALS).unwrap_or(&Value::Null), row.get(REPLICATES).unwrap_or(&Value::Null), policy)
     }
 
-    /// What two columns say, intervals and replicates.
-    pub fn new(intervals: &Value, replicates: &Value) -> Self {
+    /// What two columns say, intervals and replicates, of a run under a policy.
+    pub fn new(intervals: &Value, replicates: &Value, policy: Option<&str>) -> Self {
         let freedom = replicates["freedom"].as_u64().unwrap_or(0);
         let part = |name: &str, least: f64| replicates[name].as_f64().map_or(least, |millionths| millionths * 1e-6);
         let least = Floors::default();
@@ -47,6 +50,7 @@ impl RowEstimates {
             freedom: u32::try_from(freedom).unwrap_or(u32::MAX),
             floors,
             replicates: replicates.as_object().into_iter().flatten().filter_map(list).collect(),
+            policy: policy.map(String::from),
         }
     }
 
@@ -59,7 +63,9 @@ impl RowEstimates {
     pub fn interval_of_ratio(&self, other: &Self, name: &str) -> f64 {
         let width = match (self.of(name), other.of(name)) {
             (Some(of_self), Some(of_other)) if of_self.len() == of_other.len() => {
-                let ratios: Vec<f64> = of_self.iter().zip(&of_other).map(|(a, b)| a / b).collect();
+                // Where no policy is told they may be two.
+                let alike = self.policy.is_some() && self.policy == other.policy;
+                let ratios = replicates_of_ratio((1.0, &of_self), (1.0, &of_other), alike);
                 let of = |floors: &Floors| if needs_memory(name) { floors.with_memory } else { floors.alone };
                 let floor = of(&self.floors).max(of(&other.floors));
                 half_width(1.0, &ratios, self.freedom.min(other.freedom), floor)
@@ -97,7 +103,19 @@ mod tests {
     use rayreel_replay::detail::FLOOR;
 
     fn run(replicates: Value) -> RowEstimates {
-        RowEstimates::new(&json!({ "cycles": 3.0, "perf_per_watt": 4.0 }), &replicates)
+        RowEstimates::new(&json!({ "cycles": 3.0, "perf_per_watt": 4.0 }), &replicates, None)
+    }
+
+    /// Replicates of which the last four say how far what is read from DRAM may be off.
+    #[test]
+    fn policies_do_not_share_what_they_read_from_dram() {
+        let row = |policy: &str| {
+            let energy = [0, 0, 0, 9000, -9000, 0, 0];
+            let replicates = json!({ "freedom": 4, "cycles": [0, 0, 0, 0, 0, 0, 0], "energy_mj": energy });
+            RowEstimates::of_row(json!({ "policy": policy, REPLICATES: replicates }).as_object().unwrap())
+        };
+        let within = |policy| row(policy).interval_of_ratio(&row("full"), "perf_per_watt");
+        assert!((within("full") - FLOOR).abs() < 1e-12 && within("paper-ss") > 4.0 * FLOOR, "{}", within("paper-ss"));
     }
 
     #[test]
