@@ -109,8 +109,7 @@ impl TileSource for Trace {
     }
 
     fn ray_count(&self, frame: u32, index: u32) -> rayreel_formats::Result<u64> {
-        let tile = SCRATCH.with_borrow_mut(|scratch| self.tile_with(frame, index, &[Column::Tree], scratch))?;
-        Ok(tile.tree.ray_count())
+        Self::ray_count(self, frame, index)
     }
 }
 

@@ -14,10 +14,10 @@ use rayreel_replay::simulate::MachineRun;
 use rayreel_replay::{Detail, NamedPolicy, Options, PathSource, Stop};
 use rayreel_study::compare::{Comparison, Options as CompareOptions, run as one_run};
 use rayreel_study::figures::is_key;
+use rayreel_study::point::estimates::RowEstimates;
 use rayreel_study::point::row::{Row, role_of};
 use rayreel_study::report::{Origin, Report};
 use rayreel_study::table::Role;
-use serde_json::json;
 use serde_json::{Value, json};
 
 /// A frame that was simulated, and what is needed to report it.

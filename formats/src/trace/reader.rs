@@ -222,6 +222,18 @@ impl Trace {
         decode().map_err(|error: Error| error.in_tile(frame, index))
     }
 
+    /// How many rays a tile has. The tile is read whole, as whoever asks is about to: a source far away then fetches it once.
+    ///
+    /// # Errors
+    /// As [`Trace::tile`].
+    pub fn ray_count(&self, frame: u32, index: u32) -> Result<u64> {
+        let record = *self.reader.require(ChunkId::tile(frame, index))?;
+        let camera = self.camera(frame)?;
+        let source = self.columns(&record, &Column::ALL)?;
+        let decoded = self.decode(&record, &source, &[Column::Tree], &self.codec(&camera));
+        decoded.map(|tile| tile.tree.ray_count()).map_err(|error| error.in_tile(frame, index))
+    }
+
     /// The paths of a tile from the bytes that [`Trace::packed_tile`] gave.
     ///
     /// # Errors

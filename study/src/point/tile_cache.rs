@@ -229,6 +229,17 @@ mod tests {
     }
 
     #[test]
+    fn rays_of_a_tile_are_those_of_its_trees() {
+        let cache = TileCache::new(trace(), &MemoryBudget::new(0));
+        for index in 0..cache.meta().tile_count() {
+            let tile = cache.shared_tile(0, index).unwrap();
+            assert_eq!(cache.ray_count(0, index).unwrap(), tile.tree.ray_count());
+        }
+        let error = cache.ray_count(0, cache.meta().tile_count()).unwrap_err().to_string();
+        assert!(error.contains("tile"), "{error}");
+    }
+
+    #[test]
     fn what_finds_room_is_decoded_once_and_leaves_with_its_cache() {
         let budget = MemoryBudget::new(1 << 30);
         let cache = TileCache::new(trace(), &budget);
