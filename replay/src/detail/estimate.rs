@@ -142,16 +142,18 @@ pub fn half_width(value: f64, replicates: &[f64], freedom: u32, floor: f64) -> f
     (student(freedom) * (squares * (count - 1.0) / count).sqrt()).hypot(floor)
 }
 
-/// The replicates of the ratio of `a` to `b`, each a value with its replicates, as many of both. Replicates at equal places leave out equal
-/// windows, so what these share cancels. What is read from DRAM is off by as much only where both runs do the same work (`alike`): of two
-/// policies the one may read 5 % too much and the other nothing (docs/detail.md), so there it counts twice.
+/// The replicates of the ratio of `a` to `b`, each a value with its replicates. Replicates at equal places leave out equal windows, so what
+/// these share cancels, unless the one has more than the other. What is read from DRAM is off by as much only where both runs do the
+/// same work (`alike`): of two policies the one may read 5 % too much and the other nothing (docs/detail.md), so there both count.
 pub fn replicates_of_ratio((a, of_a): (f64, &[f64]), (b, of_b): (f64, &[f64]), alike: bool) -> Vec<f64> {
-    let apart = if alike || of_a.len() <= READS { 0 } else { READS };
-    let (together, reads_of_a) = of_a.split_at(of_a.len() - apart);
-    let together = together.iter().zip(of_b).map(|(a, b)| a / b);
-    let reads_of_a = reads_of_a.iter().map(|a| a / b);
-    let reads_of_b = of_b[of_b.len() - apart..].iter().map(|b| a / b);
-    together.chain(reads_of_a).chain(reads_of_b).collect()
+    let together = match of_a.len() {
+        count if count != of_b.len() => 0,
+        count if alike || count <= READS => count,
+        count => count - READS,
+    };
+    let ((of_a, only_a), (of_b, only_b)) = (of_a.split_at(together), of_b.split_at(together));
+    let ratios = of_a.iter().zip(of_b).map(|(a, b)| a / b);
+    ratios.chain(only_a.iter().map(|a| a / b)).chain(only_b.iter().map(|b| a / b)).collect()
 }
 
 /// How far from the estimate two replicates among `count` have to lie, one on each side, to add this once to the half width.
@@ -250,7 +252,7 @@ mod tests {
         let (count, a, b) = (24 + READS, 300.0, 100.0);
         // Both leave out windows alike, and both may read 2 and 3 % too much or too little.
         let replicates = |value: f64, reads: f64| -> Vec<f64> {
-            let windows = (0..24).map(|i| value * (1.0 + 0.01 * f64::from(i % 3)));
+            let windows = (0..24).map(|i| value * (1.0 + 0.01 * f64::from(i % 3 - 1)));
             let pair = weight_of_pair(count, 20) * reads;
             windows.chain([pair, -pair, 0.0, 0.0].map(|apart| value * (1.0 + apart))).collect()
         };
@@ -260,6 +262,10 @@ mod tests {
         assert!((width(false) - 0.02f64.hypot(0.03)).abs() < 1e-3, "{}", width(false));
         let short = replicates_of_ratio((a, &of_a[..2]), (b, &of_b[..2]), false);
         assert_eq!(short, [3.0, 3.0], "no replicates for what is read");
+        // The other run was simulated whole: it has one replicate, which is itself.
+        let whole = half_width(3.0, &replicates_of_ratio((a, &of_a), (b, &[b]), false), 20, 0.0) / 3.0;
+        let alone = half_width(a, &of_a, 20, 0.0) / a;
+        assert!(alone > 0.02 && (whole - alone).abs() < 1e-3, "{whole} and {alone}");
     }
 
     #[test]
