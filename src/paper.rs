@@ -160,8 +160,12 @@ fn finish(args: &Args, Finished { study, counts }: &Finished) -> Result<Exit> {
     let text = || rayreel_paper::table(study) + &format!("\nthe page: {}\n", page.display());
     print(&if args.json { rows() } else { text() })?;
     eprintln!(
-        "{} points: {} rows reused, {} computed, {} replayed for pictures alone",
-        counts.points, counts.reused, counts.computed, counts.shown
+        "{} points: {} computed, {} from the cache, {} from --reuse, {} replayed for pictures alone",
+        counts.points,
+        counts.computed,
+        counts.kept(),
+        counts.reused,
+        counts.shown
     );
     Ok(Exit::Done)
 }

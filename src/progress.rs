@@ -1,6 +1,8 @@
 //! Progress on standard error: a bar on a terminal, plain lines where it is piped, nothing when quiet.
 
 use std::io::IsTerminal;
+#[cfg(unix)]
+use std::sync::Arc;
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -22,6 +24,10 @@ static HEARD: AtomicBool = AtomicBool::new(false);
 /// therefore look at the request, and clean up as they end; those that do not (`render`, `report`, `sweep merge`) write little.
 pub fn handle_signals() {
     SIGNAL.get_or_init(|| {
+        // A limit on the size of files (`ulimit -f`) ends a process by a signal, without a word. Where that is handled, the file gets
+        // an error as on a full disk, and who writes it says which file.
+        #[cfg(unix)]
+        let _ = signal_hook::flag::register(signal_hook::consts::SIGXFSZ, Arc::default());
         let stop = Stop::default();
         let handle = stop.clone();
         // Without a handler a signal ends the process at once, too, with a code of the system.

@@ -28,6 +28,13 @@ pub struct PointCounts {
     pub shown: usize,
 }
 
+impl PointCounts {
+    /// Points whose rows the cache had: from before, or from a point of the same run with the same key.
+    pub fn kept(&self) -> usize {
+        self.points.saturating_sub(self.computed + self.reused)
+    }
+}
+
 /// The points of a plan with their results so far.
 pub struct Ledger<'a> {
     plan: &'a Plan<'a>,

@@ -38,6 +38,21 @@ fn a_cache_in_use_is_waited_for() {
     assert!(!folder.join("out/study.json").exists());
 }
 
+/// A file that may not grow as large as it has to is an error like that of a full disk; what was captured stays behind as partial.
+#[test]
+fn a_limit_on_the_size_of_files_is_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    // 512 bytes or a kibibyte each: the trace has some 100 of these.
+    let line = "capture cornell --size 64x64 --samples 2x2 -o {}/a.rtrace";
+    let limited = ["-c", "ulimit -f 8; exec \"$0\" \"$@\"", env!("CARGO_BIN_EXE_rayreel")].map(OsString::from);
+    let output = Command::new("sh").args(limited).args(args(line, folder)).output().unwrap();
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(74), "{said}");
+    assert!(said.contains("a.rtrace") && said.contains("too large"), "{said}");
+    assert!(!folder.join("a.rtrace").exists() && folder.join("a.rtrace.partial").exists(), "{said}");
+}
+
 /// A Slurm that takes every job and knows none.
 fn slurm(folder: &Path) {
     fs::create_dir(folder.join("bin")).unwrap();

@@ -343,22 +343,22 @@ fn a_run_finds_what_a_sweep_has_computed_and_the_other_way_round() {
     let [calm, folder, place] = [(); 3].map(|()| tempfile::tempdir().unwrap());
     let line = "--size 32x16 --scene teapot --detail full";
     let plain = paper(calm.path(), line);
-    let [points, reused, computed, shown] = counts(&plain)[..] else { panic!("{}", plain.err) };
-    assert!(points == computed && (reused, shown) == (0, 0), "{}", plain.err);
+    let [points, computed, kept, reused, shown] = counts(&plain)[..] else { panic!("{}", plain.err) };
+    assert!(points == computed && (kept, reused, shown) == (0, 0, 0), "{}", plain.err);
     sweep(calm.path(), place.path(), "first", &[]).says(&["6 points, 0 skipped, 0 reused, 6 computed"]);
 
     // Of the six `quality` on the whole machine is in no table of the experiment.
     let first = place.path().join("first.sweep");
     let ran = paper(folder.path(), &format!("{line} --reuse {}", first.display()));
-    let [_, reused, now, shown] = counts(&ran)[..] else { panic!("{}", ran.err) };
-    assert_eq!((reused, now), (5, computed - 5), "{}", ran.err);
+    let [_, now, kept, reused, shown] = counts(&ran)[..] else { panic!("{}", ran.err) };
+    assert_eq!((now, kept, reused), (computed - 5, 0, 5), "{}", ran.err);
     assert_eq!(shown, 1, "the pictures of paper-ss are in no row");
     let file = |folder: &Path, name: &str| fs::read(folder.join("out").join(name)).unwrap();
     for name in ["study.json", "paper.json", "report.html", "teapot-2x2/paper-ss-result.png"] {
         assert!(file(calm.path(), name) == file(folder.path(), name), "{name}");
     }
     // What was taken is kept.
-    assert_eq!(counts(&paper(folder.path(), line))[1..], [0, 0, 0]);
+    assert_eq!(counts(&paper(folder.path(), line))[1..], [0, points, 0, 0]);
 
     let cache = calm.path().join("cache");
     let taken = sweep(calm.path(), place.path(), "second", &[&cache]);

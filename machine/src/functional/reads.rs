@@ -1,9 +1,8 @@
 //! How much a frame reads from DRAM, where windows and the functional pass disagree.
 //!
-//! A window goes on from tiles that the functional pass has left half done, and for as many tiles as the machine has slots it is not in
-//! its own step: scaled by windows, `chess` on `raycore` reads 18, 13 and 5 % too much with warm-ups of 1, 5 and 14 tiles, and `car`
-//! 30 % with one. The functional pass, which passes all tiles, is nearer on the whole (`docs/detail.md`). So estimates read as much as
-//! the pass did, and how windows differ from it says how far both may be off.
+//! Windows are few, and what tiles read differs more than what they work: scaled by windows reads are not too many and not too few in
+//! the mean, but further off than those of the functional pass, which passes all tiles and mostly reads somewhat more than a simulation
+//! (`docs/detail.md`, intervals). So estimates read as much as the pass did, and how windows differ from it says how far both may be off.
 
 use crate::memory::{ChannelCounters, L2Counters};
 use crate::stats::Stats;
