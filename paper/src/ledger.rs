@@ -29,7 +29,7 @@ pub struct PointCounts {
 }
 
 impl PointCounts {
-    /// Points whose rows the cache had: from before, or from a point of the same run with the same key.
+    /// Points whose rows the cache had.
     pub fn kept(&self) -> usize {
         self.points.saturating_sub(self.computed + self.reused)
     }

@@ -43,7 +43,7 @@ fn a_cache_in_use_is_waited_for() {
 fn a_limit_on_the_size_of_files_is_told() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
-    // 512 bytes or a kibibyte each: the trace has some 100 of these.
+    // Eight blocks are 4 or 8 KiB, by the shell; the trace has 73.
     let line = "capture cornell --size 64x64 --samples 2x2 -o {}/a.rtrace";
     let limited = ["-c", "ulimit -f 8; exec \"$0\" \"$@\"", env!("CARGO_BIN_EXE_rayreel")].map(OsString::from);
     let output = Command::new("sh").args(limited).args(args(line, folder)).output().unwrap();

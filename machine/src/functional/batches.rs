@@ -1,7 +1,7 @@
 //! What a core does next: which batch its SRP runs, by the rules of the SRP as far as they need no time.
 //!
-//! One rule is another: an SRP that is simulated stands still until the last ray of a batch is in the output queue, while here it may
-//! run batches that send nothing meanwhile. Standing still makes what is read from DRAM worse as long as rays take turns
+//! One rule differs: a simulated SRP stands still until the last ray of a batch is in the output queue, while here it may run batches
+//! that send nothing meanwhile. Standing still makes what is read from DRAM worse as long as rays take turns
 //! (`docs/detail.md`, intervals).
 
 use std::cmp::Reverse;
