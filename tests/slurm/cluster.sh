@@ -7,6 +7,8 @@
 #   cluster.sh kill-node K            node K loses its power
 #   cluster.sh restore-node K         and comes back
 #   cluster.sh kill-task JOB TASK     one task dies as by the kernel's OOM killer: no TERM, and its node goes on
+#   cluster.sh hold-task JOB TASK     one task stands still, unnoticed by its node
+#   cluster.sh go-on-task JOB TASK    and goes on
 #
 # SLURM_DIR (/tmp/rayreel-slurm) holds everything; ports are SLURM_PORT (16820) and the next ones; SLURM_NODES (2) have a CPU each.
 set -euo pipefail
@@ -168,9 +170,9 @@ kill_node() { # the daemon, the stepds that would report the end of the jobs, an
     done
 }
 
-kill_task() {
+signal_task() { # SIGNAL JOB TASK
     local pid
-    for pid in $(job_processes "SLURM_ARRAY_JOB_ID=$1" "SLURM_ARRAY_TASK_ID=$2"); do kill -9 "$pid" 2> /dev/null || true; done
+    for pid in $(job_processes "SLURM_ARRAY_JOB_ID=$2" "SLURM_ARRAY_TASK_ID=$3"); do kill -s "$1" "$pid" 2> /dev/null || true; done
 }
 
 case ${1:-} in
@@ -178,9 +180,11 @@ case ${1:-} in
     stop) stop ;;
     kill-node) kill_node "$2" ;;
     restore-node) start_node "$2" ;;
-    kill-task) kill_task "$2" "$3" ;;
+    kill-task) signal_task KILL "$2" "$3" ;;
+    hold-task) signal_task STOP "$2" "$3" ;;
+    go-on-task) signal_task CONT "$2" "$3" ;;
     *)
-        sed -n '2,12s/^# \{0,1\}//p' "$0"
+        sed -n '2,14s/^# \{0,1\}//p' "$0"
         exit 2
         ;;
 esac
