@@ -157,6 +157,30 @@ impl<'a> StudyView<'a> {
         self.points.iter().any(|point| self.band(&point.scene).is_some())
     }
 
+    /// Whether any point is an estimate.
+    fn is_estimated(&self) -> bool {
+        let costs = self.points.iter().flat_map(|point| [point.ti, point.gpu]).flatten();
+        costs.filter_map(|cost| cost.interval).any(|interval| interval.cycles > 0.0)
+    }
+
+    /// What the thin lines of charts mean, behind other sentences; nothing where there are none.
+    pub fn intervals_drawn(&self) -> &'static str {
+        if self.is_estimated() {
+            " Thin lines with caps are 95 % intervals, where they are long enough to be seen."
+        } else {
+            ""
+        }
+    }
+
+    /// That shares of cycles have no intervals, behind other sentences; nothing where all are exact.
+    pub fn shares_estimated(&self) -> &'static str {
+        if self.is_estimated() {
+            " Where cycles are estimates these shares are too; how far they may be off is not stated."
+        } else {
+            ""
+        }
+    }
+
     /// The unit of all energies of whole frames.
     pub fn energy_unit(&self) -> Unit {
         let parts = |point: &&Point| point.energy.iter().map(|part| part.mj).sum::<f64>();

@@ -1,10 +1,11 @@
 //! Bars: groups of vertical ones (the paper's Figure 7), and rows of horizontal ones (a value for each policy).
 
 use crate::html::charts::WIDTH;
-use crate::html::charts::chart::{Chart, Data, Key, cell, once};
+use crate::html::charts::chart::{Chart, Data, Key, cell, once, percent_cell};
 use crate::html::charts::scale::{Scale, extent};
 use crate::html::charts::svg::{Svg, n, shortened, text_width};
 use crate::html::text::factor;
+use crate::point::known::interval_of;
 
 /// A vertical bar of a group.
 pub struct Bar {
@@ -12,6 +13,8 @@ pub struct Bar {
     pub name: &'static str,
     /// Its height; nothing leaves a gap.
     pub value: Option<f64>,
+    /// Half its interval, a part of it; nothing where it is exact.
+    pub within: Option<f64>,
     /// Colour class.
     pub class: &'static str,
     /// What it says when asked.
@@ -36,7 +39,10 @@ pub fn grouped(groups: &[Group], label: &str) -> Chart {
     let [left, right, top, bottom] = [34.0, WIDTH - 4.0, 14.0, HEIGHT - 26.0];
     let values = groups.iter().flat_map(|g| {
         let (least, most) = g.band.unwrap_or((0.0, None));
-        g.bars.iter().filter_map(|b| b.value).chain([least, most.unwrap_or(least)])
+        g.bars
+            .iter()
+            .filter_map(|b| Some(b.value? * (1.0 + b.within.unwrap_or(0.0))))
+            .chain([least, most.unwrap_or(least)])
     });
     let [_, most] = extent(values).unwrap_or([0.0, 1.0]);
     // Room above the highest bar for its number.
@@ -58,12 +64,13 @@ pub fn grouped(groups: &[Group], label: &str) -> Chart {
 }
 
 fn of_groups(groups: &[Group]) -> Data {
-    let mut data = Data::new(&["group", "bar", "factor", "paper_least", "paper_most"]);
+    let mut data = Data::new(&["group", "bar", "factor", &interval_of("factor"), "paper_least", "paper_most"]);
     for group in groups {
         for (i, bar) in group.bars.iter().enumerate() {
             let band = group.band.filter(|_| i + 1 == group.bars.len());
             let (least, most) = (band.map(|band| band.0), band.and_then(|band| band.1));
-            data.row(vec![group.name.clone(), bar.name.into(), cell(bar.value), cell(least), cell(most)]);
+            let values = [cell(bar.value), percent_cell(bar.within), cell(least), cell(most)];
+            data.row([group.name.clone(), bar.name.into()].into_iter().chain(values).collect());
         }
     }
     data
@@ -84,10 +91,12 @@ fn upright(svg: &mut Svg, group: &Group, [start, slot]: [f64; 2], y: &Scale, bot
         let Some(value) = bar.value else { continue };
         let x = first + width * i as f64;
         svg.mark([x + 0.75, y.at(value), width - 1.5, bottom - y.at(value)], bar.class, 1.0, &bar.tip);
+        let ends = [-1.0, 1.0].map(|side| value * (1.0 + side * bar.within.unwrap_or(0.0)));
+        svg.upright_interval(x + width / 2.0, ends.map(|end| y.at(end)));
         if i + 1 == group.bars.len() {
             let text = factor(value).trim_end_matches('×').to_owned();
             // There is room above the low bar of power, and the bracket stands at the right.
-            svg.text(x + width + 1.0, y.at(value) - 4.0, "value e", &text);
+            svg.text(x + width + 1.0, y.at(ends[1]) - 4.0, "value e", &text);
         }
     }
     if let Some(band) = group.band {
@@ -113,6 +122,8 @@ pub struct HorizontalBar {
     pub name: String,
     /// Its length.
     pub value: f64,
+    /// Half its interval, a part of it; nothing where it is exact.
+    pub within: Option<f64>,
     /// What stands behind its end.
     pub text: String,
     /// Colour class.
@@ -130,7 +141,8 @@ pub fn rows(rows: &[HorizontalBar], most: f64, zone: Option<(f64, Option<f64>)>,
     let (height, left) = (top + ROW * rows.len() as f64 + 22.0, name_width(rows.iter().map(|r| r.name.as_str())));
     let bottom = height - 22.0;
     let behind = rows.iter().map(|r| text_width(&r.text)).fold(0.0, f64::max) + 8.0;
-    let x = Scale::exact([0.0, most.max(1.0)], 6, [left, WIDTH - behind]);
+    let room = 1.0 + rows.iter().filter_map(|row| row.within).fold(0.0, f64::max);
+    let x = Scale::exact([0.0, most.max(1.0) * room], 6, [left, WIDTH - behind]);
     let mut svg = Svg::new(WIDTH, height);
     if let Some((least, end)) = zone {
         let (a, b) = (x.at(least), end.map_or(WIDTH - behind, |m| x.at(m)));
@@ -148,14 +160,17 @@ pub fn rows(rows: &[HorizontalBar], most: f64, zone: Option<(f64, Option<f64>)>,
         let y = top + ROW * i as f64;
         svg.text(left - 6.0, y + 13.5, "label e", &shortened(&row.name, NAME_MAX));
         svg.mark([left, y + 3.0, x.at(row.value) - left, ROW - 7.0], &row.class, 1.0, &row.tip);
-        svg.text(x.at(row.value) + 5.0, y + 13.5, "value s", &row.text);
+        let ends = [-1.0, 1.0].map(|side| x.at(row.value * (1.0 + side * row.within.unwrap_or(0.0))));
+        svg.level_interval(y + ROW / 2.0 - 0.5, ends);
+        svg.text(ends[1] + 5.0, y + 13.5, "value s", &row.text);
     }
     svg.line([x.at(1.0), top - 4.0], [x.at(1.0), bottom], "one");
     svg.line([left, top - 4.0], [left, bottom], "axis");
-    let mut data = Data::new(&["name", "factor", "text", "paper_least", "paper_most"]);
+    let mut data = Data::new(&["name", "factor", &interval_of("factor"), "text", "paper_least", "paper_most"]);
     for row in rows {
         let (least, end) = (zone.map(|zone| zone.0), zone.and_then(|zone| zone.1));
-        data.row(vec![row.name.clone(), cell(Some(row.value)), row.text.clone(), cell(least), cell(end)]);
+        let (value, within) = (cell(Some(row.value)), percent_cell(row.within));
+        data.row(vec![row.name.clone(), value, within, row.text.clone(), cell(least), cell(end)]);
     }
     Chart { svg: svg.finish(label, ""), data, keys: Vec::new() }
 }
@@ -172,12 +187,29 @@ pub fn name_width<'a>(names: impl Iterator<Item = &'a str>) -> f64 {
 mod tests {
     use super::*;
 
+    #[test]
+    fn intervals_are_drawn_and_stand_in_the_file() {
+        let group = |within| {
+            let bar = |name, within| Bar { name, value: Some(4.0), within, class: "b0", tip: String::new() };
+            Group { name: "a".into(), bars: vec![bar("exact", None), bar("estimated", within)], band: None }
+        };
+        let chart = grouped(&[group(Some(0.1234))], "label");
+        assert_eq!(chart.svg.matches("class=\"within\"").count(), 1, "{}", chart.svg);
+        let lines = "group,bar,factor,factor_interval_percent,paper_least,paper_most\r\na,exact,4,,,\r\na,estimated,4,12.34,,\r\n";
+        assert_eq!(chart.data.csv(), lines);
+        // A tenth of a percent would be a dot.
+        for within in [None, Some(0.001)] {
+            assert!(!grouped(&[group(within)], "label").svg.contains("class=\"within\""));
+        }
+    }
+
     /// A study may state anything: a note that is wider than the chart made the least place of its middle greater than the most.
     #[test]
     fn a_note_wider_than_the_chart_is_drawn() {
         let bar = |value| HorizontalBar {
             name: "a".into(),
             value,
+            within: None,
             text: "1.0".into(),
             class: "c1".into(),
             tip: String::new(),

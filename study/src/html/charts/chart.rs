@@ -86,6 +86,11 @@ pub fn cell(value: Option<f64>) -> String {
     value.map(|value| value.to_string()).unwrap_or_default()
 }
 
+/// A half interval, a part of its value, as a number of percent: hundredths of a percent are enough.
+pub fn percent_cell(within: Option<f64>) -> String {
+    cell(within.map(|part| (part * 1e4).round() / 1e2))
+}
+
 /// What stands in a data URI as it is.
 const PLAIN: &AsciiSet =
     &NON_ALPHANUMERIC.remove(b',').remove(b'.').remove(b'-').remove(b'_').remove(b':').remove(b'/');

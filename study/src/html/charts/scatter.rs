@@ -1,10 +1,11 @@
 //! Points of two values that are both better when larger, with the frontier: what no other point beats in both.
 
 use crate::html::charts::WIDTH;
-use crate::html::charts::chart::{Chart, Data, Key, cell, once};
+use crate::html::charts::chart::{Chart, Data, Key, cell, once, percent_cell};
 use crate::html::charts::scale::{Scale, extent};
 use crate::html::charts::svg::{Svg, marker, n, shortened, text_width};
 use crate::html::text::escape;
+use crate::point::known::interval_of;
 
 /// A point.
 pub struct Dot {
@@ -14,6 +15,8 @@ pub struct Dot {
     pub x: Option<f64>,
     /// The vertical value.
     pub y: f64,
+    /// Half the interval of the vertical value, a part of it; nothing where it is exact.
+    pub within: Option<f64>,
     /// Colour class.
     pub class: String,
     /// Shape of its marker.
@@ -64,6 +67,7 @@ pub fn scatter(dots: &[Dot], names: [&str; 2], label: &str) -> Chart {
     for wanted in [false, true] {
         for (dot, _) in dots.iter().zip(&best).filter(|(_, on)| **on == wanted) {
             let ([px, py], dim) = (place(dot), if wanted { "" } else { " dim" });
+            svg.upright_interval(px, [-1.0, 1.0].map(|side| y.at(dot.y * (1.0 + side * dot.within.unwrap_or(0.0)))));
             svg.raw(&format!(
                 "<path d=\"{}\" class=\"dot {}{dim}\" data-mark=\"\"><title>{}</title></path>",
                 marker(dot.shape, px, py),
@@ -73,9 +77,10 @@ pub fn scatter(dots: &[Dot], names: [&str; 2], label: &str) -> Chart {
         }
     }
     names_of(&mut svg, dots, &best, place, [left, WIDTH - 2.0, top - 12.0, bottom]);
-    let mut data = Data::new(&["name", names[0], names[1], "frontier"]);
+    let mut data = Data::new(&["name", names[0], names[1], &interval_of(names[1]), "frontier"]);
     for (dot, on) in dots.iter().zip(&best) {
-        data.row(vec![dot.name.clone(), cell(Some(dot.x_or_infinity())), cell(Some(dot.y)), on.to_string()]);
+        let (x, y, within) = (cell(Some(dot.x_or_infinity())), cell(Some(dot.y)), percent_cell(dot.within));
+        data.row(vec![dot.name.clone(), x, y, within, on.to_string()]);
     }
     let keys = once(dots.iter().map(|dot| Key::new(&dot.class, &dot.name)));
     // Of many points only those on the frontier have their names in the picture.
@@ -159,7 +164,7 @@ mod tests {
     use super::*;
 
     fn dot(x: Option<f64>, y: f64) -> Dot {
-        Dot { name: "a".into(), x, y, class: "p0".into(), shape: 0, tip: String::new() }
+        Dot { name: "a".into(), x, y, within: None, class: "p0".into(), shape: 0, tip: String::new() }
     }
 
     #[test]

@@ -2,9 +2,10 @@
 
 use crate::html::charts::WIDTH;
 use crate::html::charts::bars::{NAME_MAX, name_width};
-use crate::html::charts::chart::{Chart, Data, Key, cell, once};
+use crate::html::charts::chart::{Chart, Data, Key, cell, once, percent_cell};
 use crate::html::charts::scale::Scale;
 use crate::html::charts::svg::{Svg, shortened, text_width};
+use crate::point::known::interval_of;
 
 /// A part of a bar.
 pub struct Part {
@@ -30,6 +31,8 @@ pub enum StackedRow {
         name: String,
         /// Its parts, from the left.
         parts: Vec<Part>,
+        /// Half the interval of all of them together, a part of it; nothing where none is known.
+        within: Option<f64>,
         /// What stands behind its end.
         text: String,
     },
@@ -51,7 +54,9 @@ pub fn stacked(
     let texts = rows.iter().map(|row| if let StackedRow::Bar { text, .. } = row { text_width(text) } else { 0.0 });
     let (left, behind) = (name_width(names), texts.fold(0.0, f64::max) + 10.0);
     let bottom = 4.0 + ROW * rows.len() as f64;
-    let x = Scale::exact([0.0, if most > 0.0 { most } else { 1.0 }], 5, [left, WIDTH - behind]);
+    let within = rows.iter().filter_map(|row| if let StackedRow::Bar { within, .. } = row { *within } else { None });
+    let room = 1.0 + within.fold(0.0, f64::max);
+    let x = Scale::exact([0.0, if most > 0.0 { most * room } else { 1.0 }], 5, [left, WIDTH - behind]);
     let mut svg = Svg::new(WIDTH, bottom + 22.0);
     for value in x.ticks() {
         svg.line([x.at(value), 2.0], [x.at(value), bottom], "grid");
@@ -61,7 +66,7 @@ pub fn stacked(
         let y = 4.0 + ROW * i as f64;
         match row {
             StackedRow::Head(text) => svg.text(0.0, y + 14.0, "head s", text),
-            StackedRow::Bar { name, parts, text } => {
+            StackedRow::Bar { name, parts, within, text } => {
                 svg.text(left - 6.0, y + 13.0, "label e", &shortened(name, NAME_MAX));
                 let mut start = 0.0;
                 for part in parts.iter().filter(|part| part.value > 0.0) {
@@ -69,7 +74,9 @@ pub fn stacked(
                     svg.mark([a, y + 2.0, b - a, ROW - 6.0], &part.class, part.opacity, &part.tip);
                     start += part.value;
                 }
-                svg.text(x.at(start) + 5.0, y + 13.0, "value s", text);
+                let ends = [-1.0, 1.0].map(|side| x.at(start * (1.0 + side * within.unwrap_or(0.0))));
+                svg.level_interval(y + ROW / 2.0 - 1.0, ends);
+                svg.text(ends[1] + 5.0, y + 13.0, "value s", text);
             }
         }
     }
@@ -82,20 +89,43 @@ pub fn stacked(
 
 fn of_parts(rows: &[StackedRow], value: &str) -> Data {
     let headed = rows.iter().any(|row| matches!(row, StackedRow::Head(_)));
-    let columns = ["of", "bar", "part", value];
-    let mut data = Data::new(if headed { &columns } else { &columns[1..] });
+    let estimated = rows.iter().any(|row| matches!(row, StackedRow::Bar { within: Some(_), .. }));
+    let of_bar = interval_of("bar");
+    let columns = ["of", "bar", "part", value, &of_bar];
+    let mut data = Data::new(&columns[usize::from(!headed)..columns.len() - usize::from(!estimated)]);
     let mut head = "";
     for row in rows {
         match row {
             StackedRow::Head(text) => head = text,
-            StackedRow::Bar { name, parts, .. } => {
+            StackedRow::Bar { name, parts, within, .. } => {
                 for part in parts {
                     let of = headed.then(|| head.to_owned());
                     let cells = [name.clone(), part.name.clone(), cell(Some(part.value))];
-                    data.row(of.into_iter().chain(cells).collect());
+                    let within = estimated.then(|| percent_cell(*within));
+                    data.row(of.into_iter().chain(cells).chain(within).collect());
                 }
             }
         }
     }
     data
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn intervals_of_bars_stand_in_the_file_where_there_are_any() {
+        let bar = |within| {
+            let part = Part { name: "x".into(), value: 2.0, class: "e0".into(), opacity: 1.0, tip: String::new() };
+            StackedRow::Bar { name: "a".into(), parts: vec![part], within, text: "2".into() }
+        };
+        let chart = |rows: &[StackedRow]| stacked(rows, (2.0, "mJ"), |_, tick| tick.to_string(), "label");
+        let exact = chart(&[bar(None)]);
+        assert_eq!(exact.data.csv(), "bar,part,mJ\r\na,x,2\r\n");
+        assert!(!exact.svg.contains("class=\"within\""));
+        let estimated = chart(&[StackedRow::Head("of".into()), bar(Some(0.05)), bar(None)]);
+        assert_eq!(estimated.data.csv(), "of,bar,part,mJ,bar_interval_percent\r\nof,a,x,2,5\r\nof,a,x,2,\r\n");
+        assert_eq!(estimated.svg.matches("class=\"within\"").count(), 1);
+    }
 }

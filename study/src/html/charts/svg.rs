@@ -23,6 +23,10 @@ pub fn n(value: f64) -> String {
 /// A rectangle: left, top, width, height.
 pub type Rect = [f64; 4];
 
+/// Shortest interval that is drawn, and half the width of its caps, units.
+const INTERVAL_LEAST: f64 = 2.0;
+const CAP: f64 = 2.5;
+
 impl Svg {
     /// An empty picture.
     pub fn new(width: f64, height: f64) -> Self {
@@ -61,6 +65,24 @@ impl Svg {
     /// A path; `extra` are more attributes, already escaped.
     pub fn path(&mut self, d: &str, class: &str, extra: &str) {
         let _ = write!(self.body, "<path d=\"{d}\" class=\"{class}\"{extra}/>");
+    }
+
+    /// An interval along a vertical line, with a cap at either end, if it is long enough to be seen.
+    pub fn upright_interval(&mut self, x: f64, ends: [f64; 2]) {
+        if (ends[0] - ends[1]).abs() >= INTERVAL_LEAST {
+            let [a, b] = ends.map(n);
+            let left = n(x - CAP);
+            self.path(&format!("M{left} {a}h{0}M{1} {a}V{b}M{left} {b}h{0}", n(2.0 * CAP), n(x)), "within", "");
+        }
+    }
+
+    /// The same along a horizontal line.
+    pub fn level_interval(&mut self, y: f64, ends: [f64; 2]) {
+        if (ends[0] - ends[1]).abs() >= INTERVAL_LEAST {
+            let [a, b] = ends.map(n);
+            let top = n(y - CAP);
+            self.path(&format!("M{a} {top}v{0}M{a} {1}H{b}M{b} {top}v{0}", n(2.0 * CAP), n(y)), "within", "");
+        }
     }
 
     /// SVG as it is.

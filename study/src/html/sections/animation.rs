@@ -6,18 +6,18 @@ use crate::html::modes::mode_name;
 use crate::html::parts::{Head, Section, grid, how_to_read, table};
 use crate::html::text::{escape, fixed, or_dash, percent, plus_minus, psnr};
 use crate::html::view::StudyView;
-use crate::schema::{Track, TrackFrame};
+use crate::schema::{CostInterval, Track, TrackFrame};
 
-/// What is drawn: title, unit, value of a frame, whether the axis begins at zero.
-type Plot = (&'static str, &'static str, fn(&TrackFrame) -> Option<f64>, bool);
+/// What is drawn: title, unit, value of a frame, its interval, whether the axis begins at zero.
+type Plot = (&'static str, &'static str, fn(&TrackFrame) -> Option<f64>, fn(CostInterval) -> Option<f64>, bool);
 
 const PLOTS: [Plot; 6] = [
-    ("Rays traced", "rays", |f| Some(f.rays_traced as f64), true),
-    ("Mean rate: traced samples per sample", "", |f| Some(f.mean_rate), true),
-    ("PSNR, dB", "dB", |f| f.psnr_db, false),
-    ("Power of the T&I units, W", "W", |f| f.power_w, true),
-    ("Energy of the T&I units, mJ", "mJ", |f| f.energy_mj, true),
-    ("Time of a frame, ms", "ms", |f| f.time_ms, true),
+    ("Rays traced", "rays", |f| Some(f.rays_traced as f64), |_| None, true),
+    ("Mean rate: traced samples per sample", "", |f| Some(f.mean_rate), |_| None, true),
+    ("PSNR, dB", "dB", |f| f.psnr_db, |_| None, false),
+    ("Power of the T&I units, W", "W", |f| f.power_w, |i| Some(i.power_w), true),
+    ("Energy of the T&I units, mJ", "mJ", |f| f.energy_mj, |i| Some(i.energy_mj), true),
+    ("Time of a frame, ms", "ms", |f| f.time_ms, |i| Some(i.cycles), true),
 ];
 
 /// What the figures of the tracks are of, as a chart and as a column name it: a machine without T&I units has only the whole.
@@ -67,7 +67,7 @@ pub fn section(view: &StudyView<'_>) -> Option<Section> {
     Section::new("animation", "The animation, frame by frame", html)
 }
 
-fn chart(view: &StudyView<'_>, scene: &str, tracks: &[&Track], (title, stored, value, zero): &Plot) -> String {
+fn chart(view: &StudyView<'_>, scene: &str, tracks: &[&Track], (title, stored, value, within, zero): &Plot) -> String {
     let unit = unit_of(tracks, stored, *value);
     // Frames without any value are left out: where only some are simulated, the line goes from one to the next.
     let known = tracks.iter().flat_map(|t| t.frames.iter().filter(|f| value(f).is_some()).map(|f| f.frame));
@@ -75,16 +75,22 @@ fn chart(view: &StudyView<'_>, scene: &str, tracks: &[&Track], (title, stored, v
     frames.sort_unstable();
     frames.dedup();
     let line = |track: &&Track| {
-        let mut values = vec![None; frames.len()];
+        let (mut values, mut intervals) = (vec![None; frames.len()], vec![None; frames.len()]);
         for frame in &track.frames {
             if let Ok(i) = frames.binary_search(&frame.frame) {
                 values[i] = value(frame);
+                intervals[i] = frame.interval.and_then(within).map(|part| (part * 1e4).round() / 1e2);
             }
         }
+        if intervals.iter().all(Option::is_none) {
+            intervals.clear();
+        }
         let look = view.look(&track.policy);
-        Line { name: track.policy.clone(), values, intervals: Vec::new(), class: look.class(), dash: look.dash() }
+        Line { name: track.policy.clone(), values, intervals, class: look.class(), dash: look.dash() }
     };
-    let lines: Vec<Line> = tracks.iter().map(line).filter(|l| l.values.iter().any(Option::is_some)).collect();
+    let mut lines: Vec<Line> = tracks.iter().map(line).filter(|l| l.values.iter().any(Option::is_some)).collect();
+    // The policy of the summary lies on top: others would hide it where they come near.
+    lines.sort_by_key(|line| view.headline == Some(line.name.as_str()));
     if lines.is_empty() {
         return String::new();
     }

@@ -55,6 +55,7 @@ fn chart(view: &StudyView<'_>, scene: &str, mode: &str, unit: Unit) -> String {
     let row = |point: &&Point| StackedRow::Bar {
         name: point.policy.clone(),
         parts: parts(point, unit),
+        within: interval(point),
         text: amount(total(point), unit) + &plus_minus(interval(point)),
     };
     let text: Vec<String> = points.iter().map(|p| format!("{} {}", p.policy, amount(total(p), unit))).collect();

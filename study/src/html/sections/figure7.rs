@@ -57,7 +57,8 @@ pub fn section(view: &StudyView<'_>) -> Option<Section> {
     let mut html = legend(&(bars + &bracket)) + &format!("<div class=\"grid two\">\n{charts}</div>\n");
     html += &how_to_read(&format!(
         "Each bar is the adaptive policy relative to tracing every sample in the same scene and mode; the line at 1× is the \
-         reference. Bars of performance and performance per watt should be high, power near 1×.{}{}",
+         reference. Bars of performance and performance per watt should be high, power near 1×.{}{}{}",
+        view.intervals_drawn(),
         if view.has_bands() { BRACKETS } else { "" },
         models(&view.study.scenes)
     ));
@@ -82,7 +83,7 @@ fn chart(view: &StudyView<'_>, mode: &str, policy: &str) -> String {
         let bar = |i: usize| {
             let ((what, class), value) = (BARS[i], values[i]);
             let tip = format!("{name}\n{policy}, {alone}\n{what} {}{}", or_dash(value, factor), plus_minus(within[i]));
-            Bar { name: what, value, class, tip }
+            Bar { name: what, value, within: within[i], class, tip }
         };
         Group { name: name.to_owned(), bars: (0..BARS.len()).map(bar).collect(), band }
     };

@@ -6,7 +6,7 @@ use crate::html::magnitude::{TIME, for_all};
 use crate::html::modes::{by_mode, mode_name};
 use crate::html::parts::{Head, Section, details, grid, how_to_read, table};
 use crate::html::text::{amount, count, decibels, escape, factor, fixed, or_dash, percent, plus_minus, psnr};
-use crate::html::view::{StudyView, gain, gain_interval, geometric_mean};
+use crate::html::view::{StudyView, gain, gain_interval, geometric_mean, mean_interval};
 use crate::schema::{Cost, CostInterval, Point};
 
 /// The section.
@@ -28,7 +28,9 @@ pub fn section(view: &StudyView<'_>) -> Option<Section> {
     html += &by_mode(view, |mode| grid(&bars(view, mode)));
     let zone =
         if view.has_bands() { " The shaded zone is what the paper states for its policy in this scene." } else { "" };
-    html += &how_to_read(&format!("Factors over tracing every sample.{zone} Behind each bar stands its PSNR."));
+    let intervals = view.intervals_drawn();
+    html +=
+        &how_to_read(&format!("Factors over tracing every sample.{zone}{intervals} Behind each bar stands its PSNR."));
     html += &details("Numbers of every policy", &by_mode(view, |mode| numbers(view, mode)));
     Section::new("policies", "All policies: efficiency against quality", html)
 }
@@ -57,7 +59,15 @@ fn dot(view: &StudyView<'_>, point: &Point) -> Option<Dot> {
     // `full` is compared with itself: the same picture at the same cost.
     let x = if full { None } else { point.quality?.psnr_db };
     let y = gain(point).or(full.then_some(1.0))?;
-    Some(Dot { name: point.policy.clone(), x, y, class: look.class(), shape: look.shape, tip: tip(point) })
+    Some(Dot {
+        name: point.policy.clone(),
+        x,
+        y,
+        within: gain_interval(point),
+        class: look.class(),
+        shape: look.shape,
+        tip: tip(point),
+    })
 }
 
 fn pareto(view: &StudyView<'_>, mode: &str) -> String {
@@ -97,8 +107,14 @@ fn overall(view: &StudyView<'_>, mode: &str) -> String {
         let Some(qualities) = points.iter().map(|p| p.quality).collect::<Option<Vec<_>>>() else { continue };
         let least = qualities.iter().map(|q| q.psnr_db.unwrap_or(f64::INFINITY)).fold(f64::INFINITY, f64::min);
         let (x, look) = (least.is_finite().then_some(least), view.look(policy));
-        let tip = format!("{policy}\nall {scenes} scenes\nmean {} perf/W\nworst PSNR {}", factor(mean), psnr(x));
-        dots.push(Dot { name: policy.to_owned(), x, y: mean, class: look.class(), shape: look.shape, tip });
+        let within = mean_interval(points.iter().map(|p| gain_interval(p)));
+        let tip = format!(
+            "{policy}\nall {scenes} scenes\nmean {}{} perf/W\nworst PSNR {}",
+            factor(mean),
+            plus_minus(within),
+            psnr(x)
+        );
+        dots.push(Dot { name: policy.to_owned(), x, y: mean, within, class: look.class(), shape: look.shape, tip });
     }
     let title = format!("All {scenes} scenes: geometric mean, and worst PSNR");
     chart(view, &["policies", mode, "all scenes"], &title, &dots, "performance per watt, mean")
@@ -115,6 +131,7 @@ fn bars(view: &StudyView<'_>, mode: &str) -> String {
             Some(HorizontalBar {
                 name: point.policy.clone(),
                 value,
+                within: gain_interval(point),
                 text: factor(value) + &plus_minus(gain_interval(point)) + &psnr_text,
                 class: view.look(&point.policy).class(),
                 tip: tip(point),

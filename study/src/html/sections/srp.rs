@@ -31,11 +31,12 @@ pub fn section(view: &StudyView<'_>) -> Option<Section> {
     html += &by_mode(view, |mode| {
         grid(&view.scenes(mode).iter().map(|scene| chart(view, scene, mode)).collect::<String>())
     });
-    html += &how_to_read(
+    html += &how_to_read(&format!(
         "Busy cycles of the SRPs by kernel; the number is the share that adaptive sampling adds: similarity tests with \
          their colours and inspector, and interpolation with its attributes and shading. The grey rest is ray generation, shading, the \
-         resolve step, and the inspector, which sorts the items of all other kernels by branch.",
-    );
+         resolve step, and the inspector, which sorts the items of all other kernels by branch.{}",
+        view.shares_estimated()
+    ));
     Section::new("srp", "What the SRP does", html)
 }
 
@@ -62,6 +63,7 @@ fn chart(view: &StudyView<'_>, scene: &str, mode: &str) -> String {
     let row = |point: &&Point| StackedRow::Bar {
         name: point.policy.clone(),
         parts: parts(&point.policy, &whole(&point.srp)),
+        within: None,
         text: percent(added(&point.srp)),
     };
     let mut rows: Vec<StackedRow> = points.iter().map(row).collect();
@@ -76,6 +78,7 @@ fn chart(view: &StudyView<'_>, scene: &str, mode: &str) -> String {
         rows.push(StackedRow::Bar {
             name: "the paper".into(),
             parts: parts("the paper, mean of its scenes", &kernels),
+            within: None,
             text,
         });
     }

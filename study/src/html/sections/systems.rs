@@ -32,7 +32,8 @@ fn psnr(pair: &Pair) -> String {
     if pair.psnr_db.is_finite() { decibels(pair.psnr_db) } else { "same picture".into() }
 }
 
-fn dot(view: &StudyView<'_>, systems: &Systems<'_>, pair: &Pair, name: String, y: f64) -> Dot {
+/// The mark of a policy on a machine at a height, which may be off by a part of it.
+fn dot(view: &StudyView<'_>, systems: &Systems<'_>, pair: &Pair, name: String, (y, within): (f64, Option<f64>)) -> Dot {
     let (look, machine) = (view.look(systems.policies[pair.policy]), systems.machines[pair.machine]);
     let tip = format!(
         "{} on {machine}\n{} perf/W over full there{}\nPSNR {}",
@@ -42,13 +43,13 @@ fn dot(view: &StudyView<'_>, systems: &Systems<'_>, pair: &Pair, name: String, y
         psnr(pair)
     );
     let x = pair.psnr_db.is_finite().then_some(pair.psnr_db);
-    Dot { name, x, y, class: look.class(), shape: look.shape, tip }
+    Dot { name, x, y, within, class: look.class(), shape: look.shape, tip }
 }
 
 fn everything(view: &StudyView<'_>, systems: &Systems<'_>, pairs: &[Pair]) -> String {
     let dots: Vec<Dot> = pairs
         .iter()
-        .map(|pair| dot(view, systems, pair, systems.machines[pair.machine].to_owned(), pair.merit))
+        .map(|pair| dot(view, systems, pair, systems.machines[pair.machine].to_owned(), (pair.merit, None)))
         .collect();
     let names = systems.frontier();
     let names: Vec<String> = names
@@ -65,13 +66,15 @@ fn by_machine(view: &StudyView<'_>, systems: &Systems<'_>, pairs: &[Pair]) -> St
     for (machine, name) in systems.machines.iter().enumerate() {
         let of_machine = pairs.iter().filter(|pair| pair.machine == machine);
         let dots: Vec<Dot> = of_machine
-            .map(|pair| dot(view, systems, pair, systems.policies[pair.policy].to_owned(), pair.gain))
+            .map(|pair| {
+                let within = Some(pair.interval).filter(|part| *part > 0.0);
+                dot(view, systems, pair, systems.policies[pair.policy].to_owned(), (pair.gain, within))
+            })
             .collect();
         html += &chart(view, &dots, name, "whole GPU");
-        let alone = pairs
-            .iter()
-            .filter(|pair| pair.machine == machine)
-            .filter_map(|pair| Some(dot(view, systems, pair, systems.policies[pair.policy].to_owned(), pair.ti_gain?)));
+        let alone = pairs.iter().filter(|pair| pair.machine == machine).filter_map(|pair| {
+            Some(dot(view, systems, pair, systems.policies[pair.policy].to_owned(), (pair.ti_gain?, None)))
+        });
         html += &chart(view, &alone.collect::<Vec<_>>(), name, "T&I units alone");
     }
     html

@@ -67,10 +67,11 @@ pub fn section(view: &StudyView<'_>) -> Option<Section> {
     html += &by_mode(view, |mode| {
         grid(&view.scenes(mode).iter().map(|scene| chart(view, scene, mode)).collect::<String>())
     });
-    html += &how_to_read(
+    html += &how_to_read(&format!(
         "Each bar is all cycles of one kind of unit; the number is the share in which it works (of an SRP, all its kernels). Full sampling stands beside the paper's policy \
-         and the one of the summary: if the T&I units were held up by the SRP, their idle part would grow.",
-    );
+         and the one of the summary: if the T&I units were held up by the SRP, their idle part would grow.{}",
+        view.shares_estimated()
+    ));
     Section::new("units", "Utilisation of the units", html)
 }
 
@@ -98,6 +99,7 @@ fn chart(view: &StudyView<'_>, scene: &str, mode: &str) -> String {
             rows.push(StackedRow::Bar {
                 name: point.policy.clone(),
                 parts: parts(unit, &point.policy),
+                within: None,
                 text: percent(busy),
             });
         }
