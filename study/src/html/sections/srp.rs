@@ -18,6 +18,9 @@ const COLOURS: [(&str, &str); 7] = [
     ("reshade", "k1"),
 ];
 
+/// The others, by shade; what the paper does not tell apart is as dark as the first.
+const GREYS: [&str; 6] = ["raygen", "shade", "miss", "update", "resolve", "inspector"];
+
 /// What the colours mean.
 const KEYS: [(&str, &str); 3] = [("similarity", "k0"), ("interpolation", "k1"), ("other kernels", "k2")];
 
@@ -38,6 +41,21 @@ pub fn section(view: &StudyView<'_>) -> Option<Section> {
         view.shares_estimated()
     ));
     Section::new("srp", "What the SRP does", html)
+}
+
+/// By how much each kernel of a colour is paler than the one before it.
+const SHADE: f64 = 0.15;
+
+/// Colour class and shade of a kernel, the same in all bars.
+fn look(kernel: &str) -> (&'static str, f64) {
+    let paler = |steps: usize| 1.0 - SHADE * steps as f64;
+    match COLOURS.iter().position(|(name, _)| *name == kernel) {
+        Some(at) => {
+            let (_, class) = COLOURS[at];
+            (class, paler(COLOURS[..at].iter().filter(|(_, other)| *other == class).count()))
+        }
+        None => ("k2", paler(GREYS.iter().position(|name| *name == kernel).unwrap_or(0))),
+    }
 }
 
 /// Less than this is rounding.
@@ -92,22 +110,34 @@ fn chart(view: &StudyView<'_>, scene: &str, mode: &str) -> String {
 }
 
 fn parts(name: &str, kernels: &[Kernel]) -> Vec<Part> {
-    let class = |kernel: &Kernel| COLOURS.iter().find(|(name, _)| *name == kernel.kernel).map(|(_, class)| *class);
     let mut sorted: Vec<&Kernel> = kernels.iter().collect();
     // What sampling adds first, so that it begins at zero in every bar.
     sorted.sort_by_key(|k| COLOURS.iter().position(|(name, _)| *name == k.kernel).unwrap_or(COLOURS.len()));
-    let mut greys = 0;
-    let mut part = |kernel: &&Kernel| {
-        let colour = class(kernel);
-        greys += usize::from(colour.is_none());
+    let part = |kernel: &&Kernel| {
         let cycles = if kernel.cycles > 0 { format!(", {} cycles", count(kernel.cycles)) } else { String::new() };
+        let (class, opacity) = look(&kernel.kernel);
         Part {
             name: kernel.kernel.clone(),
             value: kernel.share,
-            class: colour.unwrap_or("k2").into(),
-            opacity: if colour.is_some() { 1.0 } else { (1.0 - 0.18 * greys.saturating_sub(1) as f64).max(0.25) },
+            class: class.into(),
+            opacity,
             tip: format!("{name}\n{} {}{cycles}", kernel.kernel, percent(kernel.share)),
         }
     };
-    sorted.iter().map(&mut part).collect()
+    sorted.iter().map(part).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_two_kernels_look_the_same() {
+        let names = COLOURS.iter().map(|(name, _)| *name).chain(GREYS);
+        let looks: Vec<_> = names.map(look).collect();
+        for (i, one) in looks.iter().enumerate() {
+            assert!(one.1 > 0.2 && !looks[..i].contains(one), "{one:?}");
+        }
+        assert_eq!([look("other kernels"), look("similarity")], [("k2", 1.0), ("k0", 1.0)]);
+    }
 }
