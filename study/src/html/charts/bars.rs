@@ -1,7 +1,7 @@
 //! Bars: groups of vertical ones (the paper's Figure 7), and rows of horizontal ones (a value for each policy).
 
 use crate::html::charts::WIDTH;
-use crate::html::charts::chart::{Chart, Data, Key, cell, once, percent_cell};
+use crate::html::charts::chart::{Chart, Data, Key, cell, ends, once, percent_cell};
 use crate::html::charts::scale::{Scale, extent};
 use crate::html::charts::svg::{Svg, n, shortened, text_width};
 use crate::html::text::factor;
@@ -39,10 +39,7 @@ pub fn grouped(groups: &[Group], label: &str) -> Chart {
     let [left, right, top, bottom] = [34.0, WIDTH - 4.0, 14.0, HEIGHT - 26.0];
     let values = groups.iter().flat_map(|g| {
         let (least, most) = g.band.unwrap_or((0.0, None));
-        g.bars
-            .iter()
-            .filter_map(|b| Some(b.value? * (1.0 + b.within.unwrap_or(0.0))))
-            .chain([least, most.unwrap_or(least)])
+        g.bars.iter().filter_map(|b| Some(ends(b.value?, b.within)[1])).chain([least, most.unwrap_or(least)])
     });
     let [_, most] = extent(values).unwrap_or([0.0, 1.0]);
     // Room above the highest bar for its number.
@@ -91,12 +88,12 @@ fn upright(svg: &mut Svg, group: &Group, [start, slot]: [f64; 2], y: &Scale, bot
         let Some(value) = bar.value else { continue };
         let x = first + width * i as f64;
         svg.mark([x + 0.75, y.at(value), width - 1.5, bottom - y.at(value)], bar.class, 1.0, &bar.tip);
-        let ends = [-1.0, 1.0].map(|side| value * (1.0 + side * bar.within.unwrap_or(0.0)));
-        svg.upright_interval(x + width / 2.0, ends.map(|end| y.at(end)));
+        let ends = ends(value, bar.within).map(|end| y.at(end));
+        svg.upright_interval(x + width / 2.0, ends);
         if i + 1 == group.bars.len() {
             let text = factor(value).trim_end_matches('×').to_owned();
             // There is room above the low bar of power, and the bracket stands at the right.
-            svg.text(x + width + 1.0, y.at(ends[1]) - 4.0, "value e", &text);
+            svg.text(x + width + 1.0, ends[1] - 4.0, "value e", &text);
         }
     }
     if let Some(band) = group.band {
@@ -141,7 +138,7 @@ pub fn rows(rows: &[HorizontalBar], most: f64, zone: Option<(f64, Option<f64>)>,
     let (height, left) = (top + ROW * rows.len() as f64 + 22.0, name_width(rows.iter().map(|r| r.name.as_str())));
     let bottom = height - 22.0;
     let behind = rows.iter().map(|r| text_width(&r.text)).fold(0.0, f64::max) + 8.0;
-    let room = 1.0 + rows.iter().filter_map(|row| row.within).fold(0.0, f64::max);
+    let room = rows.iter().map(|row| ends(1.0, row.within)[1]).fold(1.0, f64::max);
     let x = Scale::exact([0.0, most.max(1.0) * room], 6, [left, WIDTH - behind]);
     let mut svg = Svg::new(WIDTH, height);
     if let Some((least, end)) = zone {
@@ -160,7 +157,7 @@ pub fn rows(rows: &[HorizontalBar], most: f64, zone: Option<(f64, Option<f64>)>,
         let y = top + ROW * i as f64;
         svg.text(left - 6.0, y + 13.5, "label e", &shortened(&row.name, NAME_MAX));
         svg.mark([left, y + 3.0, x.at(row.value) - left, ROW - 7.0], &row.class, 1.0, &row.tip);
-        let ends = [-1.0, 1.0].map(|side| x.at(row.value * (1.0 + side * row.within.unwrap_or(0.0))));
+        let ends = ends(row.value, row.within).map(|end| x.at(end));
         svg.level_interval(y + ROW / 2.0 - 0.5, ends);
         svg.text(ends[1] + 5.0, y + 13.5, "value s", &row.text);
     }

@@ -91,6 +91,12 @@ pub fn percent_cell(within: Option<f64>) -> String {
     cell(within.map(|part| (part * 1e4).round() / 1e2))
 }
 
+/// Both ends of the interval of a value, to be drawn. One that is wider than the value would go beyond zero: only its column tells of it.
+pub fn ends(value: f64, within: Option<f64>) -> [f64; 2] {
+    let part = within.filter(|part| (0.0..=1.0).contains(part)).unwrap_or(0.0);
+    [value * (1.0 - part), (value * (1.0 + part)).clamp(f64::MIN, f64::MAX)]
+}
+
 /// What stands in a data URI as it is.
 const PLAIN: &AsciiSet =
     &NON_ALPHANUMERIC.remove(b',').remove(b'.').remove(b'-').remove(b'_').remove(b':').remove(b'/');
@@ -103,6 +109,16 @@ pub fn link(text: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn intervals_that_mean_nothing_are_not_drawn() {
+        assert_eq!(ends(4.0, Some(0.25)), [3.0, 5.0]);
+        for within in [None, Some(f64::NAN), Some(f64::INFINITY), Some(-0.5), Some(1.5)] {
+            assert_eq!(ends(4.0, within), [4.0, 4.0], "{within:?}");
+        }
+        assert_eq!(ends(f64::MAX, Some(1.0)), [0.0, f64::MAX]);
+        assert_eq!([percent_cell(Some(0.066_07)), percent_cell(None)], ["6.61", ""]);
+    }
 
     #[test]
     fn cells_are_quoted_where_they_must_be() {

@@ -1,7 +1,7 @@
 //! Points of two values that are both better when larger, with the frontier: what no other point beats in both.
 
 use crate::html::charts::WIDTH;
-use crate::html::charts::chart::{Chart, Data, Key, cell, once, percent_cell};
+use crate::html::charts::chart::{Chart, Data, Key, cell, ends, once, percent_cell};
 use crate::html::charts::scale::{Scale, extent};
 use crate::html::charts::svg::{Svg, marker, n, shortened, text_width};
 use crate::html::text::escape;
@@ -57,7 +57,7 @@ pub fn scatter(dots: &[Dot], names: [&str; 2], label: &str) -> Chart {
     let [low, high] = extent(dots.iter().filter_map(|d| d.x)).unwrap_or([30.0, 50.0]);
     let pad = ((high - low) * 0.04).max(0.5);
     let x = Scale::nice([low - pad, high + pad], 5, [left, right]);
-    let [_, most] = extent(dots.iter().map(|d| d.y)).unwrap_or([0.0, 1.0]);
+    let [_, most] = extent(dots.iter().map(|d| ends(d.y, d.within)[1])).unwrap_or([0.0, 1.0]);
     let y = Scale::nice([0.0, most * 1.05], 5, [bottom, top]);
     let mut svg = Svg::new(WIDTH, HEIGHT);
     axes(&mut svg, &x, &y, identical, names);
@@ -67,7 +67,7 @@ pub fn scatter(dots: &[Dot], names: [&str; 2], label: &str) -> Chart {
     for wanted in [false, true] {
         for (dot, _) in dots.iter().zip(&best).filter(|(_, on)| **on == wanted) {
             let ([px, py], dim) = (place(dot), if wanted { "" } else { " dim" });
-            svg.upright_interval(px, [-1.0, 1.0].map(|side| y.at(dot.y * (1.0 + side * dot.within.unwrap_or(0.0)))));
+            svg.upright_interval(px, ends(dot.y, dot.within).map(|end| y.at(end)));
             svg.raw(&format!(
                 "<path d=\"{}\" class=\"dot {}{dim}\" data-mark=\"\"><title>{}</title></path>",
                 marker(dot.shape, px, py),

@@ -2,7 +2,7 @@
 
 use crate::html::charts::WIDTH;
 use crate::html::charts::bars::{NAME_MAX, name_width};
-use crate::html::charts::chart::{Chart, Data, Key, cell, once, percent_cell};
+use crate::html::charts::chart::{Chart, Data, Key, cell, ends, once, percent_cell};
 use crate::html::charts::scale::Scale;
 use crate::html::charts::svg::{Svg, shortened, text_width};
 use crate::point::known::interval_of;
@@ -55,7 +55,7 @@ pub fn stacked(
     let (left, behind) = (name_width(names), texts.fold(0.0, f64::max) + 10.0);
     let bottom = 4.0 + ROW * rows.len() as f64;
     let within = rows.iter().filter_map(|row| if let StackedRow::Bar { within, .. } = row { *within } else { None });
-    let room = 1.0 + within.fold(0.0, f64::max);
+    let room = within.map(|part| ends(1.0, Some(part))[1]).fold(1.0, f64::max);
     let x = Scale::exact([0.0, if most > 0.0 { most * room } else { 1.0 }], 5, [left, WIDTH - behind]);
     let mut svg = Svg::new(WIDTH, bottom + 22.0);
     for value in x.ticks() {
@@ -74,7 +74,7 @@ pub fn stacked(
                     svg.mark([a, y + 2.0, b - a, ROW - 6.0], &part.class, part.opacity, &part.tip);
                     start += part.value;
                 }
-                let ends = [-1.0, 1.0].map(|side| x.at(start * (1.0 + side * within.unwrap_or(0.0))));
+                let ends = ends(start, *within).map(|end| x.at(end));
                 svg.level_interval(y + ROW / 2.0 - 1.0, ends);
                 svg.text(ends[1] + 5.0, y + 13.0, "value s", text);
             }
