@@ -89,7 +89,7 @@ fn upright(svg: &mut Svg, group: &Group, [start, slot]: [f64; 2], y: &Scale, bot
         let x = first + width * i as f64;
         svg.mark([x + 0.75, y.at(value), width - 1.5, bottom - y.at(value)], bar.class, 1.0, &bar.tip);
         let ends = ends(value, bar.within).map(|end| y.at(end));
-        svg.upright_interval(x + width / 2.0, ends);
+        svg.upright_interval(x + width / 2.0, ends, "within");
         if i + 1 == group.bars.len() {
             let text = factor(value).trim_end_matches('×').to_owned();
             // There is room above the low bar of power, and the bracket stands at the right.

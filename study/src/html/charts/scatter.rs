@@ -67,7 +67,7 @@ pub fn scatter(dots: &[Dot], names: [&str; 2], label: &str) -> Chart {
     for wanted in [false, true] {
         for (dot, _) in dots.iter().zip(&best).filter(|(_, on)| **on == wanted) {
             let ([px, py], dim) = (place(dot), if wanted { "" } else { " dim" });
-            svg.upright_interval(px, ends(dot.y, dot.within).map(|end| y.at(end)));
+            svg.upright_interval(px, ends(dot.y, dot.within).map(|end| y.at(end)), &format!("within{dim}"));
             svg.raw(&format!(
                 "<path d=\"{}\" class=\"dot {}{dim}\" data-mark=\"\"><title>{}</title></path>",
                 marker(dot.shape, px, py),
@@ -172,6 +172,17 @@ mod tests {
         let dots =
             [dot(Some(40.0), 3.0), dot(Some(45.0), 2.0), dot(Some(39.0), 2.9), dot(None, 1.0), dot(Some(45.0), 2.0)];
         assert_eq!(frontier(&dots), [true, true, false, true, true], "equal points do not beat each other");
+    }
+
+    #[test]
+    fn intervals_are_as_dim_as_their_points_and_stand_in_the_file() {
+        let within = |x, y, within| Dot { within, ..dot(Some(x), y) };
+        let dots = [within(40.0, 3.0, Some(0.1)), within(39.0, 2.0, Some(0.2)), within(45.0, 1.0, None)];
+        let chart = scatter(&dots, ["x", "y"], "label");
+        let count = |class: &str| chart.svg.matches(&format!("class=\"{class}\"")).count();
+        assert_eq!((count("within"), count("within dim")), (1, 1), "{}", chart.svg);
+        let csv = "name,x,y,y_interval_percent,frontier\r\na,40,3,10,true\r\na,39,2,20,false\r\na,45,1,,true\r\n";
+        assert_eq!(chart.data.csv(), csv);
     }
 
     #[test]

@@ -67,12 +67,12 @@ impl Svg {
         let _ = write!(self.body, "<path d=\"{d}\" class=\"{class}\"{extra}/>");
     }
 
-    /// An interval along a vertical line, with a cap at either end, if it is long enough to be seen.
-    pub fn upright_interval(&mut self, x: f64, ends: [f64; 2]) {
+    /// An interval along a vertical line, with a cap at either end, if it is long enough to be seen; `class` may dim it.
+    pub fn upright_interval(&mut self, x: f64, ends: [f64; 2], class: &str) {
         if (ends[0] - ends[1]).abs() >= INTERVAL_LEAST {
             let [a, b] = ends.map(n);
             let left = n(x - CAP);
-            self.path(&format!("M{left} {a}h{0}M{1} {a}V{b}M{left} {b}h{0}", n(2.0 * CAP), n(x)), "within", "");
+            self.path(&format!("M{left} {a}h{0}M{1} {a}V{b}M{left} {b}h{0}", n(2.0 * CAP), n(x)), class, "");
         }
     }
 
