@@ -8,7 +8,7 @@ use std::path::Path;
 
 use made_up::{pictures, study, write};
 use rayreel_study::html::{self, ReportError};
-use rayreel_study::schema::{FILE, SCHEMA, Study, ViewerImages};
+use rayreel_study::schema::{CostInterval, FILE, SCHEMA, Study, ViewerImages};
 use serde_json::Value;
 
 /// The page of a study.
@@ -86,6 +86,27 @@ fn every_part_is_there() {
         assert!(text.contains(found), "{found} is missing");
     }
     assert!(!text.contains("NaN") && !text.contains(">inf"), "a number that is none");
+}
+
+/// The policy of the summary is drawn last, and frames that are estimates say how far they may be off.
+#[test]
+fn the_summary_lies_on_top_of_the_animation() {
+    let (mut estimated, within) = (study(), CostInterval { energy_mj: 0.0123, ..CostInterval::default() });
+    // In the study it comes first.
+    let headline = estimated.tracks[0].policy.clone();
+    estimated.headline_policy = Some(headline.clone());
+    assert!(estimated.tracks.len() > 1);
+    for is_estimated in [false, true] {
+        estimated.tracks[0].frames[0].interval = is_estimated.then_some(within);
+        let text = page(&estimated);
+        let section = text.split("<section id=\"animation\"").nth(1).unwrap().split("</section>").next().unwrap();
+        for chart in section.split("data-lines=").skip(1) {
+            let chart = chart.split("</svg>").next().unwrap();
+            let last = chart.rsplit("data-name=\"").next().unwrap().split('"').next().unwrap();
+            assert_eq!(last, headline);
+        }
+        assert_eq!(section.contains("data-within=\"1.23"), is_estimated);
+    }
 }
 
 /// Lines of several policies may have one colour: keys show their dashes. What kernels leave of the busy cycles is the inspector's.

@@ -34,8 +34,8 @@ pub struct Pair {
     pub policy: usize,
     /// Frames a second and watt over `full` on the same machine, whole GPU, and how far it may be off.
     pub gain: f64,
-    /// Half the width of its 95 % interval, as a part of it.
-    pub interval: f64,
+    /// Half the width of its 95 % interval, as a part of it; nothing where it is exact.
+    pub interval: Option<f64>,
     /// The same of the T&I units alone, where there are any.
     pub ti_gain: Option<f64>,
     /// Frames a second and watt, whole GPU, over those of the first machine under `full`.
@@ -103,7 +103,7 @@ impl<'a> Systems<'a> {
             machine,
             policy,
             gain: geometric_mean(points.iter().map(|p| gain(p.gpu_gain)))?,
-            interval: if is_full { 0.0 } else { squares.sqrt() / points.len() as f64 },
+            interval: (!is_full && squares > 0.0).then(|| squares.sqrt() / points.len() as f64),
             ti_gain: has_units.then(|| geometric_mean(points.iter().map(|p| gain(p.ti_gain)))).flatten(),
             merit: geometric_mean(points.iter().zip(&base).map(merit))?,
             psnr_db: psnr / points.len() as f64,

@@ -86,9 +86,14 @@ pub fn cell(value: Option<f64>) -> String {
     value.map(|value| value.to_string()).unwrap_or_default()
 }
 
-/// A half interval, a part of its value, as a number of percent: hundredths of a percent are enough.
+/// A half interval, a part of its value, in percent: hundredths of a percent are enough.
+pub fn in_percent(within: f64) -> f64 {
+    (within * 1e4).round() / 1e2
+}
+
+/// The same as a number of a chart.
 pub fn percent_cell(within: Option<f64>) -> String {
-    cell(within.map(|part| (part * 1e4).round() / 1e2))
+    cell(within.map(in_percent))
 }
 
 /// Both ends of the interval of a value, to be drawn. One that is wider than the value would go beyond zero: only its column tells of it.

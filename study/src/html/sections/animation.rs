@@ -1,5 +1,6 @@
 //! The animation, frame by frame.
 
+use crate::html::charts::chart::in_percent;
 use crate::html::charts::lines::{Line, Lines};
 use crate::html::magnitude::{ENERGY, TIME, Unit, for_all};
 use crate::html::modes::mode_name;
@@ -79,7 +80,7 @@ fn chart(view: &StudyView<'_>, scene: &str, tracks: &[&Track], (title, stored, v
         for frame in &track.frames {
             if let Ok(i) = frames.binary_search(&frame.frame) {
                 values[i] = value(frame);
-                intervals[i] = frame.interval.and_then(within).map(|part| (part * 1e4).round() / 1e2);
+                intervals[i] = frame.interval.and_then(within).map(in_percent);
             }
         }
         if intervals.iter().all(Option::is_none) {

@@ -25,8 +25,9 @@ pub fn section(view: &StudyView<'_>) -> Option<Section> {
     });
     html += &how_to_read(&format!(
         "Energy of the whole GPU for the scene's frame, {}; shades are the components of a group. Shorter is better. A component \
-         that stays long where rays are saved is what limits the gain.",
-        unit.name
+         that stays long where rays are saved is what limits the gain.{}",
+        unit.name,
+        view.intervals_drawn()
     ));
     html += &details("Numbers: every component", &by_mode(view, |mode| numbers(view, mode, unit)));
     Section::new("energy", "Energy by component", html)

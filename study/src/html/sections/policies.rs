@@ -19,11 +19,12 @@ pub fn section(view: &StudyView<'_>) -> Option<Section> {
     policies.extend(view.points.iter().find(|p| p.kind == "full").map(|p| p.policy.as_str()));
     let mut html = view.legend(&policies);
     html += &by_mode(view, |mode| grid(&pareto(view, mode)));
-    html += &how_to_read(
+    html += &how_to_read(&format!(
         "Further right is closer to the reference picture, further up does more with a watt. The line joins the policies that \
          none beats in both; those that are beaten are dimmed. Point at one for its numbers, or choose a chart with the \
-         tabulator key and go through its points with the arrow keys.",
-    );
+         tabulator key and go through its points with the arrow keys.{}",
+        view.intervals_drawn()
+    ));
     html += "<h3 id=\"bars\">Performance per watt of every policy</h3>\n";
     html += &by_mode(view, |mode| grid(&bars(view, mode)));
     let zone =

@@ -130,6 +130,7 @@ fn parts(name: &str, kernels: &[Kernel]) -> Vec<Part> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::html::sections::units::KERNELS;
 
     #[test]
     fn no_two_kernels_look_the_same() {
@@ -138,6 +139,12 @@ mod tests {
         for (i, one) in looks.iter().enumerate() {
             assert!(one.1 > 0.2 && !looks[..i].contains(one), "{one:?}");
         }
+        let is_known = |kernel| COLOURS.iter().any(|(name, _)| *name == kernel) || GREYS.contains(&kernel);
+        assert_eq!(
+            KERNELS.into_iter().find(|kernel| !is_known(*kernel)),
+            None,
+            "it would look like the first of the greys"
+        );
         assert_eq!([look("other kernels"), look("similarity")], [("k2", 1.0), ("k0", 1.0)]);
     }
 }

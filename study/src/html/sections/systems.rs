@@ -13,12 +13,17 @@ pub fn section(view: &StudyView<'_>) -> Option<Section> {
     let policies: Vec<&str> = systems.policies.clone();
     let mut html = view.legend(&policies);
     html += &grid(&(everything(view, &systems, &pairs) + &by_machine(view, &systems, &pairs)));
-    html += &how_to_read(
+    html += &how_to_read(&format!(
         "Means over all scenes, 2×2 samples a pixel. The first chart compares machines too: frames a second and watt over \
          those of the first machine under full, one mark for each policy on each machine. The others compare the policies of one \
          machine with full on it, for the whole GPU and, where there are any, for the T&I units alone. The line joins what nothing beats \
-         in both.",
-    );
+         in both.{}",
+        if pairs.iter().any(|pair| pair.interval.is_some()) {
+            " Thin lines with caps are 95 % intervals, of the whole GPU on one machine alone."
+        } else {
+            ""
+        }
+    ));
     html += &gains(&systems, &pairs);
     html += &verdicts(&systems);
     html += &how_to_read(
@@ -39,7 +44,7 @@ fn dot(view: &StudyView<'_>, systems: &Systems<'_>, pair: &Pair, name: String, (
         "{} on {machine}\n{} perf/W over full there{}\nPSNR {}",
         systems.policies[pair.policy],
         factor(pair.gain),
-        plus_minus(Some(pair.interval).filter(|i| *i > 0.0)),
+        plus_minus(pair.interval),
         psnr(pair)
     );
     let x = pair.psnr_db.is_finite().then_some(pair.psnr_db);
@@ -66,10 +71,7 @@ fn by_machine(view: &StudyView<'_>, systems: &Systems<'_>, pairs: &[Pair]) -> St
     for (machine, name) in systems.machines.iter().enumerate() {
         let of_machine = pairs.iter().filter(|pair| pair.machine == machine);
         let dots: Vec<Dot> = of_machine
-            .map(|pair| {
-                let within = Some(pair.interval).filter(|part| *part > 0.0);
-                dot(view, systems, pair, systems.policies[pair.policy].to_owned(), (pair.gain, within))
-            })
+            .map(|pair| dot(view, systems, pair, systems.policies[pair.policy].to_owned(), (pair.gain, pair.interval)))
             .collect();
         html += &chart(view, &dots, name, "whole GPU");
         let alone = pairs.iter().filter(|pair| pair.machine == machine).filter_map(|pair| {
@@ -101,7 +103,7 @@ fn gains(systems: &Systems<'_>, pairs: &[Pair]) -> String {
         cells.extend(others.iter().map(|policy| {
             or_dash(pair(machine, *policy), |pair| {
                 let alone = pair.ti_gain.map(|v| format!(" <small>({})</small>", factor(v))).unwrap_or_default();
-                factor(pair.gain) + &plus_minus(Some(pair.interval).filter(|i| *i > 0.0)) + &alone
+                factor(pair.gain) + &plus_minus(pair.interval) + &alone
             })
         }));
         (String::new(), cells)

@@ -24,7 +24,7 @@ const STATES: [(&str, &str, &str); 12] = [
 ];
 
 /// What an SRP works on: its kernels, and the step that sorts items by branch before them.
-const KERNELS: [&str; 13] = [
+pub(super) const KERNELS: [&str; 13] = [
     "raygen",
     "shade",
     "miss",
