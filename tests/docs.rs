@@ -4,7 +4,7 @@
 //! `<!-- run 2 -->`, and what they print as errors is compared too. What is no command of rayreel is one of the shell. Blocks of one document
 //! share a folder, where `releases` of the repository is, and are run in order. A line `...` stands for any lines; a figure that depends on
 //! the clock stands for any other. A table below a line `<!-- table: COMMAND -->` is part of what that command prints, an example of this
-//! repository with a file that is in it. Links between documents are followed too.
+//! repository with a file that is in it. Links between documents are followed too, and lines of prose fit a screen.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -21,6 +21,11 @@ fn documents() -> Vec<PathBuf> {
     all.extend(["README.md", "ARCHITECTURE.md", "CHANGELOG.md"].map(|name| root().join(name)));
     all.sort();
     all
+}
+
+/// The rules that stand beside the code that follows them.
+fn rules() -> [PathBuf; 3] {
+    ["formats/FORMAT.md", "machine/MODEL.md", "replay/POLICIES.md"].map(|name| root().join(name))
 }
 
 /// A command of a document and what it prints there.
@@ -200,8 +205,7 @@ fn links(text: &str) -> Vec<String> {
 
 #[test]
 fn links_lead_somewhere() {
-    let rules = ["formats/FORMAT.md", "machine/MODEL.md", "replay/POLICIES.md"].map(|name| root().join(name));
-    for document in documents().into_iter().chain(rules) {
+    for document in documents().into_iter().chain(rules()) {
         let text = fs::read_to_string(&document).unwrap();
         for link in links(&text) {
             let (path, anchor) = link.split_once('#').unwrap_or((&link, ""));
@@ -213,6 +217,32 @@ fn links_lead_somewhere() {
             }
         }
     }
+}
+
+/// Lines of prose that are wider than [`WIDEST`] columns; tables, code and what tests write stay as they are.
+fn wide(text: &str) -> Vec<usize> {
+    let (mut fenced, mut written) = (false, false);
+    let is_wide = |(_, line): &(usize, &str)| {
+        let line = line.trim_start();
+        fenced ^= line.starts_with("```");
+        written = (written || line.ends_with("begin -->")) && !line.ends_with("end -->");
+        !(fenced || written || line.starts_with('|') || line.starts_with("<!--")) && line.chars().count() > WIDEST
+    };
+    (1..).zip(text.lines()).filter(is_wide).map(|(number, _)| number).collect()
+}
+
+/// Columns of a line of prose, at most.
+const WIDEST: usize = 150;
+
+#[test]
+fn prose_is_wrapped() {
+    for document in documents().into_iter().chain(rules()) {
+        let lines = wide(&fs::read_to_string(&document).unwrap());
+        assert!(lines.is_empty(), "{}: lines {lines:?} are wider than {WIDEST} columns", document.display());
+    }
+    let (long, row) = ("x ".repeat(80), "| ".repeat(80));
+    assert_eq!(wide(&format!("{long}\n{row}\n```\n{long}\n```\n- {long}")), [1, 6]);
+    assert_eq!(wide(&format!("<!-- a: begin -->\n{long}\n<!-- a: end -->\n{long}")), [4]);
 }
 
 #[test]

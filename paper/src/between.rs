@@ -3,7 +3,7 @@
 //! What a ray takes changes slowly along a camera path, and how many rays a frame traces is known of every frame. So time and energy a ray
 //! of two simulated frames are interpolated, and a frame between them takes that times its own rays. How far such estimates may be off
 //! is seen at the simulated frames themselves: each is estimated from its two neighbours too, which lie further away from it than those
-//! of a frame between two. `docs/detail.md` compares a flight of which every frame was simulated.
+//! of a frame between two. `docs/accuracy.md` compares a flight of which every frame was simulated.
 
 use rayreel_study::schema::{CostInterval, TrackFrame};
 

@@ -2,7 +2,7 @@
 //!
 //! One rule differs: a simulated SRP stands still until the last ray of a batch is in the output queue, while here it may run batches
 //! that send nothing meanwhile. Standing still makes what is read from DRAM worse as long as rays take turns
-//! (`docs/detail.md`, intervals).
+//! (`docs/accuracy.md`, reads from DRAM).
 
 use std::cmp::Reverse;
 

@@ -1,4 +1,4 @@
-//! The memory behind the L1s without time: what the L2 finds, and which rows of the DRAM are open.
+//! The memory behind the L1s without cycles: what the L2 finds, and which rows of the DRAM are open.
 
 use crate::config::MachineConfig;
 use crate::memory::{AddressMap, CacheCounters, MemoryStats, Route, Tags};

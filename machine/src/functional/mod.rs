@@ -1,4 +1,4 @@
-//! The machine without time: what it counts whenever things happen, and its caches as tags alone.
+//! The machine without cycles: what it counts whenever things happen, its caches as tags alone, and clocks that only keep the order.
 //!
 //! Tiles go through one after the other. What does not depend on time is exact: rays, visits, tests, stack operations, items of
 //! kernels, lines of transfers. What the caches find is nearly so, for the order of their accesses is made up:

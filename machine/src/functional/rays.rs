@@ -1,4 +1,4 @@
-//! The T&I unit without time: the operations of rays, and what its L1s find.
+//! The T&I unit without cycles: the operations of rays, and what its L1s find.
 
 use std::collections::VecDeque;
 

@@ -2,7 +2,7 @@
 //!
 //! Windows are few, and what tiles read differs more than what they work: scaled by windows reads are not too many and not too few in
 //! the mean, but further off than those of the functional pass, which passes all tiles and mostly reads somewhat more than a simulation
-//! (`docs/detail.md`, intervals). So estimates read as much as the pass did, and how windows differ from it says how far both may be off.
+//! (`docs/accuracy.md`, reads from DRAM). So estimates read as much as the pass did, and how windows differ from it says how far both may be off.
 
 use crate::memory::{ChannelCounters, L2Counters};
 use crate::stats::Stats;

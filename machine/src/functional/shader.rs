@@ -1,4 +1,4 @@
-//! The SRP without time: items of kernels, what `shade` reads, and the lines of transfers.
+//! The SRP without cycles: items of kernels, what `shade` reads, and the lines of transfers.
 
 use super::caches::CoreTags;
 use super::features::Features;

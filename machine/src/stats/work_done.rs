@@ -1,6 +1,6 @@
 //! Counters of an estimate that follow from work which is known exactly.
 //!
-//! A window goes on from where a pass without time has left the machine, and for some time it does more of one kind of work and
+//! A window goes on from where a pass without cycles has left the machine, and for some time it does more of one kind of work and
 //! less of another than the frame: traversal goes ahead of the tiles' ends, say. So lookups and busy cycles would be too many
 //! for the visits that are known, and those of the SRP too few. Here each is as many as its work.
 

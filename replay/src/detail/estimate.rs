@@ -144,7 +144,7 @@ pub fn half_width(value: f64, replicates: &[f64], freedom: u32, floor: f64) -> f
 
 /// The replicates of the ratio of `a` to `b`, each a value with its replicates. Replicates at equal places leave out equal windows, so what
 /// these share cancels, unless the one has more than the other. What is read from DRAM is off by as much only where both runs do the
-/// same work (`alike`): of two policies the one may read 5 % too much and the other nothing (docs/detail.md), so there both count.
+/// same work (`alike`): of two policies the one may read 5 % too much and the other nothing (docs/accuracy.md), so there both count.
 pub fn replicates_of_ratio((a, of_a): (f64, &[f64]), (b, of_b): (f64, &[f64]), alike: bool) -> Vec<f64> {
     let together = match of_a.len() {
         count if count != of_b.len() => 0,

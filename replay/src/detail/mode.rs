@@ -57,7 +57,7 @@ pub enum Detail {
     Sampled(Share),
     /// As many windows as it takes until the 95 % intervals of cycles and energy are this narrow.
     Precision(Share),
-    /// No cycle: what is counted without time, by the functional pass alone.
+    /// No cycle: what is counted without cycles, by the functional pass alone.
     Counts,
 }
 

@@ -16,7 +16,7 @@ const GROUPS: usize = 32;
 
 /// How far the bytes that a frame of [`READS_TILES`] reads from DRAM may be off, as a part of them, though windows and pass agree: windows
 /// begin with what the L2 holds in the pass, and are over before they have filled it anew. The mean of thirty runs read 2 % too
-/// much and five of them more than 4; a frame of 512 tiles 10 %, the others up to 8 (docs/detail.md).
+/// much and five of them more than 4; a frame of 512 tiles 10 %, the others up to 8 (docs/accuracy.md).
 const READS_OFF: f64 = 0.04;
 const READS_TILES: f64 = 2048.0;
 

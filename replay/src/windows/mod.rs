@@ -6,7 +6,7 @@
 //! ```
 //!
 //! After SMARTS (Wunderlich et al., ISCA 2003): between the windows the machine's long-lived state, its caches, is kept warm by
-//! a pass without time. `work_line` tells where the rays lie, `places` chooses the windows, `window` simulates one, `pass` takes the
+//! a pass without cycles. `work_line` tells where the rays lie, `places` chooses the windows, `window` simulates one, `pass` takes the
 //! tiles through, `calibrate` weighs windows and `extrapolate` makes the frame. Several machines share a pass.
 
 mod calibrate;
@@ -100,7 +100,7 @@ fn slots(config: &MachineConfig) -> usize {
 }
 
 /// Whether a sample can stand for a frame on this machine. Where rays are gathered, or traced by threads, or come out of a rasteriser, the
-/// pass tells too little of how the time goes, and intervals missed more often than they state (docs/detail.md).
+/// pass tells too little of how the time goes, and intervals missed more often than they state (docs/accuracy.md).
 fn is_sampled(config: &MachineConfig) -> bool {
     let is_raster = config.gpu.primary_visibility == PrimaryVisibility::Raster;
     !is_raster && !matches!(config.ti.pipeline, Pipeline::Gathering | Pipeline::Software)
@@ -234,7 +234,7 @@ impl<S: PathSource + ?Sized, P: Probe> Simulation<'_, '_, S, P> {
     }
 }
 
-/// What is known without time.
+/// What is known without cycles.
 fn counted(config: &MachineConfig, passed: &Passed) -> MachineRun {
     let stats = passed.counted.clone();
     let energy = EnergyReport::new(config, &stats);

@@ -16,7 +16,7 @@ const FEWEST_WINDOWS: usize = 24;
 const LENGTH: (f64, f64) = (2.0, 4.0);
 /// What is simulated before a window and not measured, in tiles, of the shortest windows and of the longest: until the machine is as full as it
 /// was. What is still missing then falls on all that a window measures, so short ones take longer. With one tile for all, a frame of 625
-/// tiles of which a part is empty took 4.5 % too many cycles (docs/detail.md).
+/// tiles of which a part is empty took 4.5 % too many cycles (docs/accuracy.md).
 const WARM_UP: (f64, f64) = (2.0, 1.0);
 /// Samples of a tile that these lengths are made for, with as many rays in the T&I units and [`SLOTS`] tiles in the slots. Of smaller tiles it
 /// takes more: what is under way at the ends of a window are rays, and no fewer of them if tiles are small. So it does where more of
@@ -27,12 +27,12 @@ const SLOTS: f64 = 8.0;
 /// More of the tiles than this, warm-up included, are not worth a sample: the frame is simulated whole.
 const WORTH: f64 = 0.6;
 /// A frame of which the fewest and shortest windows are more than this is simulated whole too: there intervals missed more often than they
-/// state (docs/detail.md).
+/// state (docs/accuracy.md).
 const WORTH_AT_LEAST: f64 = 0.35;
 /// Where all is simulated: tiles of a window for each slot of the machine, and tiles of its warm-up. Each seam between two
 /// windows costs accuracy, and the warm-up of each costs time; but the tiles of a window are in memory together.
 const LONG_WINDOW: usize = 16;
-/// With one tile a slot the time of frames that are soon done was up to 1.7 % off, with four at most 0.4 % (docs/detail.md).
+/// With one tile a slot the time of frames that are soon done was up to 1.7 % off, with four at most 0.4 % (docs/accuracy.md).
 const LONG_WARM_UP: f64 = 4.0;
 
 /// Where a window lies, in tiles that are done before.

@@ -1,6 +1,6 @@
 //! One window: a part of a frame, simulated cycle by cycle from warm caches on.
 //!
-//! A window is as long as a stretch of the functional pass: the machine without time was at some point when the window began,
+//! A window is as long as a stretch of the functional pass: the machine without cycles was at some point when the window began,
 //! and had done so much more at the end of its warm-up, and so much more again at its own end. The simulation goes on from the
 //! same point, and is measured between the moments at which it has done as much. At both moments other rays are under way, as
 //! in a whole simulation.
