@@ -5,6 +5,7 @@ use std::ops::Range;
 use std::path::Path;
 
 use anyhow::{Context, Result, bail};
+use rayreel_formats::Limits;
 use rayreel_formats::container::MAGIC;
 use rayreel_formats::durable::WholeFile;
 use rayreel_formats::scene::Meta;
@@ -38,16 +39,14 @@ impl GridArgs {
     pub const SAMPLES: u32 = 2;
 }
 
-/// Most pixels of a picture: 1.6 GB of them as floats, which a render or a replay holds at once.
-const PIXELS_MAX: u64 = 1 << 27;
-
 /// Parses `WxH`.
 pub fn size(text: &str) -> Result<(u32, u32), String> {
     let parse = |s: &str| s.parse::<u32>().ok().filter(|&v| (1..=131_072).contains(&v));
     let pair = text.split_once('x').and_then(|(w, h)| Some((parse(w)?, parse(h)?)));
     let (width, height) = pair.ok_or("give width and height in pixels, such as 1024x512")?;
-    if u64::from(width) * u64::from(height) > PIXELS_MAX {
-        return Err(format!("a picture has at most {PIXELS_MAX} pixels"));
+    let most = Limits::default().max_pixels;
+    if u64::from(width) * u64::from(height) > most {
+        return Err(format!("a picture has at most {most} pixels"));
     }
     Ok((width, height))
 }

@@ -27,6 +27,9 @@ pub struct Limits {
     /// Most chunks in one file, without the index itself. Default 64 Mi; each costs a reader 52 bytes of memory. Set no
     /// more than 2^32 - 1.
     pub max_index_entries: u64,
+    /// Most pixels of a frame. Default 2^27, which is also the most that `rayreel` captures: a replay holds pictures of 12 bytes a pixel, and
+    /// two bytes a sample.
+    pub max_pixels: u64,
     /// Most columns in one `TILE` chunk. Default 32; the format can hold 255.
     pub max_columns_per_tile: u32,
     /// Most samples in one tile. Default 2^20, a tile of 1024 x 1024 samples, which is also the largest there is.
@@ -53,6 +56,7 @@ impl Default for Limits {
             max_chunk_packed_bytes: 1 << 30,
             max_chunk_raw_bytes: 2 << 30,
             max_index_entries: 64 << 20,
+            max_pixels: 1 << 27,
             max_columns_per_tile: 32,
             max_samples_per_tile: 1 << 20,
             max_nodes_per_tile: 1 << 24,

@@ -216,7 +216,10 @@ fn every_limit_binds() {
         let (bvh_nodes, triangles) = (content.bvh.nodes.len() as u64, content.bvh.triangles.len() as u64);
         let exact = Limits { max_nodes_per_tile: nodes, max_bvh_nodes: bvh_nodes, max_triangles: triangles, ..small() };
         assert!(read_bytes(bytes.clone(), &exact).is_ok(), "{codec:?}: what just fits is read");
-        let cases: [(&str, Limits); 9] = [
+        let pixels = u64::from(content.meta.width) * u64::from(content.meta.height);
+        assert!(read_bytes(bytes.clone(), &Limits { max_pixels: pixels, ..small() }).is_ok());
+        let cases: [(&str, Limits); 10] = [
+            ("pixels", Limits { max_pixels: pixels - 1, ..small() }),
             ("nodes", Limits { max_nodes_per_tile: nodes - 1, ..small() }),
             ("steps", Limits { max_path_steps_per_tile: 10, ..small() }),
             ("samples", Limits { max_samples_per_tile: 15, ..small() }),

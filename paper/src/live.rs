@@ -98,12 +98,11 @@ impl<'a, S: PathSource> FrameHolder<'a, S> {
     pub fn read(&self, number: u32, stop: &Stop) -> rayreel_replay::Result<WholeFrame> {
         let read = |index: u32| {
             stop.check()?;
-            let unreadable =
-                |e| ReplayError::Trace { what: format!("tile {index}"), frame: number, source: Box::new(e) };
-            self.source.shared_tile(number, index).map_err(unreadable)
+            self.source.shared_tile(number, index).map_err(|error| ReplayError::tile((number, index), error))
         };
-        let tiles = (0..self.source.meta().tile_count()).into_par_iter().map(read);
-        Ok(WholeFrame { number, tiles: tiles.collect::<rayreel_replay::Result<_>>()? })
+        // Collected one by one before errors are looked at: the first tile that cannot be read is told, whichever was tried first.
+        let tiles: Vec<_> = (0..self.source.meta().tile_count()).into_par_iter().map(read).collect();
+        Ok(WholeFrame { number, tiles: tiles.into_iter().collect::<rayreel_replay::Result<_>>()? })
     }
 
     /// Holds this frame from now on, and none other.

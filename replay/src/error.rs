@@ -77,7 +77,7 @@ pub enum ReplayError {
 
 impl ReplayError {
     /// [`ReplayError::Trace`], of a tile of a frame.
-    pub(crate) fn tile((frame, index): (u32, u32), source: rayreel_formats::Error) -> Self {
+    pub fn tile((frame, index): (u32, u32), source: rayreel_formats::Error) -> Self {
         Self::Trace { what: format!("tile {index}"), frame, source: Box::new(source) }
     }
 

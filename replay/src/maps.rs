@@ -76,12 +76,12 @@ pub fn similarity_map_pixels(states: &StateMap, blocks: &Blocks, samples: u32) -
 /// over green to light yellow (all), by the square root, so that low rates can be told apart.
 pub fn rate_map_pixels(states: &StateMap, blocks: &Blocks, samples: u32) -> Srgb8 {
     let (width, height) = (states.width / samples, states.height / samples);
-    let columns = states.width.div_ceil(blocks.tile_edge(states.width));
-    let edge = blocks.tile_edge(states.width);
+    let (across, down) = (blocks.tile_edge(states.width), blocks.tile_edge(states.height));
+    let columns = states.width.div_ceil(across);
     let mut colours = Vec::new();
-    for top in (0..states.height).step_by(edge as usize) {
-        for left in (0..states.width).step_by(edge as usize) {
-            let (right, bottom) = ((left + edge).min(states.width), (top + edge).min(states.height));
+    for top in (0..states.height).step_by(down as usize) {
+        for left in (0..states.width).step_by(across as usize) {
+            let (right, bottom) = ((left + across).min(states.width), (top + down).min(states.height));
             let traced = (top..bottom)
                 .flat_map(|y| (left..right).map(move |x| (x, y)))
                 .filter(|&(x, y)| states.state(x, y) != SampleState::Interpolated)
@@ -92,7 +92,7 @@ pub fn rate_map_pixels(states: &StateMap, blocks: &Blocks, samples: u32) -> Srgb
     }
     let pixel = |i: u32| {
         let (x, y) = (i % width * samples, i / width * samples);
-        colours[((y / edge) * columns + x / edge) as usize]
+        colours[((y / down) * columns + x / across) as usize]
     };
     Srgb8 { width, height, pixels: (0..width * height).map(pixel).collect() }
 }
@@ -105,4 +105,22 @@ fn ramp(v: f64) -> [u8; 3] {
     let i = (place.floor() as usize).min(3);
     let s = place - i as f64;
     std::array::from_fn(|c| (STOPS[i][c] + (STOPS[i + 1][c] - STOPS[i][c]) * s + 0.5) as u8)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The picture had squares of its width, four of them, where the frame had two tiles.
+    #[test]
+    fn a_frame_narrower_than_a_tile_has_the_rates_of_its_tiles() {
+        let mut states = StateMap::new((16, 64));
+        // Of the upper tile the lower half is interpolated, of the lower one nothing.
+        states.set_rows(16..32, |_, set| (0..16).for_each(|_| set(Some((SampleState::Interpolated, 1)))));
+        let map = rate_map_pixels(&states, &Blocks::column(32, vec![2, 2]), 1);
+        let (half, all) = (ramp(0.5_f64.sqrt()), ramp(1.0));
+        assert_eq!((map.width, map.height), (16, 64));
+        assert!(map.pixels[..32 * 16].iter().all(|pixel| *pixel == half));
+        assert!(map.pixels[32 * 16..].iter().all(|pixel| *pixel == all));
+    }
 }

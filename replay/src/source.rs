@@ -125,6 +125,7 @@ impl PathSource for Trace {
     fn tile_with_paths(&self, frame: u32, index: u32) -> rayreel_formats::Result<Tile> {
         Self::tile(self, frame, index, &Column::ALL)
     }
+
     fn packed_tile(&self, frame: u32, index: u32) -> rayreel_formats::Result<PackedTile> {
         let (mut tile, packed) = Self::packed_tile(self, frame, index)?;
         if packed.codec == Codec::CONTEXT {

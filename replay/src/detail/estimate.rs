@@ -89,6 +89,8 @@ impl Estimate {
             (a, b) => a.min(b),
         };
         if other.replicates.is_empty() || self.replicates.is_empty() {
+            // Those of some of the frames say nothing of all.
+            self.replicates.clear();
             return;
         }
         let (ours, theirs) = (self.replicates.len(), other.replicates.len());
@@ -244,6 +246,26 @@ mod tests {
         for (a, b) in [(24, 24), (24, 32), (32, 24)] {
             let off = off(frame(a, 30_000.0), frame(b, 40_000.0));
             assert!((off - 70_000.0).abs() < 700.0, "{a} and {b} groups: {off}");
+        }
+    }
+
+    /// A sum had the replicates of its first frame alone, if one of the others had none.
+    #[test]
+    fn a_sum_is_known_as_well_whatever_comes_first() {
+        let frame = |replicates: usize| Estimate {
+            detail: Detail::All,
+            tiles: 288,
+            detailed_tiles: 288,
+            windows: 2,
+            frames: 1,
+            whole_frames: replicates as u64,
+            freedom: 0,
+            replicates: vec![Replicate::default(); replicates],
+        };
+        for (first, second) in [(0, 1), (1, 0), (0, 0)] {
+            let mut sum = frame(first);
+            sum.add(&frame(second));
+            assert_eq!((sum.replicates.len(), sum.frames), (0, 2), "{first} and {second}");
         }
     }
 

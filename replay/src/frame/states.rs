@@ -43,7 +43,7 @@ impl StateMap {
     }
 
     /// Sets whole rows: `states` is asked for each of them and gives its states, left to right.
-    pub(super) fn set_rows(
+    pub(crate) fn set_rows(
         &mut self,
         rows: Range<u32>,
         states: impl Fn(u32, &mut dyn FnMut(Option<(SampleState, u8)>)) + Sync,
@@ -91,6 +91,12 @@ impl Blocks {
         Self { columns: meta.tile_grid().0, tile: meta.tile, blocks }
     }
 
+    /// A column of tiles of so many samples, for tests.
+    #[cfg(test)]
+    pub(crate) fn column(tile: u32, blocks: Vec<u32>) -> Self {
+        Self { columns: 1, tile, blocks }
+    }
+
     /// The same block for all samples.
     pub fn uniform(block: u32) -> Self {
         Self { columns: 1, tile: u32::MAX, blocks: vec![block] }
@@ -101,9 +107,9 @@ impl Blocks {
         self.blocks[((y / self.tile) * self.columns + x / self.tile) as usize]
     }
 
-    /// Tile edge in samples, for a frame `width` samples wide.
-    pub fn tile_edge(&self, width: u32) -> u32 {
-        self.tile.min(width.max(1))
+    /// Tile edge in samples, no longer than this edge of the frame.
+    pub fn tile_edge(&self, of_frame: u32) -> u32 {
+        self.tile.min(of_frame.max(1))
     }
 
     /// The blocks in tile order.

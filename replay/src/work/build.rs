@@ -102,7 +102,7 @@ impl<S: PathSource + ?Sized> Builder<'_, S> {
                 match parent.map(|up| &mut part.rays[up as usize]) {
                     Some(up) if hit.class.kind() == RayKind::Reflection => up.reflect = ray,
                     Some(up) => up.refract = ray,
-                    None => part.round(round).starts.push(ray),
+                    None => part.round(round.into()).starts.push(ray),
                 }
                 self.rays(part, recorded, node, traced, at)?;
             }

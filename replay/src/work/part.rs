@@ -73,8 +73,7 @@ pub(crate) struct Borders {
 }
 
 impl Part {
-    pub(super) fn round(&mut self, round: u8) -> &mut Round {
-        let round = usize::from(round);
+    pub(super) fn round(&mut self, round: usize) -> &mut Round {
         if self.rounds.len() <= round {
             self.rounds.resize(round + 1, Round::default());
         }
@@ -83,14 +82,10 @@ impl Part {
 
     /// Adds what was tested and interpolated, round by round.
     pub fn count(&mut self, rounds: &[RoundCounts]) {
-        for (round, counts) in (0..).zip(rounds) {
-            let round = self.round(round);
-            round.tests += counts.tests;
-            round.colours += counts.colours;
-            round.interpolated += counts.interpolated;
-            round.attributes += counts.attributes;
-            round.shaded += counts.shaded;
-            round.looked_back += counts.looked_back;
+        for (number, counts) in rounds.iter().enumerate() {
+            let &RoundCounts { tests, colours, interpolated, attributes, shaded, looked_back } = counts;
+            let added = Round { tests, colours, interpolated, attributes, shaded, looked_back, starts: Vec::new() };
+            add_round(self.round(number), added);
         }
     }
 
@@ -125,15 +120,9 @@ impl Part {
             refract: moved(ray.refract),
             ..*ray
         }));
-        for (number, added) in (0..).zip(other.rounds) {
-            let round = self.round(number);
-            round.tests += added.tests;
-            round.colours += added.colours;
-            round.interpolated += added.interpolated;
-            round.attributes += added.attributes;
-            round.shaded += added.shaded;
-            round.looked_back += added.looked_back;
-            round.starts.extend(added.starts.into_iter().map(moved));
+        for (number, mut added) in other.rounds.into_iter().enumerate() {
+            added.starts.iter_mut().for_each(|start| *start = moved(*start));
+            add_round(self.round(number), added);
         }
         self.paths += other.paths;
         self.looked_up.extend(other.looked_up);
@@ -186,7 +175,36 @@ impl Part {
     }
 }
 
+/// Adds what is done in a round.
+fn add_round(round: &mut Round, added: Round) {
+    let Round { starts, tests, colours, interpolated, attributes, shaded, looked_back } = added;
+    round.starts.extend(starts);
+    round.tests += tests;
+    round.colours += colours;
+    round.interpolated += interpolated;
+    round.attributes += attributes;
+    round.shaded += shaded;
+    round.looked_back += looked_back;
+}
+
 /// An error of a tile.
 pub(super) fn bad(tile: &Tile, detail: String) -> ReplayError {
     ReplayError::Corrupt { frame: tile.frame, tile: tile.index, ray: None, detail }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Rounds were numbered by a `u8`: work of round 256 went into round 0.
+    #[test]
+    fn rounds_may_be_more_than_256() {
+        let counts = |tests| RoundCounts { tests, ..RoundCounts::default() };
+        let rounds: Vec<RoundCounts> = (0..300).map(counts).collect();
+        let mut part = Part::default();
+        part.count(&rounds);
+        part.begin_after(9);
+        assert_eq!((part.rounds.len(), part.rounds[9].tests, part.rounds[10].tests), (309, 0, 1));
+        assert_eq!(part.rounds[308].tests, 299);
+    }
 }

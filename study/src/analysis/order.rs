@@ -75,19 +75,19 @@ impl PolicyOrder {
         }
         let number = |row: usize| field.cells.number(row).filter(|value| *value > 0.0 && value.is_finite());
         let averaged: Vec<&Dimension> = all.iter().filter(|d| AVERAGED.contains(&&*d.name)).collect();
-        let same = |dimensions: &[&Dimension], a: usize, b: usize| dimensions.iter().all(|d| d.of[a] == d.of[b]);
         // An axis may not apply to a policy, as none of policies does to `full`: its result stands for every value of that axis.
         let fits = |one: usize, row: usize| varied.iter().all(|d| d.of[one].is_none() || d.of[one] == d.of[row]);
         // One trace alone is no dimension.
         let only = results.field("trace").and_then(|field| field.cells.text(0)).unwrap_or_default();
         let trace = |row: usize| if averaged.is_empty() { only.clone() } else { words(&averaged, row) };
-        let references: Vec<usize> = (0..results.rows()).filter(|&row| of_policy.of[row] == Some(reference)).collect();
+        let references = (0..results.rows()).filter(|&row| of_policy.of[row] == Some(reference));
+        let references = References::new(&averaged, &varied, references);
         let others: Vec<usize> = (0..of_policy.values.len()).filter(|policy| *policy != reference).collect();
         let mut gains: Vec<(usize, usize, f64)> = Vec::new();
         for row in 0..results.rows() {
             let Some(policy) = others.iter().position(|policy| of_policy.of[row] == Some(*policy)) else { continue };
-            let full = references.iter().find(|&&full| same(&averaged, full, row) && fits(full, row));
-            let Some((value, full)) = number(row).zip(full.and_then(|full| number(*full))) else { continue };
+            let full = references.of(row).and_then(number);
+            let Some((value, full)) = number(row).zip(full) else { continue };
             gains.push((row, policy, value / full));
         }
         let mut combinations: Vec<usize> = Vec::new();
@@ -123,6 +123,39 @@ impl PolicyOrder {
     /// Whether some row has two policies of a trace: otherwise there is no order.
     pub fn compares(&self) -> bool {
         self.rows.iter().any(|row| !row.first().is_empty())
+    }
+}
+
+/// The results that others are compared with, found by the values that they share with these.
+struct References<'a> {
+    averaged: &'a [&'a Dimension],
+    varied: &'a [&'a Dimension],
+    /// By which of the varied dimensions apply, then by values: the first row that has them.
+    by_values: BTreeMap<Vec<bool>, BTreeMap<Vec<Option<usize>>, usize>>,
+}
+
+impl<'a> References<'a> {
+    fn new(averaged: &'a [&'a Dimension], varied: &'a [&'a Dimension], rows: impl Iterator<Item = usize>) -> Self {
+        let mut references = Self { averaged, varied, by_values: BTreeMap::new() };
+        for row in rows {
+            let applies: Vec<bool> = varied.iter().map(|d| d.of[row].is_some()).collect();
+            let values = references.values(row, &applies);
+            references.by_values.entry(applies).or_default().entry(values).or_insert(row);
+        }
+        references
+    }
+
+    /// The values of a row; of the varied dimensions those that apply.
+    fn values(&self, row: usize, applies: &[bool]) -> Vec<Option<usize>> {
+        let varied = self.varied.iter().zip(applies).map(|(d, applies)| d.of[row].filter(|_| *applies));
+        self.averaged.iter().map(|d| d.of[row]).chain(varied).collect()
+    }
+
+    /// The first that a row is compared with.
+    fn of(&self, row: usize) -> Option<usize> {
+        let found =
+            |(applies, known): (&Vec<bool>, &BTreeMap<_, usize>)| known.get(&self.values(row, applies)).copied();
+        self.by_values.iter().filter_map(found).min()
     }
 }
 

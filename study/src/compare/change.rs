@@ -156,7 +156,7 @@ fn change(a: &Field, b: &Field, pairs: &Pairs, estimates: [&Estimates; 2], toler
         }
         compared += 1;
         let relative = relative(x, y);
-        if let Some(relative) = relative {
+        if let Some(relative) = relative.filter(|_| x != Some(0.0)) {
             sum += relative;
             count += 1;
         }

@@ -56,6 +56,9 @@ fn from_zero_and_from_nothing_no_tolerance_helps() {
         (2, None, None)
     );
     assert_eq!(found.results[0].largest.point, "on m l1=1", "the first of equal ones");
+    // What is 0 on both sides has no part in the mean: nothing can be said of how it changed.
+    let found = compare(&sweep(&[1, 2, 3], &[0.0, 10.0, 20.0]), &sweep(&[1, 2, 3], &[0.0, 20.0, 20.0]));
+    assert_eq!((found.results[0].compared, found.results[0].mean_relative), (3, Some(0.5)));
 }
 
 /// The interval of a ratio stood as how far a change from zero may be off, which has none.

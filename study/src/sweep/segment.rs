@@ -83,12 +83,23 @@ pub fn seal(folder: &Folder, bucket: usize) -> Result<bool> {
 /// # Errors
 /// When the folder cannot be read; a segment that has a name and is not there.
 pub fn read(folder: &Folder, bucket: usize) -> Result<Bucket> {
+    read_beside(folder, bucket, || ())
+}
+
+/// As [`read`]; `meanwhile` is what happens between the look for a sealed file and the listing of segments.
+fn read_beside(folder: &Folder, bucket: usize, mut meanwhile: impl FnMut()) -> Result<Bucket> {
     let mut listings = 1;
     loop {
-        let mut held = Bucket::default();
-        held.sealed = held.add(folder, bucket, &folder.sealed(bucket))?.unwrap_or(false);
-        let mut gone = None;
-        for path in listing(&folder.segments(bucket), "seg")? {
+        let (mut held, path) = (Bucket::default(), folder.sealed(bucket));
+        let sealed = held.add(folder, bucket, &path)?;
+        held.sealed = sealed.unwrap_or(false);
+        meanwhile();
+        let (listed, mut gone) = (listing(&folder.segments(bucket), "seg")?, None);
+        // Sealed since the look for it: segments may have gone before they were listed.
+        if sealed.is_none() && path.exists() {
+            continue;
+        }
+        for path in listed {
             match held.add(folder, bucket, &path)? {
                 None => gone = Some(path),
                 Some(true) => held.segments.push(path),
@@ -150,4 +161,49 @@ pub(super) fn difference(a: &Row, b: &Row) -> String {
     let value = |row: &Row, name: &str| row.figures.get(name).map_or_else(|| "nothing".into(), ToString::to_string);
     let first = names.into_iter().find(|name| a.figures.get(*name) != b.figures.get(*name));
     first.map_or_else(String::new, |name| format!("{name} is {} and {}", value(a, name), value(b, name)))
+}
+
+#[cfg(test)]
+pub(in crate::sweep) mod tests {
+    use rayreel_formats::Limits;
+    use rayreel_formats::trace::Trace;
+
+    use super::*;
+    use crate::sweep::plan::locate::Text;
+    use crate::sweep::plan::{Plan, Sources};
+
+    pub fn open(location: &str) -> Result<Trace, String> {
+        Trace::open(Path::new(location), Limits::default()).map_err(|e| e.to_string())
+    }
+
+    /// Two buckets of points.
+    pub fn two_buckets(path: &Path) -> Folder {
+        let trace = concat!(env!("CARGO_MANIFEST_DIR"), "/../traces/v1_0_cornell.rtrace");
+        let text = format!(
+            "traces = [{trace:?}]\npolicies = [\"adaptive\"]\nmachines = [\"none\"]\n[[axis]]\nname = \"normal\"\n\
+             key = \"similarity.normal_deg\"\nrange = {{ from = 1, to = 70 }}\n"
+        );
+        let text = Text { name: "plan.toml", text: &text };
+        let sources = Sources { text, folder: Path::new(""), traces: None, detail: None, stem: "plan", open: &open };
+        Folder::create(path, Plan::new(&sources).unwrap()).unwrap().0
+    }
+
+    /// The listing came after the segments were gone, and the look for the sealed file before it was there: rows were missing.
+    #[test]
+    fn a_bucket_that_is_sealed_meanwhile_is_read_whole() {
+        let place = tempfile::tempdir().unwrap();
+        let folder = two_buckets(place.path());
+        let writer = Writer { attempt: "a".into(), host: "here".into() };
+        let points = &folder.plan().points[folder.bucket(1)];
+        let row = |key: &String| Row { key: key.clone(), error: Some("none".into()), figures: Default::default() };
+        let rows: Vec<Row> = points.iter().map(|point| row(&point.key)).collect();
+        write(&folder, 1, 0, &rows, &writer).unwrap();
+        let mut times = 0;
+        let held = read_beside(&folder, 1, || {
+            times += 1;
+            assert!(seal(&folder, 1).unwrap());
+        });
+        let held = held.unwrap();
+        assert_eq!((held.sealed, held.rows.len(), times), (true, points.len(), 2));
+    }
 }

@@ -178,6 +178,14 @@ mod tests {
             ["1000", "10000", "100000", "1000000"]
         );
         assert_eq!(labels("key = \"x\"\nlog = { from = \"4KiB\", to = \"16KiB\" }"), ["4KiB", "8KiB", "16KiB"]);
+        assert_eq!(
+            labels("key = \"x\"\nlog = { from = 1e-14, to = 1e-12, factor = 10 }"),
+            ["0.00000000000001", "0.0000000000001", "0.000000000001"]
+        );
+        assert_eq!(
+            labels("key = \"x\"\nrange = { from = -0.3, to = 0.1, step = 0.1 }"),
+            ["-0.3", "-0.2", "-0.1", "0.0", "0.1"]
+        );
         for same in ["[2, 2]", "[10.0, 10]", "[\"16KiB\", 16384]"] {
             assert!(axis(&format!("key = \"x\"\nvalues = {same}")).unwrap_err().contains("twice"), "{same}");
         }
@@ -205,6 +213,10 @@ mod tests {
             ("key = \"b\"\nrange = { from = 2, to = 1 }", "p.toml:6:9: axis \"a\" from 2 to 1 by 1 never ends"),
             ("key = \"b\"\nrange = { from = 0, to = 9e9, step = 1 }", "would have more than 65536 values"),
             ("key = \"b\"\nlog = { from = 0, to = 8 }", "never ends"),
+            (
+                "key = \"b\"\nrange = { from = -4, to = \"4KiB\", step = \"1KiB\" }",
+                "sizes begin at 0 or above, not at -4",
+            ),
             ("key = \"b\"\nlog = { from = 1, to = 8, step = 2 }", "a log has factor, not step"),
             ("key = \"b\"\nvalues = [1, 1]", "has the value 1 twice"),
             ("key = \"b\"\nvalues = [[1]]", "no number, word or flag"),

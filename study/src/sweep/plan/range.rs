@@ -49,6 +49,9 @@ pub fn numbers(axis: &str, span: &Span, kind: Kind, at: &Range<usize>, text: Tex
         let detail = format!("axis {axis:?}: from, to and {name} are numbers, or sizes such as \"4KiB\"");
         return Err(text.error(at, detail));
     };
+    if steps.size && steps.from < 0.0 {
+        return Err(text.error(at, format!("axis {axis:?}: sizes begin at 0 or above, not at {from}")));
+    }
     if !steps.ends() {
         let log = kind == Kind::Log;
         let need = if log { "from above 0, a factor above 1 and from <= to" } else { "a step above 0 and from <= to" };
@@ -120,7 +123,13 @@ impl Steps {
         match (self.whole, self.size) {
             (true, true) => Value::String(Bytes(number as u64).to_string()),
             (true, false) => Value::Integer(number as i64),
-            (false, _) => Value::Float((number * 1e12).round() / 1e12),
+            (false, _) if self.kind == Kind::Range => Value::Float(short(number, self.from.abs().max(self.step))),
+            (false, _) => Value::Float(short(number, 0.0)),
         }
     }
+}
+
+/// A number of twelve digits, and 0 where it is nothing beside `scale`: what sums and products lose by rounding is not written out.
+fn short(number: f64, scale: f64) -> f64 {
+    if number.abs() < scale * 1e-12 { 0.0 } else { format!("{number:.11e}").parse().unwrap_or(number) }
 }

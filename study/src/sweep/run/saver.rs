@@ -24,9 +24,11 @@ pub(super) struct Saver<'a> {
     also: BTreeMap<&'a str, BTreeSet<usize>>,
     /// Segments written.
     number: u64,
-    /// The columns that were written last: most rows have the same.
+    /// The columns that were taken last: most rows have the same.
     kept: Option<Vec<Column>>,
-    /// Whether the columns of rows from elsewhere are written.
+    /// Columns that are not on disk yet.
+    owed: Vec<Vec<Column>>,
+    /// Whether the columns of rows from elsewhere are taken.
     explained: bool,
 }
 
@@ -41,6 +43,7 @@ impl<'a> Saver<'a> {
             also: BTreeMap::new(),
             number: 0,
             kept: None,
+            owed: Vec::new(),
             explained: false,
         }
     }
@@ -50,7 +53,7 @@ impl<'a> Saver<'a> {
         let Some(row) = self.settings.reused.rows.get(key) else { return Ok(false) };
         self.pending.entry(bucket).or_default().push(row.clone());
         if !self.explained {
-            write_columns(&self.folder.columns(), &self.settings.reused.columns)?;
+            self.owed.push(self.settings.reused.columns.clone());
             self.explained = true;
         }
         Ok(true)
@@ -75,8 +78,7 @@ impl<'a> Saver<'a> {
     /// Takes the row of a point.
     pub fn take(&mut self, point: usize, row: Row, columns: Vec<Column>, outcome: &mut Outcome) -> Result<()> {
         if row.error.is_none() && self.kept.as_ref() != Some(&columns) {
-            // Before the rows: a row whose columns nobody can explain must not be on disk.
-            write_columns(&self.folder.columns(), &columns)?;
+            self.owed.push(columns.clone());
             self.kept = Some(columns);
         }
         outcome.computed += 1;
@@ -104,8 +106,9 @@ impl<'a> Saver<'a> {
 
     /// Writes the rows of a bucket; seals it when this shard has done its part. Another shard may have done the rest.
     fn flush(&mut self, bucket: usize) -> Result<()> {
-        if let Some(rows) = self.pending.get(&bucket).filter(|rows| !rows.is_empty()) {
-            segment::write(self.folder, bucket, self.number, rows, &self.settings.writer)?;
+        if self.pending.get(&bucket).is_some_and(|rows| !rows.is_empty()) {
+            self.explain()?;
+            segment::write(self.folder, bucket, self.number, &self.pending[&bucket], &self.settings.writer)?;
             self.number += 1;
         }
         // Not before they are written: after an error they are tried once more.
@@ -117,40 +120,29 @@ impl<'a> Saver<'a> {
         }
         Ok(())
     }
+
+    /// Writes the columns that are not on disk yet. Before the rows: a row whose columns nobody can explain must not be there.
+    fn explain(&mut self) -> Result<()> {
+        while let Some(columns) = self.owed.last() {
+            write_columns(&self.folder.columns(), columns)?;
+            self.owed.pop();
+        }
+        Ok(())
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use std::fs;
-    use std::path::Path;
     use std::time::Duration;
 
-    use rayreel_formats::Limits;
-    use rayreel_formats::trace::Trace;
     use rayreel_replay::Stop;
 
     use super::*;
     use crate::point::segment::Writer;
-    use crate::sweep::plan::locate::Text;
-    use crate::sweep::plan::{Plan, Sources};
     use crate::sweep::reused::ReusedRows;
+    use crate::sweep::segment::tests::{open, two_buckets};
     use crate::sweep::shard::Shard;
-
-    fn open(location: &str) -> Result<Trace, String> {
-        Trace::open(Path::new(location), Limits::default()).map_err(|e| e.to_string())
-    }
-
-    /// Two buckets of points.
-    fn folder(path: &Path) -> Folder {
-        let trace = concat!(env!("CARGO_MANIFEST_DIR"), "/../traces/v1_0_cornell.rtrace");
-        let text = format!(
-            "traces = [{trace:?}]\npolicies = [\"adaptive\"]\nmachines = [\"none\"]\n[[axis]]\nname = \"normal\"\n\
-             key = \"similarity.normal_deg\"\nrange = {{ from = 1, to = 70 }}\n"
-        );
-        let text = Text { name: "plan.toml", text: &text };
-        let sources = Sources { text, folder: Path::new(""), traces: None, detail: None, stem: "plan", open: &open };
-        Folder::create(path, Plan::new(&sources).unwrap()).unwrap().0
-    }
 
     fn settings(reused: &ReusedRows) -> Settings<'_> {
         Settings {
@@ -178,7 +170,7 @@ mod tests {
     #[test]
     fn rows_stay_until_they_are_written() {
         let place = tempfile::tempdir().unwrap();
-        let (folder, reused) = (folder(place.path()), ReusedRows::default());
+        let (folder, reused) = (two_buckets(place.path()), ReusedRows::default());
         let settings = settings(&reused);
         let (mut saver, mut outcome) = (Saver::new(&folder, &settings), Outcome::default());
         for point in [0, BUCKET] {
@@ -195,11 +187,30 @@ mod tests {
         assert_eq!((rows(0), rows(1), saver.waiting()), (1, 1, 0));
     }
 
+    /// A row was dropped if its columns could not be written.
+    #[test]
+    fn rows_stay_until_their_columns_are_written() {
+        let place = tempfile::tempdir().unwrap();
+        let (folder, reused) = (two_buckets(place.path()), ReusedRows::default());
+        let settings = settings(&reused);
+        let (mut saver, mut outcome) = (Saver::new(&folder, &settings), Outcome::default());
+        let row = Row { key: folder.plan().points[0].key.clone(), error: None, figures: Default::default() };
+        let columns = || fs::read_dir(folder.columns()).map_or(0, Iterator::count);
+        let _ = fs::remove_dir_all(folder.columns());
+        fs::write(folder.columns(), "in the way").unwrap();
+        saver.take(0, row, Vec::new(), &mut outcome).unwrap();
+        assert!(saver.flush_all().is_err());
+        assert_eq!((written(&folder, 0), saver.waiting(), outcome.computed), (0, 1, 1));
+        fs::remove_file(folder.columns()).unwrap();
+        saver.flush_all().unwrap();
+        assert_eq!((written(&folder, 0), columns(), saver.waiting()), (1, 1, 0));
+    }
+
     /// Were it counted in each, more would wait than was computed.
     #[test]
     fn a_row_of_several_buckets_waits_once() {
         let place = tempfile::tempdir().unwrap();
-        let (folder, reused) = (folder(place.path()), ReusedRows::default());
+        let (folder, reused) = (two_buckets(place.path()), ReusedRows::default());
         let settings = settings(&reused);
         let (mut saver, mut outcome) = (Saver::new(&folder, &settings), Outcome::default());
         let key = folder.plan().points[0].key.as_str();
