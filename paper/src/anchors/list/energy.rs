@@ -7,7 +7,7 @@ use crate::anchors::of::{chip_nj, figure, on_chip_nj};
 pub const ANCHORS: &[Anchor] = &[
     Anchor {
         name: "on-chip energy a ray",
-        source: "estimate: 25 tests of two boxes x (30 + 5.7 + 7 pJ), 5 triangles x (42 + 5 pJ), 3 lines of the L2 x 14 pJ and \
+        source: "our estimate: 25 tests of two boxes x (30 + 5.7 + 7 pJ), 5 triangles x (42 + 5 pJ), 3 lines of the L2 x 14 pJ and \
                  15 operations of the stack x 0.4 pJ = 1.35 nJ; bounds with the box pair at 16 and 60 pJ and the triangle at 25 \
                  and 90",
         unit: "nJ/ray",

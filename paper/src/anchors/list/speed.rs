@@ -49,7 +49,7 @@ pub const ANCHORS: &[Anchor] = &[
     },
     Anchor {
         name: "DRAM lines a ray",
-        source: "estimate: 0.1 to 0.3 lines of 64 B a ray for nodes and triangles, with 1.35 nJ a ray on chip",
+        source: "our estimate: 0.1 to 0.3 lines of 64 B a ray for nodes and triangles, with 1.35 nJ a ray on chip",
         unit: "lines/ray",
         low: Some(0.1),
         high: Some(0.3),
