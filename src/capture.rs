@@ -90,7 +90,9 @@ pub fn run(args: &Args, quiet: bool) -> Result<Exit> {
     let start = Instant::now();
     let mut bar =
         Progress::new(&format!("capture {}", scene.name), u64::from(meta.tile_count()) * u64::from(count), quiet);
+    let mut dropped = 0;
     let outcome = capture::capture(&scene, &built, &meta, &output, |now| {
+        dropped = now.dropped_tiles;
         bar.set(now.tiles, || {
             let rate = now.rays as f64 / start.elapsed().as_secs_f64();
             format!("{}rays/s, {:.2} bytes/ray", si(rate), now.bytes as f64 / now.rays.max(1) as f64)
@@ -98,6 +100,13 @@ pub fn run(args: &Args, quiet: bool) -> Result<Exit> {
         !stop.is_requested()
     })?;
     bar.finish();
+    if dropped > 0 {
+        let partial = partial_path(&args.output)?;
+        let partial = partial.display();
+        eprintln!(
+            "warning: {partial} was damaged; {dropped} whole tiles behind the damage were cut off and traced again"
+        );
+    }
     match outcome {
         CaptureOutcome::Finished(captured) => {
             report(args, &scene, &meta, &captured, start.elapsed().as_secs_f64())?;

@@ -99,12 +99,27 @@ static LONG_VERSION: LazyLock<String> = LazyLock::new(|| {
     )
 });
 
+/// Most threads: more than any machine has, and few enough to be started.
+const THREADS_MAX: u16 = 1024;
+
+/// Starts the worker threads: so many, or where that is 0 as many as RAYON_NUM_THREADS says, or one per core.
+fn start_threads(threads: u16) -> Result<(), String> {
+    const NAME: &str = "RAYON_NUM_THREADS";
+    let asked = std::env::var(NAME).unwrap_or_default();
+    let is_number = !asked.is_empty() && asked.bytes().all(|byte| byte.is_ascii_digit());
+    if threads == 0 && is_number && asked.parse::<u16>().map_or(true, |asked| asked > THREADS_MAX) {
+        return Err(format!("{NAME} is {asked}; give at most {THREADS_MAX}"));
+    }
+    let started = rayon::ThreadPoolBuilder::new().num_threads(threads.into()).build_global();
+    started.map_err(|error| format!("cannot start {threads} threads: {error}"))
+}
+
 fn main() -> ExitCode {
     progress::handle_signals();
-    let given = arguments::with_numbers(Cli::command()).get_matches();
+    let given = arguments::with_numbers(Cli::command()).get_matches_from(arguments::joined(std::env::args_os()));
     let cli = Cli::from_arg_matches(&given).unwrap_or_else(|error| error.exit());
-    if let Err(error) = rayon::ThreadPoolBuilder::new().num_threads(cli.threads.into()).build_global() {
-        eprintln!("error: cannot start {} threads: {error}", cli.threads);
+    if let Err(error) = start_threads(cli.threads) {
+        eprintln!("error: {error}");
         return Exit::Usage.into();
     }
     memory::set(cli.memory);

@@ -1,6 +1,7 @@
 //! `rayreel replay`: a trace under a sampling policy, on a machine.
 
 use std::cell::{Cell, RefCell};
+use std::ffi::OsStr;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
@@ -17,12 +18,12 @@ use rayreel_replay::sequence::{FrameLoop, FrameResult, Simulator};
 use rayreel_replay::{Detail, NamedPolicy, Options, PathSource, ReplayError};
 use rayreel_study::cluster::shell::line;
 use rayreel_study::files::write_named;
-use rayreel_study::point::pictures::{FramePictures, remove, remove_numbered};
+use rayreel_study::point::pictures::{FramePictures, is_picture, remove, remove_numbered};
 use rayreel_study::point::version::MODEL_VERSION;
 use rayreel_study::report::{Made, Origin, Report};
 use serde_json::json;
 
-use crate::common::{check_output, digest_if_whole, frames, print};
+use crate::common::{check_output, digest_if_whole, frames, keep_input, print};
 use crate::detail::DetailArgs;
 use crate::exit::Exit;
 use crate::progress::{self, Progress};
@@ -86,17 +87,14 @@ pub fn run(args: &Args, quiet: bool) -> Result<Exit> {
     let machine = load_machine(args, &machine)?;
     let detail = detail(args)?;
     let trace = args.trace.open()?;
+    let inputs = [args.trace.path(), Some(Path::new(&args.policy)), Some(Path::new(&args.machine))];
+    let inputs: Vec<&Path> = inputs.into_iter().flatten().collect();
     if let Some(timeline) = &args.timeline {
-        let inputs = [args.trace.path(), Some(Path::new(&args.policy)), Some(Path::new(&args.machine))];
-        check_output(timeline, &inputs.into_iter().flatten().collect::<Vec<_>>())?;
-    }
-    if let Some((out, timeline)) = args.out.as_ref().zip(args.timeline.as_ref())
-        && *timeline == out.join(STATS)
-    {
-        bail!("{} is written by --out; name another file for --timeline", timeline.display());
+        check_output(timeline, &inputs)?;
     }
     if let Some(out) = &args.out {
         std::fs::create_dir_all(out).with_context(|| format!("cannot create folder {}", out.display()))?;
+        check_folder(out, &inputs, args.timeline.as_deref())?;
     }
     let report = replay(args, &trace, &policy, (machine.as_ref(), detail), quiet)?;
     let json = report.to_json()?;
@@ -105,6 +103,30 @@ pub fn run(args: &Args, quiet: bool) -> Result<Exit> {
     }
     print(&if args.json { json } else { report.to_string() })?;
     Ok(Exit::Done)
+}
+
+/// Refuses a folder that cannot be written, and one in which this replay would replace a file that it reads, or its timeline.
+fn check_folder(out: &Path, inputs: &[&Path], timeline: Option<&Path>) -> Result<()> {
+    let is_written = |name: &OsStr| name == STATS || name.to_str().is_some_and(is_picture);
+    check_output(&out.join(STATS), inputs)?;
+    let found = std::fs::read_dir(out).with_context(|| format!("cannot look into {}", out.display()))?;
+    for entry in found {
+        let path = entry.with_context(|| format!("cannot look into {}", out.display()))?.path();
+        if path.file_name().is_some_and(is_written) {
+            inputs.iter().try_for_each(|input| keep_input(&path, input))?;
+        }
+    }
+    let folder = |path: &Path| match path.parent() {
+        Some(parent) if parent.as_os_str().is_empty() => Path::new(".").canonicalize().ok(),
+        parent => parent?.canonicalize().ok(),
+    };
+    if let Some(timeline) = timeline
+        && timeline.file_name().is_some_and(is_written)
+        && folder(timeline).is_some_and(|folder| out.canonicalize().is_ok_and(|out| out == folder))
+    {
+        bail!("{} is written by --out; name another file for --timeline", timeline.display());
+    }
+    Ok(())
 }
 
 /// The machine asked for, if one is.

@@ -51,11 +51,11 @@ pub fn run(args: &Args, quiet: bool) -> Result<Exit> {
     })?;
     bar.finish();
     if stop.is_requested() {
-        return Ok(Exit::Interrupted);
+        return Ok(interrupted());
     }
     let against = args.scene.as_deref().map(|scene| compare(&trace, scene, args, quiet)).transpose()?;
     if stop.is_requested() {
-        return Ok(Exit::Interrupted);
+        return Ok(interrupted());
     }
     let first = found.first.as_ref();
     if args.json {
@@ -104,6 +104,12 @@ pub fn run(args: &Args, quiet: bool) -> Result<Exit> {
         eprintln!("not checked: the steps of {steps} tiles, and {tiles} tiles altogether");
     }
     Ok(Exit::Incomplete)
+}
+
+/// Says that nothing is known of the tiles that were not looked at.
+fn interrupted() -> Exit {
+    eprintln!("interrupted: not all tiles were looked at");
+    Exit::Interrupted
 }
 
 /// Why a trace that `tool` wrote may be right all the same.

@@ -134,14 +134,29 @@ impl Drop for WholeFile {
 /// Where a file of this name lies: a link stays, and what it names is replaced.
 ///
 /// # Errors
-/// When the name is that of a device or a pipe: whoever reads it would read on from what is no longer there.
+/// When the name is that of a folder, a device or a pipe: whoever reads one of these would read on from what is no longer there. When
+/// links go round in a circle, or a folder may not be looked into.
 pub(crate) fn behind_links(path: &Path) -> io::Result<PathBuf> {
-    let Ok(found) = fs::metadata(path) else { return Ok(path.to_path_buf()) };
+    if path.as_os_str().as_encoded_bytes().last().is_some_and(|byte| std::path::is_separator(char::from(*byte))) {
+        return Err(io::Error::new(io::ErrorKind::IsADirectory, "it ends as the name of a folder does; name a file"));
+    }
+    let found = match fs::metadata(path) {
+        Err(error) if error.kind() == io::ErrorKind::NotFound => return behind_dangling(path),
+        found => found?,
+    };
     if !found.is_file() && !found.is_dir() {
         let detail = "it is a device or a pipe, and a file cannot take its place; name a file";
         return Err(io::Error::new(io::ErrorKind::InvalidInput, detail));
     }
     if fs::symlink_metadata(path)?.is_symlink() { fs::canonicalize(path) } else { Ok(path.to_path_buf()) }
+}
+
+/// As [`behind_links`], where nothing is yet: a link may say where it is to be.
+fn behind_dangling(path: &Path) -> io::Result<PathBuf> {
+    match fs::read_link(path) {
+        Ok(to) => behind_links(&path.parent().unwrap_or(Path::new("")).join(to)),
+        Err(_) => Ok(path.to_path_buf()),
+    }
 }
 
 /// A new file beside `path`, under a name that nobody else has: the system refuses a second file of one name, also to

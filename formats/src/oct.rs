@@ -70,6 +70,8 @@ fn quantise(v: f32) -> u16 {
 
 #[cfg(test)]
 mod tests {
+    use rayreel_testkit::Random;
+
     use super::*;
 
     #[test]
@@ -83,13 +85,9 @@ mod tests {
 
     #[test]
     fn error_is_below_a_hundredth_of_a_degree_and_codes_are_stable() {
-        let mut state = 1u32;
-        let mut next = || {
-            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            (state >> 8) as f32 / 8_388_608.0 - 1.0
-        };
+        let mut random = Random(1);
         for _ in 0..100_000 {
-            let n = vec3(next(), next(), next());
+            let n = vec3(random.signed(), random.signed(), random.signed());
             if n.length() < 0.01 {
                 continue;
             }

@@ -2,10 +2,13 @@
 
 use std::path::PathBuf;
 
-use anyhow::Result;
+use anyhow::{Result, bail};
+use rayreel_study::cluster::shell::quote;
+use rayreel_study::cluster::slurm::sbatch::Options;
 use rayreel_study::cluster::submission::Submission;
 use rayreel_study::sweep::folder::Folder;
 use rayreel_study::sweep::shard::Shard;
+use rayreel_study::sweep::status::status;
 
 use super::order::SubmitArgs;
 use super::order::{Submit, SubmitContext, carry_out};
@@ -13,6 +16,7 @@ use super::run::{self, RunArgs};
 use super::slurm;
 use super::submit::{SiteArgs, limits};
 use super::trust;
+use crate::common::print;
 use crate::exit::Exit;
 
 /// Compute what is missing: on the cluster if the sweep was submitted to one, and here otherwise.
@@ -45,9 +49,9 @@ pub fn run(args: &Args, quiet: bool) -> Result<Exit> {
         Some(last) if !args.local && (slurm::is_here() || args.how.dry_run) => last,
         Some(_) if !args.local => {
             eprintln!("no sbatch here, where the sweep was submitted to Slurm elsewhere: computing on this machine");
-            return run::here(&folder, &args.run, Shard::WHOLE, quiet);
+            return here(&folder, args, quiet);
         }
-        _ => return run::here(&folder, &args.run, Shard::WHOLE, quiet),
+        _ => return here(&folder, args, quiet),
     };
     let given = args.site.options();
     if !args.how.dry_run {
@@ -67,4 +71,22 @@ pub fn run(args: &Args, quiet: bool) -> Result<Exit> {
         options: given.or(&last.options),
     };
     carry_out(&folder, &order, limits, SubmitContext { args: args.how, active: &active, last: Some(last) })
+}
+
+/// Computes what is missing on this machine; in a dry run says so.
+fn here(folder: &Folder, args: &Args, quiet: bool) -> Result<Exit> {
+    let sweep = quote(&folder.path().display().to_string());
+    if args.how.wait || args.site.options() != Options::default() {
+        bail!(
+            "--wait, --partition, --account, --time, --mem, --max-running, --setup and what stands behind -- are for a cluster, and this \
+             computes on this machine; leave them out, or submit the sweep: `rayreel sweep submit {sweep}`"
+        );
+    }
+    if args.how.dry_run {
+        let status = status(folder)?;
+        let (missing, points) = (status.missing.len(), status.points);
+        print(&format!("no cluster: `rayreel sweep run {sweep}`, {missing} of {points} points on this machine\n"))?;
+        return Ok(Exit::Done);
+    }
+    run::here(folder, &args.run, Shard::WHOLE, quiet)
 }

@@ -174,3 +174,15 @@ fn a_full_disk_is_74() {
     let status = command(&["scenes".into(), "list".into()]).stdout(full()).status().unwrap();
     assert_eq!(status.code(), Some(74));
 }
+
+/// Rayon tried to start them, for minutes, and panicked.
+#[test]
+fn threads_are_as_many_as_can_be_started() {
+    for many in ["1025", "99999999999999999999"] {
+        let mut listing = command(&["scenes".into(), "list".into()]);
+        let output = listing.env("RAYON_NUM_THREADS", many).output().unwrap();
+        let said = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(2), "{said}");
+        assert!(said.contains(&format!("RAYON_NUM_THREADS is {many}; give at most 1024")), "{said}");
+    }
+}

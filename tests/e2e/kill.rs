@@ -153,8 +153,30 @@ fn only_the_same_capture_goes_on() {
         let args = capture_args(scene, &format!("{options} --resume"), &file);
         run(&args).expect(2).says(&["started with another scene, other settings", ".partial"]);
     }
+    // What was packed otherwise would stay so, and the file be that of neither level.
+    let args = capture_args("cornell", &format!("{LONG} --level 3 --resume"), &file);
+    run(&args).expect(2).says(&["started with another --level", ".partial"]);
     assert!(fs::read(partial(&file)).unwrap() == left, "refusing changes nothing");
     whole.assert_resumes(&file);
+}
+
+/// A killed process leaves nothing behind its torn chunk. Where tiles are, they are traced again, and it is said.
+#[test]
+fn tiles_behind_damage_are_traced_again_and_it_is_said() {
+    let whole = Undisturbed::new();
+    let file = whole.file("damaged");
+    whole.interrupted(&file, 0.7, "KILL");
+    let mut left = fs::read(partial(&file)).unwrap();
+    let resume = capture_args("cornell", &format!("{LONG} --resume"), &file);
+    // In the middle, and in the tree, without which no tile can be kept.
+    for at in [left.len() / 2, 1000] {
+        let _ = fs::remove_file(&file);
+        left[at] ^= 1;
+        fs::write(partial(&file), &left).unwrap();
+        let said = run(&resume).expect(0).err;
+        assert!(said.contains("whole tiles behind the damage were cut off and traced again"), "{said}");
+        assert!(fs::read(&file).unwrap() == whole.bytes, "other bytes than undisturbed");
+    }
 }
 
 #[test]

@@ -115,6 +115,42 @@ fn pipes_are_refused_and_links_followed() {
     export("link.csv").expect(0);
     assert!(fs::symlink_metadata(at("link.csv")).unwrap().is_symlink());
     assert!(fs::read_to_string(at("there.csv")).unwrap().lines().count() > 100, "the link names what was written");
+    // To where nothing is yet, over another link; and round in a circle.
+    for (name, to) in
+        [("new.csv", "far.csv"), ("far.csv", "end.csv"), ("round.csv", "about.csv"), ("about.csv", "round.csv")]
+    {
+        std::os::unix::fs::symlink(to, at(name)).unwrap();
+    }
+    export("new.csv").expect(0);
+    assert!(fs::read(at("end.csv")).unwrap() == fs::read(at("there.csv")).unwrap());
+    assert!(["new.csv", "far.csv"].iter().all(|name| fs::symlink_metadata(at(name)).unwrap().is_symlink()));
+    let ran = export("round.csv").expect(2);
+    assert!(ran.err.contains("round.csv") && fs::symlink_metadata(at("round.csv")).unwrap().is_symlink(), "{ran:?}");
+}
+
+/// A trace in the folder of the pictures, under the name of one.
+#[test]
+fn a_folder_of_pictures_keeps_what_is_read_and_the_timeline() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    fs::create_dir(at("out")).unwrap();
+    capture("cornell", "--size 32x16 --samples 1x1", &at("a.rtrace"));
+    let bytes = fs::read(at("a.rtrace")).unwrap();
+    for name in ["out/result.png", "out/stats.json", "out/frame_0000_flip.png"] {
+        fs::copy(at("a.rtrace"), at(name)).unwrap();
+        let ran = rayreel!["replay", &at(name), "--machine", "none", "--out", &at("out")].expect(2);
+        assert!(ran.err.contains("is what is read; name another file to write"), "{ran:?}");
+        assert!(fs::read(at(name)).unwrap() == bytes);
+        fs::remove_file(at(name)).unwrap();
+    }
+    for timeline in ["out/result.png", "out/../out/stats.json"] {
+        let ran = rayreel!["replay", &at("a.rtrace"), "--out", &at("out"), "--timeline", &at(timeline)].expect(2);
+        assert!(ran.err.contains("is written by --out; name another file for --timeline"), "{ran:?}");
+    }
+    assert_eq!(fs::read_dir(at("out")).unwrap().count(), 0);
+    let ran = rayreel!["capture", "cornell", "-o", &format!("{}/", at("new").display())].expect(2);
+    assert!(ran.err.contains("it ends as the name of a folder does; name a file"), "{ran:?}");
+    assert!(!at("new.partial").exists());
 }
 
 #[test]

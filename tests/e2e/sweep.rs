@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Stdio};
 use std::time::{Duration, Instant};
 
+use rayreel_testkit::Random;
 use serde_json::Value;
 
 use crate::common::{self, Ran, capture};
@@ -114,13 +115,12 @@ fn five_hundred_points_killed_ten_times_are_the_undisturbed_ones() {
     let sweep = place.path("killed");
     place.run("plan {many.toml} -o {killed} --no-estimate").expect(0);
     let mut kills = 0;
-    let mut state = 0x9e37_79b9_u32;
+    let mut random = Random(0x9e37_79b9);
     while kills < 10 {
         let before = rows_on_disk(&sweep);
         assert!(before < 512, "the sweep ended after {kills} kills: points are too short for this test");
         // A random number of points from 1 to 40 later.
-        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-        let wait = 1 + (state >> 16) as usize % 40;
+        let wait = 1 + random.index(40);
         let mut child = start(&place, "run {killed} --quiet --threads 2");
         let begun = Instant::now();
         while rows_on_disk(&sweep) < (before + wait).min(512) && child.try_wait().unwrap().is_none() {
@@ -212,6 +212,10 @@ fn shards_on_the_command_line_make_the_whole() {
     place.plan("few.toml", FEW);
     place.run("{few.toml} -o {whole} --quiet").expect(0);
     place.run("plan {few.toml} -o {split} --no-estimate").expect(0);
+    let told = place.run("resume {split} --dry-run").expect(0);
+    assert!(told.out.contains("6 of 6 points on this machine") && told.err.is_empty(), "{told:?}");
+    place.run("resume {split} --mem 8G").expect(2).says(&["--mem", "are for a cluster", "sweep submit"]);
+    place.run("status {split}").expect(3).prints(&["0 of 6 points done"]);
     place.run("run {split} --shard 2/3 --quiet").expect(0).says(&["shard 2/3", "2 points", "2 computed"]);
     place.run("merge {split}").expect(3).says(&["missing 4 of 6 points", "sweep resume"]);
     place.run("merge {split} --partial").expect(3).prints(&["2 rows"]);

@@ -42,6 +42,8 @@ pub struct CaptureProgress {
     pub rays: u64,
     /// Bytes written in this run.
     pub bytes: u64,
+    /// Whole tiles of the run before that lay behind damage: they were cut off, and are traced again.
+    pub dropped_tiles: u64,
 }
 
 /// What a capture came to.
@@ -93,10 +95,10 @@ pub fn capture(
         meta,
         codec: output.codec,
     };
-    let mut writer = start(output, meta, &built.bvh)?;
+    let (mut writer, dropped_tiles) = start(output, meta, &built.bvh)?;
     let at_start = writer.bytes_written();
     let tiles_total = u64::from(meta.tile_count()) * u64::from(meta.frames);
-    let mut now = CaptureProgress { tiles_total, ..CaptureProgress::default() };
+    let mut now = CaptureProgress { tiles_total, dropped_tiles, ..CaptureProgress::default() };
     let mut kept = Vec::new();
     for frame in meta.frame_numbers() {
         let camera = grid::frame_camera(scene, meta, frame);
@@ -121,13 +123,14 @@ pub fn capture(
     summary(&finished.path, finished.len, now.rays, &kept).map(CaptureOutcome::Finished)
 }
 
-fn start(output: &CaptureOutput, meta: &Meta, bvh: &Bvh) -> Result<TraceWriter> {
+/// The writer, and how many tiles it has cut off.
+fn start(output: &CaptureOutput, meta: &Meta, bvh: &Bvh) -> Result<(TraceWriter, u64)> {
     if output.resume {
-        let Started { writer, .. } =
+        let Started { writer, dropped_tiles, .. } =
             TraceWriter::resume(&output.path, meta, bvh, output.level, output.codec, &Limits::default())?;
-        return Ok(writer);
+        return Ok((writer, dropped_tiles));
     }
-    TraceWriter::create(&output.path, meta, bvh, output.level)
+    Ok((TraceWriter::create(&output.path, meta, bvh, output.level)?, 0))
 }
 
 /// What every tile of a capture shares.

@@ -1,6 +1,6 @@
 //! A chunk ready to be written: packing and checksums are done, by whichever thread made it.
 
-use super::chunk_header::ChunkHeader;
+use super::chunk_header::{ChunkHeader, ChunkRecord};
 use super::encoding::{Encoding, compress};
 use super::tile::{ColumnEntry, TileDirectory, encode_tile};
 use crate::error::{Error, Place, Result};
@@ -70,6 +70,11 @@ impl EncodedChunk {
             payload_crc: crc32fast::hash(&payload),
         };
         Ok(Self { header, payload, directory: None })
+    }
+
+    /// Whether it is what this record is of, packed as it is.
+    pub fn is_at(&self, record: &ChunkRecord) -> bool {
+        self.header == record.header()
     }
 
     /// What the chunk is.

@@ -10,6 +10,7 @@ use super::chunk_header::ChunkRecord;
 use super::file_header::FILE_HEADER_LEN;
 use super::index::Index;
 use super::reader::read_file_header;
+use super::scan::scan;
 use super::tile::TileDirectory;
 use super::walk::{Verdict, judge};
 use super::writer::{BUFFER_LEN, Writer, behind, is_still, lock, partial_path};
@@ -49,6 +50,24 @@ impl Resumed {
     /// Bytes behind them, which are no whole chunk or an index that is written anew: [`Resumed::go_on`] cuts them off.
     pub fn dropped_bytes(&self) -> u64 {
         self.file.len() - self.end
+    }
+
+    /// Whole tiles in the file, those behind damage too.
+    ///
+    /// # Errors
+    /// Those of [`scan`].
+    pub fn tiles_in_file(&self) -> Result<u64> {
+        let tiles = |chunks: &[ChunkRecord]| chunks.iter().filter(|record| record.id.kind == ChunkKind::TILE).count();
+        Ok(tiles(&scan(&self.partial, self.file.limits())?.chunks) as u64)
+    }
+
+    /// Whole tiles among the bytes that are cut off: a killed process leaves none there.
+    ///
+    /// # Errors
+    /// As [`Resumed::tiles_in_file`].
+    pub fn dropped_tiles(&self) -> Result<u64> {
+        let kept = self.chunks().iter().filter(|record| record.id.kind == ChunkKind::TILE).count();
+        Ok(if self.dropped_bytes() > 0 { self.tiles_in_file()?.saturating_sub(kept as u64) } else { 0 })
     }
 
     /// Continues the file after its last whole chunk.

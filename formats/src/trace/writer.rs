@@ -24,8 +24,9 @@ pub struct Started {
     pub writer: TraceWriter,
     /// Bytes of whole chunks that were there already; 0 for a new trace.
     pub resumed_bytes: u64,
-    /// Bytes that were cut off because they were no whole chunk.
-    pub dropped_bytes: u64,
+    /// Whole tiles that were cut off, for they lay behind damage. (What a killed process leaves torn is its last chunk, with nothing behind
+    /// it.)
+    pub dropped_tiles: u64,
 }
 
 impl TraceWriter {
@@ -46,16 +47,16 @@ impl TraceWriter {
     /// When the partial file is of another capture or its tiles are coded otherwise: it stays as it is. When it cannot be read
     /// or written.
     pub fn resume(path: &Path, meta: &Meta, tree: &Bvh, level: i32, codec: Codec, limits: &Limits) -> Result<Started> {
-        let fresh = |dropped_bytes| {
+        let fresh = |dropped_tiles| {
             let writer = Self::create(path, meta, tree, level)?;
-            Ok(Started { writer, resumed_bytes: 0, dropped_bytes })
+            Ok(Started { writer, resumed_bytes: 0, dropped_tiles })
         };
         let Some(resumed) = Writer::resume(path, limits)? else {
             return fresh(0);
         };
         let found = |id| resumed.chunks().iter().find(|record| record.id == id).copied();
         let (Some(old_meta), Some(old_bvh)) = (found(ChunkId::META), found(ChunkId::BVH)) else {
-            let dropped = resumed.kept_bytes();
+            let dropped = resumed.tiles_in_file()?;
             drop(resumed);
             Writer::discard(path)?;
             return fresh(dropped);
@@ -65,19 +66,23 @@ impl TraceWriter {
             Some(record) => resumed.tile_directory(&record)?.columns().iter().all(|c| c.codec == codec.code()),
             None => true,
         };
-        let same = same_codec
-            && resumed.read(&old_meta)? == meta.to_payload()?
-            && resumed.read(&old_bvh)? == tree.to_payload()?;
-        if !same {
-            return Err(Error::usage(format!(
-                "{} was started with another scene, other settings or another version; capture with the same ones, \
-                 or delete it",
-                partial_path(path)?.display()
-            )));
+        let (of_meta, of_tree, encoding) = (meta.to_payload()?, tree.to_payload()?, Encoding::Zstd(level));
+        let other = |what: &str| {
+            let partial = partial_path(path)?;
+            Err(Error::usage(format!("{} was started with {what}; or delete it", partial.display())))
+        };
+        if !same_codec || resumed.read(&old_meta)? != of_meta || resumed.read(&old_bvh)? != of_tree {
+            return other("another scene, other settings or another version; capture with the same ones");
         }
-        let (resumed_bytes, dropped_bytes) = (resumed.kept_bytes(), resumed.dropped_bytes());
-        let writer = Self { writer: resumed.go_on()?, encoding: Encoding::Zstd(level) };
-        Ok(Started { writer, resumed_bytes, dropped_bytes })
+        // The same bytes packed otherwise. Two levels may pack a few bytes alike, and a tree hardly ever.
+        if !EncodedChunk::new(ChunkId::META, encoding, &of_meta)?.is_at(&old_meta)
+            || !EncodedChunk::new(ChunkId::BVH, encoding, &of_tree)?.is_at(&old_bvh)
+        {
+            return other("another --level or another version; capture with the same one");
+        }
+        let (resumed_bytes, dropped_tiles) = (resumed.kept_bytes(), resumed.dropped_tiles()?);
+        let writer = Self { writer: resumed.go_on()?, encoding };
+        Ok(Started { writer, resumed_bytes, dropped_tiles })
     }
 
     /// True when the trace has this tile already.

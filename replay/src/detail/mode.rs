@@ -35,7 +35,9 @@ impl FromStr for Share {
         let millionths = (value * scale).round();
         let whole = f64::from(Self::WHOLE);
         let inside = (1.0..=whole).contains(&millionths);
-        inside.then_some(Self(millionths as u32)).ok_or_else(|| format!("`{text}` is not between 0 and 1 (100%)"))
+        inside
+            .then_some(Self(millionths as u32))
+            .ok_or_else(|| format!("`{text}` is not from 0.000001 (0.0001%) to 1 (100%)"))
     }
 }
 

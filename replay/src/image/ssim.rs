@@ -103,15 +103,13 @@ fn of_moments([a, b, aa, bb, ab]: [f64; 5]) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use rayreel_testkit::Random;
+
     use super::*;
 
     fn noise(width: u32, height: u32, seed: u32, range: u32) -> Srgb8 {
-        let mut state = seed;
-        let mut next = || {
-            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            ((state >> 8) % range) as u8
-        };
-        let pixels = (0..width * height).map(|_| [next(), next(), next()]).collect();
+        let mut random = Random(seed.into());
+        let pixels = (0..width * height).map(|_| std::array::from_fn(|_| random.below(range) as u8)).collect();
         Srgb8 { width, height, pixels }
     }
 

@@ -65,6 +65,9 @@ pub fn load_scene_file(path: &Path, options: &LoadOptions) -> Result<Scene, Scen
         what: "scene file",
         source,
     })?;
+    if let Some(error) = doubled(path, &text) {
+        return Err(error);
+    }
     let table: SceneTable = toml::from_str(&text).map_err(|error| toml_error(path, &text, &error))?;
     let folder = path.parent().unwrap_or(Path::new(""));
     if !is_model(&table.model) {
@@ -114,6 +117,24 @@ fn with_fps(path: &Path, table: &SceneTable, options: &LoadOptions) -> Result<Lo
         return Err(bad_value(path, format!("animation.fps is {fps}"), &fix));
     }
     Ok(LoadOptions { fps: options.fps.or(of_file), ..*options })
+}
+
+/// A table of which there is one, written as one of several. (The reader would take its values by their order.)
+fn doubled(path: &Path, text: &str) -> Option<SceneError> {
+    let file: toml::Table = toml::from_str(text).ok()?;
+    let of_materials = file.get("materials").and_then(toml::Value::as_table).into_iter().flatten();
+    let tables = file.iter().filter(|(name, _)| ["camera", "sky", "animation", "materials"].contains(&name.as_str()));
+    let tables = tables.map(|(name, value)| (name.clone(), value));
+    let all = tables.chain(of_materials.map(|(name, value)| (format!("materials.{name}"), value)));
+    let name = all.into_iter().find_map(|(name, value)| value.is_array().then_some(name))?;
+    let begins = |line: &str| line.trim_start().trim_start_matches('[').trim_start().starts_with(&name);
+    let line = text.lines().position(begins).map_or(1, |line| line + 1);
+    Some(SceneError::Input {
+        at: Location::Line { path: path.to_owned(), line, column: None },
+        what: format!("{name} is a list, and a scene has one"),
+        fix: Some(format!("write its name in one bracket, `[{name}]`, and once")),
+        source: None,
+    })
 }
 
 fn stem(path: &Path) -> Option<String> {

@@ -28,6 +28,10 @@ fn cut(points: &[DVec3]) -> (Vec<[usize; 3]>, bool) {
     let normal = area_normal(points);
     let fan = || (1..count.saturating_sub(1)).map(|i| [0, i, i + 1]).collect();
     let corners = || (0..count).map(|i| [(i + count - 1) % count, i, (i + 1) % count]);
+    if normal == DVec3::ZERO && count > 3 {
+        // Of a bow tie as much lies on one side as on the other: nobody can tell what it encloses.
+        return (fan(), is_line(points));
+    }
     // A star that is drawn in one line turns left everywhere, but twice round.
     let once = once_round(points, normal, corners());
     let convex = once && corners().all(|corner| turn(points, normal, corner) >= -1e-9);
@@ -59,6 +63,14 @@ fn area_normal(points: &[DVec3]) -> DVec3 {
         .map(|(a, b)| (*a - origin).cross(*b - origin))
         .fold(DVec3::ZERO, |sum, c| sum + c);
     sum.normalize_or_zero()
+}
+
+/// Whether all corners lie on one line.
+fn is_line(points: &[DVec3]) -> bool {
+    let from = |point: &DVec3| *point - points[0];
+    let far = points.iter().map(from).max_by(|a, b| a.length_squared().total_cmp(&b.length_squared()));
+    let far = far.unwrap_or_default();
+    points.iter().all(|point| from(point).cross(far).length() <= 1e-9 * far.length_squared())
 }
 
 /// Sine-like measure of the turn at the middle corner: positive turns left, relative to the lengths
@@ -112,6 +124,16 @@ mod tests {
             assert!(areas.iter().all(|a| *a > 0.0), "{areas:?}");
             assert!((areas.iter().sum::<f64>() - 1.5).abs() < 1e-12, "{areas:?}");
         }
+    }
+
+    #[test]
+    fn a_bow_tie_is_not_exact_and_a_line_is() {
+        let of = |corners: [[f64; 2]; 4]| triangulate(&corners.map(|[x, y]| DVec3::new(x, y, 0.0)));
+        for high in [1.0, 1.001] {
+            let (triangles, exact) = of([[0.0, 0.0], [1.0, high], [1.0, 0.0], [0.0, 1.0]]);
+            assert!(!exact && triangles.len() == 2, "{high}");
+        }
+        assert!(of([[0.0, 0.0], [1.0, 1.0], [3.0, 3.0], [2.0, 2.0]]).1);
     }
 
     #[test]

@@ -23,6 +23,8 @@ pub fn front(points: &[Option<[f64; 2]>], goals: [Goal; 2]) -> Vec<bool> {
 
 #[cfg(test)]
 mod tests {
+    use rayreel_testkit::Random;
+
     use super::*;
 
     #[test]
@@ -49,13 +51,10 @@ mod tests {
     /// Against the definition, word by word.
     #[test]
     fn it_is_what_its_definition_says() {
-        let mut state = 7_u32;
-        let mut next = || {
-            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            f64::from(state >> 27)
-        };
+        let mut random = Random(7);
         for _ in 0..200 {
-            let points: Vec<Option<[f64; 2]>> = (0..20).map(|_| Some([next(), next()])).collect();
+            let mut point = |_| Some([random.below(32), random.below(32)].map(f64::from));
+            let points: Vec<Option<[f64; 2]>> = (0..20).map(&mut point).collect();
             let beaten = |point: [f64; 2]| {
                 points
                     .iter()

@@ -1,6 +1,6 @@
 //! Which point of one table is which of the other.
 
-use std::collections::{BTreeMap, VecDeque};
+use std::collections::BTreeMap;
 
 use rayreel_settings::nearest;
 
@@ -20,11 +20,11 @@ pub struct Pairs {
 }
 
 impl Pairs {
-    /// Matches points by trace, frames, machine, policy and axes, but for the columns of `across`. Points that are alike are matched
-    /// in order.
+    /// Matches points by trace, frames, machine, policy and axes, but for the columns of `across`. Of points that are alike but for
+    /// these, those that are alike in these too belong together; of what is left one may remain on each side.
     ///
     /// # Errors
-    /// A column of `across` that is none of these.
+    /// A column of `across` that is none of these; more points that are alike but for them.
     pub fn new(a: &Results, b: &Results, across: &[String]) -> Result<Self> {
         let names = names(a, b);
         if let Some(unknown) = across.iter().find(|column| !names.contains(&column.as_str())) {
@@ -34,27 +34,53 @@ impl Pairs {
             let detail = format!("--across {unknown:?}: points are known by {known}{meant}");
             return Err(StudyError::Usage { detail });
         }
-        let names: Vec<&str> = names.into_iter().filter(|name| !across.iter().any(|column| column == name)).collect();
-        let mut known: BTreeMap<Vec<Option<String>>, VecDeque<usize>> = BTreeMap::new();
-        for row in 0..a.rows() {
-            known.entry(identity(a, &names, row)).or_default().push_back(row);
-        }
-        let (mut both, mut appeared) = (Vec::new(), Vec::new());
-        let mut taken = vec![false; a.rows()];
-        for row in 0..b.rows() {
-            let values = identity(b, &names, row);
-            match known.get_mut(&values).and_then(VecDeque::pop_front) {
-                Some(other) => {
-                    taken[other] = true;
-                    both.push((other, row, describe(&names, &values)));
-                }
-                None => appeared.push(describe(&names, &values)),
+        let (of, names): (Vec<&str>, Vec<&str>) =
+            names.into_iter().partition(|name| across.iter().any(|column| column == name));
+        let mut alike: BTreeMap<Vec<Option<String>>, [Vec<usize>; 2]> = BTreeMap::new();
+        for (side, table) in [a, b].into_iter().enumerate() {
+            for row in 0..table.rows() {
+                alike.entry(identity(table, &names, row)).or_default()[side].push(row);
             }
         }
-        let gone = (0..a.rows()).filter(|row| !taken[*row]);
-        let vanished = gone.map(|row| describe(&names, &identity(a, &names, row))).collect();
-        Ok(Self { both, vanished, appeared })
+        let (mut pairs, mut alone) = (Vec::new(), [Vec::new(), Vec::new()]);
+        for (values, [of_a, of_b]) in alike {
+            let (mut same, mut left) = matched(&of_a, &of_b, |x, y| identity(a, &of, x) == identity(b, &of, y));
+            match &mut left {
+                [x, y] if x.len() == 1 && y.len() == 1 && !of.is_empty() => same.extend(x.pop().zip(y.pop())),
+                [x, y] if !x.is_empty() && !y.is_empty() => {
+                    let (x, y, of, point) = (x.len(), y.len(), of.join(" and "), describe(&names, &values));
+                    let detail = format!(
+                        "--across {of}: {x} points of the one and {y} of the other are alike but for it ({point}), so nobody can tell \
+                         which belong together; compare tables that have one such point each"
+                    );
+                    return Err(StudyError::Usage { detail });
+                }
+                _ => {}
+            }
+            pairs.extend(same.into_iter().map(|(x, y)| (x, y, describe(&names, &values))));
+            for (alone, left) in alone.iter_mut().zip(left) {
+                alone.extend(left.into_iter().map(|row| (row, describe(&names, &values))));
+            }
+        }
+        pairs.sort_unstable_by_key(|(_, row, _)| *row);
+        let [vanished, appeared] = alone.map(|mut points| {
+            points.sort_unstable();
+            points.into_iter().map(|(_, point)| point).collect()
+        });
+        Ok(Self { both: pairs, vanished, appeared })
     }
+}
+
+/// Rows of two tables that belong together, in order, and what is left of either.
+fn matched(a: &[usize], b: &[usize], same: impl Fn(usize, usize) -> bool) -> (Vec<(usize, usize)>, [Vec<usize>; 2]) {
+    let (mut pairs, mut left, mut alone) = (Vec::new(), a.to_vec(), Vec::new());
+    for &row in b {
+        match left.iter().position(|other| same(*other, row)) {
+            Some(at) => pairs.push((left.remove(at), row)),
+            None => alone.push(row),
+        }
+    }
+    (pairs, [left, alone])
 }
 
 /// Columns that say what a point is: those of the first table, then what only the second has.

@@ -83,10 +83,16 @@ fn points_appear_and_vanish() {
         (&["on m l1=1".to_owned()][..], &["on m l1=3".to_owned()][..], 1)
     );
     assert!(found.results.is_empty() && found.changed());
-    // Without the axis they match in order.
+    // Without the axis equal ones belong together, and then the two that are left.
     let across = Options { across: vec!["l1".into()], ..Options::default() };
     let found = Comparison::new(&sweep(&[1, 2], &[1.0, 2.0]), &sweep(&[2, 3], &[2.0, 3.0]), &across).unwrap();
-    assert_eq!((found.matched, found.results[0].changed, found.configuration[0].key.as_str()), (2, 2, "l1"));
+    assert_eq!((found.matched, found.results[0].changed, found.configuration[0].key.as_str()), (2, 1, "l1"));
+    // The order of the rows says nothing: two machines in another order were a change.
+    let found = Comparison::new(&sweep(&[1, 2], &[1.0, 2.0]), &sweep(&[2, 1], &[2.0, 1.0]), &across).unwrap();
+    assert!(!found.changed() && found.matched == 2, "{found:?}");
+    let two =
+        Comparison::new(&sweep(&[1, 2], &[1.0, 2.0]), &sweep(&[3, 4], &[2.0, 3.0]), &across).unwrap_err().to_string();
+    assert!(two.contains("--across l1: 2 points of the one and 2 of the other are alike but for it (on m)"), "{two}");
     let wrong = Options { across: vec!["nonsense".into()], ..Options::default() };
     let error = Comparison::new(&sweep(&[1], &[1.0]), &sweep(&[1], &[1.0]), &wrong).unwrap_err().to_string();
     assert!(error.contains("nonsense") && error.contains("machine, l1"), "{error}");

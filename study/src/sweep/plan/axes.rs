@@ -33,7 +33,8 @@ const RESERVED: &[&str] = &[
 ];
 
 /// Words of the language of `exclude`.
-const WORDS: &[&str] = &["and", "or", "not", "in", "is", "if", "else", "true", "false"];
+const WORDS: &[&str] =
+    &["and", "or", "not", "in", "is", "if", "else", "true", "false", "none", "True", "False", "None"];
 
 /// An earlier axis that sets a key which `axis` sets too, for the same machine or policy.
 fn both_set<'a>(before: &'a [Axis], axis: &'a Axis) -> Option<(&'a str, &'a str)> {

@@ -82,6 +82,11 @@ impl Axis {
             return Err(text.error(span, format!("axis {name:?} has the value {second} twice{as_well}")));
         }
         let zip = file.zip.as_ref().map(|zip| zip.get_ref().clone());
+        if let Some(none) = file.only.as_ref().filter(|only| only.get_ref().is_empty()) {
+            let detail =
+                format!("axis {name:?}: only names no machine and no policy; name at least one, or leave it out");
+            return Err(text.error(&none.span(), detail));
+        }
         let only = file.only.iter().flat_map(|list| list.get_ref()).map(|name| name.get_ref().clone()).collect();
         Ok(Self { name, keys, values, zip, only })
     }
@@ -219,6 +224,7 @@ mod tests {
             ),
             ("key = \"b\"\nlog = { from = 1, to = 8, step = 2 }", "a log has factor, not step"),
             ("key = \"b\"\nvalues = [1, 1]", "has the value 1 twice"),
+            ("key = \"b\"\nvalues = [1]\nonly = []", "p.toml:7:8: axis \"a\": only names no machine"),
             ("key = \"b\"\nvalues = [[1]]", "no number, word or flag"),
             ("key = \"b\"\nvalues = [1]\nvalue = 2", "unknown field"),
             ("key = \"b\"\nkeys = [\"c\"]\nvalues = [1]", "key and keys"),
