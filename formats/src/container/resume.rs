@@ -57,6 +57,10 @@ impl Resumed {
     /// # Errors
     /// Those of [`scan`].
     pub fn tiles_in_file(&self) -> Result<u64> {
+        if self.end == 0 {
+            // Not even a whole header.
+            return Ok(0);
+        }
         let tiles = |chunks: &[ChunkRecord]| chunks.iter().filter(|record| record.id.kind == ChunkKind::TILE).count();
         Ok(tiles(&scan(&self.partial, self.file.limits())?.chunks) as u64)
     }
