@@ -24,7 +24,7 @@ const PART: f64 = 0.002;
 
 /// Work of a plan in core-seconds of this machine; nothing if no point went far enough in the time.
 ///
-/// Of each of up to three traces the first point that can be computed is begun and, after about [`LOOK`], left; the others are taken to
+/// Of each of up to three traces the first point that can be computed is begun and, after some 0.7 seconds, left; the others are taken to
 /// cost the same per sample of the grid. Good for a shard size, not for a bet: a policy that traces a tenth of the rays costs a fifth of this.
 pub fn core_seconds(plan: &Plan, open: &dyn Fn(&str) -> Result<Trace, String>) -> Option<f64> {
     let samples = |p: &PointRef| {
