@@ -182,7 +182,7 @@ fn what_cannot_be_is_one_error() {
     let file = trace(folder.path());
     let refused = |options: &str, words: &[&str]| drop(replay(&file, options).expect(2).says(words));
     refused("--detail half", &["`half` is not a detail", "0.05 or 5%"]);
-    refused("--precision 0", &["not between 0 and 1"]);
+    refused("--precision 0", &["is not from 0.000001"]);
     refused("--machine sgrt-ti2 --detail 5% --precision 1%", &["--precision", "cannot be used with"]);
     refused("--detail 5%", &["--machine none has none"]);
     let timeline = format!("--machine sgrt-ti2 --detail 5% --timeline {}", folder.path().join("t.json").display());
