@@ -230,11 +230,10 @@ fn toml_errors_say_where_and_what() {
             "s.toml:2:1: one table stands where a list of tables is needed; write its name in two brackets, such as `[[lights]]`",
         ),
         (
-            "[[camera]]\neye = [0.0, 0.0, 5.0]\ntarget = [0.0, 0.0, 0.0]".into(),
-            "s.toml:2: camera is a list, and a scene has one; write its name in one bracket, `[camera]`, and once",
+            "[[camera]]".into(),
+            "s.toml:2: camera is a list, and a scene has one; write its name in one bracket, `[camera]`",
         ),
         ("[[materials.a]]\nreflect = 0.5".into(), "s.toml:2: materials.a is a list, and a scene has one"),
-        ("sky = [1.0, 2.0, 3.0]".into(), "s.toml:2: sky is a list"),
         (
             format!("{eye}target = [0.0, 0.0, 5.0]"),
             "s.toml: [camera]: the camera's eye and target are the same point; move one of them",
