@@ -24,11 +24,9 @@ pub(super) struct Saver<'a> {
     also: BTreeMap<&'a str, BTreeSet<usize>>,
     /// Segments written.
     number: u64,
-    /// The columns that were taken last: most rows have the same.
+    /// The columns that were written last: most rows have the same.
     kept: Option<Vec<Column>>,
-    /// Columns that are not on disk yet.
-    owed: Vec<Vec<Column>>,
-    /// Whether the columns of rows from elsewhere are taken.
+    /// Whether the columns of rows from elsewhere are written.
     explained: bool,
 }
 
@@ -43,7 +41,6 @@ impl<'a> Saver<'a> {
             also: BTreeMap::new(),
             number: 0,
             kept: None,
-            owed: Vec::new(),
             explained: false,
         }
     }
@@ -53,7 +50,7 @@ impl<'a> Saver<'a> {
         let Some(row) = self.settings.reused.rows.get(key) else { return Ok(false) };
         self.pending.entry(bucket).or_default().push(row.clone());
         if !self.explained {
-            self.owed.push(self.settings.reused.columns.clone());
+            write_columns(&self.folder.columns(), &self.settings.reused.columns)?;
             self.explained = true;
         }
         Ok(true)
@@ -78,7 +75,8 @@ impl<'a> Saver<'a> {
     /// Takes the row of a point.
     pub fn take(&mut self, point: usize, row: Row, columns: Vec<Column>, outcome: &mut Outcome) -> Result<()> {
         if row.error.is_none() && self.kept.as_ref() != Some(&columns) {
-            self.owed.push(columns.clone());
+            // Before the rows: a row whose columns nobody can explain must not be on disk.
+            write_columns(&self.folder.columns(), &columns)?;
             self.kept = Some(columns);
         }
         outcome.computed += 1;
@@ -106,9 +104,8 @@ impl<'a> Saver<'a> {
 
     /// Writes the rows of a bucket; seals it when this shard has done its part. Another shard may have done the rest.
     fn flush(&mut self, bucket: usize) -> Result<()> {
-        if self.pending.get(&bucket).is_some_and(|rows| !rows.is_empty()) {
-            self.explain()?;
-            segment::write(self.folder, bucket, self.number, &self.pending[&bucket], &self.settings.writer)?;
+        if let Some(rows) = self.pending.get(&bucket).filter(|rows| !rows.is_empty()) {
+            segment::write(self.folder, bucket, self.number, rows, &self.settings.writer)?;
             self.number += 1;
         }
         // Not before they are written: after an error they are tried once more.
@@ -117,15 +114,6 @@ impl<'a> Saver<'a> {
         if self.left.get(&bucket) == Some(&0) {
             segment::seal(self.folder, bucket)?;
             self.left.remove(&bucket);
-        }
-        Ok(())
-    }
-
-    /// Writes the columns that are not on disk yet. Before the rows: a row whose columns nobody can explain must not be there.
-    fn explain(&mut self) -> Result<()> {
-        while let Some(columns) = self.owed.last() {
-            write_columns(&self.folder.columns(), columns)?;
-            self.owed.pop();
         }
         Ok(())
     }
@@ -185,25 +173,6 @@ mod tests {
         fs::remove_file(folder.segments(0)).unwrap();
         saver.flush_all().unwrap();
         assert_eq!((rows(0), rows(1), saver.waiting()), (1, 1, 0));
-    }
-
-    /// A row was dropped if its columns could not be written.
-    #[test]
-    fn rows_stay_until_their_columns_are_written() {
-        let place = tempfile::tempdir().unwrap();
-        let (folder, reused) = (two_buckets(place.path()), ReusedRows::default());
-        let settings = settings(&reused);
-        let (mut saver, mut outcome) = (Saver::new(&folder, &settings), Outcome::default());
-        let row = Row { key: folder.plan().points[0].key.clone(), error: None, figures: Default::default() };
-        let columns = || fs::read_dir(folder.columns()).map_or(0, Iterator::count);
-        let _ = fs::remove_dir_all(folder.columns());
-        fs::write(folder.columns(), "in the way").unwrap();
-        saver.take(0, row, Vec::new(), &mut outcome).unwrap();
-        assert!(saver.flush_all().is_err());
-        assert_eq!((written(&folder, 0), saver.waiting(), outcome.computed), (0, 1, 1));
-        fs::remove_file(folder.columns()).unwrap();
-        saver.flush_all().unwrap();
-        assert_eq!((written(&folder, 0), columns(), saver.waiting()), (1, 1, 0));
     }
 
     /// Were it counted in each, more would wait than was computed.
