@@ -69,7 +69,7 @@ impl TraceWriter {
         let (of_meta, of_tree, encoding) = (meta.to_payload()?, tree.to_payload()?, Encoding::Zstd(level));
         let other = |what: &str| {
             let partial = partial_path(path)?;
-            Err(Error::usage(format!("{} was started with {what}; or delete it", partial.display())))
+            Err(Error::usage(format!("{} was started with {what}, or delete it", partial.display())))
         };
         if !same_codec || resumed.read(&old_meta)? != of_meta || resumed.read(&old_bvh)? != of_tree {
             return other("another scene, other settings or another version; capture with the same ones");
