@@ -179,6 +179,7 @@ fn impossible_metadata_is_refused() {
         ("tiles, over the limit", Box::new(|m| m.frames = u32::MAX - m.first_frame)),
         // 2^40 tiles: their number does not fit 32 bits, and its low half is 0.
         ("tiles, over the limit", Box::new(|m| (m.width, m.height, m.tile) = (1 << 20, 1 << 20, 1))),
+        ("pixels, over the limit", Box::new(|m| (m.width, m.height, m.tile) = (1 << 20, 1 << 20, 1024))),
         ("tiles, over the limit", Box::new(|m| (m.width, m.height, m.tile) = (1 << 16, 1 << 16, 1))),
     ];
     for (reason, change) in cases {

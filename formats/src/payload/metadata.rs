@@ -82,6 +82,10 @@ impl Meta {
         range("number of lights", self.lights.len() as u32, 0, MAX_LIGHTS as u32)?;
         range("number of frames", self.frames, 1, u32::MAX - self.first_frame)?;
         self.check_tile_count(limits)?;
+        let pixels = u64::from(self.width) * u64::from(self.height);
+        if pixels > limits.max_pixels {
+            return Err(format!("a frame has {pixels} pixels, over the limit of {}", limits.max_pixels));
+        }
         if !self.lights.iter().all(light_is_finite) || !self.min_weight.is_finite() {
             return Err("a number is not finite".into());
         }

@@ -72,7 +72,6 @@ impl Trace {
         let meta = Meta::from_payload(&reader.read(record)?, &limits).map_err(here)?;
         let tiles = u64::from(meta.tile_count()).saturating_mul(u64::from(meta.frames));
         check_limit("number of tiles", tiles, Limits::tiles_max(reader.chunks().len() as u64))
-            .and(check_limit("pixels of a frame", u64::from(meta.width) * u64::from(meta.height), limits.max_pixels))
             .map_err(|error| error.at(&Place::new(reader.path(), 0)))?;
         let bvh = read_bvh(&reader, &limits)?;
         let topology = BvhTopology::new(&bvh);
