@@ -1,7 +1,12 @@
-//! Tells the program which commit it was built from, for `--version`. A build without Git, from an archive, has none.
+//! Tells the program which commit it was built from, for `--version`, and whether its sources had changes beside it: figures of such
+//! a build cannot be had again from the commit. A build without Git, from an archive, has none.
 
 use std::path::Path;
 use std::process::Command;
+
+/// What the program is made of, as Git's patterns.
+const SOURCES: &[&str] =
+    &["Cargo.*", "build.rs", "src", ":(glob)*/Cargo.toml", ":(glob)*/src/**", ":(glob)*/presets/**"];
 
 fn main() {
     println!("cargo:rerun-if-changed=build.rs");
@@ -12,7 +17,12 @@ fn main() {
         }
     }
     if let Some(commit) = git(&["rev-parse", "--short=12", "HEAD"]) {
-        println!("cargo:rustc-env=RAYREEL_COMMIT={commit}");
+        let changes = git(&[&["--no-optional-locks", "status", "--porcelain", "--"], SOURCES].concat());
+        let note = if changes.is_some() { ", with changes that were not committed" } else { "" };
+        println!("cargo:rustc-env=RAYREEL_COMMIT={commit}{note}");
+        for path in git(&[&["ls-files", "--"], SOURCES].concat()).unwrap_or_default().lines() {
+            println!("cargo:rerun-if-changed={path}");
+        }
     }
 }
 

@@ -76,10 +76,14 @@ pub fn read(file: &Path, place: &FolderArgs, traces: Option<&str>, cache: &Cache
         stem: &stem(file),
         open: &open,
     };
-    Plan::new(&sources).map_err(|error| match failed.get() {
+    let plan = Plan::new(&sources).map_err(|error| match failed.get() {
         Some(code @ (Exit::Unavailable | Exit::Io)) => exit::blaming(code, error),
         _ => error.into(),
-    })
+    })?;
+    for idle in &plan.idle {
+        eprintln!("warning: {idle}");
+    }
+    Ok(plan)
 }
 
 /// What to do with a folder that stands where a plan file is asked for.

@@ -111,6 +111,21 @@ fn an_axis_of_machines_is_not_for_none() {
     assert!(error.contains("set \"ti.trv=2\" is for a machine"), "{error}");
 }
 
+/// A comparison of a word with a number is false, and left nothing out without a word.
+#[test]
+fn constraints_that_leave_nothing_out_are_told() {
+    let idle = |exclude: &str| {
+        let plan = plan(&SMALL.replace("machine == 'none' and block == 4", exclude)).unwrap();
+        (plan.points.len(), plan.idle)
+    };
+    let (some, all) = (idle("policy == 'full'"), idle("block == '4'"));
+    assert_eq!((some.0, some.1.len()), (6, 0));
+    let told = "plan.toml:5:12: exclude \"block == '4'\": it leaves no point out; a word stands in quotes, and no word equals a number";
+    assert_eq!(all, (9, vec![told.to_owned()]));
+    // Two that leave out the same both do, whichever is asked first; an error behind a point that is left out is none.
+    assert_eq!(idle("policy == 'full'\", \"block is none\", \"policy != 'full' and block * 2 == 8"), (4, vec![]));
+}
+
 #[test]
 fn bad_plans_are_one_error_with_its_place() {
     let axis = |body: &str| format!("policies = [\"full\"]\n[[axis]]\nname = \"x\"\n{body}");

@@ -84,6 +84,7 @@ mod tests {
             axes,
             set: file.set.iter().map(|text| text.get_ref().clone()).collect(),
             points: Vec::new(),
+            idle: Vec::new(),
         };
         let all = plan.overrides(&point.values);
         let error = plan.resolve_with(&point, all).unwrap_err();

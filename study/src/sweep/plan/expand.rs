@@ -45,10 +45,11 @@ impl Plan {
             axes,
             set: file.set.iter().map(|text| text.get_ref().clone()).collect(),
             points: Vec::new(),
+            idle: Vec::new(),
         };
         check_only(&plan, &file, text)?;
         check_machines(&plan, &file, text)?;
-        plan.points = Expander { plan: &plan, file: &file, text }.points()?;
+        (plan.points, plan.idle) = Expander { plan: &plan, file: &file, text }.points()?;
         Ok(plan)
     }
 }
@@ -75,8 +76,9 @@ struct Expander<'a> {
 }
 
 impl Expander<'_> {
-    fn points(&self) -> Result<Vec<PointRef>> {
-        let mut points = self.chosen()?;
+    /// All points, and what there is to say of constraints that leave none out.
+    fn points(&self) -> Result<(Vec<PointRef>, Vec<String>)> {
+        let (mut points, idle) = self.chosen()?;
         if points.is_empty() {
             return Err(self.text.error(&(0..0), "the plan has no points: every one is excluded"));
         }
@@ -88,11 +90,11 @@ impl Expander<'_> {
         for block in std::iter::once(few).chain(others.chunks_mut(BLOCK)) {
             self.find_keys(block, &mut known)?;
         }
-        Ok(points)
+        Ok((points, idle))
     }
 
-    /// All points that no constraint leaves out, without their keys.
-    fn chosen(&self) -> Result<Vec<PointRef>> {
+    /// All points that no constraint leaves out, without their keys; and [`Filters::idle`].
+    fn chosen(&self) -> Result<(Vec<PointRef>, Vec<String>)> {
         let (plan, environment) = (self.plan, environment());
         let filters = Filters::new(&environment, &self.file.exclude, self.text)?;
         let mut points = Vec::new();
@@ -113,7 +115,7 @@ impl Expander<'_> {
                 }
             }
         }
-        Ok(points)
+        Ok((points, filters.idle()))
     }
 
     /// Gives points their keys. Machines and policies are resolved once each, not once a point, as far as they are remembered.

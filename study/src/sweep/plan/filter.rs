@@ -4,6 +4,7 @@
 //! `==`, and sizes are bytes. A name that is none is an error and not false, also where what stands before it decides. The filter of
 //! a sweep's page reads the same expressions (`html/sweep/js/language.js`); `tests/expressions` holds both to it.
 
+use std::cell::Cell;
 use std::collections::{BTreeMap, BTreeSet};
 
 use minijinja::value::Value;
@@ -26,6 +27,8 @@ struct Filter<'a> {
     source: &'a Spanned<String>,
     expression: Expression<'a, 'a>,
     names: BTreeSet<String>,
+    /// Whether it left a point out.
+    used: Cell<bool>,
 }
 
 /// Compiles expressions for [`Filters::new`].
@@ -48,7 +51,7 @@ impl<'a> Filters<'a> {
             let expression = compiled.map_err(|e| wrong(source, text, &why(&e)))?;
             let names =
                 expression.undeclared_variables(false).into_iter().filter(|name| !globals.contains(name.as_str()));
-            Ok(Filter { source, names: names.collect(), expression })
+            Ok(Filter { source, names: names.collect(), expression, used: Cell::new(false) })
         };
         Ok(Self { all: all.iter().map(compile).collect::<Result<_>>()?, text })
     }
@@ -64,22 +67,37 @@ impl<'a> Filters<'a> {
         let context: BTreeMap<&str, Value> =
             variables.iter().map(|(name, value)| (name.as_str(), plain(value.as_ref()))).collect();
         let context = Value::from(context);
-        for Filter { source, expression, names } in &self.all {
-            let unknown = names.iter().find(|name| !variables.iter().any(|(known, _)| known == *name));
-            if let Some(unknown) = unknown {
-                let known: Vec<&str> = variables.iter().map(|(name, _)| name.as_str()).collect();
-                return Err(wrong(
-                    source,
-                    self.text,
-                    &format!("{unknown} is no name of a point; {}", near(unknown, &known)),
-                ));
-            }
-            let value = expression.eval(&context).map_err(|e| wrong(source, self.text, &why(&e)))?;
-            if value.is_true() {
-                return Ok(true);
+        let mut excluded = false;
+        for filter in &self.all {
+            // Of a point that is left out it is only asked who would leave it out too.
+            if !(excluded && filter.used.get()) {
+                match filter.excludes(variables, &context, self.text) {
+                    Err(error) if !excluded => return Err(error),
+                    found => excluded |= found.is_ok_and(|found| found),
+                }
             }
         }
-        Ok(false)
+        Ok(excluded)
+    }
+
+    /// What there is to say of expressions that left no point out so far.
+    pub fn idle(&self) -> Vec<String> {
+        let idle = self.all.iter().filter(|filter| !filter.used.get());
+        let hint = "it leaves no point out; a word stands in quotes, and no word equals a number";
+        idle.map(|filter| wrong(filter.source, self.text, hint).to_string()).collect()
+    }
+}
+
+impl Filter<'_> {
+    fn excludes(&self, variables: &[(String, Option<Scalar>)], context: &Value, text: Text<'_>) -> Result<bool> {
+        let Self { source, expression, names, used } = self;
+        if let Some(unknown) = names.iter().find(|name| !variables.iter().any(|(known, _)| known == *name)) {
+            let known: Vec<&str> = variables.iter().map(|(name, _)| name.as_str()).collect();
+            return Err(wrong(source, text, &format!("{unknown} is no name of a point; {}", near(unknown, &known))));
+        }
+        let is_true = expression.eval(context).map_err(|e| wrong(source, text, &why(&e)))?.is_true();
+        used.set(used.get() || is_true);
+        Ok(is_true)
     }
 }
 

@@ -120,6 +120,9 @@ pub struct Plan {
     pub set: Vec<String>,
     /// The points: by trace, frames, machine, policy, detail, then the axes, the last one fastest.
     pub points: Vec<PointRef>,
+    /// What there is to say of constraints that leave no point out; of a plan that was just made.
+    #[serde(skip)]
+    pub idle: Vec<String>,
 }
 
 impl Plan {
