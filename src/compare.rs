@@ -23,7 +23,7 @@ pub struct Args {
     /// What is.
     b: PathBuf,
     /// Numbers that change by no more than this part of their value in A are equal: 0.01 is one percent.
-    #[arg(long, default_value_t = 0.0, value_name = "R", value_parser = tolerance, allow_negative_numbers = true)]
+    #[arg(long, default_value_t = 0.0, value_name = "R", value_parser = tolerance)]
     tolerance: f64,
     /// Only columns and configuration keys that match a pattern such as 'gpu_*'. Can be repeated.
     #[arg(long, value_name = "GLOB")]

@@ -34,7 +34,7 @@ mod verify;
 use std::process::ExitCode;
 use std::sync::LazyLock;
 
-use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
+use clap::{CommandFactory, Parser, Subcommand};
 use exit::Exit;
 use rayreel_formats::container::FormatVersion;
 use rayreel_study::point::version::{ESTIMATE_VERSION, MODEL_VERSION};
@@ -116,8 +116,7 @@ fn start_threads(threads: u16) -> Result<(), String> {
 
 fn main() -> ExitCode {
     progress::handle_signals();
-    let given = arguments::with_numbers(Cli::command()).get_matches_from(arguments::joined(std::env::args_os()));
-    let cli = Cli::from_arg_matches(&given).unwrap_or_else(|error| error.exit());
+    let cli = Cli::parse_from(arguments::joined(std::env::args_os()));
     if let Err(error) = start_threads(cli.threads) {
         eprintln!("error: {error}");
         return Exit::Usage.into();
