@@ -8,8 +8,9 @@ use rayreel_machine::energy::EnergyReport;
 use rayreel_machine::srp::{KernelId, SrpStats};
 use rayreel_machine::stats::Stats;
 use rayreel_study::point::details::TileFigures as TileDetails;
-use rayreel_study::point::estimates::RowEstimates;
+use rayreel_study::point::estimates::{RowEstimates, Sampled};
 use rayreel_study::point::figures::RowFigures;
+use rayreel_study::point::key::Point;
 use rayreel_study::schema::{
     Component, Cost, CostInterval, Gain, GainInterval, Kernel, Quality, StateShare, TileFigures, Unit,
 };
@@ -19,6 +20,8 @@ use serde_json::{Map, Value};
 #[derive(Clone, Copy)]
 pub struct FrameView<'a> {
     figures: RowFigures<'a>,
+    /// The point that it is of.
+    point: &'a Point,
     /// The machine that simulated it, if one did.
     machine: Option<&'a NamedMachine>,
 }
@@ -47,9 +50,14 @@ const NEEDED: &[&str] = &[
 ];
 
 impl<'a> FrameView<'a> {
-    /// The figures of a frame, on `machine` if it was simulated.
-    pub fn new(row: &'a Map<String, Value>, machine: Option<&'a NamedMachine>) -> Self {
-        Self { figures: RowFigures(row), machine }
+    /// The figures of the one frame of a point.
+    pub fn new(row: &'a Map<String, Value>, point: &'a Point) -> Self {
+        Self { figures: RowFigures(row), point, machine: point.machine.as_deref() }
+    }
+
+    /// The figures of one of the frames of a point, which a machine has simulated or not.
+    pub fn one_of(row: &'a Map<String, Value>, point: &'a Point, simulated: bool) -> Self {
+        Self { machine: point.machine.as_deref().filter(|_| simulated), ..Self::new(row, point) }
     }
 
     /// Whether nothing is missing in the row: a program of another version may have known fewer figures.
@@ -144,7 +152,9 @@ impl<'a> FrameView<'a> {
 
     /// What is known of its estimates.
     fn estimates(self) -> RowEstimates {
-        RowEstimates::of_row(self.figures.0)
+        let Point { source, frames, detail, .. } = self.point;
+        let sampled = Sampled::new(source, *frames, &detail.to_string(), &self.point.policy_config());
+        RowEstimates::of_row(self.figures.0, sampled)
     }
 
     /// The T&I units relative to those of another frame.
@@ -256,5 +266,39 @@ pub fn tile(tile: &TileDetails) -> TileFigures {
         mean_rate: tile.samples_traced as f64 / all.max(1) as f64,
         similarity_ratio: tile.similarity_ratio,
         psnr_db: tile.psnr_db,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use rayreel_replay::NamedPolicy;
+    use rayreel_replay::detail::FLOOR;
+    use serde_json::json;
+
+    use super::*;
+
+    /// Replicates of which the last four say how far what is read from DRAM may be off.
+    #[test]
+    fn what_is_read_from_dram_cancels_under_one_policy_alone_and_nothing_between_traces() {
+        let row = json!({
+            "cycles": 1000, "time_ms": 1.0, "gpu_power_w": 1.0, "gpu_energy_mj": 1.0, "gpu_perf_per_watt": 1.0,
+            "interval_percent": { "cycles": 1.0, "gpu_energy_mj": 3.0, "gpu_perf_per_watt": 3.0 },
+            "replicates": { "freedom": 4, "cycles": [0, 0, 0, 0, 0, 0, 0], "gpu_energy_mj": [0, 0, 0, 9000, -9000, 0, 0] },
+        });
+        let row = row.as_object().unwrap();
+        let point = |source: &str, machine: &str, policy: &str| {
+            let machine = NamedMachine::load("sgrt-ti2", &[machine.into()]).unwrap();
+            Point::plain(source, (0, 1), Some(machine), NamedPolicy::load(policy, &[]).unwrap())
+        };
+        let base = point("a", "srp.divergence=inspector", "paper-ss");
+        let within = |other: &Point| {
+            let gain = FrameView::new(row, other).gpu_gain(FrameView::new(row, &base)).unwrap();
+            gain.interval.unwrap().perf_per_watt
+        };
+        assert!((within(&point("a", "srp.divergence=naive", "paper-ss")) - FLOOR).abs() < 1e-12);
+        let other_policy = within(&point("a", "srp.divergence=inspector", "full"));
+        assert!(other_policy > 4.0 * FLOOR, "{other_policy}");
+        let other_trace = within(&point("b", "srp.divergence=inspector", "paper-ss"));
+        assert!((other_trace - 0.03 * 2f64.sqrt()).abs() < 1e-12, "{other_trace}");
     }
 }

@@ -88,7 +88,7 @@ impl<'a> Ledger<'a> {
     /// Figures of the row of point number `i`, if they are there.
     pub fn row(&self, i: usize) -> Option<FrameView<'_>> {
         let figures = self.results[i].row.as_ref()?;
-        Some(FrameView::new(figures, self.points[i].machine.as_deref()))
+        Some(FrameView::new(figures, &self.points[i]))
     }
 
     /// The source of a capture is known: looks for the results of its points.

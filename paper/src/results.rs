@@ -1,6 +1,5 @@
 //! What the points of the plan have come to.
 
-use rayreel_machine::config::NamedMachine;
 use rayreel_study::point::details::{Details, FrameDetails, TileFigures};
 use rayreel_study::point::key::Point;
 use rayreel_study::point::row::Row;
@@ -22,7 +21,7 @@ pub struct PointResult {
 impl PointResult {
     /// Takes a row, if it says all that is needed of a point and not that it cannot be computed.
     pub fn take_row(&mut self, point: &Point, row: Row) -> bool {
-        let good = row.error.is_none() && FrameView::new(&row.figures, point.machine.as_deref()).is_complete();
+        let good = row.error.is_none() && FrameView::new(&row.figures, point).is_complete();
         self.row = good.then_some(row.figures);
         good
     }
@@ -65,7 +64,7 @@ impl Results {
     /// The row of point number `point`, which has one frame.
     pub fn frame(&self, point: usize) -> FrameView<'_> {
         let (point, row, _) = &self.points[point];
-        FrameView::new(row, point.machine.as_deref())
+        FrameView::new(row, point)
     }
 
     /// The frames of a point, one by one.
@@ -73,7 +72,7 @@ impl Results {
         let (point, _, details) = &self.points[point];
         details.frames.iter().filter_map(move |frame| {
             let figures = frame.figures.as_ref()?;
-            let view = FrameView::new(&figures.row, machine_of(point, frame));
+            let view = FrameView::one_of(&figures.row, point, is_simulated(point, frame));
             Some(FrameOf { frame: frame.frame, view, error: figures.error, flicker: figures.flicker })
         })
     }
@@ -84,11 +83,10 @@ impl Results {
     }
 }
 
-/// The machine that simulated a frame, if one did.
-fn machine_of<'a>(point: &'a Point, frame: &FrameDetails) -> Option<&'a NamedMachine> {
-    let simulated = match &point.wanted.figures {
+/// Whether a frame was simulated, if the point has a machine.
+fn is_simulated(point: &Point, frame: &FrameDetails) -> bool {
+    match &point.wanted.figures {
         Figures::Row => true,
         Figures::Frames { simulated, .. } => simulated.contains(&frame.frame),
-    };
-    point.machine.as_deref().filter(|_| simulated)
+    }
 }

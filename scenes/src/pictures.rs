@@ -22,7 +22,7 @@ pub(crate) fn srgb_to_linear(encoded: f64) -> f64 {
 }
 
 /// Endings of pictures in formats that are not read.
-const OTHER_ENDINGS: [&str; 16] = [
+pub(crate) const OTHER_ENDINGS: [&str; 16] = [
     "tga", "bmp", "tif", "tiff", "gif", "webp", "dds", "exr", "hdr", "psd", "ktx", "ktx2", "avif", "jp2", "pcx", "ppm",
 ];
 

@@ -14,11 +14,11 @@ use rayreel_replay::simulate::MachineRun;
 use rayreel_replay::{Detail, NamedPolicy, Options, PathSource, Stop};
 use rayreel_study::compare::{Comparison, Options as CompareOptions, run as one_run};
 use rayreel_study::figures::is_key;
-use rayreel_study::point::estimates::RowEstimates;
+use rayreel_study::point::estimates::{RowEstimates, Sampled};
 use rayreel_study::point::row::{Row, role_of};
 use rayreel_study::report::{Origin, Report};
 use rayreel_study::table::Role;
-use serde_json::{Value, json};
+use serde_json::Value;
 
 /// A frame that was simulated, and what is needed to report it.
 struct Simulated {
@@ -71,7 +71,8 @@ impl Simulated {
 
     fn report(&self, runs: &[MachineRun]) -> Report {
         let frames = vec![self.stats.clone(); runs.len()];
-        let origin = Origin { trace: "cornell".into(), ..Origin::default() };
+        let fingerprint = Some("of cornell".into());
+        let origin = Origin { trace: "cornell".into(), trace_fingerprint: fingerprint, ..Origin::default() };
         Report::new(&origin, &self.policy, self.trace.meta(), &frames).with_machine(&self.machine, runs)
     }
 
@@ -228,9 +229,7 @@ fn a_row_of_every_cycle_has_no_new_columns_and_one_of_estimates_has() {
         "{added:?}"
     );
     // What the row keeps is enough for ratios.
-    let mut with_policy = estimated.figures.clone();
-    with_policy.insert("policy".into(), json!("multirate"));
-    let known = RowEstimates::of_row(&with_policy);
+    let known = RowEstimates::of_row(&estimated.figures, Sampled::new("cornell", (0, 1), "0.1", "{}"));
     near(known.interval("cycles"), 0.01 * estimated.figures["cycles_interval_percent"].as_f64().unwrap());
     assert_eq!(known.interval_of_ratio(&known, "gpu_perf_per_watt"), FLOOR);
     assert!(known.interval("gpu_perf_per_watt") > FLOOR);

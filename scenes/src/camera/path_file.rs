@@ -32,9 +32,10 @@ pub(crate) fn read_numbered(path: &Path) -> Result<(u64, Vec<Camera>), SceneErro
     let bad = |line, what: String, fix: &str| SceneError::input(Location::line(path, line), what, fix);
     let mut lines =
         text.lines().enumerate().map(|(i, l)| (i + 1, l.trim())).filter(|(_, l)| !l.is_empty() && !l.starts_with('#'));
-    if !is_header(lines.next().map_or("", |(_, line)| line)) {
+    let (line, header) = lines.next().unwrap_or((1, ""));
+    if !is_header(header) {
         let fix = format!("the first line must be {PATH_HEADER}");
-        return Err(bad(1, "this is not the header of a camera path".into(), &fix));
+        return Err(bad(line, "this is not the header of a camera path".into(), &fix));
     }
     let mut cameras = Vec::new();
     let mut last: Option<u64> = None;

@@ -17,8 +17,8 @@ const MAX_TEXELS: u64 = 4 * (MAX_TEXTURE_SIDE as u64) * (MAX_TEXTURE_SIDE as u64
 /// Most bytes of a packed picture.
 const MAX_PACKED: u64 = 1 << 30;
 
-/// Formats that extensions of glTF allow and that are not read.
-const OTHER_FORMATS: [&str; 6] = ["webp", "ktx2", "dds", "avif", "gif", "basis"];
+/// A format that an extension of glTF allows and that is not read, beside [those of files](pictures::OTHER_ENDINGS).
+const BASIS: &str = "basis";
 
 /// A picture and what is made of it: as it is, or with its alpha scaled for a cutoff (the bits of alpha factor and cutoff); and what lies
 /// beyond its edges.
@@ -56,7 +56,7 @@ impl Pictures {
             let mime = image.mime_type.as_ref().map(|mime| mime.0.as_str());
             let uri = image.uri.as_deref().unwrap_or("").to_lowercase();
             let is = |kind: &str| mime == Some(&format!("image/{kind}")) || uri.ends_with(&format!(".{kind}"));
-            OTHER_FORMATS.into_iter().find(|kind| is(kind))
+            pictures::OTHER_ENDINGS.into_iter().chain([BASIS]).find(|kind| is(kind))
         });
         match (image, other) {
             (Some(index), None) => Named::Picture(Image { index, wrap: wraps(&texture.sampler()) }),

@@ -67,10 +67,25 @@ fn local(model: &Path, at: &Location, what: &str, uri: &str) -> Result<PathBuf, 
             "download it into the model's folder and name it by its file name",
         );
     }
-    let relative = Path::new(&name);
-    let inside = relative.components().all(|part| matches!(part, Component::Normal(_) | Component::CurDir));
-    if !inside || name.contains('\0') || name.is_empty() {
-        return refuse("leaves the model's folder, and only files in it are read", "put the file there");
+    if name.is_empty() || name.contains('\0') {
+        return refuse("names no file", "name one in the model's folder");
     }
-    Ok(model.parent().unwrap_or(Path::new("")).join(relative))
+    match within(Path::new(&name)) {
+        Some(relative) => Ok(model.parent().unwrap_or(Path::new("")).join(relative)),
+        None => refuse("leaves the model's folder, and only files in it are read", "put the file there"),
+    }
+}
+
+/// A relative path without `.` and `..`, by its names alone: a folder in it may be a link to elsewhere. None if it leaves where it begins.
+fn within(path: &Path) -> Option<PathBuf> {
+    let mut inside = PathBuf::new();
+    for part in path.components() {
+        match part {
+            Component::Normal(name) => inside.push(name),
+            Component::CurDir => {}
+            Component::ParentDir if inside.pop() => {}
+            _ => return None,
+        }
+    }
+    Some(inside)
 }

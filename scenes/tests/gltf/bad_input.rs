@@ -84,6 +84,9 @@ fn files_beside_the_model_are_read_and_no_others() {
         ("sub/%2e%2e/../../a.bin", "leaves the model's folder"),
         ("/etc/passwd", "leaves the model's folder"),
         ("missing.bin", "missing.bin` cannot be read"),
+        // By its names: no folder `sub` need be there, and one that is a link leads nowhere else.
+        ("sub/../missing.bin", "missing.bin` cannot be read"),
+        ("", "names no file"),
         ("data:application/octet-stream;base64,%%%", "is no base64"),
         ("data:nothing", "has no data"),
     ] {

@@ -16,8 +16,6 @@ pub struct Effect {
     pub overall: f64,
     /// The values with the least and the most mean.
     pub ends: [usize; 2],
-    /// Points that have a value of the dimension and a number without an end, as the PSNR of equal pictures: no mean has them.
-    pub endless: usize,
     /// Points that the means are of.
     pub points: usize,
     /// How they were chosen.
@@ -40,11 +38,10 @@ impl Effect {
     /// values. Partners are the same in all `others`.
     pub fn new(dimension: &Dimension, others: &[&Dimension], result: impl Fn(usize) -> Option<f64>) -> Option<Self> {
         let rows = dimension.of.iter().enumerate().filter_map(|(row, value)| Some((row, (*value)?, result(row)?)));
-        let mut endless = 0;
         let mut groups: BTreeMap<Vec<Option<usize>>, Vec<(usize, f64)>> = BTreeMap::new();
         for (row, value, number) in rows {
+            // No mean has a number without an end, as the PSNR of equal pictures.
             if !number.is_finite() {
-                endless += usize::from(number.is_infinite());
                 continue;
             }
             groups.entry(others.iter().map(|other| other.of[row]).collect()).or_default().push((value, number));
@@ -72,7 +69,7 @@ impl Effect {
         let most = known().rev().max_by(|a, b| a.1.total_cmp(&b.1))?.0;
         let (overall, points) = (sum / f64::from(count), count as usize);
         let several = known().count() > 1;
-        several.then_some(Self { overall, ends: [least, most], means, endless, points, company })
+        several.then_some(Self { overall, ends: [least, most], means, points, company })
     }
 
     /// How far a mean lies from the mean over all, as a share of that. Where the mean over all is 0, as that of -5 and 5, it is a
@@ -173,7 +170,7 @@ mod tests {
         assert_eq!(effect_of(&a, &Cells::Float(vec![Some(2.0), None, None, None])), None, "one value is no axis");
         let endless = [Some(2.0), Some(6.0), Some(f64::INFINITY), Some(f64::INFINITY)];
         let effect = effect_of(&a, &Cells::Float(endless.to_vec())).unwrap();
-        assert_eq!((effect.overall, effect.endless), (4.0, 1), "one of the two has no value of the axis");
+        assert_eq!((effect.overall, effect.points), (4.0, 2));
         assert_eq!(effect_of(&a, &figure("none", &[f64::NAN; 4]).cells), None);
     }
 }

@@ -50,8 +50,11 @@ pub struct Largest {
     pub b: Option<f64>,
     /// (b - a) / |a|; none from zero, and where one side has no value.
     pub relative: Option<f64>,
-    /// How far `relative` may be off, with a probability of 95 %; none where both values are exact, and where that is none.
+    /// How far `relative` may be off, with a probability of 95 %; none where both values are exact or nothing is known of one,
+    /// and where `relative` is none.
     pub interval: Option<f64>,
+    /// Whether one of the values is an estimate of which the windows tell nothing: it may be off by anything.
+    pub unknown: bool,
 }
 
 /// A configuration value that changed.
@@ -165,7 +168,8 @@ fn change(a: &Field, b: &Field, pairs: &Pairs, estimates: [&Estimates; 2], toler
         }
         let interval =
             Estimates::of_ratio(estimates, &b.name, [*row_a, *row_b]) * relative.map_or(1.0, |r| (1.0 + r).abs());
-        if relative.is_some_and(|relative| relative.abs() <= interval) {
+        let unknown = Estimates::are_unknown(estimates, &b.name, [*row_a, *row_b]);
+        if !unknown && relative.is_some_and(|relative| relative.abs() <= interval) {
             within += 1;
             continue;
         }
@@ -177,7 +181,8 @@ fn change(a: &Field, b: &Field, pairs: &Pairs, estimates: [&Estimates; 2], toler
                 a: x,
                 b: y,
                 relative,
-                interval: relative.and((interval > 0.0).then_some(interval)),
+                interval: relative.and((interval > 0.0).then_some(interval)).filter(|_| !unknown),
+                unknown,
             });
         }
     }

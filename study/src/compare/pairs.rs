@@ -34,6 +34,7 @@ impl Pairs {
             let detail = format!("--across {unknown:?}: points are known by {known}{meant}");
             return Err(StudyError::Usage { detail });
         }
+        let all = names.clone();
         let (of, names): (Vec<&str>, Vec<&str>) =
             names.into_iter().partition(|name| across.iter().any(|column| column == name));
         let mut alike: BTreeMap<Vec<Option<String>>, [Vec<usize>; 2]> = BTreeMap::new();
@@ -57,9 +58,15 @@ impl Pairs {
                 }
                 _ => {}
             }
-            pairs.extend(same.into_iter().map(|(x, y)| (x, y, describe(&names, &values))));
-            for (alone, left) in alone.iter_mut().zip(left) {
-                alone.extend(left.into_iter().map(|row| (row, describe(&names, &values))));
+            // Where several are alike, what they are not matched by tells them apart.
+            let several = same.len() + left.iter().map(Vec::len).sum::<usize>() > 1;
+            let name = |table: &Results, row: usize| match several {
+                true => describe(&all, &identity(table, &all, row)),
+                false => describe(&names, &values),
+            };
+            pairs.extend(same.into_iter().map(|(x, y)| (x, y, name(b, y))));
+            for ((alone, left), table) in alone.iter_mut().zip(left).zip([a, b]) {
+                alone.extend(left.into_iter().map(|row| (row, name(table, row))));
             }
         }
         pairs.sort_unstable_by_key(|(_, row, _)| *row);

@@ -87,6 +87,8 @@ fn points_appear_and_vanish() {
     let across = Options { across: vec!["l1".into()], ..Options::default() };
     let found = Comparison::new(&sweep(&[1, 2], &[1.0, 2.0]), &sweep(&[2, 3], &[2.0, 3.0]), &across).unwrap();
     assert_eq!((found.matched, found.results[0].changed, found.configuration[0].key.as_str()), (2, 1, "l1"));
+    // Both are "on m" but for it, and which of them changed is to be seen.
+    assert_eq!(found.results[0].largest.point, "on m l1=3");
     // The order of the rows says nothing: two machines in another order were a change.
     let found = Comparison::new(&sweep(&[1, 2], &[1.0, 2.0]), &sweep(&[2, 1], &[2.0, 1.0]), &across).unwrap();
     assert!(!found.changed() && found.matched == 2, "{found:?}");

@@ -92,7 +92,11 @@ fn change(change: &Change) -> Vec<String> {
         change.name.clone(),
         format!("{}/{}", change.changed, change.compared),
         size(change.largest.relative, if change.largest.b.is_none() { "gone" } else { "new" })
-            + &change.largest.interval.map_or_else(String::new, plus_minus),
+            + &if change.largest.unknown {
+                " ± ?".into()
+            } else {
+                change.largest.interval.map_or_else(String::new, plus_minus)
+            },
         size(change.mean_relative, "-"),
         format!("{} -> {} {unit}", value(change.largest.a), value(change.largest.b)).trim_end().to_owned(),
         change.largest.point.clone(),

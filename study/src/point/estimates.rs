@@ -1,8 +1,8 @@
 //! How far the figures of a row may be off, and their ratios to those of another.
 //!
 //! Two runs that were estimated from the same windows of the picture have much in common, and replicates at equal places leave out
-//! equal windows: so the ratio of the two is known better than each. Only under one policy do they read alike from DRAM. Where
-//! replicates are missing, or are of another number, the intervals add up as those of independent values.
+//! equal windows: so the ratio of the two is known better than each. Only under one policy do they read alike from DRAM. Where the
+//! windows are of other tiles, or replicates are missing or of another number, the intervals add up as those of independent values.
 
 use std::collections::BTreeMap;
 
@@ -16,6 +16,23 @@ use rayreel_replay::detail::{Floors, half_width, replicates_of_ratio};
 /// be 0 would have none that can be written down.
 const WIDEST: f64 = 100.0;
 
+/// What a run was estimated from; nothing where that is not told.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Sampled {
+    /// Whose tiles the windows were laid over: the source, its frames, and the share of them that was asked for.
+    pub tiles: Option<String>,
+    /// Every value of the policy.
+    pub policy: Option<Value>,
+}
+
+impl Sampled {
+    /// What it is of some frames of a source (first, number) with a detail, under a policy as results keep it.
+    pub fn new(source: &str, frames: (u32, u32), detail: &str, policy: &str) -> Self {
+        let tiles = Some(format!("{source} {} {} {detail}", frames.0, frames.1));
+        Self { tiles, policy: serde_json::from_str(policy).ok() }
+    }
+}
+
 /// What is known of the estimates of a row; nothing of a row of every cycle.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RowEstimates {
@@ -25,19 +42,17 @@ pub struct RowEstimates {
     floors: Floors,
     /// Replicates over the estimate, by base figure.
     replicates: BTreeMap<String, Vec<f64>>,
-    /// The policy of the run, if it was told.
-    policy: Option<String>,
+    sampled: Sampled,
 }
 
 impl RowEstimates {
-    /// What the columns of a row say.
-    pub fn of_row(row: &Map<String, Value>) -> Self {
-        let policy = row.get("policy").and_then(Value::as_str);
-        Self::new(row.get(INTERVALS).unwrap_or(&Value::Null), row.get(REPLICATES).unwrap_or(&Value::Null), policy)
+    /// What the figures of a row say.
+    pub fn of_row(row: &Map<String, Value>, sampled: Sampled) -> Self {
+        Self::new(row.get(INTERVALS).unwrap_or(&Value::Null), row.get(REPLICATES).unwrap_or(&Value::Null), sampled)
     }
 
-    /// What two columns say, intervals and replicates, of a run under a policy.
-    pub fn new(intervals: &Value, replicates: &Value, policy: Option<&str>) -> Self {
+    /// What two columns say, intervals and replicates, of a run.
+    pub fn new(intervals: &Value, replicates: &Value, sampled: Sampled) -> Self {
         let freedom = replicates["freedom"].as_u64().unwrap_or(0);
         let part = |name: &str, least: f64| replicates[name].as_f64().map_or(least, |millionths| millionths * 1e-6);
         let least = Floors::default();
@@ -50,21 +65,28 @@ impl RowEstimates {
             freedom: u32::try_from(freedom).unwrap_or(u32::MAX),
             floors,
             replicates: replicates.as_object().into_iter().flatten().filter_map(list).collect(),
-            policy: policy.map(String::from),
+            sampled,
         }
     }
 
-    /// Half the width of the 95 % interval of a column, relative to its value; 0 if it is exact.
+    /// Half the width of the 95 % interval of a column, relative to its value; 0 if it is exact or [unknown](Self::is_unknown).
     pub fn interval(&self, name: &str) -> f64 {
         self.intervals.get(name).and_then(Value::as_f64).map_or(0.0, |percent| percent / 100.0)
     }
 
-    /// The same of its ratio to the column of another row, relative to that ratio.
+    /// Whether the windows tell nothing of a column, which may be off by anything.
+    pub fn is_unknown(&self, name: &str) -> bool {
+        self.intervals.get(name).is_some_and(Value::is_null)
+    }
+
+    /// Half the width of the 95 % interval of its ratio to the column of another row, relative to that ratio.
     pub fn interval_of_ratio(&self, other: &Self, name: &str) -> f64 {
+        let (of_self, of_other) = (&self.sampled, &other.sampled);
+        // What is not told may be another.
+        let same_tiles = of_self.tiles.is_some() && of_self.tiles == of_other.tiles;
+        let alike = of_self.policy.is_some() && of_self.policy == of_other.policy;
         let width = match (self.of(name), other.of(name)) {
-            (Some(of_self), Some(of_other)) if of_self.len() == of_other.len() => {
-                // Where no policy is told they may be two.
-                let alike = self.policy.is_some() && self.policy == other.policy;
+            (Some(of_self), Some(of_other)) if same_tiles && of_self.len() == of_other.len() => {
                 let ratios = replicates_of_ratio((1.0, &of_self), (1.0, &of_other), alike);
                 let of = |floors: &Floors| if needs_memory(name) { floors.with_memory } else { floors.alone };
                 let floor = of(&self.floors).max(of(&other.floors));
@@ -103,19 +125,27 @@ mod tests {
     use rayreel_replay::detail::FLOOR;
 
     fn run(replicates: Value) -> RowEstimates {
-        RowEstimates::new(&json!({ "cycles": 3.0, "perf_per_watt": 4.0 }), &replicates, None)
+        let sampled = Sampled { tiles: Some("teapot".into()), policy: None };
+        RowEstimates::new(&json!({ "cycles": 3.0, "perf_per_watt": 4.0 }), &replicates, sampled)
     }
 
     /// Replicates of which the last four say how far what is read from DRAM may be off.
     #[test]
     fn policies_do_not_share_what_they_read_from_dram() {
-        let row = |policy: &str| {
+        let row = |source: &str, policy: &str| {
             let energy = [0, 0, 0, 9000, -9000, 0, 0];
             let replicates = json!({ "freedom": 4, "cycles": [0, 0, 0, 0, 0, 0, 0], "energy_mj": energy });
-            RowEstimates::of_row(json!({ "policy": policy, REPLICATES: replicates }).as_object().unwrap())
+            let row = json!({ INTERVALS: { "energy_mj": 2.0 }, REPLICATES: replicates });
+            RowEstimates::of_row(row.as_object().unwrap(), Sampled::new(source, (0, 1), "0.05", policy))
         };
-        let within = |policy| row(policy).interval_of_ratio(&row("full"), "perf_per_watt");
-        assert!((within("full") - FLOOR).abs() < 1e-12 && within("paper-ss") > 4.0 * FLOOR, "{}", within("paper-ss"));
+        let full = row("teapot", r#"{"kind":"full","a":1}"#);
+        let within = |source, policy| row(source, policy).interval_of_ratio(&full, "energy_mj");
+        // Written in whatever order.
+        assert!((within("teapot", r#"{"a": 1, "kind": "full"}"#) - FLOOR).abs() < 1e-12);
+        let other = within("teapot", r#"{"kind":"full","a":2}"#);
+        assert!(other > 4.0 * FLOOR, "{other}");
+        // Of other tiles nothing cancels.
+        assert!((within("chess", r#"{"kind":"full","a":1}"#) - 0.02 * 2f64.sqrt()).abs() < 1e-12);
     }
 
     #[test]

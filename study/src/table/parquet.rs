@@ -77,8 +77,11 @@ fn decode_trusted(bytes: Vec<u8>, path: &Path) -> Result<Results> {
     let metadata = pairs.into_iter().flatten().find(|pair| pair.key == KEY).and_then(|pair| pair.value.as_deref());
     let metadata =
         metadata.ok_or_else(|| bad("not the results of a sweep; `rayreel sweep merge` writes these".into()))?;
-    let metadata: Metadata =
-        serde_json::from_str(metadata).map_err(|e| bad(format!("its metadata cannot be read: {e}")))?;
+    let metadata: Metadata = serde_json::from_str(metadata).map_err(|e| {
+        bad(format!(
+            "its metadata are not those of the results of a sweep, as those of a table of `rayreel export`: {e}"
+        ))
+    })?;
     let columns = reader.metadata().file_metadata().schema_descr().num_columns();
     if columns != metadata.columns.len() {
         return Err(bad(format!("its metadata describe {} columns of {columns}", metadata.columns.len())));

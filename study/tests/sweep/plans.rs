@@ -187,6 +187,11 @@ fn bad_plans_are_one_error_with_its_place() {
             "the plan has no points: every one is excluded",
         ),
         (
+            "name = \"\"\npolicies = [\"full\"]".to_owned(),
+            "plan.toml:2:8: a name has letters or digits, and fits a line",
+        ),
+        ("name = \"a\\nb\"\npolicies = [\"full\"]".to_owned(), "plan.toml:2:8: a name has letters or digits"),
+        (
             "policies = [\"full\"]\n[[axis]]\nname = \"cycles\"\nkey = \"ti.trv\"\nvalues = [1]".to_owned(),
             "plan.toml:4:8: axis \"cycles\": results have a column of that name",
         ),

@@ -21,21 +21,37 @@ pub struct Key {
     pub class: String,
     /// Shade of the colour, 0 to 1.
     pub opacity: f64,
-    /// Dash pattern where it is of a line; nothing where it is of an area.
-    pub dash: Option<&'static str>,
+    /// What has the colour.
+    pub symbol: Symbol,
     /// What it stands for.
     pub name: String,
 }
 
+/// What has a colour in a chart.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Symbol {
+    /// An area.
+    Square,
+    /// A line with a pattern of dashes.
+    Line(&'static str),
+    /// A marker of a shape: more values than there are colours differ in it.
+    Marker(usize),
+}
+
 impl Key {
-    /// A key in the full colour.
+    /// The key of an area in the full colour.
     pub fn new(class: &str, name: &str) -> Self {
-        Self { class: class.into(), opacity: 1.0, dash: None, name: name.into() }
+        Self { class: class.into(), opacity: 1.0, symbol: Symbol::Square, name: name.into() }
+    }
+
+    /// The key of markers.
+    pub fn of_marker(class: &str, shape: usize, name: &str) -> Self {
+        Self { symbol: Symbol::Marker(shape), ..Self::new(class, name) }
     }
 
     /// The key of a line: several lines may have one colour and differ in their dashes.
     pub fn of_line(class: &str, dash: &'static str, name: &str) -> Self {
-        Self { dash: Some(dash), ..Self::new(class, name) }
+        Self { symbol: Symbol::Line(dash), ..Self::new(class, name) }
     }
 }
 

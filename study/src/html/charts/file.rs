@@ -5,8 +5,8 @@ use std::path::Path;
 
 use crate::files::write_named;
 use crate::html::ReportError;
-use crate::html::charts::chart::{Chart, Key};
-use crate::html::charts::svg::{line, n, text_width};
+use crate::html::charts::chart::{Chart, Key, Symbol};
+use crate::html::charts::svg::{line, marker, n, text_width};
 use crate::html::text::escape;
 
 /// The rules for charts; pages have them too.
@@ -21,7 +21,7 @@ const MARGIN: f64 = 12.0;
 /// Height of a row of the legend.
 const KEY_ROW: f64 = 18.0;
 
-/// Edge of the square of a key.
+/// Edge of the square of a key; markers are about as large.
 const SQUARE: f64 = 10.0;
 
 /// Length of the line of a key: as long as the longest pattern of dashes and a little more.
@@ -60,16 +60,20 @@ pub fn alone(chart: &Chart, title: &str) -> String {
 fn legend(keys: &[Key], [width, top]: [f64; 2]) -> (String, f64) {
     let (mut drawn, mut x, mut row) = (String::new(), 0.0, 0.0);
     for key in keys {
-        let symbol = if key.dash.is_some() { LINE } else { SQUARE };
+        let symbol = if matches!(key.symbol, Symbol::Line(_)) { LINE } else { SQUARE };
         let room = symbol + 20.0 + text_width(&key.name);
         if x > 0.0 && x + room > width {
             (x, row) = (0.0, row + 1.0);
         }
         let y = top + row * KEY_ROW;
         let class = escape(&key.class);
-        drawn += &match key.dash {
-            Some(dash) => line([x, x + LINE], y + SQUARE / 2.0, &class, dash),
-            None => format!(
+        drawn += &match key.symbol {
+            Symbol::Line(dash) => line([x, x + LINE], y + SQUARE / 2.0, &class, dash),
+            Symbol::Marker(shape) => {
+                let place = marker(shape, x + SQUARE / 2.0, y + SQUARE / 2.0);
+                format!("<path d=\"{place}\" class=\"dot {class}\"/>")
+            }
+            Symbol::Square => format!(
                 "<rect x=\"{}\" y=\"{}\" width=\"{SQUARE}\" height=\"{SQUARE}\" data-mark=\"\" class=\"{class}\" fill-opacity=\"{}\"/>",
                 n(x),
                 n(y),
@@ -141,5 +145,14 @@ mod tests {
         assert_eq!(drawn.matches("class=\"line p0\"").count(), 2);
         assert_eq!(drawn.matches(" stroke-dasharray=\"2 3\"").count(), 1, "{drawn}");
         assert!(!drawn.contains("<rect"), "{drawn}");
+    }
+
+    /// Ten policies have seven colours.
+    #[test]
+    fn keys_of_markers_show_their_shapes() {
+        let keys = [Key::of_marker("p0", 0, "full"), Key::of_marker("p0", 1, "aggressive")];
+        let (drawn, _) = legend(&keys, [360.0, 0.0]);
+        assert_eq!(drawn.matches("class=\"dot p0\"").count(), 2, "{drawn}");
+        assert!(drawn.contains(&marker(0, 5.0, 5.0)) && !drawn.contains("<rect"), "{drawn}");
     }
 }

@@ -82,7 +82,7 @@ pub fn scatter(dots: &[Dot], names: [&str; 2], label: &str) -> Chart {
         let (x, y, within) = (cell(Some(dot.x_or_infinity())), cell(Some(dot.y)), percent_cell(dot.within));
         data.row(vec![dot.name.clone(), x, y, within, on.to_string()]);
     }
-    let keys = once(dots.iter().map(|dot| Key::new(&dot.class, &dot.name)));
+    let keys = once(dots.iter().map(|dot| Key::of_marker(&dot.class, dot.shape, &dot.name)));
     // Of many points only those on the frontier have their names in the picture.
     let keys = if keys.len() <= KEYS_MAX { keys } else { Vec::new() };
     Chart { svg: svg.finish(label, ""), data, keys }

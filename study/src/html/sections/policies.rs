@@ -122,7 +122,10 @@ fn overall(view: &StudyView<'_>, mode: &str) -> String {
 }
 
 fn bars(view: &StudyView<'_>, mode: &str) -> String {
-    let most = view.points.iter().filter(|p| p.mode == mode).filter_map(|p| gain(p)).fold(1.0, f64::max);
+    // What the paper states is drawn too, so the axis reaches it.
+    let stated = |scene| view.band(scene).into_iter().flat_map(|band| [band.least, band.most.unwrap_or(band.least)]);
+    let gains = view.points.iter().filter(|p| p.mode == mode).filter_map(|p| gain(p));
+    let most = gains.chain(view.scenes(mode).into_iter().flat_map(stated)).fold(1.0, f64::max);
     let mut html = String::new();
     for scene in view.scenes(mode) {
         let points = view.of(scene, mode).into_iter().filter(|p| p.kind != "full");

@@ -111,7 +111,8 @@ fn pareto(view: &SweepView<'_>, fields: [&Field; 2]) -> Chart {
         data.row([view.number(row)].into_iter().chain(values).chain(ends).collect());
     }
     let names = colour.into_iter().flat_map(|dimension| dimension.values.iter().enumerate());
-    let keys = names.take(KEYS_MAX).map(|(value, name)| Key::new(&format!("p{}", value % COLOURS), name)).collect();
+    let key = |(value, name): (usize, &String)| Key::of_marker(&format!("p{}", value % COLOURS), value, name);
+    let keys = names.take(KEYS_MAX).map(key).collect();
     Chart { svg: svg.finish("Points of two results; lines join those that no other beats", ""), data, keys }
 }
 

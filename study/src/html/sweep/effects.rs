@@ -53,12 +53,7 @@ fn card(view: &SweepView<'_>, field: &Field) -> String {
         )
     };
     let bars: String = effects.iter().map(bar).collect();
-    let mean = effects
-        .first()
-        .map(|(_, effect)| {
-            format!("mean {} {}", number(effect.overall), unit(field)).trim_end().to_owned() + &without(effect)
-        })
-        .unwrap_or_default();
+    let mean = mean(view, field);
     format!(
         "<figure class=\"card\" data-result=\"{name}\"><figcaption><strong>{name}</strong> <small>{}</small><p>{}</p></figcaption>\
          <ul class=\"bars\">\n{bars}</ul></figure>\n",
@@ -68,13 +63,20 @@ fn card(view: &SweepView<'_>, field: &Field) -> String {
     )
 }
 
-/// Says of how many points a mean is not.
-fn without(effect: &Effect) -> String {
-    match effect.endless {
-        0 => String::new(),
-        1 => ", without 1 infinite value".into(),
-        count => format!(", without {count} infinite values"),
+/// The mean of a result over all points, not only over those that some bar compares.
+fn mean(view: &SweepView<'_>, field: &Field) -> String {
+    let values: Vec<f64> = (0..view.results.rows()).filter_map(|row| view.result(field, row)).collect();
+    let finite: Vec<f64> = values.iter().copied().filter(|value| value.is_finite()).collect();
+    if finite.is_empty() {
+        return String::new();
     }
+    let mean = finite.iter().sum::<f64>() / finite.len() as f64;
+    let without = match values.iter().filter(|value| value.is_infinite()).count() {
+        0 => "",
+        1 => ", without 1 infinite value",
+        count => &format!(", without {count} infinite values"),
+    };
+    format!("mean {} {}", number(mean), unit(field)).trim_end().to_owned() + without
 }
 
 fn unit(field: &Field) -> &str {

@@ -122,6 +122,6 @@ fn chart(order: &PolicyOrder, looks: &[usize]) -> Chart {
             data.row(vec![row.name.clone(), name.clone(), cell(row.mean(policy))]);
         }
     }
-    let keys = order.policies.iter().zip(looks).map(|(name, &look)| Key::new(&class(look), name)).collect();
+    let keys = order.policies.iter().zip(looks).map(|(name, &look)| Key::of_marker(&class(look), look, name)).collect();
     Chart { svg: svg.finish("Gain of each policy over full, a line for each combination of values", ""), data, keys }
 }

@@ -70,6 +70,21 @@ fn an_identical_picture_has_the_most_psnr() {
     assert!(html.contains("mean 35, without 1 infinite value<"), "no mean has it, and the page says so: {html}");
 }
 
+/// A bar compares points that have partners; the head of the card said the mean of those of the longest bar.
+#[test]
+fn the_mean_of_a_result_is_of_all_points() {
+    let pairs = [(1, 0), (2, 0), (3, 0), (1, 1), (2, 1)];
+    let column = |name: &str, of: fn(&(i64, i64)) -> i64| {
+        axis(name, Cells::Int(pairs.iter().map(|pair| Some(of(pair))).collect()))
+    };
+    let time = figure("time_ms", &pairs.map(|(a, b)| (a + 100 * b) as f64));
+    let results =
+        table(vec![column("a", |p| p.0), column("b", |p| p.1), time, figure("energy_mj", &[1.0, 2.0, 3.0, 4.0, 5.0])]);
+    let html = page::page(&results);
+    // (1 + 2 + 3 + 101 + 102) / 5, and not the mean of the four that b compares.
+    assert!(html.contains("<small>mean 41.80</small>"), "{html}");
+}
+
 /// An axis of very many values, however strong, is not the first that a map shows.
 #[test]
 fn heat_maps_take_axes_that_they_have_room_for() {

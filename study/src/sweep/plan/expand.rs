@@ -34,6 +34,16 @@ impl Plan {
         let axes: Vec<Axis> =
             file.axis.iter().map(|axis| Axis::new(axis.get_ref(), &axis.span(), text)).collect::<Result<_>>()?;
         check_axes(&file, &axes, text)?;
+        if let Some(name) = file
+            .name
+            .as_ref()
+            .filter(|name| name.get_ref().trim().is_empty() || name.get_ref().contains(char::is_control))
+        {
+            return Err(text.error(
+                &name.span(),
+                "a name has letters or digits, and fits a line; leave it out for that of the file",
+            ));
+        }
         let mut plan = Self {
             layout: LAYOUT,
             model: MODEL_VERSION,
@@ -163,10 +173,15 @@ impl Expander<'_> {
         let (machine, policy) = (&plan.machines[point.machine].name, &plan.policies[point.policy].name);
         let label =
             |(axis, value): (&Axis, &Option<usize>)| Some(format!("{}={}", axis.name, axis.values[(*value)?].label));
-        let labels: Vec<String> = plan.axes.iter().zip(&point.values).filter_map(label).collect();
-        let labels = labels.join(" ");
-        let hint = "exclude such points, or say with only which machines and policies an axis is for";
-        self.text.error(&span, format!("{machine} under {policy} {labels}: {error}; {hint}"))
+        let labels: String =
+            plan.axes.iter().zip(&point.values).filter_map(label).map(|text| format!(" {text}")).collect();
+        let varies = plan.machines.len() > 1 || plan.policies.len() > 1 || !labels.is_empty();
+        let hint = if varies {
+            "; exclude such points, or say with only which machines and policies an axis is for"
+        } else {
+            ""
+        };
+        self.text.error(&span, format!("{machine} under {policy}{labels}: {error}{hint}"))
     }
 
     /// First frame and number of frames of each entry, for one trace.

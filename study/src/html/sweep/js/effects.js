@@ -9,11 +9,11 @@
     const sums = new Map(dimension.of.filter((value) => value !== null).map((value) => [value, [0, 0]]));
     const others = sweep.dimensions.filter((other) => other !== dimension);
     const groups = new Map();
-    let sum = 0, count = 0, endless = 0;
+    let sum = 0, count = 0;
     for (const row of sweep.filter.rows) {
       const value = sweep.value(result, row);
       if (value === null || !sums.has(dimension.values[row])) continue;
-      if (!Number.isFinite(value)) { endless += Number.isNaN(value) ? 0 : 1; continue; }
+      if (!Number.isFinite(value)) continue;
       const key = JSON.stringify(others.map((other) => other.values[row]));
       if (!groups.has(key)) groups.set(key, []);
       groups.get(key).push([dimension.values[row], value]);
@@ -35,7 +35,7 @@
     // As `Effect::relative`: a share of the mean over all, or where that is 0 of the means' mean magnitude.
     const whole = overall === 0 ? means.reduce((all, own) => all + Math.abs(own.mean), 0) / means.length : Math.abs(overall);
     const share = (mean) => (whole === 0 ? 0 : (mean - overall) / whole);
-    return { dimension, means, overall, endless, company, least, most, share, low: share(least.mean), high: share(most.mean), size: share(most.mean) - share(least.mean) };
+    return { dimension, means, overall, company, least, most, share, low: share(least.mean), high: share(most.mean), size: share(most.mean) - share(least.mean) };
   };
   const all = (result) => sweep.dimensions.map((own) => effect(own, result)).filter(Boolean).sort((a, b) => b.size - a.size);
 
@@ -56,7 +56,10 @@
         html("span", { class: "bar-track", "data-mark": "", "data-tip": tip }, html("span", { class: "bar-fill", style: `left:${at(own.low)};width:${((own.size / width) * 100).toFixed(2)}%` }), html("span", { class: "bar-mid", style: `left:${at(0)}` })),
         html("span", { class: "bar-value" }, text.percent(own.size)));
     };
-    const mean = list.length > 0 ? `mean ${text.number(list[0].overall)} ${result.unit}`.trim() + without(list[0].endless) : "";
+    // Of all points that are shown, not only of those that some bar compares.
+    const shown = sweep.filter.rows.map((row) => sweep.value(result, row)).filter((value) => typeof value === "number" && !Number.isNaN(value));
+    const finite = shown.filter(Number.isFinite);
+    const mean = finite.length > 0 ? `mean ${text.number(finite.reduce((a, b) => a + b, 0) / finite.length)} ${result.unit}`.trim() + without(shown.length - finite.length) : "";
     const figure = html("figure", { class: "card", "data-result": result.name, "data-chart": `effects-${result.name}` }, html("figcaption", {}, html("strong", {}, result.name), " ", html("small", {}, mean), html("p", {}, result.text)),
       list.length > 0 ? html("ul", { class: "bars" }, ...list.map(bar)) : html("p", {}, "These points differ in no axis."));
     if (list.length > 0) window.rayreel.offer(figure, () => [["axis", "value", result.name], ...list.flatMap((own) => own.means.map(({ value, mean }) => [own.dimension.name, text.cell(own.dimension, value), mean]))]);

@@ -36,7 +36,7 @@ sweep.filter = (() => {
 
   /** An expression over what varies here, to show how one looks. */
   const example = () => {
-    const last = sweep.done[sweep.done.length - 1];
+    const last = (sweep.done.length > 0 ? sweep.done : sweep.all).at(-1);
     const of = (own) => {
       const value = sweep.text.value(own, own.values[last]);
       return own.kind === "text" && !/^[0-9]/.test(value) ? `${own.name} = "${value}"` : `${own.name} >= ${value}`;

@@ -34,13 +34,13 @@
     const wanted = held.map((own) => [own, own.of[Number(fixed.get(own).select.value)]]);
     const how = $("heat-how").value;
     const cells = new Map();
-    let most = 0, left = 0;
+    let most = 0, left = 0, apart = 0;
     for (const row of sweep.filter.rows) {
       const value = sweep.value(result, row);
       if (value === null || wanted.some(([own, only]) => own.values[row] !== only)) continue;
       if (!Number.isFinite(value)) { left += 1; continue; }
       const [a, b] = [down.values[row], across.values[row]];
-      if (a === null || b === null) continue;
+      if (a === null || b === null) { apart += 1; continue; }
       const key = JSON.stringify([a, b]);
       const cell = cells.get(key) ?? { sum: 0, count: 0, min: Infinity, max: -Infinity, row };
       cell.sum += value;
@@ -59,7 +59,7 @@
     const word = { mean: "the mean", min: "the least", max: "the most" }[how];
     const rest = others.filter((own) => !held.includes(own)).map((own) => own.name).join(", ");
     const where = wanted.map(([own, only]) => `${own.name} ${text.value(own, only)}`).join(", ");
-    $("heat-what").textContent = `${result.text}. ${most > 1 ? `A cell is ${word} of up to ${most} points${rest ? ` over ${rest}` : ""}.` : "A cell is one point."}${where ? ` Only ${where}.` : ""}${left > 0 ? ` ${text.counted(left, "point")} with ∞ left out.` : ""}`;
+    $("heat-what").textContent = `${result.text}. ${most > 1 ? `A cell is ${word} of up to ${most} points${rest ? ` over ${rest}` : ""}.` : "A cell is one point."}${where ? ` Only ${where}.` : ""}${left > 0 ? ` ${text.counted(left, "point")} with ∞ left out.` : ""}${apart > 0 ? ` ${text.counted(apart, "point")} without ${down.name} or ${across.name} left out.` : ""}`;
 
     const seen = (own, i) => own.of.filter((value) => value !== null && [...cells.keys()].some((key) => JSON.parse(key)[i] === value));
     const [rows, columns] = [seen(down, 0), seen(across, 1)];

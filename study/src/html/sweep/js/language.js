@@ -23,7 +23,7 @@ sweep.language = (() => {
   const quantity = (text, at, given) => {
     if (/^\d+(\.\d+)?([eE][+-]?\d+)?$/.test(given)) return Number(given);
     const size = /^(\d+)([A-Za-z]+)$/.exec(given);
-    if (size && size[2] in UNITS) return Number(size[1]) * UNITS[size[2]];
+    if (size && Object.hasOwn(UNITS, size[2])) return Number(size[1]) * UNITS[size[2]];
     return fail(text, at, "no number; write 3, 0.5, 1e6 or a size such as 16KiB (units are B, KiB, MiB)");
   };
 

@@ -11,7 +11,8 @@ sweep.point = (() => {
 
   /** What a point changes of its presets; of files, whatever varies. */
   const changes = (row) => ["machine", "policy"].flatMap((half) => {
-    const preset = sweep.presets[half][sweep.column(half)?.values[row]];
+    const name = sweep.column(half)?.values[row];
+    const preset = Object.hasOwn(sweep.presets[half], name) ? sweep.presets[half][name] : null;
     const own = configOf(row, half);
     if (!preset) return own.filter((entry) => entry.varies);
     return own.filter((entry) => entry.key in preset && preset[entry.key] !== entry.value)
@@ -27,7 +28,7 @@ sweep.point = (() => {
   const quoted = (word) => (/^[\w\-./=:,@%+]+$/.test(word) ? word : `'${word.replaceAll("'", "'\\''")}'`);
   const command = (row) => {
     const of = (name) => sweep.column(name)?.values[row];
-    if (!(of("machine") in sweep.presets.machine) || !(of("policy") in sweep.presets.policy)) return null;
+    if (!["machine", "policy"].every((half) => Object.hasOwn(sweep.presets[half], of(half)))) return null;
     const first = of("first_frame");
     const parts = ["rayreel replay", quoted(of("trace")), `--frames ${first}..${first + of("frames")}`, `--machine ${of("machine")}`, `--policy ${of("policy")}`];
     const detail = of("detail") ?? "full";
