@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::PathBuf;
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 use clap_complete::{Shell, generate};
 
 use crate::common::print;
@@ -35,6 +35,9 @@ pub fn run(args: &Args, mut program: clap::Command) -> Result<Exit> {
 }
 
 pub fn run_man(args: &ManArgs, program: clap::Command) -> Result<Exit> {
+    if args.folder.exists() && !args.folder.is_dir() {
+        bail!("{} is no folder; name one that the man pages are written into", args.folder.display());
+    }
     fs::create_dir_all(&args.folder).with_context(|| args.folder.display().to_string())?;
     clap_mangen::generate_to(program, &args.folder).with_context(|| args.folder.display().to_string())?;
     Ok(Exit::Done)

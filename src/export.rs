@@ -148,7 +148,8 @@ fn settings(args: &Args) -> Result<(Option<NamedPolicy>, Option<NamedMachine>)> 
         bail!("--set {text} is for a machine, and table {name} is the same for every machine; leave it out");
     }
     if let (None, Some(text)) = (policy_name, policy.first()) {
-        bail!("--set {text} is for a policy, and there is none; name one with --policy, or leave it out");
+        let fix = if what.takes_policy() { "name one with --policy, or leave it out" } else { "leave it out" };
+        bail!("--set {text} is for a policy, and table {name} has none; {fix}");
     }
     let policy = policy_name.map(|name| NamedPolicy::load(name, &policy)).transpose()?;
     let machine = machine_name.map(|name| NamedMachine::load(name, &machine)).transpose()?;

@@ -15,7 +15,7 @@ use crate::traces::TraceArgs;
 
 /// Copy some frames, tiles or columns of a trace into a smaller one.
 ///
-/// Tiles are copied as they are, and a trace of some frames has the bytes of a capture of these frames without `--level`;
+/// Tiles are copied as they are, and some frames of a trace that was captured without `--level` have the bytes of a capture of these frames;
 /// only of a glTF model whose meshes move a capture of later frames shows another pose. A trace without all its
 /// tiles or columns is not whole: info and digest read what is there, export the tiles that --tiles names, replay wants whole frames and
 /// all columns but paths, and a machine wants paths too.

@@ -43,7 +43,10 @@ fn chunks_are_found_by_id() {
     assert_eq!(reader.find(NOTE), first_note, "unknown kinds may repeat");
     assert!(reader.find(ChunkId::tile(1, 1)).is_none());
     let error = reader.require(ChunkId::tile(1, 1)).unwrap_err();
-    assert_eq!(error.to_string(), "<memory> holds no TILE chunk of frame 1, tile 1");
+    assert_eq!(
+        error.to_string(),
+        "<memory> holds no TILE chunk of frame 1, tile 1; `rayreel info` tells what it holds"
+    );
 }
 
 #[test]

@@ -22,8 +22,40 @@ const AHEAD: usize = 2;
 #[pyclass(frozen, module = "rayreel._native")]
 pub struct Batches {
     head: Head,
-    made: Mutex<Receiver<PyResult<Batch>>>,
+    made: Mutex<Made>,
     stop: Stop,
+}
+
+/// What comes from the thread that makes them.
+struct Made {
+    receiver: Receiver<Message>,
+    /// A batch that came, and has not been given out.
+    kept: Option<Batch>,
+    ended: bool,
+}
+
+/// A batch, or none at the end.
+type Message = PyResult<Option<Batch>>;
+
+impl Made {
+    /// Waits for the next batch a while, and keeps it; whether there is one to give out, or the end.
+    fn wait(&mut self) -> PyResult<bool> {
+        if self.kept.is_some() || self.ended {
+            return Ok(true);
+        }
+        match self.receiver.recv_timeout(LOOK) {
+            Ok(message) => {
+                // Nothing comes behind an error.
+                self.kept = message.inspect_err(|_| self.ended = true)?;
+                self.ended = self.kept.is_none();
+                Ok(true)
+            }
+            Err(RecvTimeoutError::Timeout) => Ok(false),
+            Err(RecvTimeoutError::Disconnected) => {
+                Err(PyRuntimeError::new_err("the thread that makes batches ended before the last one"))
+            }
+        }
+    }
 }
 
 impl Batches {
@@ -37,22 +69,17 @@ impl Batches {
         let (stop, places) = (Stop::default(), head.places.clone());
         let stopped = stop.clone();
         std::thread::spawn(move || {
-            if let Err(error) = make(&trace, &wanted, &places, (&give, &stopped)) {
-                // Nobody may be there to be told.
-                let _ = give.send(Err(error));
-            }
+            let made = make(&trace, &wanted, &places, (&give, &stopped));
+            // Nobody may be there to be told.
+            let _ = give.send(made.map(|()| None));
         });
+        let made = Made { receiver: made, kept: None, ended: false };
         Ok(Self { head, made: Mutex::new(made), stop })
     }
 }
 
-fn make(
-    trace: &Trace,
-    wanted: &Wanted,
-    places: &[usize],
-    (give, stop): (&SyncSender<PyResult<Batch>>, &Stop),
-) -> PyResult<()> {
-    let mut take = |batch: Batch, _| give.send(Ok(batch)).map_err(|_| ReplayError::Interrupted.into());
+fn make(trace: &Trace, wanted: &Wanted, places: &[usize], (give, stop): (&SyncSender<Message>, &Stop)) -> PyResult<()> {
+    let mut take = |batch: Batch, _| give.send(Ok(Some(batch))).map_err(|_| ReplayError::Interrupted.into());
     let run = wanted.data(trace, stop).run(Use { make: &|batch: Batch| Ok(batch.select(places)), take: &mut take });
     run.map_err(|e| raise(&e))
 }
@@ -73,14 +100,17 @@ impl Batches {
         may_wait()?;
         let broken = || PyRuntimeError::new_err("another thread failed while it took a batch");
         loop {
-            let next = py.detach(|| {
-                let made = self.made.lock().map_err(|_| broken())?;
-                Ok::<_, PyErr>(made.recv_timeout(LOOK))
-            })?;
-            match next {
-                Ok(batch) => return Ok(Some(to_dict(py, &self.head, batch?)?)),
-                Err(RecvTimeoutError::Disconnected) => return Ok(None),
-                Err(RecvTimeoutError::Timeout) => py.check_signals()?,
+            let there = py.detach(|| self.made.lock().map_err(|_| broken())?.wait())?;
+            // Before a batch leaves: an exception behind that would lose it.
+            py.check_signals()?;
+            if there {
+                let mut made = self.made.lock().map_err(|_| broken())?;
+                match made.kept.take() {
+                    Some(batch) => return to_dict(py, &self.head, batch).map(Some),
+                    None if made.ended => return Ok(None),
+                    // Another thread was faster.
+                    None => {}
+                }
             }
         }
     }

@@ -11,6 +11,7 @@ mod view;
 mod wait;
 mod wanted;
 
+use numpy::PyArray1;
 use pyo3::prelude::*;
 
 /// The native part of the package `rayreel`.
@@ -31,6 +32,8 @@ mod _native {
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
         let hook = wrap_pyfunction!(crate::policy::end_policies, module)?;
+        // NumPy's API is looked up with the first array, in NumPy's Python code: a signal that waits there would end in a panic.
+        PyArray1::<u8>::from_vec(module.py(), Vec::new());
         module.py().import("atexit")?.call_method1("register", (hook,))?;
         module.add("__version__", env!("CARGO_PKG_VERSION"))?;
         module.add("MODEL_VERSION", rayreel_study::point::version::MODEL_VERSION)

@@ -66,10 +66,12 @@ pub enum Missing {
     )]
     Index,
     /// This chunk.
-    #[error("holds no {0}")]
+    #[error("holds no {0}; `rayreel info` tells what it holds")]
     Chunk(ChunkId),
     /// A column of a tile: its writer left it out.
-    #[error("holds no {column} in the {tile}; capture it again, or do {}", without(column))]
+    #[error(
+        "holds no {column} in the {tile}; capture it again, or do what needs none of them (`rayreel info` tells what it holds)"
+    )]
     Column {
         /// The tile.
         tile: ChunkId,
@@ -160,13 +162,5 @@ impl fmt::Display for Checked {
             Self::Index => f.write_str("index"),
             Self::Trailer => f.write_str("trailer"),
         }
-    }
-}
-
-/// What can be done without a column.
-fn without(column: &str) -> &'static str {
-    match column {
-        "paths" => "what needs none of them, such as `rayreel replay --machine none`",
-        _ => "what needs none of them (`rayreel info` tells what it holds)",
     }
 }

@@ -95,11 +95,6 @@ impl KernelId {
     pub fn branches(self) -> bool {
         matches!(self, Self::Shade | Self::Similarity)
     }
-
-    /// Whether its items are rays that came back or are to be sent; else they are counted only.
-    pub fn takes_rays(self) -> bool {
-        matches!(self, Self::Raygen | Self::Shade | Self::Miss | Self::ShadowResult)
-    }
 }
 
 /// The rays that an item of `shade` sends.

@@ -1,6 +1,6 @@
 """The native part: what `rayreel` is made of."""
 
-from typing import Any, Iterable, Iterator, Mapping, Self, SupportsFloat, SupportsIndex, TypeAlias, final
+from typing import Any, Iterable, Iterator, Mapping, SupportsFloat, SupportsIndex, TypeAlias, final
 
 import numpy as np
 import numpy.typing as npt
@@ -22,7 +22,7 @@ class Error(ValueError):
 class Batches(Iterator[dict[str, Any]]):
     """An iterator of batches, each a dictionary of columns."""
 
-    def __iter__(self) -> Self: ...
+    def __iter__(self) -> Batches: ...
     def __next__(self) -> dict[str, Any]: ...
 
 @final
@@ -132,7 +132,7 @@ class TileView:
 class Trace:
     """A trace that is open."""
 
-    def __new__(cls, path: str, memory: int) -> Self: ...
+    def __new__(cls, path: str, memory: int) -> Trace: ...
     @property
     def frame_numbers(self) -> tuple[int, int]:
         """The first, and the one behind the last."""
