@@ -115,6 +115,41 @@ def test_ctrl_c_ends_what_a_policy_asked_for():
     assert (ran.returncode, ran.stdout) == (0, "interrupted\n"), ran.stderr
 
 
+# `zip` calls one after the other without Python between: the signal waits when the other begins.
+SIGNALLED = """
+import ctypes
+def signalled(iterator):
+    return next(zip(map(getattr(ctypes.CDLL(None), "raise"), (signal.SIGINT,)), iterator))[1]
+"""
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="the C library is elsewhere")
+def test_ctrl_c_loses_no_batch():
+    ran = run(SIGNALLED + textwrap.dedent("""
+        batches = trace.batches("steps")
+        try:
+            signalled(batches)
+        except KeyboardInterrupt:
+            print("interrupted")
+        print(sum(map(len, batches)) == len(trace.table("steps")), list(batches))
+    """))
+    assert (ran.returncode, ran.stdout) == (0, "interrupted\nTrue []\n"), ran.stderr
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="the C library is elsewhere")
+def test_ctrl_c_in_the_first_table_is_no_panic():
+    """NumPy's own code, which runs when the first array is made, was interrupted."""
+    ran = run(SIGNALLED + textwrap.dedent("""
+        from rayreel import _arguments
+        asked = _arguments.asked(None, None, None, None, None, None, None)
+        try:
+            signalled(map(trace._recorded.table, ("steps",), (asked,)))
+        except KeyboardInterrupt:
+            print("interrupted")
+    """))
+    assert (ran.returncode, ran.stdout) == (0, "interrupted\n"), ran.stderr
+
+
 @needs_fork
 def test_a_fork_is_refused():
     ran = run("""
