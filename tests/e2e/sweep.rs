@@ -1,6 +1,6 @@
 //! Sweeps as a user runs them: killed, resumed, split, planned wrong.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Stdio};
@@ -204,6 +204,28 @@ fn policies_side_by_side_give_what_each_gives_alone() {
     place.run("resume {sweep} --quiet").expect(0);
     place.run("merge {sweep}").expect(0).prints(&["3 rows", "0 duplicates"]);
     assert!(results(&place.path("sweep")) == results(&place.path("alone")));
+}
+
+/// Machines that share one pass, each with windows of its own.
+#[test]
+fn machines_in_one_pass_are_estimated_as_alone() {
+    let place = Place::new("1024x320");
+    let rows = |machines: &str| {
+        place.plan("plan.toml", &format!("machines = {machines}\npolicies = [\"full\"]\ndetail = [\"5%\"]\n"));
+        place.run("{plan.toml} -o {out} --quiet").expect(0);
+        let mut table = csv::Reader::from_path(place.path("out/results.csv")).unwrap();
+        let points: Vec<BTreeMap<String, String>> = table.deserialize().collect::<Result<_, _>>().unwrap();
+        fs::remove_dir_all(place.path("out")).unwrap();
+        // Another machine brings columns of its own, and points their numbers.
+        let has = |(name, value): &(String, String)| name != "point" && !value.is_empty();
+        points.into_iter().map(|point| point.into_iter().filter(has).collect()).collect::<Vec<BTreeMap<_, _>>>()
+    };
+    let together = rows("[\"sgrt-ti2\", \"sgrt-ti1\"]");
+    assert!(
+        together.iter().all(|point| point.contains_key("cycles_interval_percent")),
+        "they are estimates: {together:?}"
+    );
+    assert_eq!(together, [rows("[\"sgrt-ti2\"]"), rows("[\"sgrt-ti1\"]")].concat());
 }
 
 #[test]

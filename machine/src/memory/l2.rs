@@ -109,8 +109,6 @@ pub struct L2Cache {
     inclusive: bool,
     line_bytes: u64,
     counters: L2Counters,
-    lookups_by_region: [u64; Region::ALL.len()],
-    hits_by_region: [u64; Region::ALL.len()],
 }
 
 impl L2Cache {
@@ -139,8 +137,6 @@ impl L2Cache {
             inclusive: config.inclusive,
             line_bytes: config.line_bytes.into(),
             counters: L2Counters::default(),
-            lookups_by_region: [0; Region::ALL.len()],
-            hits_by_region: [0; Region::ALL.len()],
         }
     }
 
@@ -222,11 +218,10 @@ impl L2Cache {
 
     /// Looks a request up; `false` if it has to wait, then nothing changed.
     fn look_up(&mut self, now: TiCycle, head: Queued, context: &mut L2Context<'_>) -> bool {
-        let Queued { port, region, line } = head;
+        let Queued { port, line, .. } = head;
         if self.tags.touch(line) {
             self.hits.push_back((now + self.latency_cycles, Response { port, line }));
             self.counters.hits += 1;
-            self.hits_by_region[region as usize] += 1;
         } else if let Some(mshr) = self.mshr(line) {
             self.wait(mshr, port);
             self.counters.merges += 1;
@@ -234,7 +229,6 @@ impl L2Cache {
             return self.miss(now, head, context);
         }
         self.counters.lookups += 1;
-        self.lookups_by_region[region as usize] += 1;
         true
     }
 
@@ -263,7 +257,6 @@ impl L2Cache {
         self.mshr_waiters[mshr] = NOBODY;
         self.wait(mshr, port);
         self.counters.lookups += 1;
-        self.lookups_by_region[region as usize] += 1;
         self.counters.misses += 1;
         context.traffic.read[region as usize] += self.line_bytes;
         true
@@ -303,16 +296,6 @@ impl L2Cache {
     /// What happened so far.
     pub fn counters(&self) -> &L2Counters {
         &self.counters
-    }
-
-    /// Lookups by region, in the order of [`Region::ALL`].
-    pub fn lookups_by_region(&self) -> &[u64; Region::ALL.len()] {
-        &self.lookups_by_region
-    }
-
-    /// Hits by region, in the order of [`Region::ALL`].
-    pub fn hits_by_region(&self) -> &[u64; Region::ALL.len()] {
-        &self.hits_by_region
     }
 }
 

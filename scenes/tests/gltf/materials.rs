@@ -108,6 +108,21 @@ fn pictured(alphas: [u8; 2], extra: &Value) -> Writer {
     writer
 }
 
+/// A picture that OBJ only warns of was an error here.
+#[test]
+fn pictures_in_other_formats_have_a_warning() {
+    for (image, kind) in [
+        (json!({"uri": "b.bmp"}), "bmp"),
+        (json!({"uri": "B.TGA"}), "tga"),
+        (json!({"uri": "data:image/tiff;base64,SUkqAA==", "mimeType": "image/tiff"}), "tiff"),
+    ] {
+        let mut writer = pictured([255; 2], &json!({}));
+        writer.json["images"] = json!([image]);
+        let (folder, scene) = writer.load();
+        assert_warned(&folder, &scene, 1, &format!("pictures in {kind} are not read, and the plain colour is used"));
+    }
+}
+
 /// What metal reflects and glass lets through was that of the factor alone, and white for most files.
 #[test]
 fn metal_and_glass_have_the_mean_colour_of_their_picture() {
