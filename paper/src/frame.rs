@@ -181,7 +181,10 @@ impl<'a> FrameView<'a> {
             performance: reference.time_ms / cost.time_ms,
             power: cost.power_w / reference.power_w,
             perf_per_watt: cost.perf_per_watt / reference.perf_per_watt,
-            interval: (cost.interval.is_some() || reference.interval.is_some()).then_some(interval),
+            // Over itself a frame is exactly 1.
+            interval: (!std::ptr::eq(self.figures.0, over.figures.0)
+                && (cost.interval.is_some() || reference.interval.is_some()))
+            .then_some(interval),
         })
     }
 
@@ -291,8 +294,11 @@ mod tests {
             Point::plain(source, (0, 1), Some(machine), NamedPolicy::load(policy, &[]).unwrap())
         };
         let base = point("a", "srp.divergence=inspector", "paper-ss");
+        let itself = FrameView::new(row, &base);
+        assert_eq!(itself.gpu_gain(itself).unwrap().interval, None);
+        let row = row.clone();
         let within = |other: &Point| {
-            let gain = FrameView::new(row, other).gpu_gain(FrameView::new(row, &base)).unwrap();
+            let gain = FrameView::new(&row, other).gpu_gain(itself).unwrap();
             gain.interval.unwrap().perf_per_watt
         };
         assert!((within(&point("a", "srp.divergence=naive", "paper-ss")) - FLOOR).abs() < 1e-12);
