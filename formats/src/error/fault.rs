@@ -70,7 +70,8 @@ pub enum Missing {
     Chunk(ChunkId),
     /// A column of a tile: its writer left it out.
     #[error(
-        "holds no {column} in the {tile}; capture it again, or do what needs none of them (`rayreel info` tells what it holds)"
+        "holds no {column} in the {tile}; capture it again, or do {} (`rayreel info` tells what it holds)",
+        without(column)
     )]
     Column {
         /// The tile.
@@ -162,5 +163,13 @@ impl fmt::Display for Checked {
             Self::Index => f.write_str("index"),
             Self::Trailer => f.write_str("trailer"),
         }
+    }
+}
+
+/// What can be done without a column.
+fn without(column: &str) -> &'static str {
+    match column {
+        "paths" => "what needs none of them, as `rayreel replay --machine none` where it holds all other columns",
+        _ => "what needs none of them",
     }
 }
