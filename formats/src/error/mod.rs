@@ -202,7 +202,7 @@ mod tests {
                 Error::unknown(place(), Unknown::Encoding(9)),
                 "a.rtrace, byte 7, frame 3, tile 4: unknown encoding 9; use a newer rayreel",
             ),
-            (Error::missing(path, ChunkId::BVH), "a.rtrace holds no BVH chunk"),
+            (Error::missing(path, ChunkId::BVH), "a.rtrace holds no BVH chunk; `rayreel info` tells what it holds"),
             (
                 Error::damaged(place(), Fault::Truncated { needed: 9, available: 2 }),
                 "a.rtrace, byte 7, frame 3, tile 4: file ends early: 9 bytes needed here, 2 left; try `rayreel repair`",
