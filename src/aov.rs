@@ -19,7 +19,8 @@ use rayreel_tracer::{CaptureOutcome, CaptureOutput, capture};
 use serde_json::json;
 
 use crate::common::{
-    GridArgs, build, check_output, digest_if_whole, frame, keep_scene, meta, open, print, samples, size, tile_of,
+    GridArgs, build, check_output, digest_if_whole, frame, keep_scene, meta, open, output_file, print, samples, size,
+    tile_of,
 };
 use crate::exit::Exit;
 use crate::progress;
@@ -38,7 +39,7 @@ pub struct Args {
     #[command(flatten)]
     scene: SceneArgs,
     /// EXR file to write.
-    #[arg(short, long, value_name = "FILE")]
+    #[arg(short, long, value_name = "FILE", value_parser = output_file())]
     output: PathBuf,
     /// The frame; the first of a trace, 0 of a scene if not given. A policy that learns from frame to frame has seen none before it, as in
     /// `replay --frames N`.

@@ -10,7 +10,7 @@ use rayreel_formats::trace::Codec;
 use rayreel_tracer::{CaptureOutcome, CaptureOutput, Captured, capture};
 use serde_json::json;
 
-use crate::common::{GridArgs, build, frames, keep_scene, meta, print, print_json, si, tile_of};
+use crate::common::{GridArgs, build, frames, keep_scene, meta, output_file, print, print_json, si, tile_of};
 use crate::exit::Exit;
 use crate::progress::{self, Progress};
 use crate::scene_args::SceneArgs;
@@ -23,7 +23,7 @@ pub struct Args {
     #[command(flatten)]
     scene: SceneArgs,
     /// Trace to write, by custom ending in .rtrace.
-    #[arg(short, long, value_name = "FILE")]
+    #[arg(short, long, value_name = "FILE", value_parser = output_file())]
     output: PathBuf,
     #[command(flatten)]
     grid: GridArgs,

@@ -2,9 +2,10 @@
 
 use std::io::{Read, Write};
 use std::ops::Range;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
+use clap::builder::{PathBufValueParser, TypedValueParser};
 use rayreel_formats::Limits;
 use rayreel_formats::container::MAGIC;
 use rayreel_formats::durable::WholeFile;
@@ -66,6 +67,14 @@ pub fn samples(text: &str) -> Result<u32, String> {
 /// 4, 8 and 16 samples.
 pub fn tile_of(samples: u32) -> u32 {
     (2..).map(|blocks| 16 * blocks).find(|tile| tile % samples == 0).unwrap_or(32)
+}
+
+/// Parses the name of a file to write: it is renamed when it is whole, and many are not written from front to back.
+pub fn output_file() -> impl TypedValueParser<Value = PathBuf> {
+    PathBufValueParser::new().try_map(|path| {
+        let is_piped = path == Path::new("-");
+        if is_piped { Err("standard output cannot take it; name a file (./- is one called -)") } else { Ok(path) }
+    })
 }
 
 /// Parses how many of something.

@@ -6,7 +6,7 @@ use anyhow::{Result, bail};
 use rayreel_formats::container::{ChunkId, ChunkKind};
 use rayreel_formats::trace::{Keep, Part, rewrite};
 
-use crate::common::{keep_input, lacks, open, print};
+use crate::common::{keep_input, lacks, open, output_file, print};
 use crate::exit::Exit;
 use crate::progress::{self, Progress};
 
@@ -14,7 +14,7 @@ use crate::progress::{self, Progress};
 #[derive(Clone, Debug, clap::Args)]
 pub struct OutputArgs {
     /// Trace to write, by custom ending in .rtrace.
-    #[arg(short, long, value_name = "FILE")]
+    #[arg(short, long, value_name = "FILE", value_parser = output_file())]
     output: PathBuf,
     /// Replace an existing file.
     #[arg(long)]

@@ -8,7 +8,7 @@ use rayreel_formats::Limits;
 use rayreel_formats::container::{ChunkId, RepairReport, repair};
 use rayreel_formats::trace::Trace;
 
-use crate::common::{missing_tiles, open, print};
+use crate::common::{missing_tiles, open, output_file, print};
 use crate::exit::Exit;
 
 /// Copy every whole chunk of a damaged or unfinished trace into a new one.
@@ -19,7 +19,7 @@ pub struct Args {
     /// The damaged trace, or the NAME.partial of a killed capture.
     input: PathBuf,
     /// The trace to write.
-    #[arg(short, long, value_name = "FILE")]
+    #[arg(short, long, value_name = "FILE", value_parser = output_file())]
     output: PathBuf,
 }
 

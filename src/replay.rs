@@ -23,7 +23,7 @@ use rayreel_study::point::version::MODEL_VERSION;
 use rayreel_study::report::{Made, Origin, Report};
 use serde_json::json;
 
-use crate::common::{check_output, digest_if_whole, frames, keep_input, print};
+use crate::common::{check_output, digest_if_whole, frames, keep_input, output_file, print};
 use crate::detail::DetailArgs;
 use crate::exit::Exit;
 use crate::progress::{self, Progress};
@@ -71,7 +71,7 @@ pub struct Args {
     detail: DetailArgs,
     /// Write how busy each unit was over time, why it stood still, which kernels ran and which tiles were under way, as a Chrome trace:
     /// open it in ui.perfetto.dev. Needs --detail full.
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", value_parser = output_file())]
     timeline: Option<PathBuf>,
     /// Print JSON: the bytes depend on trace, policy, machine, detail and how they were asked for.
     #[arg(long)]

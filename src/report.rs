@@ -11,7 +11,7 @@ use rayreel_study::point::wanted::Kind;
 use rayreel_study::schema;
 use serde_json::json;
 
-use crate::common::{keep_input, keep_sweep, print, print_json};
+use crate::common::{keep_input, keep_sweep, output_file, print, print_json};
 use crate::exit::Exit;
 
 /// The figures of a replay, in its folder.
@@ -37,7 +37,7 @@ pub struct Args {
     #[arg(value_name = "RESULTS")]
     input: PathBuf,
     /// The page; report.html in the folder of a study or a replay, results.html beside results.parquet if not given.
-    #[arg(long, short, value_name = "FILE")]
+    #[arg(long, short, value_name = "FILE", value_parser = output_file())]
     output: Option<PathBuf>,
     /// Write the pictures of a replay of this kind as an animated PNG (result, reference, error, flip, similarity or rate) instead of a
     /// page: KIND.apng in its folder if no --output is given.

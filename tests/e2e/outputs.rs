@@ -49,6 +49,25 @@ fn places_are_looked_at_before_the_work() {
     assert_eq!(fs::read_dir(at("out")).unwrap().count(), 0);
 }
 
+/// Only tables go to standard output: elsewhere `-` would name a file that nobody asked for.
+#[test]
+fn a_dash_is_no_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let trace = folder.path().join("a.rtrace");
+    capture("cornell", "--size 32x16 --samples 1x1", &trace);
+    for ran in [
+        rayreel!["capture", "cornell", "-o", "-"],
+        rayreel!["recompress", &trace, "-o", "-"],
+        rayreel!["repair", &trace, "-o", "-"],
+        rayreel!["aov", &trace, "-o", "-"],
+        rayreel!["replay", &trace, "--timeline", "-"],
+        rayreel!["report", folder.path(), "-o", "-"],
+    ] {
+        let ran = ran.expect(2);
+        assert!(ran.err.contains("standard output cannot take it; name a file (./- is one called -)"), "{ran:?}");
+    }
+}
+
 /// A sweep of one point, merged.
 fn merged(folder: &std::path::Path) -> std::path::PathBuf {
     capture("cornell", "--size 32x16 --samples 1x1", &folder.join("a.rtrace"));

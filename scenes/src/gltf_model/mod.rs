@@ -127,7 +127,7 @@ fn frames(path: &Path, animations: &Animations, options: &LoadOptions) -> Result
     }
     Err(SceneError::Limit {
         at: Location::File(path.to_owned()),
-        what: format!("its animation has {last} frames at {} frames a second", options.fps()),
+        what: format!("its animation has {} frames at {} frames a second", last + 1.0, options.fps()),
         fix: "at most a million are possible: take fewer frames a second".into(),
     })
 }
@@ -249,11 +249,11 @@ impl Builder<'_> {
             "the scene is empty: its materials cut all of it away (alphaMode MASK, alpha below the cutoff)".to_owned()
         } else if moves {
             format!(
-                "the scene is empty at frame {}: no node has a mesh with a triangle that has an area",
+                "the scene is empty at frame {}: no node has a mesh with a triangle that has an area in single precision",
                 options.frame
             )
         } else {
-            "the scene is empty: no node has a mesh with a triangle that has an area".to_owned()
+            "the scene is empty: no node has a mesh with a triangle that has an area in single precision".to_owned()
         };
         let fix = if moves { "take another frame" } else { "a scene needs at least one triangle" };
         SceneError::input(Location::File(self.source.path.clone()), what, fix)

@@ -58,7 +58,7 @@ fn errors_name_the_file_and_the_part() {
         (|j| j["nodes"][0]["matrix"] = json!([1e39, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]), "a.glb:1:"),
         (
             |j| j["nodes"][0]["scale"] = json!([0, 0, 0]),
-            "a.glb: the scene is empty: no node has a mesh with a triangle that has an area",
+            "a.glb: the scene is empty: no node has a mesh with a triangle that has an area in single precision",
         ),
         (|j| j["materials"][0]["pbrMetallicRoughness"] = json!({"roughnessFactor": 2}), "material"),
         (
