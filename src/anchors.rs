@@ -38,7 +38,7 @@ pub fn run(args: &Args, quiet: bool) -> Result<Exit> {
     }
     let rows = match measured {
         Err(error) if error.is_interruption() => {
-            eprintln!("interrupted");
+            tell!("interrupted");
             return Ok(Exit::Interrupted);
         }
         rows => rows?,

@@ -103,9 +103,7 @@ pub fn run(args: &Args, quiet: bool) -> Result<Exit> {
     if dropped > 0 {
         let partial = partial_path(&args.output)?;
         let partial = partial.display();
-        eprintln!(
-            "warning: {partial} was damaged; {dropped} whole tiles behind the damage were cut off and traced again"
-        );
+        tell!("warning: {partial} was damaged; {dropped} whole tiles behind the damage were cut off and traced again");
     }
     match outcome {
         CaptureOutcome::Finished(captured) => {
@@ -113,7 +111,7 @@ pub fn run(args: &Args, quiet: bool) -> Result<Exit> {
             Ok(Exit::Done)
         }
         CaptureOutcome::Interrupted(now) => {
-            eprintln!(
+            tell!(
                 "interrupted: {} of {} tiles are in {}; go on with the same command and --resume",
                 now.tiles,
                 now.tiles_total,

@@ -102,7 +102,7 @@ pub fn frames(text: &str) -> Result<(u32, u32), String> {
 /// Tells what was odd in a scene's files.
 pub fn tell_warnings(scene: &Scene) {
     for warning in &scene.warnings {
-        eprintln!("warning: {} ({} times)", printable(&warning.message), warning.count);
+        tell!("warning: {} ({} times)", printable(&warning.message), warning.count);
     }
 }
 
@@ -117,7 +117,7 @@ pub fn printable(text: &str) -> String {
 pub fn build(scene: &Scene) -> Result<Built> {
     let built = rayreel_tracer::build(scene)?;
     if built.left_out > 0 {
-        eprintln!("warning: {} triangles are copies of others in the same place and are left out", built.left_out);
+        tell!("warning: {} triangles are copies of others in the same place and are left out", built.left_out);
     }
     Ok(built)
 }

@@ -33,7 +33,7 @@ pub fn run(args: &Args) -> Result<Exit> {
     }
     let lacks = lacks(&trace);
     if !lacks.is_empty() {
-        eprintln!("incomplete: {lacks}; they are left out of the hashes");
+        tell!("incomplete: {lacks}; they are left out of the hashes");
         return Ok(Exit::Incomplete);
     }
     Ok(Exit::Done)

@@ -45,7 +45,7 @@ impl OutputArgs {
         match written {
             Ok(Some(_)) => bar.finish(),
             Ok(None) => {
-                eprintln!("interrupted; nothing was written");
+                tell!("interrupted; nothing was written");
                 return Ok(Exit::Interrupted);
             }
             Err(error) => return Err(error.into()),
@@ -55,7 +55,7 @@ impl OutputArgs {
             let unknown = chunks.filter(|record| !record.id.kind.is_known()).count();
             if unknown > 0 {
                 let name = part.trace.path().display();
-                eprintln!("{name}: {unknown} chunks of kinds that this version of rayreel does not know were left out");
+                tell!("{name}: {unknown} chunks of kinds that this version of rayreel does not know were left out");
             }
         }
         let trace = open(&self.output)?;

@@ -1,5 +1,10 @@
 //! The `rayreel` command: one file per subcommand here, all logic in the crates.
 
+#![deny(clippy::print_stderr)]
+
+#[macro_use]
+mod tell;
+
 mod anchors;
 mod aov;
 mod arguments;
@@ -118,7 +123,7 @@ fn main() -> ExitCode {
     progress::handle_signals();
     let cli = Cli::parse_from(arguments::joined(std::env::args_os()));
     if let Err(error) = start_threads(cli.threads) {
-        eprintln!("error: {error}");
+        tell!("error: {error}");
         return Exit::Usage.into();
     }
     memory::set(cli.memory);
@@ -156,12 +161,12 @@ fn main() -> ExitCode {
         Err(error) if exit::is_broken_pipe(&error) => Exit::Done.into(),
         // What is written whole is there; what was begun is not.
         Err(error) if exit::is_interruption(&error) => {
-            eprintln!("interrupted");
+            tell!("interrupted");
             Exit::Interrupted.into()
         }
         Err(error) => {
             let lines: Vec<String> = format!("{error:#}").lines().map(common::printable).collect();
-            eprintln!("error: {}{}", lines.join("\n"), memory::hint(&error));
+            tell!("error: {}{}", lines.join("\n"), memory::hint(&error));
             exit::of(&error).into()
         }
     }

@@ -125,7 +125,7 @@ pub fn run(args: &Args, quiet: bool) -> Result<Exit> {
     match ended {
         Ok(finished) => finish(args, &finished),
         Err(error) if error.is_interruption() => {
-            eprintln!("interrupted: run the same command again to go on");
+            tell!("interrupted: run the same command again to go on");
             Ok(Exit::Interrupted)
         }
         Err(error) => Err(error.into()),
@@ -141,7 +141,7 @@ fn alone(folder: &Path, named: &str, stop: &Stop) -> Result<Option<File>> {
     let mut told = false;
     while let Err(holder) = try_lock(&lock).with_context(|| format!("cannot lock {}", path.display()))? {
         if !told {
-            eprintln!("waiting: {holder} uses the folder {}; --{named} names another", folder.display());
+            tell!("waiting: {holder} uses the folder {}; --{named} names another", folder.display());
             told = true;
         }
         if stop.is_requested() {
@@ -159,7 +159,7 @@ fn finish(args: &Args, Finished { study, counts }: &Finished) -> Result<Exit> {
     let rows = || format!("{:#}\n", rayreel_paper::rows(study));
     let text = || rayreel_paper::table(study) + &format!("\nthe page: {}\n", page.display());
     print(&if args.json { rows() } else { text() })?;
-    eprintln!(
+    tell!(
         "{} points: {} computed, {} from the cache, {} from --reuse, {} replayed for pictures alone",
         counts.points,
         counts.computed,

@@ -34,7 +34,7 @@ pub fn handle_signals() {
         let _ = ctrlc::set_handler(move || {
             handle.request();
             if !HEARD.load(Ordering::SeqCst) {
-                eprintln!("interrupted");
+                tell!("interrupted");
                 std::process::exit(Exit::Interrupted as i32);
             }
         });
@@ -100,7 +100,7 @@ impl Progress {
                 *last = Instant::now();
                 let left = start.elapsed().mul_f64((*total - done.min(*total)) as f64 / done as f64);
                 let percent = 100 * done / (*total).max(1);
-                eprintln!("{what}: {percent} %, {}, {} s left", message(), left.as_secs());
+                tell!("{what}: {percent} %, {}, {} s left", message(), left.as_secs());
             }
             Self::Quiet => {}
         }
@@ -110,7 +110,7 @@ impl Progress {
     pub fn say(&self, line: &str) {
         match self {
             Self::Bar(bar) => bar.println(line),
-            Self::Lines { .. } => eprintln!("{line}"),
+            Self::Lines { .. } => tell!("{line}"),
             Self::Quiet => {}
         }
     }

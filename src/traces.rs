@@ -93,6 +93,6 @@ fn whole(location: &Location) -> Location {
 /// Says on standard error what was fetched, if anything was.
 pub fn tell_traffic() {
     if TRAFFIC.requests() > 0 {
-        eprintln!("fetched {}", *TRAFFIC);
+        tell!("fetched {}", *TRAFFIC);
     }
 }

@@ -98,17 +98,17 @@ pub fn run(args: &Args, quiet: bool) -> Result<Exit> {
     if lacks.is_empty() {
         return Ok(Exit::Done);
     }
-    eprintln!("incomplete: {lacks}");
+    tell!("incomplete: {lacks}");
     if found.without_paths + found.unchecked > 0 {
         let (steps, tiles) = (found.without_paths, found.unchecked);
-        eprintln!("not checked: the steps of {steps} tiles, and {tiles} tiles altogether");
+        tell!("not checked: the steps of {steps} tiles, and {tiles} tiles altogether");
     }
     Ok(Exit::Incomplete)
 }
 
 /// Says that nothing is known of the tiles that were not looked at.
 fn interrupted() -> Exit {
-    eprintln!("interrupted: not all tiles were looked at");
+    tell!("interrupted: not all tiles were looked at");
     Exit::Interrupted
 }
 

@@ -26,6 +26,8 @@ use crate::work::{TileWork, cost};
 /// Steps without any finished ray, tile or memory response after which the machine is taken to stand still, if nothing is under way in
 /// the memory either. Steps, not cycles: a batch of a slow SRP, or a line of a slow DRAM, may take any time, but takes it in few of them.
 const DEADLOCK_STEPS: u64 = 4_000_000;
+/// The same however busy the memory is: it may do something for ever and answer nobody.
+const BUSY_STEPS: u64 = 64 * DEADLOCK_STEPS;
 
 /// Events between two looks at how much is done.
 const EVENTS_BETWEEN_LOOKS: u32 = 32;
@@ -326,7 +328,8 @@ impl<'a, M: Memory> System<'a, M> {
         let next = next.cycle().ok_or_else(|| self.deadlock())?;
         debug_assert!(next > self.now, "an event in the past");
         self.idle_steps += 1;
-        if self.idle_steps > DEADLOCK_STEPS && self.memory.is_idle(self.now) {
+        let is_still = self.idle_steps > DEADLOCK_STEPS && self.memory.is_idle(self.now);
+        if is_still || self.idle_steps > BUSY_STEPS {
             return Err(self.deadlock());
         }
         self.now = next;

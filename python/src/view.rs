@@ -44,8 +44,9 @@ pub fn lend(py: Python<'_>, tile: &mut Lent, decide: impl FnOnce(&Py<TileView>) 
 impl TileView {
     /// The tile, as long as it is lent.
     fn with<T>(&self, what: impl FnOnce(&mut Lent) -> PyResult<T>) -> PyResult<T> {
-        let over =
-            || PyRuntimeError::new_err("a view is of use only during the call of begin_tile that it was given to");
+        const OVER: &str =
+            "a view is of use only during the call of begin_tile that it was given to, and in the thread of that call";
+        let over = || PyRuntimeError::new_err(OVER);
         if !LOAN.is_set() || LOAN.with(|loan| *loan != self.loan) {
             return Err(over());
         }

@@ -37,3 +37,7 @@ def test_results_that_are_not_parquet_are_named(tmp_path: Path):
 def test_a_folder_without_results_is_named(tmp_path: Path):
     with pytest.raises(rayreel.Error, match="results.parquet is not there"):
         rayreel.read_results(tmp_path)
+    with pytest.raises(rayreel.Error, match="results.parquet is not there"):
+        rayreel.open_results(bytes(tmp_path))
+    with pytest.raises(rayreel.Error, match="a path is text, bytes or a path, not None"):
+        rayreel.open_results(None)  # type: ignore[arg-type]

@@ -109,6 +109,12 @@ def test_words(cornell: rayreel.Trace):
     ("asked", "says"),
     [
         ({"what": "rayz"}, "there is no table"),
+        ({"what": None}, "what is text, not None"),
+        ({"what": "samples", "policy": b"/p\xff.toml"}, "policy is no UTF-8"),
+        ({"what": "lookups", "machine": "\udcff"}, "machine is no UTF-8"),
+        ({"what": "rays", "columns": ["\udcff"]}, "columns is no UTF-8"),
+        ({"what": "rays", "tiles": "\udcff"}, "tiles is no UTF-8"),
+        ({"what": "samples", "policy": "adaptive", "set": {"block": "\udcff"}}, "set is no UTF-8"),
         ({"what": "rays", "columns": ["q"]}, "no column"),
         ({"what": "rays", "columns": []}, "no column is asked for"),
         ({"what": "rays", "policy": "full"}, "whatever a policy makes of it"),
@@ -168,6 +174,8 @@ def test_paths_may_be_bytes_and_are_of_files(cornell: rayreel.Trace):
     assert len(rayreel.open(Path(cornell.path)).table("nodes")) > 0
     with pytest.raises(rayreel.Error, match="https://host/t.rtrace is a URL, and only local files are read"):
         rayreel.open("https://host/t.rtrace")
+    with pytest.raises(rayreel.Error, match="the path is empty"):
+        rayreel.open("")
     with pytest.raises(rayreel.Error, match="a path is text, bytes or a path, not 3"):
         rayreel.open(3)
 

@@ -108,6 +108,14 @@ fn slow_parts_are_no_deadlock() {
     let machine = NamedMachine::load("raycore", &set).unwrap();
     let stats = run(&trace("v1_0_cornell.rtrace"), "full", &machine, "full").run.unwrap().stats;
     assert!(stats.cycles > 10_000_000, "{}", stats.cycles);
+    // Refreshes as near to one another as may be, where activates are far apart: each row is read before it is closed.
+    let machine = |trefi: u32| {
+        let set = ["dram.trrd=900".into(), "dram.tfaw=900".into(), format!("dram.trefi={trefi}")];
+        NamedMachine::load("sgrt-ti2", &set)
+    };
+    let nearest = (900..2000).find_map(|trefi| machine(trefi).ok()).unwrap();
+    let stats = run(&trace("v1_0_cornell.rtrace"), "full", &nearest, "full").run.unwrap().stats;
+    assert!(stats.memory.dram().refreshes > 100, "{}", stats.memory.dram().refreshes);
 }
 
 /// Traces everything, and cannot begin a frame again.

@@ -81,7 +81,7 @@ pub fn read(file: &Path, place: &FolderArgs, traces: Option<&str>, cache: &Cache
         _ => error.into(),
     })?;
     for idle in &plan.idle {
-        eprintln!("warning: {idle}");
+        tell!("warning: {idle}");
     }
     Ok(plan)
 }
@@ -102,7 +102,7 @@ fn no_plan_file(folder: &Path) -> String {
 pub fn make(file: &Path, place: &FolderArgs, traces: Option<&str>, cache: &CacheArgs) -> Result<Folder> {
     let (folder, created) = Folder::create(&place.folder(file), read(file, place, traces, cache)?)?;
     if created == Created::Known {
-        eprintln!("{}: going on with plan {}", folder.path().display(), folder.id());
+        tell!("{}: going on with plan {}", folder.path().display(), folder.id());
     }
     Ok(folder)
 }

@@ -69,16 +69,16 @@ fn patient(folder: &Folder, patience: f64) -> Result<Merged> {
 
 fn write(folder: &Folder, merged: &Merged, partial: bool, (out, csv_out): (&Path, &Path)) -> Result<Exit> {
     for path in &merged.damaged {
-        eprintln!("warning: {} is damaged or of another plan, ignored", path.display());
+        tell!("warning: {} is damaged or of another plan, ignored", path.display());
     }
     let (points, missing) = (folder.plan().points.len(), merged.missing.len());
     if missing > 0 {
-        eprintln!("missing {missing} of {points} points, the first: {}", folder.plan().describe(merged.missing[0]));
+        tell!("missing {missing} of {points} points, the first: {}", folder.plan().describe(merged.missing[0]));
         if let Some(line) = jobs::shards(folder, &merged.missing) {
-            eprintln!("{line}");
+            tell!("{line}");
         }
         if !partial {
-            eprintln!("nothing was written: `rayreel sweep resume {}` computes them", folder.path().display());
+            tell!("nothing was written: `rayreel sweep resume {}` computes them", folder.path().display());
             return Ok(Exit::Incomplete);
         }
     }

@@ -227,7 +227,7 @@ fn wait(folder: &Folder, submission: &Submission) -> Result<Exit> {
             // The controller may be restarted while jobs go on.
             Err(error) if failures < 20 => {
                 failures += 1;
-                eprintln!("warning: {error:#}; asking again");
+                tell!("warning: {error:#}; asking again");
             }
             Err(error) => return Err(error),
         }

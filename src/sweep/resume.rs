@@ -14,7 +14,7 @@ use super::order::SubmitArgs;
 use super::order::{Submit, SubmitContext, carry_out};
 use super::run::{self, RunArgs};
 use super::slurm;
-use super::submit::{SiteArgs, limits};
+use super::submit::{FOR_A_CLUSTER, SiteArgs, limits};
 use super::trust;
 use crate::common::print;
 use crate::exit::Exit;
@@ -48,11 +48,12 @@ pub fn run(args: &Args, quiet: bool) -> Result<Exit> {
     let last = match submissions.last() {
         Some(last) if !args.local && (slurm::is_here() || args.how.dry_run) => last,
         Some(_) if !args.local => {
-            eprintln!("no sbatch here, where the sweep was submitted to Slurm elsewhere: computing on this machine");
+            tell!("no sbatch here, where the sweep was submitted to Slurm elsewhere: computing on this machine");
             return here(&folder, args, quiet);
         }
         _ => return here(&folder, args, quiet),
     };
+    args.site.check()?;
     let given = args.site.options();
     if !args.how.dry_run {
         trust::check(&folder, last, args.trust, !given.others.is_empty())?;
@@ -78,8 +79,8 @@ fn here(folder: &Folder, args: &Args, quiet: bool) -> Result<Exit> {
     let sweep = quote(&folder.path().display().to_string());
     if args.how.wait || args.site.options() != Options::default() {
         bail!(
-            "--wait, --partition, --account, --time, --mem, --max-running, --setup and what stands behind -- are for a cluster, and this \
-             computes on this machine; leave them out, or submit the sweep: `rayreel sweep submit {sweep}`"
+            "--wait, {FOR_A_CLUSTER}, and this computes on this machine; leave them out, or submit the sweep: `rayreel sweep submit \
+             {sweep}`"
         );
     }
     if args.how.dry_run {

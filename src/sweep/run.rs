@@ -98,7 +98,7 @@ pub fn here(folder: &Folder, args: &RunArgs, shard: Shard, quiet: bool) -> Resul
     let stop = progress::stop_on_signal();
     let reused = ReusedRows::load(&args.reuse)?;
     if reused.left_out > 0 {
-        eprintln!(
+        tell!(
             "warning: {} rows of --reuse are left out: presets had other values when they were made, or the plan was changed",
             reused.left_out
         );
@@ -140,7 +140,7 @@ pub fn here(folder: &Folder, args: &RunArgs, shard: Shard, quiet: bool) -> Resul
 /// The line that jobs' logs begin with: an attempt that is killed leaves no other.
 fn opening(shard: Shard, now: &RunProgress, writer: &Writer) {
     let Writer { attempt, host } = writer;
-    eprintln!(
+    tell!(
         "shard {shard} on {host}: {} skipped, {} to do, attempt {attempt}, restart {}",
         now.skipped,
         now.todo,
@@ -155,7 +155,7 @@ fn restart() -> String {
 
 /// The line that jobs' logs end with, and the code.
 fn told(folder: &Folder, shard: Shard, outcome: &Outcome, wall: f64) -> Exit {
-    eprintln!(
+    tell!(
         "shard {shard} on {}: {} points, {} skipped, {} reused, {} computed, {} failed, {wall:.1} s, restart {}",
         host(),
         outcome.points,
@@ -166,14 +166,14 @@ fn told(folder: &Folder, shard: Shard, outcome: &Outcome, wall: f64) -> Exit {
         restart(),
     );
     for (what, why) in outcome.troubles.iter().take(10) {
-        eprintln!("not done: {what}: {why}");
+        tell!("not done: {what}: {why}");
     }
     if outcome.troubles.len() > 10 {
-        eprintln!("and {} more points not done", outcome.troubles.len() - 10);
+        tell!("and {} more points not done", outcome.troubles.len() - 10);
     }
     let sweep = folder.path().display();
     if outcome.interrupted {
-        eprintln!("interrupted, flushed: `rayreel sweep resume {sweep}` goes on");
+        tell!("interrupted, flushed: `rayreel sweep resume {sweep}` goes on");
         return Exit::Interrupted;
     }
     if outcome.troubles.is_empty() { Exit::Done } else { Exit::Incomplete }

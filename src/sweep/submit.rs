@@ -80,7 +80,7 @@ pub struct SiteArgs {
     #[arg(long, value_name = "TIME", value_parser = sbatch::time)]
     time: Option<String>,
     /// Memory of a task, as Slurm writes it: 4G.
-    #[arg(long, value_name = "SIZE")]
+    #[arg(long, value_name = "SIZE", value_parser = mem)]
     mem: Option<String>,
     /// Most tasks at a time.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
@@ -94,6 +94,14 @@ pub struct SiteArgs {
 }
 
 impl SiteArgs {
+    /// Refuses a word behind `--` that sbatch would take for its script.
+    pub fn check(&self) -> Result<()> {
+        match self.others.first().filter(|word| !word.starts_with('-')) {
+            Some(word) => bail!("behind -- stand options of sbatch, and {word} is none: they begin with -"),
+            None => Ok(()),
+        }
+    }
+
     /// The options of a submission.
     pub fn options(&self) -> Options {
         Options {
@@ -106,6 +114,17 @@ impl SiteArgs {
             others: self.others.clone(),
         }
     }
+}
+
+/// What is said of options for a cluster where none is.
+pub const FOR_A_CLUSTER: &str =
+    "--partition, --account, --time, --mem, --max-running, --setup and what stands behind -- are for a cluster";
+
+/// Memory, as Slurm writes it: a number, of megabytes where no unit is behind it.
+fn mem(text: &str) -> Result<String, String> {
+    let number = text.strip_suffix(['K', 'M', 'G', 'T']).unwrap_or(text);
+    let is_number = !number.is_empty() && number.bytes().all(|byte| byte.is_ascii_digit());
+    if is_number { Ok(text.into()) } else { Err("give a whole number with K, M, G or T behind it, such as 4G".into()) }
 }
 
 /// A time that is passed on as it was written.
@@ -123,6 +142,7 @@ pub fn run(args: &Args, quiet: bool) -> Result<Exit> {
     if !slurm {
         return local(&folder, args, quiet);
     }
+    args.site.check()?;
     let limits = limits(&folder, args.how.dry_run)?;
     let submissions = Submission::all(&folder)?;
     let tasks = if slurm::is_here() { slurm::tasks(folder.id(), &submissions)? } else { Vec::new() };
@@ -161,7 +181,7 @@ pub fn limits(folder: &Folder, dry_run: bool) -> Result<Limits> {
         if !dry_run {
             return Err(error);
         }
-        eprintln!("no answer from Slurm ({error:#}): with its default limits");
+        tell!("no answer from Slurm ({error:#}): with its default limits");
         Ok(Limits::default())
     })
 }
@@ -177,6 +197,10 @@ fn estimated(folder: &Folder, args: &Args, traces: Option<&str>) -> Result<usize
 
 /// Runs and merges here.
 fn local(folder: &Folder, args: &Args, quiet: bool) -> Result<Exit> {
+    if args.shards.is_some() || args.site.options() != Options::default() {
+        let why = if args.engine == Engine::Local { "" } else { " (there is no sbatch in PATH)" };
+        bail!("--shards, {FOR_A_CLUSTER}, and this computes on this machine{why}; leave them out");
+    }
     let points = folder.plan().points.len();
     if args.how.dry_run {
         let sweep = quote(&folder.path().display().to_string());

@@ -74,13 +74,13 @@ pub fn check(folder: &Folder, last: &Submission, trusted: bool, given_anew: bool
             quote(option),
         );
     }
-    eprintln!("submission {} was not made by this user on this machine. It would run:", last.number);
-    eprintln!(
+    tell!("submission {} was not made by this user on this machine. It would run:", last.number);
+    tell!(
         "  commands before each task: {}",
         last.options.setup.as_ref().map_or_else(|| "none".into(), |setup| format!("{setup:?}"))
     );
-    eprintln!("  arguments of sweep run:    {}", line(&last.run));
-    eprintln!("  tasks, at most:            {}", last.shards);
+    tell!("  arguments of sweep run:    {}", line(&last.run));
+    tell!("  tasks, at most:            {}", last.shards);
     let options = &last.options;
     let named = [
         ("--partition", &options.partition),
@@ -91,7 +91,7 @@ pub fn check(folder: &Folder, last: &Submission, trusted: bool, given_anew: bool
     let mut words: Vec<String> =
         named.into_iter().filter_map(|(name, value)| Some(format!("{name}={}", value.as_ref()?))).collect();
     words.extend(options.others.iter().cloned());
-    eprintln!("  options of sbatch:         {}", line(&words));
+    tell!("  options of sbatch:         {}", line(&words));
     if trusted || agreed()? {
         return Ok(());
     }
@@ -105,7 +105,7 @@ fn agreed() -> Result<bool> {
     if !io::stdin().is_terminal() {
         return Ok(false);
     }
-    eprint!("submit that? [y/N] ");
+    write!(io::stderr(), "submit that? [y/N] ")?;
     io::stderr().flush()?;
     let mut answer = String::new();
     io::stdin().lock().read_line(&mut answer)?;

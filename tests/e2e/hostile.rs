@@ -175,6 +175,23 @@ fn a_full_disk_is_74() {
     assert_eq!(status.code(), Some(74));
 }
 
+/// What is said on standard error is beside the point: the work is done, and the code is that of the work.
+#[test]
+#[cfg(target_os = "linux")]
+fn nobody_has_to_hear_what_is_said() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name).display().to_string();
+    fs::write(at("m.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1 2 3\n").unwrap();
+    let deaf = |line: &str| {
+        let words: Vec<_> = line.split(' ').map(|word| word.replace("{}", &at("")).into()).collect();
+        let full = fs::File::options().write(true).open("/dev/full").unwrap();
+        command(&words).stdout(Stdio::null()).stderr(full).status().unwrap().code()
+    };
+    assert_eq!(deaf("capture {}m.obj --size 16x16 -o {}a.rtrace"), Some(0), "of two warnings");
+    assert_eq!(deaf("replay {}a.rtrace --machine none"), Some(0));
+    assert_eq!(deaf("info {}none.rtrace"), Some(2));
+}
+
 /// Rayon tried to start them, for minutes, and panicked.
 #[test]
 fn threads_are_as_many_as_can_be_started() {

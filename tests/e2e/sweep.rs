@@ -237,6 +237,14 @@ fn shards_on_the_command_line_make_the_whole() {
     let told = place.run("resume {split} --dry-run").expect(0);
     assert!(told.out.contains("6 of 6 points on this machine") && told.err.is_empty(), "{told:?}");
     place.run("resume {split} --mem 8G").expect(2).says(&["--mem", "are for a cluster", "sweep submit"]);
+    for option in ["--mem 8G", "--shards 3", "--setup true", "-- --qos=long"] {
+        place.run(&format!("submit {{split}} --engine local {option}")).expect(2).says(&["--mem", "are for a cluster"]);
+    }
+    place
+        .run("submit {split} --engine slurm --dry-run --mem much")
+        .expect(2)
+        .says(&["a whole number with K, M, G or T"]);
+    place.run("submit {split} --engine slurm --dry-run -- long").expect(2).says(&["long is none: they begin with -"]);
     place.run("status {split}").expect(3).prints(&["0 of 6 points done"]);
     place.run("run {split} --shard 2/3 --quiet").expect(0).says(&["shard 2/3", "2 points", "2 computed"]);
     place.run("merge {split}").expect(3).says(&["missing 4 of 6 points", "sweep resume"]);

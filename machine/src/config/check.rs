@@ -6,7 +6,7 @@ use super::cache::L1;
 use super::energy::Energy;
 use super::layout::LayoutSizes;
 use super::schema::MACHINES;
-use super::srp::Kernels;
+use super::srp::{Divergence, Kernels};
 use super::ti::Pipeline;
 use super::whole::MachineConfig;
 
@@ -219,6 +219,29 @@ fn dram(config: &MachineConfig) -> Option<Conflict> {
             Conflict::new(["dram.trefi", "dram.trfc", "dram.trp_all", "dram.tras", "dram.trp"], detail)
         })
     })
+    .or_else(|| {
+        // Also where activates are far apart a row is read before the next refresh closes it, or none ever is.
+        let bursts = line.div_ceil(dram.burst_bytes);
+        let need = dram.tfaw + dram.trcd + bursts * dram.tccd.max(4) + dram.trp_all;
+        (dram.trefi <= need).then(|| {
+            let detail = format!(
+                "dram.trefi = {} leaves no time to read a row between refreshes (tFAW, tRCD, the bursts of a line and tRPab take {need})",
+                dram.trefi
+            );
+            Conflict::new(["dram.trefi", "dram.tfaw", "dram.trcd", "dram.tccd", "dram.trp_all"], detail)
+        })
+    })
+    .or_else(|| {
+        // The command of each burst is on the bus for 4 cycles.
+        (dram.tccd < 4 && line > dram.burst_bytes).then(|| {
+            let detail = format!(
+                "dram.tccd = {} is less than the 4 cycles of a column command, and a line of l2.line_bytes = {line} takes several \
+                 (dram.burst_bytes = {})",
+                dram.tccd, dram.burst_bytes
+            );
+            Conflict::new(["dram.tccd", "dram.burst_bytes", "l2.line_bytes"], detail)
+        })
+    })
     .or_else(|| below(("write_high", dram.write_high), ("write_queue_entries", dram.write_queue_entries)))
     .or_else(|| {
         (dram.write_low >= dram.write_high).then(|| {
@@ -264,6 +287,10 @@ fn srp(config: &MachineConfig) -> Option<Conflict> {
     if srp.batch_min > srp.batch_max {
         let detail = format!("srp.batch_min = {} is more than srp.batch_max = {}", srp.batch_min, srp.batch_max);
         return Some(Conflict::new(["srp.batch_min", "srp.batch_max"], detail));
+    }
+    if srp.ideal && srp.divergence == Divergence::Naive {
+        let detail = "srp.divergence = \"naive\" pays for the branches of a batch, and srp.ideal = true has no batches; take \"inspector\"";
+        return Some(Conflict::new(["srp.ideal", "srp.divergence"], detail));
     }
     (srp.sample.total() == 0).then(|| {
         let fields = (MACHINES.schema)("").keys().iter().map(|key| key.name);

@@ -1,7 +1,7 @@
 //! Sizes that follow from several settings: those of the memories of T&I units, which leak and take area by them, and how many rays
 //! are few.
 
-use super::ti::MissHandling;
+use super::ti::{MissHandling, Pipeline};
 use super::whole::MachineConfig;
 
 impl MachineConfig {
@@ -30,9 +30,11 @@ impl MachineConfig {
     /// Bytes of the ray buffers of all cores, with the rows in which rays accumulate.
     pub fn ray_buffer_bytes(&self) -> u64 {
         let ti = &self.ti;
+        // Units that gather rays, and processors, handle misses in their own ways: they have no rows, whatever is set.
+        let has_rows = matches!(ti.pipeline, Pipeline::Parallel | Pipeline::Single | Pipeline::Unified);
         let rows = |mode| match mode {
-            MissHandling::Accumulate => u64::from(ti.accumulate_rows) * u64::from(self.l2.line_bytes),
-            MissHandling::Retry | MissHandling::Reorder => 0,
+            MissHandling::Accumulate if has_rows => u64::from(ti.accumulate_rows) * u64::from(self.l2.line_bytes),
+            MissHandling::Accumulate | MissHandling::Retry | MissHandling::Reorder => 0,
         };
         let records = |count: u32| u64::from(count) * u64::from(ti.ray_record_bytes);
         let core = records(ti.ray_fifo_entries)

@@ -1,11 +1,13 @@
 //! What is worked is the same on every machine; and every cycle and every joule is accounted for.
 
-use rayreel_machine::config::{Divergence, MachineConfig, PRESETS, PrimaryVisibility};
-use rayreel_machine::energy::{EnergyReport, Group};
+use std::collections::BTreeSet;
+
+use rayreel_machine::config::{Divergence, MachineConfig, PRESETS, Pipeline, PrimaryVisibility};
+use rayreel_machine::energy::{EnergyReport, Group, watts};
 use rayreel_machine::srp::{Needs, missing_kernels};
 use rayreel_machine::stats::Stats;
-use rayreel_machine::work::TileWork;
 use rayreel_machine::work::synthetic::Random;
+use rayreel_machine::work::{NO_TRIANGLE, TileWork};
 
 use super::bounds::{Demand, intervals_and_ops};
 use super::harness::{SHAPE, machine, random_machine, random_work, recorded, run_real};
@@ -48,7 +50,18 @@ fn assert_work(what: &str, config: &MachineConfig, tiles: &[TileWork], stats: &S
             let sorted = (asked.items[1] + asked.items[4]) * u64::from(config.srp.inspector_ops);
             assert_eq!(ran, ops + rays + sorted, "{what}");
         }
-        Divergence::Naive => assert!(ran >= ops + rays, "{what}"),
+        Divergence::Naive => {
+            // Tiles of more than one material have mixed batches, unless batches are of one item.
+            let materials = |tile: &TileWork| {
+                let hits = tile.rays.iter().filter(|ray| ray.triangle != NO_TRIANGLE);
+                hits.map(|ray| ray.material).collect::<BTreeSet<_>>().len() as u64
+            };
+            let most = tiles.iter().map(materials).max().unwrap_or(0).max(2);
+            assert!(ran <= (ops + rays) * most, "{what}: all branches of every batch");
+            let alone = config.srp.gather_entries == 1
+                || config.ti.pipeline == Pipeline::Software && config.processor.lanes == 1;
+            assert!(if alone { ran == ops + rays } else { ran >= ops + rays }, "{what}");
+        }
     }
     let boxes = sum(&|c| c.ti.trv.iter().map(|t| t.events.box_tests).sum());
     let visits = sum(&|c| c.ti.trv.iter().map(|t| t.events.node_visits).sum());
@@ -112,7 +125,7 @@ fn assert_accounts(what: &str, config: &MachineConfig, stats: &Stats) {
     }
 }
 
-/// E = sum of parts, by component and by group; power x time = E, in whole femtojoules.
+/// E = sum of parts, by component and by group; power x time = E.
 fn assert_energy(what: &str, config: &MachineConfig, stats: &Stats) {
     let report = EnergyReport::new(config, stats);
     let parts: u128 = report.components.iter().map(|c| c.dynamic_fj + c.leakage_fj).sum();
@@ -129,11 +142,9 @@ fn assert_energy(what: &str, config: &MachineConfig, stats: &Stats) {
         assert!((2 * one.leakage_fj).abs_diff(two.leakage_fj) <= 2, "{what}: {}", one.name);
     }
     let seconds = stats.cycles as f64 / (f64::from(config.ti.clock_mhz) * 1e6);
-    let watts = parts as f64 * 1e-15 / seconds;
-    assert!(
-        (watts * seconds * 1e15 / parts as f64 - 1.0).abs() < 1e-12 && watts > 0.01 && watts < 20.0,
-        "{what}: {watts} W"
-    );
+    let watts = watts(report.gpu_fj(), stats.cycles, config.ti.clock_mhz);
+    let joules: f64 = report.components.iter().map(|c| (c.dynamic_fj + c.leakage_fj) as f64 * 1e-15).sum();
+    assert!((watts * seconds / joules - 1.0).abs() < 1e-9 && watts > 0.01 && watts < 20.0, "{what}: {watts} W");
 }
 
 fn assert_all(what: &str, config: &MachineConfig, tiles: &[TileWork], stats: &Stats) {
@@ -173,6 +184,7 @@ fn every_preset_does_the_recorded_work() {
 
 #[test]
 fn random_machines_do_the_same_work() {
+    let (mut naives, mut dearer) = (0, 0);
     for seed in 0..30 {
         let (tree, tiles) = random_work(seed);
         let mut config = random_machine(&mut Random(seed + 77));
@@ -182,5 +194,16 @@ fn random_machines_do_the_same_work() {
         }
         let stats = run_real(&config, (&tree, &tiles), SHAPE);
         assert_all(&format!("seed {seed}"), &config, &tiles, &stats);
+        if config.srp.gather_entries > 1 {
+            let ops = |stats: &Stats| stats.cores.iter().flat_map(|c| &c.srp.kernels).map(|k| k.ops).sum::<u64>();
+            config.srp.divergence = Divergence::Naive;
+            let naive = run_real(&config, (&tree, &tiles), SHAPE);
+            assert_all(&format!("seed {seed}, naive"), &config, &tiles, &naive);
+            let inspector = u64::from(config.srp.inspector_ops);
+            let sorted = |k: usize| stats.cores.iter().map(|c| c.srp.kernels[k].items).sum::<u64>() * inspector;
+            dearer += u32::from(ops(&naive) > ops(&stats) - sorted(1) - sorted(4));
+            naives += 1;
+        }
     }
+    assert!(naives > 10 && dearer * 2 > naives, "batches of several materials pay for all: {dearer} of {naives}");
 }

@@ -42,6 +42,8 @@ def path(wanted: Location) -> str:
         found = os.fsdecode(wanted)
     except TypeError:
         raise Error(f"a path is text, bytes or a path, not {wanted!r}") from None
+    if not found:
+        raise Error("the path is empty; give that of a file")
     if re.match(r"[A-Za-z][A-Za-z0-9+.-]*://", found):
         raise Error(f"{found} is a URL, and only local files are read; download it, and give the path of the file")
     return found
@@ -85,8 +87,10 @@ def frames(wanted: Frames | None) -> tuple[int, int] | None:
 
 def tiles(wanted: Tiles | None) -> str | None:
     """The tiles as text."""
-    if wanted is None or isinstance(wanted, str):
-        return wanted
+    if wanted is None:
+        return None
+    if isinstance(wanted, str):
+        return text("tiles", wanted)
     first, end = _numbers("tiles", wanted, "0..8,17")
     return f"{first}..{end}"
 
@@ -96,7 +100,7 @@ def overrides(wanted: Overrides | None) -> list[str]:
     if wanted is None:
         return []
     if isinstance(wanted, Mapping):
-        return [f"{key}={_setting(value)}" for key, value in wanted.items()]
+        return [text("set", f"{key}={_setting(value)}") for key, value in wanted.items()]
     return texts("set", wanted)
 
 
@@ -104,6 +108,17 @@ def _setting(value: object) -> object:
     if isinstance(value, (bool, np.bool_)):
         return "true" if value else "false"
     return value
+
+
+def text(argument: str, wanted: str) -> str:
+    """Text that is UTF-8: what stands for other bytes in the name of a file is none."""
+    if not isinstance(wanted, str):
+        raise Error(f"{argument} is text, not {wanted!r}")
+    try:
+        wanted.encode()
+    except UnicodeEncodeError:
+        raise Error(f"{argument} is no UTF-8: {wanted!r}; files of policies and machines have names in UTF-8") from None
+    return wanted
 
 
 def texts(argument: str, wanted: str | Sequence[str]) -> list[str]:
@@ -115,6 +130,7 @@ def texts(argument: str, wanted: str | Sequence[str]) -> list[str]:
     for word in words:
         if not isinstance(word, str):
             raise Error(f"{argument} is made of text, not of {word!r}")
+        text(argument, word)
     return words
 
 
@@ -123,14 +139,15 @@ def preset_or_file(argument: str, wanted: PresetOrFile | None) -> str | None:
     if wanted is None:
         return None
     try:
-        return os.fsdecode(wanted)
+        found = os.fsdecode(wanted)
     except TypeError:
         raise Error(f"{argument} is the name of a preset, or a file, not {wanted!r}") from None
+    return text(argument, found)
 
 
 def policy(wanted: object) -> object:
     """The name of a preset or of a file, or an object."""
-    return os.fsdecode(wanted) if isinstance(wanted, (str, bytes, os.PathLike)) else wanted
+    return text("policy", os.fsdecode(wanted)) if isinstance(wanted, (str, bytes, os.PathLike)) else wanted
 
 
 def machine(wanted: PresetOrFile | None) -> str:

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-import os
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from . import _arguments
+from ._arguments import Location
 from ._native import Error
 
 if TYPE_CHECKING:
@@ -13,8 +14,8 @@ if TYPE_CHECKING:
     import pyarrow
 
 
-def _file(folder: str | os.PathLike[str]) -> Path:
-    path = Path(folder)
+def _file(folder: Location) -> Path:
+    path = Path(_arguments.path(folder))
     if path.is_dir():
         path = path / "results.parquet"
     if not path.is_file():
@@ -26,7 +27,7 @@ def _unreadable(path: Path, error: Exception) -> Error:
     return Error(f"{path} cannot be read as a Parquet file: {error}")
 
 
-def read_results(folder: str | os.PathLike[str]) -> pyarrow.Table:
+def read_results(folder: Location) -> pyarrow.Table:
     """The table of a sweep: of its folder, or of a Parquet file. Needs pyarrow. Units and meanings stand in the metadata."""
     import pyarrow as pa
     import pyarrow.parquet as pq
@@ -38,7 +39,7 @@ def read_results(folder: str | os.PathLike[str]) -> pyarrow.Table:
         raise _unreadable(path, error) from error
 
 
-def open_results(folder: str | os.PathLike[str]) -> polars.DataFrame:
+def open_results(folder: Location) -> polars.DataFrame:
     """The same as a data frame of polars; needs polars."""
     import polars as pl
 

@@ -127,7 +127,7 @@ class Trace:
         `requests`, `counters` or `tiles`. The arguments are the options of `rayreel export`; one that means nothing for
         the table is refused. Of columns that are not asked for nothing is kept."""
         asked = _arguments.asked(columns, frames, tiles, policy, machine, set, interval)
-        columns_by_name = self._recorded.table(what, asked)
+        columns_by_name = self._recorded.table(_arguments.text("what", what), asked)
         return Table(tables()[what], columns_by_name)
 
     def batches(
@@ -144,7 +144,8 @@ class Trace:
     ) -> Iterator[Table]:
         """The same table in parts of some 100 000 rows, 131 072 at most, made in the background: memory does not depend on its
         length. Each part has rows, but that of a table without any."""
-        batches = self._recorded.batches(what, _arguments.asked(columns, frames, tiles, policy, machine, set, interval))
+        asked = _arguments.asked(columns, frames, tiles, policy, machine, set, interval)
+        batches = self._recorded.batches(_arguments.text("what", what), asked)
         # Unlike a generator, this goes on after an interruption.
         return map(partial(Table, tables()[what]), batches)
 
@@ -189,7 +190,7 @@ class Trace:
     ) -> Result:
         """The same on a machine: a preset or a file. `detail` is that of `rayreel replay`: `full`, `all`, `counts`, a share of the
         tiles, or `precision P`. Under a policy of yours every cycle is simulated, whatever share is asked for."""
-        return self._replay(policy, _arguments.machine(machine), set, frames, str(detail), pictures, compare)
+        return self._replay(policy, _arguments.machine(machine), set, frames, _arguments.text("detail", str(detail)), pictures, compare)
 
     def _replay(
         self,

@@ -118,6 +118,8 @@ pub(crate) fn surface(
     if transmission > 0.0 {
         (out.optics, out.ior, out.specular) = (Optics::Dielectric, ior, Vec3::ONE);
         out.transmission = (tint * transmission).min(Vec3::ONE);
+        // Clear glass has the highlight of smooth glass.
+        out.shininess = shininess(0.0);
         if roughness >= GLOSSY {
             warnings.add("frosted", || format!("{place}: rough glass is drawn clear"));
         }

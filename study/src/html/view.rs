@@ -3,7 +3,7 @@
 use rayreel_replay::detail::FLOOR;
 
 use crate::html::charts::gallery::Gallery;
-use crate::html::charts::svg::{COLOURS, marker};
+use crate::html::charts::svg::{COLOURS, FULL, marker};
 use crate::html::magnitude::{ENERGY, Unit, for_all};
 use crate::html::parts::{legend, line_key, symbol};
 use crate::schema::{GainBand, Point, Scene, Study};
@@ -37,7 +37,7 @@ impl Look {
 
     /// Dash pattern of its line.
     pub fn dash(self) -> &'static str {
-        ["", "7 3", "2 3", "9 3 2 3", "5 2", "1 4"][self.shape % 6]
+        if self.shape == FULL { "12 2" } else { ["", "7 3", "2 3", "9 3 2 3", "5 2", "1 4"][self.shape % 6] }
     }
 }
 
@@ -109,7 +109,7 @@ impl<'a> StudyView<'a> {
     pub fn look(&self, policy: &str) -> Look {
         let full = self.points.iter().any(|p| p.kind == "full" && p.policy == policy) || policy == "full";
         if full {
-            return Look { colour: None, shape: 3 };
+            return Look { colour: None, shape: FULL };
         }
         let mut all: Vec<&str> = self.study.policies.iter().map(|p| p.name.as_str()).filter(|p| *p != "full").collect();
         let named = self.study.tracks.iter().map(|t| t.policy.as_str());

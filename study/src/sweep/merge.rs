@@ -163,9 +163,7 @@ impl Table<'_> {
 
     /// How much was simulated: nothing is said of points without a machine.
     fn detail(&self) -> Field {
-        let plan = self.plan;
-        let simulates = |p: &&PointRef| !plan.machines[p.machine].toml.is_empty();
-        let text = |p: &PointRef| Some(p).filter(simulates).map(|p| plan.details[p.detail].clone());
+        let text = |p: &PointRef| self.plan.detail_text(p).map(str::to_owned);
         self.point("detail", "how much was simulated cycle by cycle", Cells::Text(self.each(text)))
     }
 

@@ -92,6 +92,17 @@ fn each_detail_is_a_point_of_its_own() {
         SMALL.replace("exclude", "# ")
     ));
     assert_eq!(some.unwrap().points.iter().filter(|p| p.detail == 1).count(), 3);
+    // A point of which nothing is simulated has no detail to be left out by, whatever stands first.
+    for details in ["\"full\", 0.1", "0.1, \"full\""] {
+        let exclude = "exclude = [\"detail == 'full'\"]";
+        let rest = plan(&format!("detail = [{details}]\n{exclude}\n{}", SMALL.replace("exclude", "# "))).unwrap();
+        let described: Vec<String> = (0..rest.points.len()).map(|point| rest.describe(point)).collect();
+        let none = described
+            .iter()
+            .filter(|text| text.contains(" on none "))
+            .inspect(|text| assert!(!text.contains("detail")));
+        assert!(none.count() > 0 && described.iter().all(|text| !text.contains("detail full")), "{described:?}");
+    }
     let mut broken = both.clone();
     broken.details[1] = "half".into();
     assert!(Plan::from_json(&broken.to_json().unwrap()).unwrap_err().contains("\"half\" is no detail"));

@@ -93,7 +93,7 @@ fn upright(svg: &mut Svg, group: &Group, [start, slot]: [f64; 2], y: &Scale, bot
         if i + 1 == group.bars.len() {
             let text = factor(value).trim_end_matches('×').to_owned();
             // There is room above the low bar of power, and the bracket stands at the right.
-            svg.text(x + width + 1.0, ends[1] - 4.0, "value e", &text);
+            svg.text(x + width + 1.0, ends[1] - 4.0, "value over e", &text);
         }
     }
     if let Some(band) = group.band {
@@ -157,11 +157,13 @@ pub fn rows(rows: &[HorizontalBar], most: f64, zone: Option<(f64, Option<f64>)>,
         let y = top + ROW * i as f64;
         svg.text(left - 6.0, y + 13.5, "label e", &shortened(&row.name, NAME_MAX));
         svg.mark([left, y + 3.0, x.at(row.value) - left, ROW - 7.0], &row.class, 1.0, &row.tip);
-        let ends = ends(row.value, row.within).map(|end| x.at(end));
-        svg.level_interval(y + ROW / 2.0 - 0.5, ends);
-        svg.text(ends[1] + 5.0, y + 13.5, "value s", &row.text);
+        svg.level_interval(y + ROW / 2.0 - 0.5, ends(row.value, row.within).map(|end| x.at(end)));
     }
     svg.line([x.at(1.0), top - 4.0], [x.at(1.0), bottom], "one");
+    for (i, row) in rows.iter().enumerate() {
+        let [_, end] = ends(row.value, row.within);
+        svg.text(x.at(end) + 5.0, top + ROW * i as f64 + 13.5, "value over s", &row.text);
+    }
     svg.line([left, top - 4.0], [left, bottom], "axis");
     let mut data = Data::new(&["name", "factor", &interval_of("factor"), "text", "paper_least", "paper_most"]);
     for row in rows {

@@ -120,9 +120,26 @@ pub fn dashed(dash: &str) -> String {
 /// Number of colours that values take in turn: classes `p0`, `p1` and so on of `chart.css`. Shapes are 6, so 42 values look different.
 pub const COLOURS: usize = 7;
 
+/// The shape of full sampling: no policy takes it in turn.
+pub const FULL: usize = usize::MAX;
+
 /// Markers that differ in shape, so that colour is never all that tells them apart. About 10 units across.
 pub fn marker(shape: usize, x: f64, y: f64) -> String {
     let points: &[[f64; 2]] = match shape % 6 {
+        _ if shape == FULL => &[
+            [0.0, -2.4],
+            [2.8, -5.2],
+            [5.2, -2.8],
+            [2.4, 0.0],
+            [5.2, 2.8],
+            [2.8, 5.2],
+            [0.0, 2.4],
+            [-2.8, 5.2],
+            [-5.2, 2.8],
+            [-2.4, 0.0],
+            [-5.2, -2.8],
+            [-2.8, -5.2],
+        ],
         0 => return format!("M{} {}a5 5 0 1 0 10 0a5 5 0 1 0 -10 0z", n(x - 5.0), n(y)),
         1 => &[[-4.4, -4.4], [4.4, -4.4], [4.4, 4.4], [-4.4, 4.4]],
         2 => &[[0.0, -5.6], [5.4, 4.2], [-5.4, 4.2]],

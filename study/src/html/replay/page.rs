@@ -161,8 +161,9 @@ fn pictures(replay: &Folder) -> Option<Section> {
     let html = format!("{controls}<div class=\"frames\">\n{gallery}</div>\n")
         + &how_to_read(
             "Result is the policy's picture, reference every sample traced; error is their difference times 8; flip is where a viewer \
-             sees it, from black to yellow. In similarity yellow was interpolated and blue was traced; rate is the share of traced \
-             samples in each tile, from dark blue (none) to light yellow (all).",
+             sees it, from black to yellow. In similarity yellow was interpolated, blue was traced, and of green a part of the rays \
+             was traced; a sample that is always traced has the mean of its block. Rate is the share of traced samples in each tile, from dark \
+             blue (none) over green (a quarter) to light yellow (all).",
         );
     Section::new("pictures", "Pictures", html)
 }

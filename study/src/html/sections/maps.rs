@@ -24,8 +24,8 @@ pub fn section(view: &StudyView<'_>, pictures: &Pictures) -> Option<Section> {
     }
     if !html.is_empty() {
         html += &how_to_read(
-            "One column a frame. Similarity: yellow was interpolated, blue was traced. Rate: the share of traced samples \
-             in each tile, from dark blue (none) over green to light yellow (all). Where similarity changes from tile to tile or from frame to frame, \
+            "One column a frame. Similarity: yellow was interpolated, blue was traced, and of green a part of the rays was traced. Rate: the \
+             share of traced samples in each tile, from dark blue (none) over green (a quarter) to light yellow (all). Where similarity changes from tile to tile or from frame to frame, \
              a rate for each tile makes use of it.",
         );
     }

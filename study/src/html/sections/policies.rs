@@ -102,7 +102,9 @@ fn overall(view: &StudyView<'_>, mode: &str) -> String {
         return String::new();
     }
     let mut dots = Vec::new();
-    for policy in view.policies(Some(mode)) {
+    // Full sampling is in the charts of the scenes too: what it beats is beaten.
+    let full = view.points.iter().find(|p| p.kind == "full" && p.mode == mode).map(|p| p.policy.as_str());
+    for policy in full.into_iter().chain(view.policies(Some(mode))) {
         let Some(points) = view.everywhere(mode, policy) else { continue };
         let Some(mean) = geometric_mean(points.iter().map(|p| gain(p))) else { continue };
         let Some(qualities) = points.iter().map(|p| p.quality).collect::<Option<Vec<_>>>() else { continue };

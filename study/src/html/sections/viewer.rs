@@ -114,8 +114,9 @@ pub fn section(view: &StudyView<'_>, pictures: &Pictures) -> Option<Section> {
     ) + &how_to_read(
         "Reference is every sample traced; result is the policy's picture; error is their difference, amplified; FLIP is where a viewer \
          sees that difference (FLIP), from black to yellow. In the \
-         similarity map yellow was interpolated and blue was traced. The rate map shows the share of traced samples in each tile, \
-         from dark blue (none) over green to light yellow (all). Tile numbers are those of the policy's picture.",
+         similarity map yellow was interpolated, blue was traced, and of green a part of the rays was traced; a sample that is always traced \
+         has the mean of its block. The rate map shows the share of traced samples in each tile, from dark blue (none) over green (a \
+         quarter) to light yellow (all). Tile numbers are those of the policy's picture.",
     );
     Section::new("pictures", "Pictures", html)
 }

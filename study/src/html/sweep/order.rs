@@ -95,8 +95,13 @@ fn class(look: usize) -> String {
 fn chart(order: &PolicyOrder, looks: &[usize]) -> Chart {
     let gains = |row: &OrderRow| (0..order.policies.len()).filter_map(|policy| row.mean(policy)).collect::<Vec<_>>();
     let ends = extent(order.rows.iter().flat_map(gains)).unwrap_or([0.0, 1.0]);
-    let (left, top) = (WIDTH * 0.42, 8.0);
-    let bottom = top + ROW * order.rows.len() as f64;
+    // Names that are longer than that stand above their rows.
+    let beside = WIDTH * 0.42;
+    let longest = order.rows.iter().map(|row| row.name.chars().count()).max().unwrap_or(0);
+    let is_beside = longest as f64 * LETTER <= beside - 8.0;
+    let (left, row_height) = if is_beside { (beside, ROW) } else { (12.0, 2.0 * ROW) };
+    let top = 8.0;
+    let bottom = top + row_height * order.rows.len() as f64;
     let x = Scale::nice(ends, 5, [left, WIDTH - 12.0]);
     let mut svg = Svg::new(WIDTH, bottom + 24.0);
     for (tick, text) in x.named_ticks(|tick| x.label(tick) + "×") {
@@ -104,8 +109,13 @@ fn chart(order: &PolicyOrder, looks: &[usize]) -> Chart {
         svg.text(x.at(tick), bottom + 15.0, "tick m", &text);
     }
     for (i, row) in order.rows.iter().enumerate() {
-        let y = top + ROW * (i as f64 + 0.5);
-        svg.text(left - 8.0, y + 4.0, "tick e", &shortened(&row.name, ((left - 8.0) / LETTER) as usize));
+        let end = top + row_height * (i as f64 + 1.0);
+        let y = end - ROW / 2.0;
+        if is_beside {
+            svg.text(left - 8.0, y + 4.0, "tick e", &row.name);
+        } else {
+            svg.text(0.0, end - ROW - 4.0, "tick", &shortened(&row.name, (WIDTH / LETTER) as usize));
+        }
         for (policy, name) in order.policies.iter().enumerate() {
             let Some(gain) = row.mean(policy) else { continue };
             svg.raw(&format!(

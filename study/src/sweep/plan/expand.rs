@@ -253,7 +253,7 @@ impl Expander<'_> {
 
     /// The names that constraints know, with their values at a point.
     fn variables(&self, trace: &TraceRef, point: &PointRef) -> Vec<(String, Option<Scalar>)> {
-        let PointRef { machine, policy, frames, detail, values, .. } = point;
+        let PointRef { machine, policy, frames, values, .. } = point;
         let word = |text: &str| Some(Scalar::Word(text.to_owned()));
         let number = |value: u32| Some(Scalar::Integer(value.into()));
         let mut all = vec![
@@ -266,7 +266,7 @@ impl Expander<'_> {
             ("samples".to_owned(), number(trace.samples)),
             ("first_frame".to_owned(), number(frames.0)),
             ("frames".to_owned(), number(frames.1)),
-            ("detail".to_owned(), word(&self.plan.details[*detail])),
+            ("detail".to_owned(), self.plan.detail_text(point).and_then(word)),
         ];
         for (axis, value) in self.plan.axes.iter().zip(values) {
             all.push((axis.name.clone(), value.map(|value| axis.values[value].value.clone())));

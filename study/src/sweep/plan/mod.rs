@@ -205,6 +205,11 @@ impl Plan {
         self.details[point.detail].parse().map_err(|detail| StudyError::Usage { detail })
     }
 
+    /// The same as text; none where there is no machine, of which nothing is simulated.
+    pub fn detail_text(&self, point: &PointRef) -> Option<&str> {
+        (!self.machines[point.machine].is_none()).then(|| self.details[point.detail].as_str())
+    }
+
     /// What point `index` is, in words: for messages and progress.
     pub fn describe(&self, index: usize) -> String {
         let point = &self.points[index];
@@ -221,8 +226,8 @@ impl Plan {
                 text += &format!(" {}={}", axis.name, axis.values[*value].label);
             }
         }
-        if !detail::is_full(&self.details) {
-            text += &format!(" detail {}", self.details[point.detail]);
+        if let Some(detail) = self.detail_text(point).filter(|_| !detail::is_full(&self.details)) {
+            text += &format!(" detail {detail}");
         }
         text
     }

@@ -58,6 +58,20 @@ fn distance(a: &Sent, b: &Sent, t: &config::Dram) -> u32 {
     first.max(bus)
 }
 
+/// Before command `b` a row of its bank was closed without a command: there was time for a PRE, and under `Timeout` the row was left
+/// alone for as long as that takes.
+fn closed_by_itself(sent: &[Sent], b: Sent, t: &config::Dram) {
+    let close = Sent { command: Precharge, ..b };
+    let here = || sent.iter().filter(|a| a.bank == b.bank && !matches!(a.command, Refresh | PrechargeAll));
+    for a in here() {
+        assert!(b.at - a.at >= u64::from(distance(a, &close, t) + distance(&close, &b, t)), "{a:?}, {b:?}");
+    }
+    if t.page_policy == PagePolicy::Timeout {
+        let last = here().filter(|a| matches!(a.command, Activate | Read | Write)).next_back().unwrap();
+        assert!(b.at - last.at >= u64::from(t.page_timeout), "{last:?}, {b:?}");
+    }
+}
+
 fn check(sent: &[Sent], t: &config::Dram) {
     let mut rows = vec![None; t.banks as usize];
     for (i, b) in sent.iter().enumerate() {
@@ -68,18 +82,19 @@ fn check(sent: &[Sent], t: &config::Dram) {
             Activate if rows[b.bank].is_some() => {
                 // Closed without a command: there was time for a PRE after all that came before.
                 assert_ne!(t.page_policy, PagePolicy::Open, "{b:?}");
-                for a in sent[..i].iter().filter(|a| a.bank == b.bank && !matches!(a.command, Refresh | PrechargeAll)) {
-                    let close = Sent { command: Precharge, ..*b };
-                    assert!(b.at - a.at >= u64::from(distance(a, &close, t) + distance(&close, b, t)), "{a:?}, {b:?}");
-                }
+                closed_by_itself(&sent[..i], *b, t);
                 rows[b.bank] = Some(b.row);
             }
             Activate => rows[b.bank] = Some(b.row),
             Read | Write => assert_eq!(rows[b.bank], Some(b.row), "{b:?}"),
-            Precharge => assert!(rows[b.bank].take().is_some() || t.page_policy != PagePolicy::Open, "{b:?}"),
+            Precharge => assert!(rows[b.bank].take().is_some(), "{b:?}"),
             PrechargeAll => rows.fill(None),
-            Refresh if t.page_policy != PagePolicy::Open => rows.fill(None),
-            Refresh => assert!(rows.iter().all(Option::is_none), "{b:?}"),
+            Refresh if t.page_policy == PagePolicy::Open => assert!(rows.iter().all(Option::is_none), "{b:?}"),
+            Refresh => {
+                let open = (0..rows.len()).filter(|bank| rows[*bank].is_some());
+                open.for_each(|bank| closed_by_itself(&sent[..i], Sent { bank, ..*b }, t));
+                rows.fill(None);
+            }
         }
     }
     let activates: Vec<_> = sent.iter().filter(|s| s.command == Activate).map(|s| s.at).collect();

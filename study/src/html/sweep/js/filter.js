@@ -39,7 +39,7 @@ sweep.filter = (() => {
     const last = (sweep.done.length > 0 ? sweep.done : sweep.all).at(-1);
     const of = (own) => {
       const value = sweep.text.value(own, own.values[last]);
-      return own.kind === "text" && !/^[0-9]/.test(value) ? `${own.name} = "${value}"` : `${own.name} >= ${value}`;
+      return own.kind === "text" && !/^[0-9]/.test(value) ? `${own.name} = "${value.replace(/["\\]/g, "\\$&")}"` : `${own.name} >= ${value}`;
     };
     const text = sweep.dimensions.filter((own) => own.values[last] !== null).slice(0, 2).map(of).join(" or ");
     try {

@@ -57,7 +57,7 @@ sweep.language = (() => {
   const near = (a, b) => a === b || (!(Number.isInteger(a) && Number.isInteger(b)) && Number.isFinite(a) && Number.isFinite(b) && Math.abs(a - b) <= 5e-7 * Math.max(Math.abs(a), Math.abs(b)));
   const equal = (a, b) => {
     if (isNumber(a) && isNumber(b)) return near(Number(a), Number(b));
-    if (Array.isArray(a) && Array.isArray(b)) return a.length === b.length && a.every((own, i) => equal(own, b[i]));
+    if (Array.isArray(a) && Array.isArray(b)) return Boolean(a.isTuple) === Boolean(b.isTuple) && a.length === b.length && a.every((own, i) => equal(own, b[i]));
     return a === b;
   };
   const order = (a, b) => {
@@ -139,10 +139,14 @@ sweep.language = (() => {
       return all;
     };
     const tuple = () => {
-      const first = either();
-      if (!take(",")) { wanted(")"); return first; }
-      const all = [first, ...items(")")];
-      return (of) => all.map((one) => one(of));
+      const all = [];
+      if (now().kind !== ")") {
+        const first = either();
+        if (!take(",")) { wanted(")"); return first; }
+        all.push(first);
+      }
+      all.push(...items(")"));
+      return (of) => Object.assign(all.map((one) => one(of)), { isTuple: true });
     };
     const primary = () => {
       const own = now();

@@ -28,7 +28,9 @@ sweep.point = (() => {
   const quoted = (word) => (/^[\w\-./=:,@%+]+$/.test(word) ? word : `'${word.replaceAll("'", "'\\''")}'`);
   const command = (row) => {
     const of = (name) => sweep.column(name)?.values[row];
-    if (!["machine", "policy"].every((half) => Object.hasOwn(sweep.presets[half], of(half)))) return null;
+    // A machine of which nothing is simulated has no preset.
+    const isKnown = (half) => Object.hasOwn(sweep.presets[half], of(half)) || (half === "machine" && of(half) === "none");
+    if (!["machine", "policy"].every(isKnown)) return null;
     const first = of("first_frame");
     const parts = ["rayreel replay", quoted(of("trace")), `--frames ${first}..${first + of("frames")}`, `--machine ${of("machine")}`, `--policy ${of("policy")}`];
     const detail = of("detail") ?? "full";
