@@ -6,7 +6,7 @@ use std::path::Path;
 use rayreel_formats::Limits;
 use rayreel_formats::scene::Meta;
 use rayreel_formats::trace::Trace;
-use rayreel_machine::config::{NamedMachine, PRESETS};
+use rayreel_machine::config::{NamedMachine, PRESETS, Pipeline};
 use rayreel_machine::functional::{counted_counters, exact_counters};
 use rayreel_machine::memory::ChannelCounters;
 use rayreel_machine::stats::Stats;
@@ -54,8 +54,16 @@ fn check_counted(machine: &NamedMachine, full: &Stats, counts: &Stats) {
     }
     let name = &machine.name;
     let of_all = sums(full, &counted);
+    // Of so few tiles the pass knows no more than this; of machines that gather rays, or trace them by threads, less.
+    let keeps_time = !matches!(machine.config.ti.pipeline, Pipeline::Gathering | Pipeline::Software);
+    let most = if keeps_time { 2.5 } else { 5.0 };
     for (kind, found) in sums(counts, &counted) {
-        assert!(found > 0 || of_all[&kind] < MANY, "{name}: kind {kind} of Stats::each_mut: {}, and 0", of_all[&kind]);
+        let (ratio, all) = (found as f64 / of_all[&kind] as f64, of_all[&kind]);
+        let is_near = (1.0 / most..most).contains(&ratio);
+        assert!(
+            is_near || all < MANY,
+            "{name}: kind {kind} of Stats::each_mut: {all} in a simulation, {found} counted"
+        );
     }
     assert!(sums(counts, &other).values().all(|found| *found == 0), "{name}: {:?}", sums(counts, &other));
 }

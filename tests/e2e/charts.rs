@@ -87,6 +87,23 @@ fn they_are_written_without_a_browser() {
     assert_eq!(frames, format!("frame,Cycles\r\n{}", lines.collect::<String>()));
 }
 
+/// A policy that full sampling beats was drawn as one that none beats.
+#[test]
+fn full_sampling_stands_among_the_policies() {
+    let (folder, study) = (tempfile::tempdir().unwrap(), repository("releases/paper-full"));
+    rayreel!["report", &study, "--charts", folder.path()].expect(0);
+    for mode in ["2x2", "1x1"] {
+        let all = fs::read_to_string(folder.path().join(format!("policies-{mode}-all_scenes.csv"))).unwrap();
+        let full: Vec<&str> = all.lines().filter(|line| line.starts_with("full,inf,1,")).collect();
+        assert!(full.len() == 1, "{all}");
+        for line in all.lines().skip(1) {
+            let cells: Vec<&str> = line.split(',').collect();
+            let is_beaten = cells[2].parse::<f64>().unwrap() < 1.0;
+            assert!(!is_beaten || cells.last() == Some(&"false"), "{line}");
+        }
+    }
+}
+
 #[test]
 fn results_without_charts_are_named() {
     let folder = tempfile::tempdir().unwrap();

@@ -6,6 +6,7 @@ use std::path::Path;
 use serde_json::{Value, json};
 
 use crate::browser::Browser;
+use crate::common::repository;
 use crate::common::small_sweep::{POINTS, small_sweep};
 use crate::page::Page;
 use crate::rayreel;
@@ -186,6 +187,21 @@ fn failed_points_and_single_ones_are_shown() {
     page.holds("document.getElementById('chosen').offsetHeight > 100");
     page.holds("document.getElementById('chosen').textContent.includes('time_ms')");
     page.holds("![...document.querySelectorAll('#chosen dd')].some(d => /^1\\u202f[a-z]{3,}s$/.test(d.textContent))");
+    page.is_sound();
+    // Points of which nothing is simulated have a command too.
+    let (plan, sweep) = (folder.path().join("none.toml"), folder.path().join("none.sweep"));
+    let trace = repository("traces/v1_0_cornell.rtrace");
+    let axis = "[[axis]]\nname = \"block\"\nkey = \"block\"\nvalues = [2, 4]\n";
+    fs::write(&plan, format!("traces = [{trace:?}]\nmachines = [\"none\"]\npolicies = [\"adaptive\"]\n{axis}"))
+        .unwrap();
+    rayreel!["sweep", "--quiet", &plan, "-o", &sweep].expect(0);
+    rayreel!["report", &sweep].expect(0);
+    browser.open(&sweep.join("results.html"));
+    page.click("#points-table .pick");
+    page.holds(
+        "document.querySelector('#chosen .command code').textContent.endsWith('--machine none --policy adaptive --set block=4') || \
+         document.querySelector('#chosen .command code').textContent.endsWith('--machine none --policy adaptive')",
+    );
     page.is_sound();
 }
 

@@ -49,6 +49,19 @@ fn glass_has_the_index_and_the_tint_of_the_file() {
     assert!(close(glass.transmission, [0.4, 0.2, 0.1]) && close(glass.diffuse, [0.4, 0.2, 0.1]), "{glass:?}");
 }
 
+/// It glowed: its highlight was as wide as that of a rough surface and as strong as that of glass.
+#[test]
+fn rough_glass_is_drawn_as_clear_glass() {
+    let glass = |roughness: f32| {
+        let mut glass = pbr(0.0, roughness);
+        glass["extensions"] = json!({"KHR_materials_transmission": {"transmissionFactor": 1.0}});
+        material(glass)
+    };
+    let (clear, rough) = (glass(0.0), glass(1.0));
+    assert_eq!((rough.optics, rough.specular, rough.shininess), (Optics::Dielectric, Vec3::ONE, clear.shininess));
+    assert_eq!(format!("{rough:?}"), format!("{clear:?}"));
+}
+
 #[test]
 fn metal_lets_no_light_through() {
     let read = |metallic: f32| {

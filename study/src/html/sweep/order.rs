@@ -15,8 +15,9 @@ const ROWS_MAX: usize = 60;
 /// Width of a letter beside it, roughly.
 const LETTER: f64 = 6.0;
 
-/// Height of a row of the chart.
+/// Height of a row of the chart, and of a line of a name above it.
 const ROW: f64 = 19.0;
+const LINE: f64 = 15.0;
 
 /// The section.
 pub fn section(view: &SweepView<'_>) -> Option<Section> {
@@ -91,6 +92,21 @@ fn class(look: usize) -> String {
     format!("p{}", look % COLOURS)
 }
 
+/// The values of a name in lines of at most so many characters.
+fn wrapped(name: &str, most: usize) -> Vec<String> {
+    let mut lines: Vec<String> = Vec::new();
+    for value in name.split(", ") {
+        match lines.last_mut().filter(|line| line.chars().count() + value.chars().count() + 2 < most) {
+            Some(line) => *line += &format!(", {value}"),
+            None => lines.push(value.to_owned()),
+        }
+    }
+    // A comma says that the name goes on.
+    let last = lines.len() - 1;
+    let line = |(i, line): (usize, &String)| shortened(line, most) + if i < last { "," } else { "" };
+    lines.iter().enumerate().map(line).collect()
+}
+
 /// A line a row, a marker a policy.
 fn chart(order: &PolicyOrder, looks: &[usize]) -> Chart {
     let gains = |row: &OrderRow| (0..order.policies.len()).filter_map(|policy| row.mean(policy)).collect::<Vec<_>>();
@@ -99,7 +115,9 @@ fn chart(order: &PolicyOrder, looks: &[usize]) -> Chart {
     let beside = WIDTH * 0.42;
     let longest = order.rows.iter().map(|row| row.name.chars().count()).max().unwrap_or(0);
     let is_beside = longest as f64 * LETTER <= beside - 8.0;
-    let (left, row_height) = if is_beside { (beside, ROW) } else { (12.0, 2.0 * ROW) };
+    let names: Vec<Vec<String>> = order.rows.iter().map(|row| wrapped(&row.name, (WIDTH / LETTER) as usize)).collect();
+    let lines = names.iter().map(Vec::len).max().unwrap_or(1) as f64;
+    let (left, row_height) = if is_beside { (beside, ROW) } else { (12.0, ROW + LINE * lines) };
     let top = 8.0;
     let bottom = top + row_height * order.rows.len() as f64;
     let x = Scale::nice(ends, 5, [left, WIDTH - 12.0]);
@@ -114,7 +132,9 @@ fn chart(order: &PolicyOrder, looks: &[usize]) -> Chart {
         if is_beside {
             svg.text(left - 8.0, y + 4.0, "tick e", &row.name);
         } else {
-            svg.text(0.0, end - ROW - 4.0, "tick", &shortened(&row.name, (WIDTH / LETTER) as usize));
+            for (line, text) in names[i].iter().enumerate() {
+                svg.text(0.0, end - row_height + LINE * (line as f64 + 1.0), "tick", text);
+            }
         }
         for (policy, name) in order.policies.iter().enumerate() {
             let Some(gain) = row.mean(policy) else { continue };
@@ -134,4 +154,31 @@ fn chart(order: &PolicyOrder, looks: &[usize]) -> Chart {
     }
     let keys = order.policies.iter().zip(looks).map(|(name, &look)| Key::of_marker(&class(look), look, name)).collect();
     Chart { svg: svg.finish("Gain of each policy over full, a line for each combination of values", ""), data, keys }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeMap;
+
+    use super::*;
+
+    /// They were cut to the same text.
+    #[test]
+    fn long_names_are_told_apart() {
+        let chart_of = |names: [&str; 2]| {
+            let gains = [1.5, 2.5].map(|gain| BTreeMap::from([("a".to_owned(), gain)]));
+            let row = |name: &str| OrderRow { name: name.to_owned(), gains: gains.to_vec() };
+            let order = PolicyOrder { policies: vec!["one".into(), "two".into()], rows: names.map(row).to_vec() };
+            chart(&order, &[0, 1]).svg
+        };
+        let names = ["sgrt-ti2-accumulate, lpddr4-3200, 16KiB", "sgrt-ti2-accumulate, lpddr4-3200, 32KiB"];
+        let svg = chart_of(names);
+        assert!(names.iter().all(|name| svg.contains(&format!(">{name}</text>"))), "{svg}");
+        let long = "sgrt-ti2-accumulate, lpddr4-3200-dual-rank-eco-four-channels, ";
+        let svg = chart_of([&format!("{long}16KiB"), &format!("{long}32KiB")]);
+        assert!(svg.contains("16KiB</text>") && svg.contains("32KiB</text>"), "{svg}");
+        assert!(svg.contains(">sgrt-ti2-accumulate, lpddr4-3200-dual-rank-eco-four-channels,</text>"), "{svg}");
+        let svg = chart_of(["16KiB", "32KiB"]);
+        assert!(svg.contains(">16KiB</text>") && svg.contains(">32KiB</text>"), "{svg}");
+    }
 }
