@@ -23,6 +23,7 @@ use crate::common::{
     tile_of,
 };
 use crate::exit::Exit;
+use crate::memory;
 use crate::progress;
 use crate::scene_args::SceneArgs;
 use crate::traces::CacheArgs;
@@ -122,7 +123,8 @@ fn traced(args: &Args, path: PathBuf) -> Result<Trace> {
     };
     let meta = meta(&scene, &grid, tile_of(grid.samples), frame, 1);
     let stop = progress::stop_on_signal();
-    let output = CaptureOutput { path: path.clone(), codec: Codec::Context, level: 1, resume: false };
+    let output =
+        CaptureOutput { path: path.clone(), codec: Codec::Context, level: 1, resume: false, limits: memory::limits() };
     match capture::capture(&scene, &built, &meta, &output, |_| !stop.is_requested())? {
         CaptureOutcome::Finished(_) => open(&path),
         CaptureOutcome::Interrupted(_) => Err(ReplayError::Interrupted.into()),

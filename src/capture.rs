@@ -12,6 +12,7 @@ use serde_json::json;
 
 use crate::common::{GridArgs, build, frames, keep_scene, meta, output_file, print, print_json, si, tile_of};
 use crate::exit::Exit;
+use crate::memory;
 use crate::progress::{self, Progress};
 use crate::scene_args::SceneArgs;
 
@@ -82,7 +83,8 @@ pub fn run(args: &Args, quiet: bool) -> Result<Exit> {
         Writer::discard(&args.output)?;
     }
     let codec = args.codec.codec(args.level);
-    let output = CaptureOutput { path: args.output.clone(), codec, level: args.level, resume: args.resume };
+    let (path, limits) = (args.output.clone(), memory::limits());
+    let output = CaptureOutput { path, codec, level: args.level, resume: args.resume, limits };
     let tile = args.tile.unwrap_or_else(|| tile_of(args.grid.samples));
     let meta = meta(&scene, &args.grid, tile, first, count);
     let built = build(&scene)?;

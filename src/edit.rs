@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Result, bail};
 use rayreel_formats::container::{ChunkId, ChunkKind};
+use rayreel_formats::tile::Column;
 use rayreel_formats::trace::{Keep, Part, rewrite};
 
 use crate::common::{keep_input, lacks, open, output_file, print};
@@ -51,6 +52,12 @@ impl OutputArgs {
             Err(error) => return Err(error.into()),
         }
         for part in parts {
+            let columns = part.trace.column_totals().iter();
+            let unknown = columns.filter(|column| Column::ALL.iter().all(|known| *known as u8 != column.id)).count();
+            if unknown > 0 {
+                let name = part.trace.path().display();
+                tell!("{name}: {unknown} columns that this version of rayreel does not know were left out");
+            }
             let chunks = part.trace.reader().chunks().iter();
             let unknown = chunks.filter(|record| !record.id.kind.is_known()).count();
             if unknown > 0 {

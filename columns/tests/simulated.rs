@@ -121,6 +121,14 @@ fn requests_are_the_misses_of_the_caches_and_the_bytes_at_the_dram() {
             };
             let written = counted.memory.traffic.written[region_of as usize] as i64;
             assert_eq!(sum("write"), written, "{name}: bytes of {} that are written", region_of.name());
+            // What goes through the L2 is read from the DRAM where that misses.
+            let cached = (0..rows.len()).any(|i| route[i] == "cached" && region[i] == region_of.name());
+            let read = counted.memory.traffic.read[region_of as usize] as i64;
+            assert!(
+                if cached { sum("read") <= read } else { sum("read") == read },
+                "{name}: reads of {}",
+                region_of.name()
+            );
         }
         assert!(rows.count("route", "write") > 0);
     }

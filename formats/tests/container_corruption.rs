@@ -13,15 +13,13 @@ use rayreel_formats::{Error, Limits};
 #[test]
 fn every_flipped_byte_is_noticed() {
     let whole = sample_bytes();
-    let content = read_bytes(&whole).unwrap();
+    read_bytes(&whole).unwrap();
     for at in 0..whole.len() {
         for flip in (0..8).map(|bit| 1 << bit).chain([0xff]) {
             let mut bytes = whole.clone();
             bytes[at] ^= flip;
-            match read_bytes(&bytes) {
-                Ok(found) => assert_eq!(found, content, "byte {at} ^ {flip:#x}"),
-                Err(error) => assert!(!error.to_string().is_empty()),
-            }
+            let error = read_bytes(&bytes).expect_err(&format!("byte {at} ^ {flip:#x}"));
+            assert!(!error.to_string().is_empty());
         }
     }
 }

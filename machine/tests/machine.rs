@@ -262,6 +262,9 @@ fn conflicts_name_the_override_that_made_them() {
     let folder = tempfile::tempdir().unwrap();
     let refused = file(folder.path(), "own.toml", "extends = \"sgrt-ti2\"\nti.trv_l1.size = \"3KiB\"").unwrap_err();
     assert!(refused.to_string().contains("own.toml: ti.trv_l1.size = 3072 bytes"), "{refused}");
+    let twice = "extends = \"sgrt-ti2\"\n\"ti.trv\" = 8\n[ti]\ntrv = 4";
+    let refused = file(folder.path(), "twice.toml", twice).unwrap_err();
+    assert!(refused.to_string().contains("twice.toml: ti.trv stands twice"), "{refused}");
 }
 
 #[test]

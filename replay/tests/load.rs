@@ -104,6 +104,13 @@ fn overrides_change_one_value_each() {
     assert_eq!(load("adaptive", &["kind=full"]).unwrap().policy, Policy::Full);
     assert_eq!(load("full", &["kind=adaptive"]).unwrap().policy, load("adaptive", &[]).unwrap().policy);
     assert_eq!(adaptive(&load("full", &["kind=adaptive", "block=8"]).unwrap()).block, 8);
+    // Another kind would undo what was set before it.
+    let undone = load("multirate", &["start=2", "kind=adaptive"]).unwrap_err().to_string();
+    assert!(
+        undone.contains("\"kind=adaptive\"") && undone.contains("start was set before; set kind first"),
+        "{undone}"
+    );
+    assert_eq!(adaptive(&load("adaptive", &["block=8", "kind=adaptive"]).unwrap()).block, 8, "it is no other");
 }
 
 #[test]

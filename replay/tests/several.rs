@@ -7,8 +7,19 @@ use rayreel_replay::{
 };
 use rayreel_testkit::synthetic::{Look, Synthetic};
 
-const POLICIES: [&str; 9] =
-    ["multirate", "full", "paper-ss", "adaptive", "quality", "whitted1980", "mitchell1987", "jin2009", "kim2016"];
+const POLICIES: [&str; 11] = [
+    "multirate",
+    "temporal",
+    "foveated",
+    "full",
+    "paper-ss",
+    "adaptive",
+    "quality",
+    "whitted1980",
+    "mitchell1987",
+    "jin2009",
+    "kim2016",
+];
 
 fn policies() -> Vec<NamedPolicy> {
     POLICIES.iter().map(|name| NamedPolicy::load(name, &[]).unwrap()).collect()

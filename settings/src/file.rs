@@ -61,7 +61,7 @@ impl File {
     /// What it sets, checked key by key, in the order of the keys.
     ///
     /// # Errors
-    /// An unknown key or class, a value that is not allowed, a leaf without a source.
+    /// An unknown key or class, a value that is not allowed, a leaf without a source, a key that stands twice.
     pub fn values(&self, schema: &'static Schema) -> Result<Vec<Sourced>> {
         let mut values = Vec::new();
         schema.leaves(&self.table, "", &mut |name, value| {
@@ -70,6 +70,11 @@ impl File {
             Ok(())
         })?;
         values.sort_by_cached_key(|v| schema.place(v.key));
+        // TOML takes `"a.b" = 1` and `b = 1` in `[a]` for two keys.
+        if let Some(twice) = values.windows(2).find(|pair| pair[0].key == pair[1].key) {
+            let detail = format!("{} stands twice", twice[0].key);
+            return Err(SettingsError::Conflict { origin: self.origin.clone(), detail });
+        }
         Ok(values)
     }
 

@@ -78,7 +78,7 @@ impl Loaded {
     /// of its preset: the others belong to the old kind.
     ///
     /// # Errors
-    /// Not of that form, an unknown key, a value that is not allowed.
+    /// Not of that form, an unknown key, a value that is not allowed; another `kind` after other keys, which it would undo.
     pub fn set(&mut self, text: &str) -> Result<()> {
         let (name, value) = self.family.split(text)?;
         let value = value.parse::<Value>().unwrap_or_else(|_| Value::String(value.into()));
@@ -93,6 +93,11 @@ impl Loaded {
         })?;
         let kind = changes.iter().find(|v| !self.family.kinds.is_empty() && v.key == "kind");
         if let Some(kind) = kind.filter(|kind| self.get("kind") != Some(&kind.value)) {
+            if let Some(before) = self.values.iter().find(|v| v.from == OVERRIDE) {
+                let detail =
+                    format!("it takes all values of its preset, and {} was set before; set kind first", before.key);
+                return Err(SettingsError::Conflict { origin, detail });
+            }
             let other = self.family.load(kind.value.as_str().unwrap_or_default())?;
             (self.values, self.schema) = (other.values, other.schema);
             return Ok(());

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use anyhow::{Context, Result};
 use rayreel_study::cluster::export::{ENGINES, Fill};
+use rayreel_study::cluster::slurm::sbatch;
 use rayreel_study::files::write_whole;
 use rayreel_study::sweep::folder::Folder;
 
@@ -39,6 +40,7 @@ pub fn run(args: &Args) -> Result<Exit> {
     let engine = ENGINES.iter().find(|engine| engine.name == args.engine).context("no such engine")?;
     let program = std::env::current_exe().context("cannot tell where this program is")?;
     let sweep = absolute(folder.path())?;
+    [&program, &sweep].into_iter().try_for_each(|path| sbatch::check(path))?;
     // More shards than points would be jobs that do nothing.
     let shards = (args.shards as usize).min(folder.plan().points.len()).max(1);
     let out = args.out.clone().unwrap_or_else(|| folder.path().join(engine.name));

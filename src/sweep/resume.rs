@@ -14,10 +14,11 @@ use super::order::SubmitArgs;
 use super::order::{Submit, SubmitContext, carry_out};
 use super::run::{self, RunArgs};
 use super::slurm;
-use super::submit::{FOR_A_CLUSTER, SiteArgs, limits};
+use super::submit::{FOR_A_CLUSTER, SiteArgs, anywhere, limits};
 use super::trust;
 use crate::common::print;
 use crate::exit::Exit;
+use crate::memory;
 
 /// Compute what is missing: on the cluster if the sweep was submitted to one, and here otherwise.
 ///
@@ -67,11 +68,37 @@ pub fn run(args: &Args, quiet: bool) -> Result<Exit> {
     }
     let order = Submit {
         shards: last.shards,
-        run: last.run.clone(),
+        run: run_again(&last.run, args)?,
         patience: last.patience.clone(),
         options: given.or(&last.options),
     };
     carry_out(&folder, &order, limits, SubmitContext { args: args.how, active: &active, last: Some(last) })
+}
+
+/// The arguments of `sweep run` of a submission, with what is given here in the place of what was given then.
+fn run_again(last: &[String], args: &Args) -> Result<Vec<String>> {
+    let RunArgs { traces, cache, flush, reuse } = &args.run;
+    if !reuse.is_empty() {
+        bail!("--reuse is for computing on this machine; submitted tasks compute what is missing");
+    }
+    let mut words = last.to_vec();
+    let mut set = |name: &str, value: String| match words.iter().position(|word| word == name) {
+        Some(at) if at + 1 < words.len() => words[at + 1] = value,
+        _ => words.extend([name.to_owned(), value]),
+    };
+    if *flush > 0.0 {
+        set("--flush", format!("{flush}s"));
+    }
+    if memory::mib() != memory::DEFAULT_MIB as usize {
+        set("--memory", memory::mib().to_string());
+    }
+    if let Some(traces) = traces {
+        set("--traces", anywhere(traces)?);
+    }
+    if let [name, value] = cache.words().as_slice() {
+        set(name, value.clone());
+    }
+    Ok(words)
 }
 
 /// Computes what is missing on this machine; in a dry run says so.

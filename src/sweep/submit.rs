@@ -216,7 +216,7 @@ fn local(folder: &Folder, args: &Args, quiet: bool) -> Result<Exit> {
 }
 
 /// A folder or address of traces as tasks find it, wherever they start.
-fn anywhere(traces: &str) -> Result<String> {
+pub fn anywhere(traces: &str) -> Result<String> {
     let location = Location::from(traces);
     if location.has_secret() {
         bail!(

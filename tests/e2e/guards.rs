@@ -97,6 +97,17 @@ fn a_strangers_submission_is_not_submitted_again() {
     assert_eq!(jobs(), second, "nothing was submitted");
     ran("sweep resume {}/s --trust", "stranger", 0);
     assert!(jobs() > second);
+    // What is given again takes the place of what was given then.
+    ran("sweep resume {}/s --memory 64 --flush 9s", "me", 0);
+    let scripts =
+        fs::read_dir(folder.join("s/submissions")).unwrap().map(|entry| entry.unwrap().path().join("shard.sh"));
+    let last = fs::read_to_string(scripts.max().unwrap()).unwrap();
+    assert!(
+        last.contains("--memory 64") && last.contains("--flush 9s") && last.matches("--memory").count() == 1,
+        "{last}"
+    );
+    let said = ran("sweep resume {}/s --reuse {}/s", "me", 2);
+    assert!(said.contains("--reuse is for computing on this machine"), "{said}");
     // What may load code is given anew or not at all.
     ran("sweep submit {}/s --engine slurm -- --export=LD_PRELOAD=x", "me", 0);
     let third = jobs();

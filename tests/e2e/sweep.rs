@@ -10,6 +10,7 @@ use rayreel_testkit::Random;
 use serde_json::Value;
 
 use crate::common::{self, Ran, capture};
+use crate::rayreel;
 
 /// A folder with a small trace and plans.
 struct Place(tempfile::TempDir);
@@ -325,4 +326,34 @@ fn a_damaged_trace_leaves_no_row() {
     place.run("merge {s} --quiet").expect(0);
     let csv = fs::read_to_string(place.path("s/results.csv")).unwrap();
     assert!(csv.lines().count() == 3 && !csv.contains("failed"), "{csv}");
+}
+
+/// A row of it stood for ever, and `--reuse` took it to other sweeps.
+#[test]
+fn too_little_memory_leaves_no_row() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    capture("cornell", "--size 64x64 --samples 2x2 --tile 128", &at("a.rtrace"));
+    fs::write(at("p.toml"), "traces = [\"a.rtrace\"]\nmachines = [\"none\"]\npolicies = [\"full\"]\n").unwrap();
+    let run = |memory: &str| rayreel!["sweep", "-q", "run", &at("p.toml"), "-o", &at("s"), "--memory", memory];
+    run("1").expect(3).says(&["memory for decoding"]);
+    run("1000").expect(0).says(&["1 computed"]);
+}
+
+/// Folders are taken as they are, and files of a sweep are checked when they are read.
+#[test]
+fn names_of_folders_and_meanings_of_columns() {
+    let folder = tempfile::tempdir().unwrap();
+    let place = folder.path().join("run[1]");
+    fs::create_dir(&place).unwrap();
+    capture("cornell", "--size 16x16 --samples 1x1", &place.join("a.rtrace"));
+    let (plan, sweep) = (place.join("p.toml"), place.join("s"));
+    fs::write(&plan, "traces = [\"*.rtrace\"]\nmachines = [\"none\"]\npolicies = [\"full\"]\n").unwrap();
+    rayreel!["sweep", "-q", "run", &plan, "-o", &sweep].expect(0);
+    for file in fs::read_dir(sweep.join("columns")).unwrap() {
+        let file = file.unwrap().path();
+        let text = fs::read_to_string(&file).unwrap();
+        fs::write(&file, text.replace("rays of all samples", "bananas of all samples")).unwrap();
+    }
+    rayreel!["sweep", "merge", &sweep].expect(65).says(&["its name is the checksum of other bytes"]);
 }

@@ -172,6 +172,7 @@ int ftruncate64(int fd, off64_t length) {
 }
 int rename(const char *from, const char *to) { hold(to); NAMED("rename", to, REAL(rename)(from, to)); }
 int link(const char *from, const char *to) { NAMED("link", to, REAL(link)(from, to)); }
+int linkat(int a, const char *from, int b, const char *to, int flags) { NAMED("link", to, REAL(linkat)(a, from, b, to, flags)); }
 int mkdir(const char *path, mode_t mode) { NAMED("mkdir", path, REAL(mkdir)(path, mode)); }
 int unlink(const char *path) { hold(path); NAMED("unlink", path, REAL(unlink)(path)); }
 int rmdir(const char *path) { hold(path); NAMED("rmdir", path, REAL(rmdir)(path)); }

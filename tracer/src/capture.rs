@@ -29,6 +29,8 @@ pub struct CaptureOutput {
     pub level: i32,
     /// Go on with `NAME.partial` if there is one.
     pub resume: bool,
+    /// For reading what is there already, and the finished trace.
+    pub limits: Limits,
 }
 
 /// How far a capture has come.
@@ -120,14 +122,14 @@ pub fn capture(
         }
     }
     let finished = writer.finish()?;
-    summary(&finished.path, finished.len, now.rays, &kept).map(CaptureOutcome::Finished)
+    summary((&finished.path, &output.limits), finished.len, now.rays, &kept).map(CaptureOutcome::Finished)
 }
 
 /// The writer, and how many tiles it has cut off.
 fn start(output: &CaptureOutput, meta: &Meta, bvh: &Bvh) -> Result<(TraceWriter, u64)> {
     if output.resume {
         let Started { writer, dropped_tiles, .. } =
-            TraceWriter::resume(&output.path, meta, bvh, output.level, output.codec, &Limits::default())?;
+            TraceWriter::resume(&output.path, meta, bvh, output.level, output.codec, &output.limits)?;
         return Ok((writer, dropped_tiles));
     }
     Ok((TraceWriter::create(&output.path, meta, bvh, output.level)?, 0))
@@ -158,8 +160,13 @@ impl TileJob<'_> {
 }
 
 /// Totals of a finished trace. Tiles that were kept from an earlier run are counted from their trees.
-fn summary(path: &Path, file_bytes: u64, rays_this_run: u64, kept: &[(u32, u32)]) -> Result<Captured> {
-    let trace = Trace::open(path, Limits::default())?;
+fn summary(
+    (path, limits): (&Path, &Limits),
+    file_bytes: u64,
+    rays_this_run: u64,
+    kept: &[(u32, u32)],
+) -> Result<Captured> {
+    let trace = Trace::open(path, limits.clone())?;
     let count = |&(frame, tile): &(u32, u32)| trace.tile(frame, tile, &[Column::Tree]).map(|t| t.tree.ray_count());
     let rays_kept: Vec<u64> = kept.par_iter().map(count).collect::<Result<_>>()?;
     let rays = rays_this_run + rays_kept.iter().sum::<u64>();

@@ -205,7 +205,7 @@ mod tests {
     use std::time::SystemTime;
 
     use super::*;
-    use crate::remote::room::{ABANDONED, cached_objects, drop_objects};
+    use crate::remote::room::{ABANDONED, cached_objects, drop_objects, trim};
 
     #[test]
     fn no_block_lies_within_another() {
@@ -286,6 +286,21 @@ mod tests {
         assert_eq!(trimmed(250), 250, "it fits");
         assert_eq!(trimmed(0), 150, "one cannot be deleted, one is being read");
         assert!(stuck.folder.exists() && !other.folder.exists());
+    }
+
+    /// A folder of somebody else's with a name like that of an object went with all that was in it.
+    #[test]
+    fn what_is_not_ours_stays() {
+        let folder = tempfile::tempdir().unwrap();
+        let cache = CacheFolder { path: folder.path().to_path_buf(), max_bytes: 1000 };
+        let open = |name: &str| DiskCache::open(&cache, name, "one 5000").unwrap();
+        let (old, current) = (open("s3://a/old"), open("s3://a/current"));
+        old.store(&(0..100), &[1; 100]);
+        let foreign = folder.path().join("0123456789abcdef0123456789abcdef");
+        fs::create_dir(&foreign).unwrap();
+        fs::write(foreign.join("thesis.tex"), "precious").unwrap();
+        trim(&cache, &current.folder, 0);
+        assert!(foreign.join("thesis.tex").exists() && !old.folder.exists());
     }
 
     /// A look at the disk, for what may be dropped, misses blocks that another thread is writing.

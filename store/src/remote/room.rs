@@ -20,7 +20,17 @@ pub(super) const ABANDONED: Duration = Duration::from_secs(3600);
 /// Gives the bytes of the blocks and unfinished files that are left.
 pub(super) fn trim(cache: &CacheFolder, current: &Path, target: u64) -> u64 {
     drop_abandoned(current);
-    drop_objects(cached_objects(&cache.path), current, target, |folder| fs::remove_dir_all(folder))
+    drop_objects(cached_objects(&cache.path), current, target, drop_object)
+}
+
+/// Drops what the cache itself writes into the folder of an object, and the folder: one with anything else in it is none of ours.
+fn drop_object(folder: &Path) -> io::Result<()> {
+    let is_ours =
+        |name: &String| name == LABEL || range_of(name).is_some() || name.starts_with('.') && name.ends_with(PARTIAL);
+    for name in names(folder).filter(is_ours) {
+        fs::remove_file(folder.join(name))?;
+    }
+    fs::remove_dir(folder)
 }
 
 /// Drops objects by `remove`, and counts what is gone: a folder of another user's stays, and one in which a reader adds a block

@@ -7,6 +7,7 @@ pub mod dims;
 pub mod effects;
 pub mod goals;
 pub mod load;
+pub mod means;
 pub mod order;
 pub mod pareto;
 pub mod systems;

@@ -41,8 +41,8 @@ impl OrderRow {
     pub fn mean(&self, policy: usize) -> Option<f64> {
         let known = |trace: &String| self.gains.iter().all(|gains| gains.is_empty() || gains.contains_key(trace));
         let gains: Vec<f64> =
-            self.gains[policy].iter().filter(|(trace, _)| known(trace)).map(|(_, gain)| gain.ln()).collect();
-        (!gains.is_empty()).then(|| (gains.iter().sum::<f64>() / gains.len() as f64).exp())
+            self.gains[policy].iter().filter(|(trace, _)| known(trace)).map(|(_, gain)| libm::log(*gain)).collect();
+        (!gains.is_empty()).then(|| libm::exp(gains.iter().sum::<f64>() / gains.len() as f64))
     }
 
     /// For each trace the policy that gains most; only traces of which at least two are known.

@@ -1,6 +1,7 @@
 //! Which sampling policy on which architecture: means over scenes, what no other pair beats, and which conclusions of the paper hold
 //! on which machine.
 
+use crate::analysis::means::{geometric_mean, mean_interval};
 use crate::schema::{Gain, SystemPoint};
 
 /// The policy that the others are compared with.
@@ -40,7 +41,7 @@ pub struct Pair {
     pub ti_gain: Option<f64>,
     /// Frames a second and watt, whole GPU, over those of the first machine under `full`.
     pub merit: f64,
-    /// Mean PSNR, dB; infinite where all pictures are identical.
+    /// Mean PSNR, dB, of the pictures that differ from those of full sampling; infinite where none does.
     pub psnr_db: f64,
 }
 
@@ -95,18 +96,18 @@ impl<'a> Systems<'a> {
         let gain = |gain: Option<Gain>| if is_full { Some(1.0) } else { gain.map(|gain| gain.perf_per_watt) };
         let merit =
             |(point, base): (&&SystemPoint, &&SystemPoint)| Some(point.gpu?.perf_per_watt / base.gpu?.perf_per_watt);
-        let within = |point: &&SystemPoint| point.gpu_gain.and_then(|g| g.interval).map_or(0.0, |i| i.perf_per_watt);
-        let squares: f64 = points.iter().map(within).map(|part| part * part).sum();
-        let psnr: f64 = points.iter().map(|p| p.psnr_db.unwrap_or(f64::INFINITY)).sum();
+        let within = mean_interval(points.iter().map(|p| Some(p.gpu_gain?.interval?.perf_per_watt)));
+        let psnrs: Vec<f64> = points.iter().filter_map(|p| p.psnr_db).collect();
+        let psnr_db = if psnrs.is_empty() { f64::INFINITY } else { psnrs.iter().sum::<f64>() / psnrs.len() as f64 };
         let has_units = points.iter().all(|p| p.ti.is_some());
         Some(Pair {
             machine,
             policy,
             gain: geometric_mean(points.iter().map(|p| gain(p.gpu_gain)))?,
-            interval: (!is_full && squares > 0.0).then(|| squares.sqrt() / points.len() as f64),
+            interval: within.filter(|_| !is_full),
             ti_gain: has_units.then(|| geometric_mean(points.iter().map(|p| gain(p.ti_gain)))).flatten(),
             merit: geometric_mean(points.iter().zip(&base).map(merit))?,
-            psnr_db: psnr / points.len() as f64,
+            psnr_db,
         })
     }
 
@@ -157,13 +158,6 @@ impl<'a> Systems<'a> {
     }
 }
 
-/// The geometric mean; nothing without values or where one is missing or not positive.
-fn geometric_mean(values: impl Iterator<Item = Option<f64>>) -> Option<f64> {
-    let logs: Option<Vec<f64>> = values.map(|v| v.filter(|v| *v > 0.0).map(libm::log)).collect();
-    let logs = logs.filter(|logs| !logs.is_empty())?;
-    Some(libm::exp(logs.iter().sum::<f64>() / logs.len() as f64))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -210,6 +204,25 @@ mod tests {
         assert!((full.merit - 0.1).abs() < 1e-12);
         assert_eq!(systems.pair(1, 1), None, "scene y is missing");
         assert!(Systems::of(&[]).is_none());
+    }
+
+    /// One picture that is exact made the mean of all infinite, and intervals of means were below what windows can tell.
+    #[test]
+    fn means_are_of_what_there_is() {
+        use crate::schema::GainInterval;
+        use rayreel_replay::detail::FLOOR;
+        let mut points = points();
+        points[1].psnr_db = None;
+        for point in points.iter_mut().filter(|point| point.machine == "a" && point.policy != FULL) {
+            let interval = GainInterval { performance: FLOOR, power: FLOOR, perf_per_watt: FLOOR };
+            point.gpu_gain.as_mut().unwrap().interval = Some(interval);
+        }
+        let systems = Systems::of(&points).unwrap();
+        let [full, paper, beyond] = [0, 1, 2].map(|policy| systems.pair(0, policy).unwrap());
+        assert_eq!((paper.psnr_db, beyond.psnr_db, full.psnr_db), (32.0, 40.0, f64::INFINITY));
+        assert_eq!((full.interval, beyond.interval), (None, Some(FLOOR)));
+        let best: Vec<usize> = systems.frontier().iter().map(|pair| pair.policy).collect();
+        assert_eq!(best, [2, 0], "paper-ss is beaten all the same");
     }
 
     #[test]

@@ -251,6 +251,12 @@ impl ConfigChanges<'_> {
         let value = |field: Option<&Field>, row: usize| field.and_then(|field| label(field, row)).or_else(every_cycle);
         for (a, b, point) in &pairs.both {
             let values = [value(fields[0], *a), value(fields[1], *b)];
+            // A fraction elsewhere in a column makes 10 to 10.0.
+            if let [Some(of_a), Some(of_b)] = &values
+                && same_number(of_a, of_b)
+            {
+                continue;
+            }
             differ(&mut self.columns, self.select, name, point, values);
         }
     }

@@ -108,7 +108,19 @@ pub fn names<'a>(a: &'a Results, b: &'a Results) -> Vec<&'a str> {
 }
 
 fn identity(results: &Results, names: &[&str], row: usize) -> Vec<Option<String>> {
-    names.iter().map(|name| results.field(name).and_then(|field| label(field, row))).collect()
+    let value = |name: &&str| {
+        let field = results.field(name)?;
+        let text = label(field, row)?;
+        Some(if field.role == Role::Axis { whole(text) } else { text })
+    };
+    names.iter().map(value).collect()
+}
+
+/// A value of an axis as an integer, if it is one: a fraction beside them makes 10 to 10.0.
+fn whole(text: String) -> String {
+    const EXACT: f64 = (1_u64 << 53) as f64;
+    let number = text.parse::<f64>().ok().filter(|number| number.fract() == 0.0 && number.abs() < EXACT);
+    number.map_or(text, |number| (number as i64).to_string())
 }
 
 /// A point in words, as messages of a sweep have it.

@@ -30,6 +30,27 @@ fn equal_tables_are_equal_whatever_their_keys_and_order() {
     assert_eq!((found.matched, found.figures), (2, 1));
 }
 
+/// A fraction or a word beside them makes another column of the same values.
+#[test]
+fn values_of_axes_are_matched_however_they_are_written() {
+    let a = sweep(&[5, 10], &[1.0, 2.0]);
+    let of = |cells: Cells| {
+        let mut b = sweep(&[0, 0, 0], &[2.0, 9.0, 1.0]);
+        b.fields[2] = axis("l1", cells);
+        b
+    };
+    let floats = of(Cells::Float(vec![Some(10.0), Some(7.5), Some(5.0)]));
+    let texts = of(Cells::Text(["10.0", "off", "5"].map(|text| Some(text.to_owned())).to_vec()));
+    for b in [floats, texts] {
+        let found = compare(&a, &b);
+        assert_eq!(
+            (found.matched, found.results.iter().filter(|change| change.changed > 0).count()),
+            (2, 0),
+            "{found:?}"
+        );
+    }
+}
+
 #[test]
 fn changes_have_their_size_and_their_point() {
     // +10 %, -20 %, 0: the largest is -20 %, the mean -10/3 %.

@@ -35,13 +35,17 @@ pub fn read_columns(folder: &Path) -> Result<BTreeMap<String, Column>> {
     let mut all = BTreeMap::new();
     for file in listing(folder, "json")? {
         let bytes = files::read(&file, COLUMNS_MAX).map_err(|e| StudyError::io(&file, "read", e))?;
-        let columns: Vec<Column> = serde_json::from_slice(&bytes).map_err(|e| {
+        let damaged = |why: String| {
             let detail = format!(
-                "does not say what columns are: {e}; remove it: results then lack the units and meanings of columns that no point computed \
-                 from now on has"
+                "does not say what columns are: {why}; remove it: results then lack the units and meanings of columns that no point \
+                 computed from now on has"
             );
             StudyError::input(&file, detail)
-        })?;
+        };
+        let columns: Vec<Column> = serde_json::from_slice(&bytes).map_err(|e| damaged(e.to_string()))?;
+        if file.file_stem().is_none_or(|stem| stem != name(&bytes).as_str()) {
+            return Err(damaged("its name is the checksum of other bytes".into()));
+        }
         all.extend(columns.into_iter().map(|column| (column.name.clone(), column)));
     }
     Ok(all)

@@ -10,6 +10,7 @@ use crate::point::row::{Column, Row};
 use crate::point::task::{Computed, Missing, PointTask};
 use rayreel_formats::Error as TraceError;
 use rayreel_formats::error::Fault;
+use rayreel_formats::limits::MEMORY;
 use rayreel_machine::config::NamedMachine;
 use rayreel_machine::probes::Watch;
 use rayreel_machine::work::topology::Topology;
@@ -119,6 +120,8 @@ fn may_pass(error: &StudyError) -> bool {
         StudyError::Replay(ReplayError::Trace { source, .. }) => match &**source {
             TraceError::Io { .. } => true,
             TraceError::Damaged { fault, .. } => is_of_bytes(fault),
+            // How much memory may be taken is no part of a key: with more of it the point can be computed.
+            TraceError::LimitExceeded { what, .. } => *what == MEMORY,
             _ => false,
         },
         _ => false,

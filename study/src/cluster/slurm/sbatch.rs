@@ -129,8 +129,14 @@ pub fn parts(job: &str) -> (&str, Option<&str>) {
 /// write to one file.
 ///
 /// # Errors
-/// The path has one, or a line break.
+/// The path has one, or a line break, or is no text.
 pub fn check(path: &Path) -> Result<()> {
+    if path.to_str().is_none() {
+        return Err(StudyError::input(
+            path,
+            "has bytes in its path that are no UTF-8, which a script cannot hold; rename or move it",
+        ));
+    }
     if path.to_string_lossy().contains(['\\', '\n', '\r']) {
         let detail = "has a backslash or a line break in its path, which sbatch cannot take; rename or move it";
         return Err(StudyError::input(path, detail));

@@ -1,10 +1,11 @@
 //! The paper's Figure 7: performance, power and performance per watt of its own policies, T&I units alone.
 
+use crate::analysis::means::{geometric_mean, mean_interval};
 use crate::html::charts::bars::{Bar, Group, grouped};
 use crate::html::modes::{by_mode, mode_name, mode_reference};
 use crate::html::parts::{Head, Section, details, how_to_read, key, legend, symbol, table};
 use crate::html::text::{escape, factor, or_dash, plus_minus};
-use crate::html::view::{StudyView, geometric_mean, has_counterpart, mean_interval};
+use crate::html::view::{StudyView, has_counterpart};
 use crate::schema::{Gain, Point, Scene};
 
 /// Name and colour class of the three bars of a scene.

@@ -1,12 +1,13 @@
 //! Every policy: Pareto charts of performance per watt and PSNR, bars beside the paper's bands, and the numbers.
 
+use crate::analysis::means::{geometric_mean, mean_interval};
 use crate::html::charts::bars::{HorizontalBar, rows};
 use crate::html::charts::scatter::{Dot, frontier, scatter};
 use crate::html::magnitude::{TIME, for_all};
 use crate::html::modes::{by_mode, mode_name};
 use crate::html::parts::{Head, Section, details, grid, how_to_read, table};
 use crate::html::text::{amount, count, decibels, escape, factor, fixed, or_dash, percent, plus_minus, psnr};
-use crate::html::view::{StudyView, gain, gain_interval, geometric_mean, mean_interval};
+use crate::html::view::{StudyView, gain, gain_interval};
 use crate::schema::{Cost, CostInterval, Point};
 
 /// The section.

@@ -1,10 +1,11 @@
 //! The headline numbers.
 
+use crate::analysis::means::{geometric_mean, mean_interval};
 use crate::html::charts::scale::extent;
 use crate::html::modes::{mode_name, mode_reference};
 use crate::html::parts::Section;
 use crate::html::text::{decibels, escape, factor, percent, plus_minus};
-use crate::html::view::{StudyView, gain, gain_interval, geometric_mean, mean_interval};
+use crate::html::view::{StudyView, gain, gain_interval};
 use crate::schema::{GainBand, Point};
 
 /// A number with what it is.

@@ -10,8 +10,14 @@ use crate::html::charts::gallery::Gallery;
 use crate::html::sweep::number::{number, value};
 use crate::table::{Field, Results};
 
-/// Results that are infinite where two pictures are identical: their columns have no number there.
-pub const INFINITE: [&str; 3] = ["psnr_db", "worst_frame_psnr_db", "worst_tile_psnr_db"];
+/// Results that are infinite where another column has a value, as where two pictures are identical: their columns have no number
+/// there.
+pub const INFINITE: [(&str, &str, f64); 4] = [
+    ("psnr_db", "identical", 1.0),
+    ("worst_frame_psnr_db", "identical", 1.0),
+    ("worst_tile_psnr_db", "identical", 1.0),
+    ("flicker_db", "flicker", 0.0),
+];
 
 /// Most values of an axis that a heat map has room for.
 pub const VALUES_MAX: usize = 64;
@@ -88,10 +94,11 @@ impl<'a> SweepView<'a> {
 
     /// The value of a result in a row; infinite where it is of an identical picture.
     pub fn result(&self, field: &Field, row: usize) -> Option<f64> {
-        let identical = || {
-            self.results.field("identical").and_then(|field| field.cells.number(row)).is_some_and(|flag| flag == 1.0)
+        let infinite = || {
+            let (_, by, value) = INFINITE.iter().find(|(name, ..)| *name == field.name)?;
+            let told = self.results.field(by)?.cells.number(row)?;
+            (told == *value).then_some(f64::INFINITY)
         };
-        let infinite = || (INFINITE.contains(&field.name.as_str()) && identical()).then_some(f64::INFINITY);
         field.cells.number(row).or_else(infinite)
     }
 

@@ -84,10 +84,18 @@ fn add(all: &mut Vec<TraceRef>, trace: &Trace, whole: &str) -> Result<(), String
         let (name, other) = (&found.name, &other.location);
         return Err(format!("two traces are called {name}: {other} and {location}; rename one"));
     }
-    if !all.iter().any(|known| known.location == found.location) {
-        all.push(found);
+    match all.iter().find(|known| known.location == found.location) {
+        // Rows and RAYREEL_TRACE_URLS could not tell them apart either.
+        Some(other) if other.fingerprint != found.fingerprint => Err(format!(
+            "two traces are at {location}, by addresses that differ in what a plan does not keep (user, password, query); give one of \
+             them another path"
+        )),
+        Some(_) => Ok(()),
+        None => {
+            all.push(found);
+            Ok(())
+        }
     }
-    Ok(())
 }
 
 /// What a plan says of an open trace.
@@ -116,20 +124,24 @@ fn locations(entry: &At<String>, sources: &Sources<'_>) -> Result<Vec<String>> {
     if let Some(base) = sources.traces.filter(|base| is_address(base)) {
         return Ok(vec![in_folder(base, name)]);
     }
-    let absolute = std::path::absolute(sources.traces.map_or(sources.folder, Path::new).join(name));
-    let path = absolute.map_err(|e| wrong(format!("trace {name:?}: {e}")))?;
-    let path = path.to_str().ok_or_else(|| wrong(format!("trace {name:?} is no text")))?;
+    let text =
+        |path: &Path| path.to_str().map(str::to_owned).ok_or_else(|| wrong(format!("{} is no text", path.display())));
+    let folder = std::path::absolute(sources.traces.map_or(sources.folder, Path::new));
+    let folder = folder.map_err(|e| wrong(format!("trace {name:?}: {e}")))?;
+    let path = std::path::absolute(folder.join(name)).map_err(|e| wrong(format!("trace {name:?}: {e}")))?;
     if !name.contains(['*', '?', '[']) {
-        return Ok(vec![path.to_owned()]);
+        return Ok(vec![text(&path)?]);
     }
-    let found = glob::glob(path).map_err(|e| wrong(format!("traces {name:?}: {e}")))?;
+    // The folder is no part of the pattern.
+    let pattern = Path::new(&glob::Pattern::escape(&text(&folder)?)).join(name);
+    let found = glob::glob(&text(&pattern)?).map_err(|e| wrong(format!("traces {name:?}: {e}")))?;
     let mut all = Vec::new();
     for path in found {
         let path = path.map_err(|e| wrong(format!("traces {name:?}: {e}")))?;
-        all.push(path.to_str().ok_or_else(|| wrong(format!("{} is no text", path.display())))?.to_owned());
+        all.push(text(&path)?);
     }
     if all.is_empty() {
-        return Err(wrong(format!("no file matches {path}; capture traces first, or correct the pattern")));
+        return Err(wrong(format!("no file matches {}; capture traces first, or correct the pattern", path.display())));
     }
     Ok(all)
 }

@@ -67,7 +67,7 @@ fn closed_by_itself(sent: &[Sent], b: Sent, t: &config::Dram) {
         assert!(b.at - a.at >= u64::from(distance(a, &close, t) + distance(&close, &b, t)), "{a:?}, {b:?}");
     }
     if t.page_policy == PagePolicy::Timeout {
-        let last = here().filter(|a| matches!(a.command, Activate | Read | Write)).next_back().unwrap();
+        let last = here().rfind(|a| matches!(a.command, Activate | Read | Write)).unwrap();
         assert!(b.at - last.at >= u64::from(t.page_timeout), "{last:?}, {b:?}");
     }
 }

@@ -26,12 +26,12 @@ const sweep = (() => {
   const columns = raw.columns.map(lazy);
   const byName = new Map(columns.map((column) => [column.name, column]));
 
-  // The picture that equals that of full has no PSNR, which is more than any.
-  const identical = byName.get("identical");
-  for (const name of raw.infinite) {
-    const column = byName.get(name);
-    if (!column || !identical) continue;
-    const values = column.values.map((value, row) => (value === null && identical.values[row] ? Infinity : value));
+  // The picture that equals that of full has no PSNR, which is more than any; pictures that are steady have no decibels of flicker.
+  for (const [name, by, wanted] of raw.infinite) {
+    const [column, told] = [byName.get(name), byName.get(by)];
+    if (!column || !told) continue;
+    const is = (row) => told.values[row] !== null && Number(told.values[row]) === wanted;
+    const values = column.values.map((value, row) => (value === null && is(row) ? Infinity : value));
     Object.defineProperty(column, "values", { value: values });
   }
 
