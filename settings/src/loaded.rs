@@ -93,7 +93,7 @@ impl Loaded {
         })?;
         let kind = changes.iter().find(|v| !self.family.kinds.is_empty() && v.key == "kind");
         if let Some(kind) = kind.filter(|kind| self.get("kind") != Some(&kind.value)) {
-            if let Some(before) = self.values.iter().find(|v| v.from == OVERRIDE) {
+            if let Some(before) = self.values.iter().find(|v| v.from == OVERRIDE && v.key != "kind") {
                 let detail =
                     format!("it takes all values of its preset, and {} was set before; set kind first", before.key);
                 return Err(SettingsError::Conflict { origin, detail });

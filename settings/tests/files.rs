@@ -156,6 +156,10 @@ fn a_kind_has_a_preset_of_its_name() {
     plate.set("depth=4").unwrap();
     plate.set("kind=deep").unwrap();
     assert_eq!(depth(&plate).as_deref(), Some("4"), "the kind that it has");
+    let undone = plate.set("kind=flat").unwrap_err().to_string();
+    assert!(undone.contains("depth was set before; set kind first"), "{undone}");
+    let mut plate = PLATES.parse("mine", "kind = \"deep\"").unwrap();
+    plate.set("kind=deep").unwrap();
     plate.set("kind=flat").unwrap();
     assert_eq!(depth(&plate), None);
     assert!(plate.set("depth=4").unwrap_err().to_string().contains("no key \"depth\" in a flat plate"));

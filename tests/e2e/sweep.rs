@@ -335,7 +335,7 @@ fn too_little_memory_leaves_no_row() {
     let at = |name: &str| folder.path().join(name);
     capture("cornell", "--size 64x64 --samples 2x2 --tile 128", &at("a.rtrace"));
     fs::write(at("p.toml"), "traces = [\"a.rtrace\"]\nmachines = [\"none\"]\npolicies = [\"full\"]\n").unwrap();
-    let run = |memory: &str| rayreel!["sweep", "-q", "run", &at("p.toml"), "-o", &at("s"), "--memory", memory];
+    let run = |memory: &str| rayreel!["-q", "sweep", "run", &at("p.toml"), "-o", &at("s"), "--memory", memory];
     run("1").expect(3).says(&["memory for decoding"]);
     run("1000").expect(0).says(&["1 computed"]);
 }
@@ -349,7 +349,7 @@ fn names_of_folders_and_meanings_of_columns() {
     capture("cornell", "--size 16x16 --samples 1x1", &place.join("a.rtrace"));
     let (plan, sweep) = (place.join("p.toml"), place.join("s"));
     fs::write(&plan, "traces = [\"*.rtrace\"]\nmachines = [\"none\"]\npolicies = [\"full\"]\n").unwrap();
-    rayreel!["sweep", "-q", "run", &plan, "-o", &sweep].expect(0);
+    rayreel!["-q", "sweep", "run", &plan, "-o", &sweep].expect(0);
     for file in fs::read_dir(sweep.join("columns")).unwrap() {
         let file = file.unwrap().path();
         let text = fs::read_to_string(&file).unwrap();

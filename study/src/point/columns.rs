@@ -40,7 +40,7 @@ pub fn read_columns(folder: &Path) -> Result<BTreeMap<String, Column>> {
                 "does not say what columns are: {why}; remove it: results then lack the units and meanings of columns that no point \
                  computed from now on has"
             );
-            StudyError::input(&file, detail)
+            StudyError::Corrupt { path: file.clone(), detail }
         };
         let columns: Vec<Column> = serde_json::from_slice(&bytes).map_err(|e| damaged(e.to_string()))?;
         if file.file_stem().is_none_or(|stem| stem != name(&bytes).as_str()) {

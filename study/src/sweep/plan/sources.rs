@@ -126,7 +126,8 @@ fn locations(entry: &At<String>, sources: &Sources<'_>) -> Result<Vec<String>> {
     }
     let text =
         |path: &Path| path.to_str().map(str::to_owned).ok_or_else(|| wrong(format!("{} is no text", path.display())));
-    let folder = std::path::absolute(sources.traces.map_or(sources.folder, Path::new));
+    // The folder of a plan in the current one is empty.
+    let folder = std::path::absolute(Path::new(".").join(sources.traces.map_or(sources.folder, Path::new)));
     let folder = folder.map_err(|e| wrong(format!("trace {name:?}: {e}")))?;
     let path = std::path::absolute(folder.join(name)).map_err(|e| wrong(format!("trace {name:?}: {e}")))?;
     if !name.contains(['*', '?', '[']) {
