@@ -39,7 +39,8 @@ mod verify;
 use std::process::ExitCode;
 use std::sync::LazyLock;
 
-use clap::{CommandFactory, Parser, Subcommand};
+use clap::parser::ValueSource;
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use exit::Exit;
 use rayreel_formats::container::FormatVersion;
 use rayreel_study::point::version::{ESTIMATE_VERSION, MODEL_VERSION};
@@ -121,12 +122,13 @@ fn start_threads(threads: u16) -> Result<(), String> {
 
 fn main() -> ExitCode {
     progress::handle_signals();
-    let cli = Cli::parse_from(arguments::joined(std::env::args_os()));
+    let matches = Cli::command().get_matches_from(arguments::joined(std::env::args_os()));
+    let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
     if let Err(error) = start_threads(cli.threads) {
         tell!("error: {error}");
         return Exit::Usage.into();
     }
-    memory::set(cli.memory);
+    memory::set(cli.memory, matches.value_source("memory") == Some(ValueSource::CommandLine));
     let quiet = cli.quiet;
     let result = match cli.command {
         Command::Scenes(args) => scenes::run(&args),

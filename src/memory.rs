@@ -12,8 +12,12 @@ pub const DEFAULT_MIB: u32 = 1024;
 /// The limits of all traces: they share one budget.
 static LIMITS: OnceLock<Limits> = OnceLock::new();
 
-/// What the command line asks for.
-pub fn set(mib: u32) {
+/// Whether the command line says it.
+static GIVEN: OnceLock<bool> = OnceLock::new();
+
+/// What the command line asks for, or the default; `given` says which.
+pub fn set(mib: u32, given: bool) {
+    GIVEN.get_or_init(|| given);
     LIMITS.get_or_init(|| Limits { memory: Budget::new(u64::from(mib) << 20).into(), ..Limits::default() });
 }
 
@@ -25,6 +29,11 @@ pub fn limits() -> Limits {
 /// The memory in MiB.
 pub fn mib() -> usize {
     (limits().memory.total() >> 20) as usize
+}
+
+/// The memory in MiB, if the command line says it.
+pub fn given() -> Option<usize> {
+    GIVEN.get().is_some_and(|given| *given).then(mib)
 }
 
 /// What helps against an error about memory.

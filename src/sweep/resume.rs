@@ -89,8 +89,8 @@ fn run_again(last: &[String], args: &Args) -> Result<Vec<String>> {
     if *flush > 0.0 {
         set("--flush", format!("{flush}s"));
     }
-    if memory::mib() != memory::DEFAULT_MIB as usize {
-        set("--memory", memory::mib().to_string());
+    if let Some(memory) = memory::given() {
+        set("--memory", memory.to_string());
     }
     if let Some(traces) = traces {
         set("--traces", anywhere(traces)?);

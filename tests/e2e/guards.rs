@@ -106,6 +106,10 @@ fn a_strangers_submission_is_not_submitted_again() {
         last.contains("--memory 64") && last.contains("--flush 9s") && last.matches("--memory").count() == 1,
         "{last}"
     );
+    ran("sweep resume {}/s --memory 1024", "me", 0);
+    let script = |name: &str| fs::read_to_string(folder.join("s/submissions").join(name).join("shard.sh"));
+    let all: Vec<String> = (1..9).filter_map(|number| script(&format!("{number:03}")).ok()).collect();
+    assert!(all.last().unwrap().contains("--memory 1024"), "the default, but given: {all:?}");
     let said = ran("sweep resume {}/s --reuse {}/s", "me", 2);
     assert!(said.contains("--reuse is for computing on this machine"), "{said}");
     // What may load code is given anew or not at all.

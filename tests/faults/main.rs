@@ -26,6 +26,8 @@ struct Count {
     requests: usize,
     faults: usize,
     unharmed: usize,
+    /// Faults by kind, in the order of [`Kind::ALL`].
+    of_kind: [usize; Kind::ALL.len()],
 }
 
 /// Spoils the requests of one command.
@@ -60,6 +62,7 @@ fn spoil(system: &System, job: &Job) -> Count {
             let Some(request) = system.spoilt() else { continue };
             let what = format!("{} with {kind:?} at {request} of {requests}", job.name);
             count.faults += 1;
+            count.of_kind[number] += 1;
             if kind.is_cut() {
                 system.cut(kind);
             } else if !kind.kills() {
@@ -97,11 +100,15 @@ fn nothing_is_lost_whatever_fails() {
     let mut total = Count::default();
     for job in jobs(&system) {
         let count = spoil(&system, &job);
-        let Count { requests, faults, unharmed } = count;
+        let Count { requests, faults, unharmed, of_kind } = count;
+        total.of_kind.iter_mut().zip(of_kind).for_each(|(all, own)| *all += own);
         eprintln!("{:8} {requests:5} requests, {faults:5} faults, {unharmed:5} without harm, none lost", job.name);
         total.faults += faults;
         total.requests += requests;
     }
     eprintln!("all      {:5} requests, {:5} faults", total.requests, total.faults);
     assert!(total.faults > 100, "{}", total.faults);
+    for (kind, faults) in Kind::ALL.iter().zip(total.of_kind) {
+        assert!(faults > 5, "{kind:?} struck {faults} times");
+    }
 }

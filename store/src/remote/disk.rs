@@ -127,13 +127,12 @@ impl DiskCache {
     /// Drops all blocks with some of these bytes; the folder of the cache.
     pub(super) fn forget(&self, range: &Range<u64>) -> &Path {
         let mut state = self.lock();
-        state.blocks = list(&self.folder);
-        let wrong: Vec<Range<u64>> =
-            state.blocks.iter().map(|(&start, &end)| start..end).filter(|block| overlaps(block, range)).collect();
-        for block in wrong {
-            state.blocks.remove(&block.start);
+        // Those too that lie within another one, which a list leaves out.
+        let blocks = names(&self.folder).filter_map(|name| range_of(&name));
+        for block in blocks.filter(|block| overlaps(block, range)) {
             fs::remove_file(self.folder.join(name(&block))).ok();
         }
+        state.blocks = list(&self.folder);
         &self.cache.path
     }
 
@@ -298,9 +297,12 @@ mod tests {
         old.store(&(0..100), &[1; 100]);
         let foreign = folder.path().join("0123456789abcdef0123456789abcdef");
         fs::create_dir(&foreign).unwrap();
-        fs::write(foreign.join("thesis.tex"), "precious").unwrap();
+        for name in ["thesis.tex", "object"] {
+            fs::write(foreign.join(name), "precious").unwrap();
+        }
         trim(&cache, &current.folder, 0);
-        assert!(foreign.join("thesis.tex").exists() && !old.folder.exists());
+        assert_eq!(fs::read_dir(&foreign).unwrap().count(), 2);
+        assert!(!old.folder.exists());
     }
 
     /// A look at the disk, for what may be dropped, misses blocks that another thread is writing.

@@ -23,12 +23,18 @@ pub(super) fn trim(cache: &CacheFolder, current: &Path, target: u64) -> u64 {
     drop_objects(cached_objects(&cache.path), current, target, drop_object)
 }
 
-/// Drops what the cache itself writes into the folder of an object, and the folder: one with anything else in it is none of ours.
+/// Drops the folder of an object. One that holds anything but what the cache itself writes is none of ours, and stays as it is.
 fn drop_object(folder: &Path) -> io::Result<()> {
     let is_ours =
         |name: &String| name == LABEL || range_of(name).is_some() || name.starts_with('.') && name.ends_with(PARTIAL);
-    for name in names(folder).filter(is_ours) {
-        fs::remove_file(folder.join(name))?;
+    if !names(folder).all(|name| is_ours(&name)) {
+        return Err(io::ErrorKind::DirectoryNotEmpty.into());
+    }
+    for name in names(folder) {
+        match fs::remove_file(folder.join(name)) {
+            Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
+            _ => {}
+        }
     }
     fs::remove_dir(folder)
 }
