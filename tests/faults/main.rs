@@ -101,7 +101,7 @@ fn nothing_is_lost_whatever_fails() {
     for job in jobs(&system) {
         let count = spoil(&system, &job);
         let Count { requests, faults, unharmed, of_kind } = count;
-        total.of_kind.iter_mut().zip(of_kind).for_each(|(all, own)| *all += own);
+        total.of_kind.iter_mut().zip(of_kind).for_each(|(all, faults)| *all += faults);
         eprintln!("{:8} {requests:5} requests, {faults:5} faults, {unharmed:5} without harm, none lost", job.name);
         total.faults += faults;
         total.requests += requests;

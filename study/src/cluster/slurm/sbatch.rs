@@ -233,5 +233,11 @@ mod tests {
     fn folders_that_sbatch_would_misread_are_refused() {
         assert!(check(Path::new("/a b/50%/x")).is_ok());
         assert!(check(Path::new("/a\\b")).unwrap_err().to_string().contains("backslash"));
+        #[cfg(unix)]
+        {
+            use std::os::unix::ffi::OsStrExt as _;
+            let odd = Path::new(std::ffi::OsStr::from_bytes(b"/a\xff"));
+            assert!(check(odd).unwrap_err().to_string().contains("no UTF-8"));
+        }
     }
 }

@@ -127,6 +127,20 @@ fn files_of_charts_have_what_the_page_gives() {
     assert_eq!(csv("effects-time_ms"), effects);
 }
 
+/// The steadiest of all ranked nowhere. A single frame has no flicker, and no decibels of it.
+#[test]
+fn what_does_not_flicker_has_infinite_decibels() {
+    let results = table(vec![
+        axis("l1", Cells::Int([1, 2, 3].map(Some).into())),
+        figure("flicker", &[0.0, 2.0, f64::NAN]),
+        figure("flicker_db", &[f64::NAN, 42.0, f64::NAN]),
+    ]);
+    let view = view::SweepView::new(&results);
+    let decibels = results.field("flicker_db").unwrap();
+    let shown = [0, 1, 2].map(|row| view.result(decibels, row));
+    assert_eq!(shown, [Some(f64::INFINITY), Some(42.0), None]);
+}
+
 /// Ten thousand points of two hundred columns must still open on a phone.
 #[test]
 fn a_large_table_makes_a_page_of_bearable_size() {
