@@ -123,8 +123,7 @@ fn traced(args: &Args, path: PathBuf) -> Result<Trace> {
     };
     let meta = meta(&scene, &grid, tile_of(grid.samples), frame, 1);
     let stop = progress::stop_on_signal();
-    let output =
-        CaptureOutput { path: path.clone(), codec: Codec::Context, level: 1, resume: false, limits: memory::limits() };
+    let output = CaptureOutput { limits: memory::limits(), ..CaptureOutput::new(path.clone(), Codec::Context, 1) };
     match capture::capture(&scene, &built, &meta, &output, |_| !stop.is_requested())? {
         CaptureOutcome::Finished(_) => open(&path),
         CaptureOutcome::Interrupted(_) => Err(ReplayError::Interrupted.into()),

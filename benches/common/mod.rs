@@ -47,13 +47,7 @@ pub fn captured(scene: &str, (width, height): (u32, u32)) -> (PathBuf, TempDir) 
     let meta = grid.meta(&scene, TraceSettings::default(), "bench");
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("bench.rtrace");
-    let output = CaptureOutput {
-        path: path.clone(),
-        codec: Codec::Context,
-        level: 9,
-        resume: false,
-        limits: rayreel_formats::Limits::default(),
-    };
+    let output = CaptureOutput::new(path.clone(), Codec::Context, 9);
     capture(&scene, &built, &meta, &output, |_| true).expect("a capture");
     (path, folder)
 }

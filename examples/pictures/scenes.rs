@@ -47,13 +47,7 @@ fn pictures(name: &str) -> Result<(Srgb8, Srgb8), Box<dyn std::error::Error>> {
     let meta = grid.meta(&scene, TraceSettings::default(), "pictures");
     let folder = tempfile::tempdir()?;
     let path = folder.path().join("scene.rtrace");
-    let output = CaptureOutput {
-        path: path.clone(),
-        codec: Codec::Context,
-        level: 3,
-        resume: false,
-        limits: rayreel_formats::Limits::default(),
-    };
+    let output = CaptureOutput::new(path.clone(), Codec::Context, 3);
     rayreel_tracer::capture::capture(&scene, &built, &meta, &output, |_| true)?;
 
     let trace = Trace::open(&path, Limits::default())?;

@@ -86,13 +86,7 @@ pub fn trace(codec: Codec) -> Vec<u8> {
         let scene = rayreel_scenes::load(&scene.display().to_string())?;
         let grid = SampleGrid { width: 12, height: 6, samples: 1, tile: 8, first_frame: 0, frames: 1 };
         let meta = grid.meta(&scene, TraceSettings::default(), "fuzz");
-        let output = CaptureOutput {
-            path: place.path("a.rtrace"),
-            codec,
-            level: 3,
-            resume: false,
-            limits: rayreel_formats::Limits::default(),
-        };
+        let output = CaptureOutput::new(place.path("a.rtrace"), codec, 3);
         capture(&scene, &build(&scene)?, &meta, &output, |_| true)?;
         Ok(std::fs::read(place.path("a.rtrace"))?)
     };

@@ -35,8 +35,7 @@ pub fn make(
     mut tell: impl FnMut(u64, u64),
 ) -> Result<Trace> {
     let resume = is_resumable(path, meta)?;
-    let output =
-        CaptureOutput { path: path.into(), codec: Codec::Context, level: LEVEL, resume, limits: Limits::default() };
+    let output = CaptureOutput { resume, ..CaptureOutput::new(path.into(), Codec::Context, LEVEL) };
     let outcome = capture::capture(scene, built, meta, &output, |now| {
         tell(now.tiles, now.tiles_total);
         !is_stopped()

@@ -33,6 +33,13 @@ pub struct CaptureOutput {
     pub limits: Limits,
 }
 
+impl CaptureOutput {
+    /// A new capture, within the default limits.
+    pub fn new(path: PathBuf, codec: Codec, level: i32) -> Self {
+        Self { path, codec, level, resume: false, limits: Limits::default() }
+    }
+}
+
 /// How far a capture has come.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct CaptureProgress {

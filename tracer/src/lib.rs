@@ -17,7 +17,7 @@
 //! let meta = grid.meta(&scene, TraceSettings::default(), "example");
 //! let folder = tempfile::tempdir()?;
 //! let path = folder.path().join("cornell.rtrace");
-//! let output = CaptureOutput { path: path.clone(), codec: Codec::Context, level: 3, resume: false, limits: rayreel_formats::Limits::default() };
+//! let output = CaptureOutput::new(path.clone(), Codec::Context, 3);
 //! capture(&scene, &built, &meta, &output, |_| true)?;
 //!
 //! let trace = Trace::open(&path, Limits::default())?;

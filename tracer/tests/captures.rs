@@ -21,13 +21,7 @@ fn captures_are_the_same_on_every_processor() {
         let grid = SampleGrid { width: 64, height: 32, samples: 2, tile: 32, first_frame: 0, frames: 1 };
         let meta = grid.meta(&scene, TraceSettings::default(), "captures");
         let path = folder.path().join(name);
-        let output = CaptureOutput {
-            path: path.clone(),
-            codec: Codec::Context,
-            level: 9,
-            resume: false,
-            limits: rayreel_formats::Limits::default(),
-        };
+        let output = CaptureOutput::new(path.clone(), Codec::Context, 9);
         let outcome = capture(&scene, &build(&scene).unwrap(), &meta, &output, |_| true).unwrap();
         assert!(matches!(outcome, CaptureOutcome::Finished(_)), "{name}");
         let digest = digest(&Trace::open(&path, Limits::default()).unwrap()).unwrap();

@@ -228,7 +228,8 @@ fn dram(config: &MachineConfig) -> Option<Conflict> {
                 "dram.trefi = {} leaves no time to read a row between refreshes (tFAW, tRCD, the bursts of a line and tRPab take {need})",
                 dram.trefi
             );
-            Conflict::new(["dram.trefi", "dram.tfaw", "dram.trcd", "dram.tccd", "dram.trp_all"], detail)
+            let keys = ["trefi", "tfaw", "trcd", "tccd", "trp_all", "burst_bytes"].map(|name| format!("dram.{name}"));
+            Conflict { keys: keys.into_iter().chain(["l2.line_bytes".into()]).collect(), detail }
         })
     })
     .or_else(|| {

@@ -35,13 +35,7 @@ pub fn record(scene: &Scene, grid: SampleGrid, max_depth: u32, codec: Codec) -> 
     let meta: Meta = grid.meta(scene, TraceSettings { max_depth, ..TraceSettings::default() }, "test");
     let folder = folder();
     let path = folder.path().join("trace.rtrace");
-    let output = CaptureOutput {
-        path: path.clone(),
-        codec,
-        level: 1,
-        resume: false,
-        limits: rayreel_formats::Limits::default(),
-    };
+    let output = CaptureOutput::new(path.clone(), codec, 1);
     let outcome = capture(scene, &built, &meta, &output, |_| true).expect("it captures");
     assert!(matches!(outcome, CaptureOutcome::Finished(_)));
     open(folder, &path)
