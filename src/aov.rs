@@ -1,16 +1,16 @@
 //! `rayreel aov`: what a frame holds beside its colours, as layers of an EXR file.
 
-use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Result, bail};
-use rayreel_columns::{ColumnsError, aov};
+use rayreel_columns::aov;
 use rayreel_formats::container::MAGIC;
 use rayreel_formats::scene::Meta;
 use rayreel_formats::trace::{Codec, Trace};
 use rayreel_replay::image::files::ExrNotes;
 use rayreel_replay::image::layers::write_layers;
 use rayreel_replay::{NamedPolicy, ReplayError};
+use rayreel_settings::files::begins_with;
 use rayreel_store::Location;
 use rayreel_study::cluster::shell::line;
 use rayreel_study::point::version::MODEL_VERSION;
@@ -19,8 +19,8 @@ use rayreel_tracer::{CaptureOutcome, CaptureOutput, capture};
 use serde_json::json;
 
 use crate::common::{
-    GridArgs, build, check_output, digest_if_whole, frame, keep_scene, meta, open, output_file, print, samples, size,
-    tile_of,
+    GridArgs, build, check_output, digest_if_whole, frame, keep_scene, meta, open, output_file, plain, print, samples,
+    size, tile_of,
 };
 use crate::exit::Exit;
 use crate::memory;
@@ -94,12 +94,7 @@ pub fn run(args: &Args) -> Result<Exit> {
 
 /// Whether a trace is meant: by its name, for a scene may be a word, or by how the file begins.
 fn is_trace(text: &str) -> bool {
-    let begins = || {
-        let mut begin = [0; MAGIC.len()];
-        let read = std::fs::File::open(text).and_then(|mut file| file.read_exact(&mut begin));
-        read.is_ok() && begin == MAGIC
-    };
-    text.ends_with(".rtrace") || text.contains("://") || begins()
+    text.ends_with(".rtrace") || text.contains("://") || begins_with(Path::new(text), &MAGIC)
 }
 
 /// A flag that was given and is for a scene alone.
@@ -127,14 +122,6 @@ fn traced(args: &Args, path: PathBuf) -> Result<Trace> {
     match capture::capture(&scene, &built, &meta, &output, |_| !stop.is_requested())? {
         CaptureOutcome::Finished(_) => open(&path),
         CaptureOutcome::Interrupted(_) => Err(ReplayError::Interrupted.into()),
-    }
-}
-
-fn plain(error: ColumnsError) -> anyhow::Error {
-    match error {
-        ColumnsError::Trace(error) => error.into(),
-        ColumnsError::Replay(error) => error.into(),
-        error => error.into(),
     }
 }
 

@@ -34,7 +34,7 @@ pub struct Args {
     /// Frames of the camera path: A..B without B, or a single number.
     #[arg(long, default_value = "0", value_name = "A..B", value_parser = frames)]
     frames: (u32, u32),
-    /// zstd level of metadata, BVH and index, and of the tiles with --codec plain.
+    /// zstd level of metadata, BVH and cameras, and of the tiles with --codec plain.
     #[arg(long, default_value_t = 9, value_name = "N", value_parser = clap::value_parser!(i32).range(1..=22))]
     level: i32,
     /// How tiles are coded.

@@ -1,11 +1,12 @@
 //! Argument types and small steps that several commands share.
 
-use std::io::{Read, Write};
+use std::io::Write;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
 use clap::builder::{PathBufValueParser, TypedValueParser};
+use rayreel_columns::ColumnsError;
 use rayreel_formats::Limits;
 use rayreel_formats::container::MAGIC;
 use rayreel_formats::durable::WholeFile;
@@ -14,6 +15,7 @@ use rayreel_formats::trace::{Trace, digest};
 use rayreel_replay::image::Image;
 use rayreel_replay::image::resolve::Resolver;
 use rayreel_scenes::Scene;
+use rayreel_settings::files::begins_with;
 use rayreel_study::sweep::folder::PLAN;
 use rayreel_tracer::{Built, SampleGrid, TOOL, TraceSettings};
 
@@ -102,7 +104,8 @@ pub fn frames(text: &str) -> Result<(u32, u32), String> {
 /// Tells what was odd in a scene's files.
 pub fn tell_warnings(scene: &Scene) {
     for warning in &scene.warnings {
-        tell!("warning: {} ({} times)", printable(&warning.message), warning.count);
+        let times = if warning.count == 1 { String::new() } else { format!(" ({} times)", warning.count) };
+        tell!("warning: {}{times}", printable(&warning.message));
     }
 }
 
@@ -146,6 +149,15 @@ pub fn open(path: &Path) -> Result<Trace> {
     Ok(Trace::open(path, memory::limits())?)
 }
 
+/// What is wrong with the trace or the replay that a table is made of, as other commands say it.
+pub fn plain(error: ColumnsError) -> anyhow::Error {
+    match error {
+        ColumnsError::Trace(error) => error.into(),
+        ColumnsError::Replay(error) => error.into(),
+        error => error.into(),
+    }
+}
+
 /// Refuses an output that would take the place of an input.
 pub fn keep_input(output: &Path, input: &Path) -> Result<()> {
     let place = |path: &Path| path.canonicalize().ok();
@@ -158,9 +170,7 @@ pub fn keep_input(output: &Path, input: &Path) -> Result<()> {
 /// Refuses an output that would take the place of a trace, or of a file that the sweep in `folder` lives on. Its results may be
 /// written again.
 pub fn keep_sweep(output: &Path, folder: &Path) -> Result<()> {
-    let mut head = [0; MAGIC.len()];
-    let is_trace =
-        std::fs::File::open(output).is_ok_and(|mut file| file.read_exact(&mut head).is_ok() && head == MAGIC);
+    let is_trace = begins_with(output, &MAGIC);
     let inside = output.parent().and_then(|parent| parent.canonicalize().ok()).zip(folder.canonicalize().ok());
     let within = inside.is_some_and(|(parent, folder)| parent != folder && parent.starts_with(folder));
     if is_trace || within {

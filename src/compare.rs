@@ -6,6 +6,7 @@ use anyhow::{Result, bail};
 use rayreel_study::StudyError;
 use rayreel_study::compare::run::ACROSS;
 use rayreel_study::compare::{Comparison, Options, Select, Side, json, text};
+use rayreel_study::table::{Cells, Results};
 
 use crate::common::{count, print, print_json};
 use crate::exit::{self, Exit};
@@ -13,16 +14,16 @@ use crate::exit::{self, Exit};
 /// Compare two results of sweeps, or two runs: which values changed, by how much, which points came and went. Exits with 1 if
 /// anything did.
 ///
-/// A and B are sweep folders, Parquet files of `rayreel sweep merge`, or JSON files of `rayreel replay` (--json, or stats.json).
+/// A and B are sweep folders, Parquet files of `rayreel sweep merge`, folders of `rayreel replay --out`, or its JSON (--json).
 /// Points are matched by trace, frames, machine, policy and axes, so results of another version of the model, of other presets or of
 /// another trace of the same name can be compared: a regression gate. Two runs are always matched.
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// What was: a sweep folder, a Parquet file, or a run as JSON.
+    /// What was: the folder of a sweep or a replay, a Parquet file, or a run as JSON.
     a: PathBuf,
     /// What is.
     b: PathBuf,
-    /// Numbers that change by no more than this part of their value in A are equal: 0.01 is one percent.
+    /// Numbers that change by no more than this part of their value in A are equal: 1% or 0.01.
     #[arg(long, default_value_t = 0.0, value_name = "R", value_parser = tolerance)]
     tolerance: f64,
     /// Only columns and configuration keys that match a pattern such as 'gpu_*'. Can be repeated.
@@ -68,12 +69,33 @@ pub fn run(args: &Args) -> Result<Exit> {
     if args.json {
         print_json(&json(&found, top)?)?;
     } else {
-        print(&text(&found, args.tolerance, top))?;
+        let others = if a.is_run() { others([a.results(), b.results()]) } else { String::new() };
+        print(&format!("{others}{}", text(&found, args.tolerance, top)))?;
     }
     Ok(if found.changed() { Exit::No } else { Exit::Done })
 }
 
+/// What two runs are of, where they are not of the same: whatever columns were asked for.
+fn others(runs: [&Results; 2]) -> String {
+    let value = |run: &Results, name: &str| match run.field(name).map(|field| &field.cells) {
+        Some(Cells::Text(values)) => values.first().cloned().flatten(),
+        Some(Cells::Int(values)) => values.first().copied().flatten().map(|value| value.to_string()),
+        _ => None,
+    };
+    let named = ["trace", "first_frame", "frames"].into_iter().filter_map(|name| {
+        let [a, b] = runs.map(|run| value(run, name).unwrap_or_else(|| "none".into()));
+        (a != b).then(|| format!("{name} {a} -> {b}"))
+    });
+    let mut named: Vec<String> = named.collect();
+    let prints = runs.map(|run| value(run, "trace_fingerprint"));
+    if named.is_empty() && prints[0] != prints[1] {
+        named.push("another trace of the same name".into());
+    }
+    if named.is_empty() { String::new() } else { format!("not of the same frames: {}\n", named.join(", ")) }
+}
+
 fn tolerance(text: &str) -> Result<f64, String> {
-    let number = text.parse().ok().filter(|number: &f64| number.is_finite() && *number >= 0.0);
-    number.ok_or_else(|| "give a number of 0 or more, such as 0.01 for one percent".into())
+    let (number, unit) = text.strip_suffix('%').map_or((text, 1.0), |number| (number.trim_end(), 0.01));
+    let number = number.parse().ok().map(|number: f64| number * unit).filter(|n| n.is_finite() && *n >= 0.0);
+    number.ok_or_else(|| "give a number of 0 or more, such as 1% or 0.01".into())
 }

@@ -3,13 +3,18 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::{Result, bail};
-use rayreel_columns::{Choice, ColumnsError, Data, Encoder, Format, Selection, Sink, Use, What};
+use rayreel_columns::{Choice, Data, Encoder, Format, Selection, Sink, Use, What};
 use rayreel_formats::scene::Meta;
+use rayreel_formats::trace::Trace;
 use rayreel_machine::NamedMachine;
 use rayreel_machine::config::schema::is_machine_override;
 use rayreel_replay::NamedPolicy;
+use rayreel_replay::image::files::SOFTWARE;
+use rayreel_study::cluster::shell::line;
+use rayreel_study::point::version::MODEL_VERSION;
+use serde_json::json;
 
-use crate::common::{frames, keep_input, print};
+use crate::common::{frames, keep_input, plain, print};
 use crate::exit::Exit;
 use crate::progress::{self, Progress};
 use crate::traces::TraceArgs;
@@ -54,7 +59,7 @@ pub struct Args {
     #[arg(long = "set", value_name = "KEY=VALUE")]
     overrides: Vec<String>,
     /// Intervals of counters, in cycles of the T&I clock; 1000 if not given.
-    #[arg(long, value_name = "CYCLES", value_parser = clap::builder::RangedI64ValueParser::<u64>::new().range(1..))]
+    #[arg(long, value_name = "CYCLES", value_parser = cycles)]
     interval: Option<u64>,
 }
 
@@ -62,6 +67,12 @@ pub struct Args {
 fn what(text: &str) -> Result<What, String> {
     let all: Vec<_> = What::ALL.iter().map(|what| what.name()).collect();
     What::named(text).ok_or_else(|| format!("there is no such table; take one of {}", all.join(", ")))
+}
+
+/// Parses the length of intervals.
+fn cycles(text: &str) -> Result<u64, String> {
+    let cycles = text.parse().ok().filter(|cycles| *cycles > 0);
+    cycles.ok_or_else(|| "give a whole number of cycles of 1 or more, such as 5000".into())
 }
 
 /// Parses the name of a format.
@@ -82,7 +93,8 @@ pub fn run(args: &Args, quiet: bool) -> Result<Exit> {
     data.interval = args.interval;
     data.stop = progress::stop_on_signal();
     data.columns = (!args.columns.is_empty()).then(|| args.columns.clone());
-    let encoder = data.head().and_then(|head| Encoder::new(format, head)).map_err(plain)?;
+    let origin = origin(args, &trace, (policy.as_ref(), machine.as_ref()))?;
+    let encoder = data.head().and_then(|head| Encoder::of(format, head, Some(&origin))).map_err(plain)?;
     let piped = args.output == Path::new("-");
     let mut sink = if piped {
         Sink::stream(&encoder, "standard output", Box::new(std::io::stdout()))
@@ -101,9 +113,34 @@ pub fn run(args: &Args, quiet: bool) -> Result<Exit> {
     bar.finish();
     if !piped {
         let bytes = std::fs::metadata(&args.output)?.len();
-        print(&format!("{}: {rows} rows of table {}, {bytes} bytes\n", args.output.display(), args.what.name()))?;
+        let under = policy.map(|policy| format!(" under {}", policy.name)).unwrap_or_default();
+        let on = machine.map(|machine| format!(" on {}", machine.name)).unwrap_or_default();
+        let (file, table) = (args.output.display(), args.what.name());
+        print(&format!("{file}: {rows} rows of table {table}{under}{on}, {bytes} bytes\n"))?;
     }
     Ok(Exit::Done)
+}
+
+/// What a table is of, as JSON, for files that have a place for it: the command without what changes no value, and of which trace.
+fn origin(args: &Args, trace: &Trace, named: (Option<&NamedPolicy>, Option<&NamedMachine>)) -> Result<String> {
+    let name = |text: &String| text.rsplit(['/', '\\']).next().unwrap_or(text).to_owned();
+    let mut words: Vec<String> = ["rayreel", "export"].map(String::from).into();
+    words.extend([args.trace.file_name(), "--what".into(), args.what.name().into()]);
+    let columns = (!args.columns.is_empty()).then(|| args.columns.join(","));
+    let frames = args.frames.map(|(first, count)| format!("{first}..{}", first + count));
+    let (policy, machine) = (args.policy.as_ref().map(name), args.machine.as_ref().map(name));
+    let interval = args.interval.map(|cycles| cycles.to_string());
+    let options = [("--columns", columns), ("--frames", frames), ("--tiles", args.tiles.clone()), ("--policy", policy)];
+    let options = options.into_iter().chain([("--machine", machine), ("--interval", interval)]);
+    words.extend(options.filter_map(|(option, value)| Some([option.to_owned(), value?])).flatten());
+    words.extend(args.overrides.iter().flat_map(|text| ["--set".to_owned(), text.clone()]));
+    let model = (named.0.is_some() || named.1.is_some()).then_some(MODEL_VERSION);
+    let about = json!({
+        "program": SOFTWARE, "command": line(&words), "model_version": model, "scene": trace.meta().scene,
+        "trace": args.trace.file_name(), "trace_fingerprint": trace.fingerprint()?.to_string(),
+        "policy": named.0.map(|policy| &policy.name), "machine": named.1.map(|machine| &machine.name),
+    });
+    Ok(about.to_string())
 }
 
 /// Refuses a table in the place of the trace, the policy or the machine. Names of presets do not matter.
@@ -111,15 +148,6 @@ fn keep_inputs(args: &Args) -> Result<()> {
     let named = [&args.policy, &args.machine].map(|name| name.as_ref().map(Path::new));
     let mut inputs = named.into_iter().chain([args.trace.path()]).flatten();
     inputs.try_for_each(|input| keep_input(&args.output, input))
-}
-
-/// What is wrong with the trace or the replay, as other commands say it.
-fn plain(error: ColumnsError) -> anyhow::Error {
-    match error {
-        ColumnsError::Trace(error) => error.into(),
-        ColumnsError::Replay(error) => error.into(),
-        error => error.into(),
-    }
 }
 
 /// The format that is asked for, or that the file's name says.

@@ -3,6 +3,7 @@
 use anyhow::Result;
 use rayon::prelude::*;
 use rayreel_formats::container::ChunkKind;
+use rayreel_formats::error::first_error;
 use rayreel_formats::tile::{Column, RayKind};
 use rayreel_formats::trace::{Scratch, Trace};
 use serde_json::{Value, json};
@@ -47,7 +48,7 @@ fn count(trace: &Trace, missing: &[(u32, u32)]) -> Result<[u64; 4]> {
         }
         Ok(rays)
     };
-    let counts: Vec<[u64; 4]> = tiles.par_iter().map_init(Scratch::default, of).collect::<Result<_>>()?;
+    let counts = first_error(tiles.par_iter().map_init(Scratch::default, of))?;
     Ok(counts.iter().fold([0; 4], |sum, c| std::array::from_fn(|i| sum[i] + c[i])))
 }
 

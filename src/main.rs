@@ -63,7 +63,7 @@ struct Cli {
     #[arg(long, global = true, default_value_t = 0, value_name = "N", value_parser = clap::value_parser!(u16).range(0..=1024))]
     threads: u16,
     /// Memory for what is being decoded of traces, by all threads together; of a sweep also for what its points share. MiB.
-    #[arg(long, global = true, default_value_t = memory::DEFAULT_MIB, value_name = "MIB", value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, global = true, default_value_t = memory::DEFAULT_MIB, value_name = "MIB", value_parser = memory::mebibytes)]
     memory: u32,
     /// Print no progress.
     #[arg(long, short, global = true)]

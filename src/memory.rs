@@ -6,6 +6,12 @@ use rayreel_formats::budget::Budget;
 use rayreel_formats::limits::MEMORY;
 use rayreel_formats::{Error, Limits};
 
+/// Parses a number of MiB.
+pub fn mebibytes(text: &str) -> Result<u32, String> {
+    let mib = text.parse().ok().filter(|mib| *mib > 0);
+    mib.ok_or_else(|| "give a whole number of MiB of 1 or more, such as 4096".into())
+}
+
 /// MiB, if nothing is asked for.
 pub const DEFAULT_MIB: u32 = 1024;
 

@@ -19,7 +19,7 @@ pub struct Args {
     /// How tiles are coded.
     #[arg(long, value_enum, default_value = "context")]
     codec: CodecName,
-    /// zstd level of metadata, BVH and index, and of the tiles with --codec plain.
+    /// zstd level of metadata, BVH and cameras, and of the tiles with --codec plain.
     #[arg(long, default_value_t = 9, value_name = "N", value_parser = clap::value_parser!(i32).range(1..=22))]
     level: i32,
 }

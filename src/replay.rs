@@ -21,7 +21,7 @@ use rayreel_study::files::write_named;
 use rayreel_study::point::pictures::{FramePictures, is_picture, remove, remove_numbered};
 use rayreel_study::point::version::MODEL_VERSION;
 use rayreel_study::report::{Made, Origin, Report};
-use serde_json::json;
+use serde_json::{Value, json};
 
 use crate::common::{check_output, digest_if_whole, frames, keep_input, output_file, print};
 use crate::detail::DetailArgs;
@@ -62,7 +62,7 @@ pub struct Args {
     #[arg(long, value_name = "A..B", value_parser = frames)]
     frames: Option<(u32, u32)>,
     /// Folder for pictures and stats.json; none are written without it.
-    #[arg(long, value_name = "DIR")]
+    #[arg(long, short, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Caches keep what they hold from frame to frame (gpu.warm_caches); else each frame begins with empty ones.
     #[arg(long)]
@@ -89,11 +89,13 @@ pub fn run(args: &Args, quiet: bool) -> Result<Exit> {
     let trace = args.trace.open()?;
     let inputs = [args.trace.path(), Some(Path::new(&args.policy)), Some(Path::new(&args.machine))];
     let inputs: Vec<&Path> = inputs.into_iter().flatten().collect();
+    if let Some(out) = &args.out {
+        std::fs::create_dir_all(out).with_context(|| format!("cannot create folder {}", out.display()))?;
+    }
     if let Some(timeline) = &args.timeline {
         check_output(timeline, &inputs)?;
     }
     if let Some(out) = &args.out {
-        std::fs::create_dir_all(out).with_context(|| format!("cannot create folder {}", out.display()))?;
         check_folder(out, &inputs, args.timeline.as_deref())?;
     }
     let report = replay(args, &trace, &policy, (machine.as_ref(), detail), quiet)?;
@@ -204,14 +206,23 @@ fn command(args: &Args) -> String {
     line(&words)
 }
 
-/// What the pictures of a frame are of, for their EXR file.
-fn notes(origin: &Origin, policy: &NamedPolicy, machine: Option<&NamedMachine>, frame: u32) -> ExrNotes {
+/// What pictures or a timeline are of.
+fn about(origin: &Origin, policy: &NamedPolicy, machine: Option<&NamedMachine>, frame: Option<u32>) -> Value {
     let Origin { made, trace, trace_fingerprint, trace_digest } = origin;
-    let about = json!({
+    let mut about = json!({
         "model_version": made.as_ref().map(|made| made.model_version), "trace": trace, "trace_fingerprint": trace_fingerprint,
         "trace_digest": trace_digest, "frame": frame, "policy": policy.name, "machine": machine.map(|machine| &machine.name),
     });
-    ExrNotes { comments: made.as_ref().map(|made| made.command.clone()), about: Some(about.to_string()) }
+    if frame.is_none() {
+        about.as_object_mut().map(|about| about.remove("frame"));
+    }
+    about
+}
+
+/// What the pictures of a frame are of, for their EXR file.
+fn notes(origin: &Origin, policy: &NamedPolicy, machine: Option<&NamedMachine>, frame: u32) -> ExrNotes {
+    let about = about(origin, policy, machine, Some(frame));
+    ExrNotes { comments: origin.made.as_ref().map(|made| made.command.clone()), about: Some(about.to_string()) }
 }
 
 /// Removes what an earlier replay left in a folder and what would go with pictures or figures of this one: its figures until there
@@ -262,7 +273,9 @@ fn replay(
     let mut frame_loop = FrameLoop::new(trace, &policy.policy, Options::default(), &stop)?;
     frame_loop.run(frames, simulator, &mut (timeline.as_mut(), watch), sink)?;
     if let (Some(file), Some(timeline)) = (&args.timeline, timeline) {
-        write_named(file, timeline.to_json().as_bytes())?;
+        let made = origin.made.as_ref().map(|made| (&made.program, &made.command)).unzip();
+        let about = json!({ "program": made.0, "command": made.1, "about": about(&origin, policy, machine, None) });
+        write_named(file, timeline.to_json(&about.to_string()).as_bytes())?;
     }
     let report = Report::new(&origin, policy, meta, &counted);
     let report = match machine {

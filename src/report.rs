@@ -30,7 +30,7 @@ const ROWS: &str = "paper.json";
 /// with a slider and play.
 ///
 /// Every chart of a page can be saved from it, as SVG and as CSV; --charts writes them without a browser.
-#[derive(Debug, clap::Args)]
+#[derive(Clone, Debug, clap::Args)]
 pub struct Args {
     /// Folder with study.json and the pictures that it names; the folder of a replay, with stats.json; or the results of a sweep: its
     /// folder, or a Parquet file.
@@ -66,9 +66,10 @@ fn kind(text: &str) -> Result<Kind, String> {
 }
 
 pub fn run(args: &Args) -> Result<Exit> {
+    // Whoever names the figures means the folder that they are the figures of.
     if args.input.file_name().is_some_and(|name| name == STATS || name == schema::FILE) {
         let folder = args.input.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        bail!("{} is a part of its folder; name the folder: {}", args.input.display(), folder.display());
+        return run(&Args { input: folder.into(), ..args.clone() });
     }
     if let Some(kind) = args.animate {
         return animate(args, kind);
@@ -151,6 +152,10 @@ fn animate(args: &Args, kind: Kind) -> Result<Exit> {
     }
     let file = args.output.clone().unwrap_or_else(|| args.input.join(format!("{}.apng", kind.name())));
     keep_results(&args.input, &file)?;
+    let ending = file.extension().and_then(OsStr::to_str).map(str::to_ascii_lowercase);
+    if !matches!(ending.as_deref(), Some("apng" | "png")) {
+        bail!("{}: an animation is an animated PNG; let its name end in .apng or .png", file.display());
+    }
     let frames = replay::animate(&args.input, kind, args.fps, &file)?;
     let bytes = std::fs::metadata(&file)?.len();
     if args.json {

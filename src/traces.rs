@@ -7,7 +7,9 @@ use std::sync::{Arc, LazyLock, Mutex, PoisonError};
 
 use anyhow::Result;
 use rayreel_formats::trace::Trace;
+use rayreel_scenes::builtin_names;
 use rayreel_store::{CacheFolder, Location, Options, Traffic};
+use rayreel_study::cluster::shell::line;
 
 use crate::memory;
 
@@ -66,8 +68,24 @@ impl CacheArgs {
             Location::Remote(_) => CacheFolder::choose(self.trace_cache.as_deref()).map_err(anyhow::Error::msg)?,
         };
         let options = Options { limits: memory::limits(), cache, traffic: Arc::clone(&TRAFFIC), ..Options::default() };
-        Ok(rayreel_store::open(location, &options)?)
+        let opened = rayreel_store::open(location, &options);
+        opened.map_err(|error| scene_hint(location, error.into()))
     }
+}
+
+/// An error of opening, with a word before it where a scene was named for a trace.
+fn scene_hint(location: &Location, error: anyhow::Error) -> anyhow::Error {
+    let Location::Local(path) = location else { return error };
+    let text = path.display().to_string();
+    let ends = path
+        .extension()
+        .is_some_and(|end| ["obj", "gltf", "glb", "toml"].iter().any(|kind| end.eq_ignore_ascii_case(kind)));
+    if !ends && (path.exists() || !builtin_names().contains(&text.as_str())) {
+        return error;
+    }
+    let trace = path.file_stem().unwrap_or_default().to_string_lossy().into_owned() + ".rtrace";
+    let record = line(&["rayreel", "capture", &text, "-o", &trace]);
+    error.context(format!("{text} is a scene and no trace; `{record}` records it"))
 }
 
 /// URLs with what may not be written down of them, by what may: those that this process was given.

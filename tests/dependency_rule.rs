@@ -200,7 +200,9 @@ fn the_network_is_off_by_default() {
 /// The crates that read files from anywhere, and all that stands between them and a result.
 #[test]
 fn readers_of_foreign_files_are_safe_code() {
-    for member in ["formats", "settings", "machine", "replay", "columns", "store", "study", "testkit"] {
+    for member in
+        ["formats", "settings", "scenes", "machine", "replay", "columns", "store", "study", "paper", "testkit"]
+    {
         assert_eq!(lint(&root().join(member).join("Cargo.toml")).as_deref(), Some("forbid"), "{member}");
     }
 }

@@ -12,6 +12,7 @@ use rayreel_formats::intersect::intersect;
 use rayreel_formats::rays::RayEnd;
 use rayreel_formats::tile::{Column, RayKind, ShadowState, composite, step};
 use rayreel_machine::NamedMachine;
+use rayreel_replay::NamedPolicy;
 
 /// Frame, tile, sample, in the order of the tables.
 fn tiles(trace: &Trace) -> Vec<(u32, u32)> {
@@ -228,6 +229,39 @@ fn samples_add_up_the_other_tables() {
                 row += 1;
             }
         }
+    }
+}
+
+/// With one R-sample in a block of 8x8 and refinement by halves, a sample that is traced stands in the middle of a gap: its place says in
+/// which round that was, of the X step on R-rows and of the Y step elsewhere.
+#[test]
+fn rounds_and_blocks_are_those_of_the_places() {
+    let policy = NamedPolicy::load("adaptive-8", &[]).unwrap();
+    for trace in traces() {
+        let samples = Rows::of(&Data { policy: Some(&policy), ..Data::new(&trace, What::Samples) });
+        let [x, y, round, block] = ["x", "y", "round", "block"].map(|name| samples.integers(name));
+        let (width, height) = (trace.meta().width * trace.meta().samples, trace.meta().height * trace.meta().samples);
+        // Halvings until a middle falls on a place; the last gap is one short, so it has other middles.
+        let level = |place: i64| 3 - i64::from(place.trailing_zeros());
+        let (last_x, last_y) = (i64::from(width) - 1, i64::from(height) - 1);
+        let is_reference = |place: i64, last: i64| place % 8 == 0 || place == last;
+        let mut traced = [0; 7];
+        for (i, state) in samples.words("state").into_iter().enumerate() {
+            assert_eq!(block[i], 8);
+            let (on_column, on_row) = (is_reference(x[i], last_x), is_reference(y[i], last_y));
+            assert_eq!((state == "reference", round[i] == 0), (on_column && on_row, on_column && on_row));
+            if on_column && on_row || x[i] > last_x - 8 || y[i] > last_y - 8 {
+                continue;
+            }
+            let latest = if on_row { level(x[i]) } else { 3 + level(y[i]) };
+            match state {
+                "traced" => assert_eq!(round[i], latest, "({}, {})", x[i], y[i]),
+                // A gap whose ends are alike is filled at once.
+                _ => assert!((if on_row { 1 } else { 4 }..=latest).contains(&round[i]), "({}, {})", x[i], y[i]),
+            }
+            traced[round[i] as usize] += u32::from(state == "traced");
+        }
+        assert!(traced[1..].iter().all(|&samples| samples > 0), "each round traces some: {traced:?}");
     }
 }
 

@@ -20,6 +20,7 @@ fn peak_memory() -> u64 {
 #[test]
 fn huge_lengths_are_refused_without_memory() {
     let before = peak_memory();
+    assert!(before > 0 || cfg!(not(target_os = "linux")), "the system tells no VmPeak, and nothing is measured");
     let forge = Forge::new;
     let (index, tile, entry) = (forge().index, forge().tile, forge().tile_entry);
 

@@ -111,6 +111,31 @@ fn ramp(v: f64) -> [u8; 3] {
 mod tests {
     use super::*;
 
+    #[test]
+    fn an_r_sample_has_the_mean_of_its_block() {
+        // Of the 15 I-samples of a block 5 are interpolated, 4 in part and 6 traced; those of the block beside it all.
+        let mut states = StateMap::new((8, 4));
+        let of = |x: u32, y: u32| match (x, y) {
+            (0 | 4, 0) => SampleState::Reference,
+            (4.., _) => SampleState::Interpolated,
+            (1.., 0) => SampleState::Traced,
+            (_, 1) => SampleState::Partial,
+            (_, 2) => SampleState::Interpolated,
+            (0, _) => SampleState::Interpolated,
+            _ => SampleState::Traced,
+        };
+        states.set_rows(0..4, |y, set| (0..8).for_each(|x| set(Some((of(x, y), 1)))));
+        let map = similarity_map(&states, &Blocks::uniform(4));
+        // A partial sample counts half: 5 + 4 / 2 of 15 are yellow.
+        let mixed = std::array::from_fn(|i| ((7 * u32::from(YELLOW[i]) + 8 * u32::from(BLUE[i])) / 15) as u8);
+        assert_eq!((map.pixels[0], map.pixels[4]), (mixed, YELLOW));
+        assert_eq!([map.pixels[1], map.pixels[8], map.pixels[16], map.pixels[24]], [BLUE, GREEN, YELLOW, YELLOW]);
+        // Of a pixel of 2x2 samples the mean of those: at the top left the R-sample, one traced and two in part.
+        let pixels = similarity_map_pixels(&states, &Blocks::uniform(4), 2);
+        let mean = |i: usize| ((u32::from(mixed[i]) + u32::from(BLUE[i]) + 2 * u32::from(GREEN[i])) / 4) as u8;
+        assert_eq!((pixels.width, pixels.height, pixels.pixels[0]), (4, 2, std::array::from_fn(mean)));
+    }
+
     /// The picture had squares of its width, four of them, where the frame had two tiles.
     #[test]
     fn a_frame_narrower_than_a_tile_has_the_rates_of_its_tiles() {

@@ -105,6 +105,12 @@ impl Scene {
         if !vector.is_finite() || !is_colour(colour) {
             return self.broken(format!("light {index} has a negative or non-finite value"));
         }
+        if matches!(light, Light::Point { .. }) && vector.abs().max_element() > 1e18 {
+            let far = format!(
+                "light {index} stands so far away that single precision knows no direction to it; make it directional"
+            );
+            return self.broken(far);
+        }
         if matches!(light, Light::Directional { .. }) && !is_direction(vector) {
             return self.broken(format!("light {index} shines from no direction"));
         }

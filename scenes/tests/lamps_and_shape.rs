@@ -88,6 +88,55 @@ fn a_lamp_can_be_put_out_and_lit_in_a_scene_file() {
     assert!(colour.x == 0.0 && colour.y > 0.0);
 }
 
+/// Glass that says no colour was grey all over, and a model of light without a highlight had one.
+#[test]
+fn what_a_material_leaves_out_follows_from_its_model_of_light() {
+    let of = |text: &str| {
+        let files =
+            [("a.obj", format!("mtllib a.mtl\nusemtl m\n{TRIANGLE}")), ("a.mtl", format!("newmtl m\n{text}\n"))];
+        let scene =
+            load_in(&folder(&files.each_ref().map(|(name, text)| (*name, text.as_str()))), "a.obj").expect("loads");
+        (scene.materials[0].diffuse.z, scene.materials[0].specular.y)
+    };
+    assert_eq!([of("illum 2"), of("Ks 0.5"), of("illum 1\nKs 0.5")], [(0.8, 0.0), (0.8, 0.5), (0.8, 0.0)]);
+    assert_eq!([of("illum 7"), of("illum 7\nKd 0.5\nKs 0.5")], [(0.0, 1.0), (0.5, 0.5)]);
+}
+
+/// Exports that are mirrored turn the corners and not the normals: they were drawn in flat faces, and their glass began where it ended.
+#[test]
+fn an_object_that_turns_its_backs_to_its_normals_is_turned_round() {
+    // A pyramid with smooth normals, as two objects; of the second one face is broken.
+    let pyramid = |last: &str| {
+        format!(
+            "v 1 0 0\nv 0 0 -1\nv -1 0 0\nv 0 0 1\nv 0 1 0\nvn 1 1 0\nvn 0 1 -1\nvn -1 1 0\nvn 0 1 1\nvn 0 1 0\n\
+             o a\nf 1//1 2//2 5//5\nf 2//2 3//3 5//5\nf 3//3 4//4 5//5\no b\nf 4//4 1//1 5//5\nf 1//1 2//2 5//5\n{last}"
+        )
+    };
+    let load = |obj: &str| load_in(&folder(&[("a.obj", obj)]), "a.obj").expect("loads");
+    let turned = |obj: String| {
+        let lines = obj.lines().map(|line| match line.split_whitespace().collect::<Vec<_>>()[..] {
+            ["f", a, b, c] => format!("f {a} {c} {b}\n"),
+            _ => format!("{line}\n"),
+        });
+        lines.collect::<String>()
+    };
+    let faces = |scene: &rayreel_scenes::Scene| -> Vec<glam::Vec3> {
+        let corners = |t: &rayreel_scenes::Triangle| t.vertices.map(|v| scene.mesh.positions[v as usize]);
+        scene.mesh.triangles.iter().map(corners).map(|[a, b, c]| (b - a).cross(c - a)).collect()
+    };
+    let right = load(&pyramid("f 2//2 3//3 5//5\n"));
+    let is_told = |scene: &rayreel_scenes::Scene| -> u64 {
+        let told = warnings(scene).into_iter().filter(|(_, words)| words.contains("were turned round"));
+        told.map(|(count, _)| count).sum()
+    };
+    assert!(is_told(&right) == 0 && faces(&right).iter().all(|face| face.y > 0.0));
+    let wrong = load(&turned(pyramid("f 2//2 3//3 5//5\n")));
+    assert_eq!((faces(&wrong), is_told(&wrong)), (faces(&right), 2), "both objects, in one warning");
+    // One face of three stays as it is.
+    let one = load(&pyramid("f 2//2 5//5 3//3\n"));
+    assert_eq!((is_told(&one), faces(&one).iter().filter(|face| face.y < 0.0).count()), (0, 1));
+}
+
 #[test]
 fn smoothing_that_is_off_leaves_faces_flat() {
     let normals = |statement: &str| {

@@ -29,6 +29,13 @@ pub fn read_text(path: &Path, most: u64) -> io::Result<String> {
     String::from_utf8(read(path, most)?).map_err(|_| io::Error::new(ErrorKind::InvalidData, "it is no UTF-8 text"))
 }
 
+/// Whether a plain file begins with these bytes. One that cannot be read does not.
+pub fn begins_with(path: &Path, begin: &[u8]) -> bool {
+    let mut found = vec![0; begin.len()];
+    let open = || check(path, u64::MAX).and_then(|()| File::open(path));
+    open().is_ok_and(|mut file| file.read_exact(&mut found).is_ok()) && found == begin
+}
+
 /// Refuses what [`read`] would refuse, without opening it.
 ///
 /// # Errors
@@ -55,21 +62,17 @@ fn too_long(most: u64) -> io::Error {
 mod tests {
     use super::*;
 
-    fn place(name: &str) -> std::path::PathBuf {
-        let folder = std::env::temp_dir().join(format!("rayreel-settings-files-{}", std::process::id()));
-        fs::create_dir_all(&folder).unwrap();
-        folder.join(name)
-    }
-
     #[test]
     fn a_file_is_read_up_to_its_limit() {
-        let path = place("plain");
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("plain");
         fs::write(&path, "12345").unwrap();
         assert_eq!(read(&path, 5).unwrap(), b"12345");
         assert_eq!(read_text(&path, 6).unwrap(), "12345");
         assert!(read(&path, 4).unwrap_err().to_string().contains("more than 4 bytes"));
-        assert_eq!(read(&place("missing"), 9).unwrap_err().kind(), ErrorKind::NotFound);
-        assert_eq!(read(path.parent().unwrap(), 9).unwrap_err().kind(), ErrorKind::IsADirectory);
+        assert_eq!(read(&folder.path().join("missing"), 9).unwrap_err().kind(), ErrorKind::NotFound);
+        assert_eq!(read(folder.path(), 9).unwrap_err().kind(), ErrorKind::IsADirectory);
+        assert!(begins_with(&path, b"123") && !begins_with(&path, b"124") && !begins_with(&path, b"123456"));
         fs::write(&path, [0xff]).unwrap();
         assert!(read_text(&path, 9).unwrap_err().to_string().contains("UTF-8"));
     }
@@ -78,11 +81,12 @@ mod tests {
     #[test]
     #[cfg(unix)]
     fn devices_and_pipes_are_not_opened() {
-        let pipe = place("pipe");
-        let _ = fs::remove_file(&pipe);
+        let folder = tempfile::tempdir().unwrap();
+        let pipe = folder.path().join("pipe");
         assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
         for path in [Path::new("/dev/zero"), &pipe] {
             assert!(read(path, TEXT_MAX).unwrap_err().to_string().contains("no plain file"), "{}", path.display());
+            assert!(!begins_with(path, b"\0"), "{}", path.display());
         }
     }
 }

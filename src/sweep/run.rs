@@ -155,8 +155,15 @@ fn restart() -> String {
 
 /// The line that jobs' logs end with, and the code.
 fn told(folder: &Folder, shard: Shard, outcome: &Outcome, wall: f64) -> Exit {
+    // Presets of two names may be one configuration: such points have one row.
+    let alike = outcome.points.saturating_sub(outcome.skipped + outcome.reused + outcome.computed);
+    let alike = match alike {
+        0 => String::new(),
+        _ if outcome.interrupted || !outcome.troubles.is_empty() => String::new(),
+        alike => format!(", {alike} the same as another"),
+    };
     tell!(
-        "shard {shard} on {}: {} points, {} skipped, {} reused, {} computed, {} failed, {wall:.1} s, restart {}",
+        "shard {shard} on {}: {} points, {} skipped, {} reused, {} computed{alike}, {} failed, {wall:.1} s, restart {}",
         host(),
         outcome.points,
         outcome.skipped,
@@ -210,9 +217,10 @@ fn telemetry(
 
 /// The name of this machine.
 fn host() -> String {
-    let named = ["SLURMD_NODENAME", "HOSTNAME"].iter().find_map(|name| std::env::var(name).ok());
-    let kernel = || std::fs::read_to_string("/proc/sys/kernel/hostname").ok().map(|name| name.trim().to_owned());
-    named.or_else(kernel).filter(|name| !name.is_empty()).unwrap_or_else(|| "unknown".into())
+    let named = ["SLURMD_NODENAME", "HOSTNAME"].into_iter().filter_map(|name| std::env::var(name).ok());
+    let kernel = std::iter::once_with(|| std::fs::read_to_string("/proc/sys/kernel/hostname").ok()).flatten();
+    let mut names = named.chain(kernel).map(|name| name.trim().to_owned());
+    names.find(|name| !name.is_empty()).unwrap_or_else(|| "unknown".into())
 }
 
 /// A name that another attempt is most unlikely to have: 48 bits of a hash of machine, process and time.

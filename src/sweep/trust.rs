@@ -112,7 +112,7 @@ fn agreed() -> Result<bool> {
     Ok(matches!(answer.trim(), "y" | "Y" | "yes"))
 }
 
-/// Whether an option is in the list. One without a value, or a word that is none, is not.
+/// Whether an option is in the list, with a value behind `=` or without one. A word that is no option is not.
 fn is_harmless(option: &str) -> bool {
     let name = option.split('=').next().unwrap_or_default();
     HARMLESS.contains(&name)

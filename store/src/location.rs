@@ -21,13 +21,15 @@ pub fn is_remote(location: &str) -> bool {
 }
 
 impl Location {
-    /// What messages call it: a URL without user, password, query and fragment, any of which may be a secret.
+    /// What messages call it: a URL without user, password, query and fragment, any of which may be a secret. Where a password has a
+    /// character in it that should be escaped, it is all that stands before the last `@`.
     fn shown(&self) -> String {
         match self {
             Self::Local(path) => path.display().to_string(),
             Self::Remote(url) => {
-                let end = url.find(['?', '#']).unwrap_or(url.len());
-                let (scheme, rest) = url[..end].split_once("://").unwrap_or(("", &url[..end]));
+                let (scheme, rest) = url.split_once("://").unwrap_or(("", url));
+                let rest = &rest[broken_password(rest)..];
+                let rest = &rest[..rest.find(['?', '#']).unwrap_or(rest.len())];
                 let (host, path) = rest.split_at(rest.find('/').unwrap_or(rest.len()));
                 let host = host.rsplit_once('@').map_or(host, |(_, host)| host);
                 format!("{scheme}://{host}{path}")
@@ -58,6 +60,15 @@ impl Location {
             }
         }
     }
+}
+
+/// Where the host begins, if what looks like a host and a port in front of a slash, a query or a fragment is the beginning of a user and a
+/// password: the port is no number, and an `@` follows. Else 0.
+fn broken_password(rest: &str) -> usize {
+    let front = rest.split(['/', '?', '#']).next().unwrap_or_default();
+    let is_host =
+        front.contains(['@', ']']) || front.split_once(':').is_none_or(|(_, port)| port.parse::<u16>().is_ok());
+    if is_host { 0 } else { rest.rfind('@').map_or(0, |at| at + 1) }
 }
 
 /// The location of a file in a folder: the query of a URL stays behind its path.
@@ -130,6 +141,14 @@ mod tests {
         let location = Location::from("https://me:word@host:8/a/b.rtrace?X-Amz-Signature=abc#x");
         assert_eq!(location.to_string(), "https://host:8/a/b.rtrace");
         assert_eq!(location.file_name(), "b.rtrace");
+        for (url, shown) in [
+            ("https://me:wo/rd@host/x", "https://host/x"),
+            ("https://me:wo#rd@host:8/x?y", "https://host:8/x"),
+            ("http://host:8/a@b/x", "http://host:8/a@b/x"),
+            ("http://[::1]:8/a@b", "http://[::1]:8/a@b"),
+        ] {
+            assert_eq!(Location::from(url).to_string(), shown);
+        }
         assert!(location.has_secret() && !Location::from("https://host:8/a/b.rtrace").has_secret());
         assert_eq!(in_folder("https://h/a/?sig=x", "t"), "https://h/a/t?sig=x");
         assert_eq!((in_folder("s3://", "t"), in_folder("/", "t")), ("s3:///t".into(), "/t".into()));

@@ -78,22 +78,24 @@ impl Pool {
         })
     }
 
-    /// Runs `work`, which may fail, on `items`. After an error no other item is begun.
+    /// Runs `work`, which may fail, on `items`. After an error no item behind it is begun.
     ///
     /// It also ends well when [`Self::stop`] was requested, with items that were never begun: whoever needs them all looks at that.
     ///
     /// # Errors
     /// The first error in the order of the items.
     pub fn each<T: Sync, E: Send>(&self, items: &[T], work: impl Fn(&T) -> Result<(), E> + Sync) -> Result<(), E> {
-        let failed = AtomicBool::new(false);
+        let items: Vec<(usize, &T)> = items.iter().enumerate().collect();
+        let failed = AtomicUsize::new(usize::MAX);
         let mut first: Option<(usize, E)> = None;
-        let attempt = |_, item: &T| {
-            if failed.load(Ordering::Relaxed) {
+        let attempt = |_, (index, item): &(usize, &T)| {
+            // One in front of it that was taken and not begun may fail as well, and is the first then.
+            if failed.load(Ordering::Relaxed) < *index {
                 return Ok(());
             }
-            work(item).inspect_err(|_| failed.store(true, Ordering::Relaxed))
+            work(item).inspect_err(|_| _ = failed.fetch_min(*index, Ordering::Relaxed))
         };
-        let ended: Result<(), std::convert::Infallible> = self.run(items, attempt, |event| {
+        let ended: Result<(), std::convert::Infallible> = self.run(&items, attempt, |event| {
             if let Event::Done { index, result: Err(error) } = event
                 && first.as_ref().is_none_or(|(known, _)| index < *known)
             {
@@ -149,6 +151,16 @@ mod tests {
         });
         assert_eq!(ended, Err("five"));
         assert_eq!(*begun.lock().unwrap(), [0, 1, 2, 3, 4, 5]);
+        // One that was begun before and fails later is the first all the same.
+        let second = AtomicBool::new(false);
+        let ended = pool(2).each(&[0, 1], |item| {
+            while *item == 0 && !second.load(Ordering::Relaxed) {
+                std::thread::yield_now();
+            }
+            second.store(true, Ordering::Relaxed);
+            Err::<(), i32>(*item)
+        });
+        assert_eq!(ended, Err(0));
         // Whoever takes results may end it as well.
         let ended = pool(2).run(
             &items,

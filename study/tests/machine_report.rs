@@ -49,7 +49,7 @@ fn run(machine: &str, overrides: &[&str], times: usize) -> (Value, String, Vec<M
     let origin = Origin { trace: "cornell".into(), ..Origin::default() };
     let report = Report::new(&origin, &policy, trace.meta(), &stats).with_machine(&machine, &runs);
     let json = serde_json::from_str(&report.to_json().unwrap()).unwrap();
-    (json, report.to_string(), runs, serde_json::from_str(&timeline.to_json()).unwrap())
+    (json, report.to_string(), runs, serde_json::from_str(&timeline.to_json("{}")).unwrap())
 }
 
 fn number(value: &Value) -> f64 {

@@ -54,6 +54,18 @@ fn two_runs_are_compared() {
     for words in ["machine", "sgrt-ti2 -> sgrt-ti1", "adaptive -> full", "rays_traced", "gpu_energy_mj"] {
         assert!(told.contains(words), "{words}: {told}");
     }
+    // The folder of a replay is its run, and the run in a folder is a page of it. What runs are of is said whatever is asked for.
+    let (run, other) = (folder.path().join("run"), repository("traces/v1_0_teapot.rtrace"));
+    rayreel!["replay", "--quiet", &trace, "--machine", "sgrt-ti2", "-o", &run].expect(0);
+    rayreel!["compare", &run, &a].expect(0).prints(&["equal: 1 point, "]);
+    rayreel!["report", &run.join("stats.json")].expect(0).prints(&["report.html: "]);
+    let refused = rayreel!["report", &run, "--animate", "result", "-o", &run.join("x.gif")].expect(2);
+    refused.says(&["x.gif: an animation is an animated PNG"]);
+    assert!(run.join("report.html").exists() && !run.join("x.gif").exists());
+    fs::write(&c, replay(&other, "--machine sgrt-ti2 --frames 30").expect(0).out).unwrap();
+    let told = rayreel!["compare", &a, &c, "--only", "cycles", "--tolerance", "1%"].expect(1).out;
+    let first = "not of the same frames: trace v1_0_cornell.rtrace -> v1_0_teapot.rtrace, first_frame 0 -> 30\n";
+    assert!(told.starts_with(first) && told.contains("figures: 1 of 1 changed within 1.00 %"), "{told}");
 }
 
 #[test]

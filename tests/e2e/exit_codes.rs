@@ -92,6 +92,11 @@ fn wrong_usage_is_2() {
         ("presets show adaptve", "did you mean adaptive"),
         ("presets show sgrt-ti2 --set ti.trv=99", "from 1 to 16"),
         ("info {}/a.rtrace --threads x", "--threads"),
+        ("info {}/a.rtrace --memory 1GiB", "a whole number of MiB of 1 or more"),
+        ("replay chess", "chess is a scene and no trace; `rayreel capture chess -o chess.rtrace` records it"),
+        ("render {}/a.rtrace -o {}/x.png", "it is a trace already: `rayreel replay a.rtrace --machine none"),
+        ("report {} --animate result -o {}/x.gif", "--animate is for the folder of a replay"),
+        ("compare {}/a.rtrace {}/a.rtrace --tolerance 5%%", "such as 1% or 0.01"),
     ] {
         expect(folder, line, 2, word);
     }

@@ -104,6 +104,54 @@ fn tables_count_what_the_trace_and_the_machine_count() {
     assert_eq!([traced, interpolated], said);
 }
 
+/// Parquet has a place for what made a table: it says as much as stats.json does.
+#[test]
+fn a_parquet_file_says_what_made_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let (trace, file) = (repository("traces/v1_0_cornell.rtrace"), folder.path().join("T.PARQUET"));
+    let said = |options: &str| {
+        let ran = export(&trace, options, &file).expect(0);
+        // The metadata stand behind all pages, as they are.
+        let bytes = std::fs::read(&file).unwrap();
+        let end = String::from_utf8_lossy(&bytes[bytes.len().saturating_sub(20_000)..]).into_owned();
+        let from = end.rfind(r#"{"table":"#).unwrap();
+        let mut json = serde_json::Deserializer::from_str(&end[from..]).into_iter::<Value>();
+        (ran.out, json.next().unwrap().unwrap())
+    };
+    let (out, json) = said("--what tiles --policy multirate --set ti.trv=2 --frames 0");
+    let replay = rayreel!["replay", "--quiet", "--json", "--machine", "none", &trace].expect(0).json();
+    let origin = &json["origin"];
+    assert_eq!(json["table"], "tiles");
+    assert_eq!(
+        origin["command"],
+        "rayreel export v1_0_cornell.rtrace --what tiles --frames 0..1 --policy multirate --set ti.trv=2"
+    );
+    for key in ["program", "model_version", "scene", "trace_fingerprint"] {
+        assert!(origin[key] == replay[key] && !origin[key].is_null(), "{key}: {origin}");
+    }
+    assert_eq!((origin["policy"].as_str(), origin["machine"].as_str()), (Some("multirate"), Some("sgrt-ti2+ti.trv=2")));
+    assert!(out.contains("of table tiles under multirate on sgrt-ti2+ti.trv=2, "), "{out}");
+    let (_, rays) = said("--what rays");
+    assert!(rays["origin"]["policy"].is_null() && rays["origin"]["model_version"].is_null());
+}
+
+/// A trace of paths alone is enough for what follows from paths.
+#[test]
+fn tables_of_paths_need_no_other_column() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    let whole = repository("traces/v1_0_cornell.rtrace");
+    rayreel!["trim", "--quiet", "--columns", "paths", &whole, "-o", &at("paths")].expect(0);
+    for what in ["steps", "addresses", "samples --columns x,y,node_visits,triangle_tests,pops,rays"] {
+        let table = |trace: &Path, name: &str| {
+            export(trace, &format!("--what {what} --format csv"), &at(name)).expect(0);
+            std::fs::read(at(name)).unwrap()
+        };
+        assert!(table(&at("paths"), "a.csv") == table(&whole, "b.csv"), "{what}");
+    }
+    export(&at("paths"), "--what samples", &at("c.csv")).expect(3).says(&["holds no hits"]);
+}
+
 #[test]
 fn what_cannot_be_exported_is_said_and_leaves_no_file() {
     let (trace, folder) = (repository("traces/v1_0_cornell.rtrace"), tempfile::tempdir().unwrap());
@@ -125,8 +173,12 @@ fn what_cannot_be_exported_is_said_and_leaves_no_file() {
     refused("--what lookups --tiles 0", "a.npy", &["takes no --tiles: a machine works on whole frames"]);
     refused("--what lookups --machine mimd-trax", "a.npy", &["take requests"]);
     refused("--what rays --interval 5", "a.npy", &["--interval is for table counters"]);
-    refused("--what counters --interval 0", "a.npy", &["--interval <CYCLES>", "1.."]);
-    refused("--what counters --interval -1", "a.npy", &["--interval <CYCLES>", "1.."]);
+    refused("--what counters --interval 0", "a.npy", &["--interval <CYCLES>", "a whole number of cycles of 1 or more"]);
+    refused(
+        "--what counters --interval -1",
+        "a.npy",
+        &["--interval <CYCLES>", "a whole number of cycles of 1 or more"],
+    );
     refused("--what rays", "no/folder/a.npy", &["cannot write", "no/folder/a.npy"]);
     export(&trace, "--what rays", Path::new("-")).expect(2).says(&["--format csv"]);
     export(&trace, "--what rays --format npy", Path::new("-")).expect(2).says(&["cannot be piped"]);

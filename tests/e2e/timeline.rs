@@ -34,6 +34,12 @@ fn slices_follow_one_another_and_every_tile_is_there() {
     let folder = tempfile::tempdir().unwrap();
     let (file, said) = timeline(folder.path());
     let read: Value = serde_json::from_slice(&std::fs::read(file).unwrap()).unwrap();
+    let other = &read["otherData"];
+    assert_eq!(other["program"], said["program"]);
+    assert_eq!(other["command"], said["command"]);
+    for key in ["model_version", "trace_fingerprint", "policy", "machine"] {
+        assert!(other["about"][key] == said[key] && !said[key].is_null(), "{key}: {other}");
+    }
     let events = read["traceEvents"].as_array().unwrap();
     let mut names = BTreeMap::new();
     let mut ends: BTreeMap<(u64, u64), u64> = BTreeMap::new();

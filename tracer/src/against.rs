@@ -6,6 +6,7 @@
 
 use rayon::prelude::*;
 use rayreel_formats::bvh::{Bvh, Triangle};
+use rayreel_formats::error::first_error;
 use rayreel_formats::scene::Meta;
 use rayreel_formats::tile::Column;
 use rayreel_formats::trace::{Scratch, Trace};
@@ -59,7 +60,7 @@ pub fn against(trace: &Trace, scene: &Scene, built: &Built, mut progress: impl F
     for batch in tiles.chunks(64 * rayon::current_num_threads()) {
         let check =
             |scratch: &mut Scratch, &(frame, tile): &(u32, u32)| difference(trace, &tracer, (frame, tile), scratch);
-        let checked: Vec<Option<String>> = batch.par_iter().map_init(Scratch::default, check).collect::<Result<_>>()?;
+        let checked = first_error(batch.par_iter().map_init(Scratch::default, check))?;
         found.tiles += checked.len() as u64;
         found.tiles_wrong += checked.iter().flatten().count() as u64;
         found.first = found.first.take().or(checked.into_iter().flatten().next());

@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 use rayon::prelude::*;
 use rayreel_formats::bvh::Bvh;
 use rayreel_formats::container::EncodedChunk;
+use rayreel_formats::error::first_error;
 use rayreel_formats::scene::{Camera, Meta};
 use rayreel_formats::tile::Column;
 use rayreel_formats::trace::{BvhTopology, Codec, Scratch, Started, TileCodec, Trace, TraceWriter};
@@ -25,7 +26,7 @@ pub struct CaptureOutput {
     pub path: PathBuf,
     /// Codec of the tiles.
     pub codec: Codec,
-    /// zstd level of metadata, BVH and index.
+    /// zstd level of metadata, BVH and cameras.
     pub level: i32,
     /// Go on with `NAME.partial` if there is one.
     pub resume: bool,
@@ -155,7 +156,7 @@ impl TileJob<'_> {
     /// Traces and codes tiles in parallel; gives each one's chunk and number of rays, in the order of `tiles`.
     fn batch(&self, camera: &Camera, frame: u32, tiles: &[u32]) -> Result<Vec<(EncodedChunk, u64)>> {
         let code = |scratch: &mut Scratch, &tile: &u32| self.tile(camera, frame, tile, scratch);
-        tiles.par_iter().map_init(Scratch::default, code).collect()
+        first_error(tiles.par_iter().map_init(Scratch::default, code))
     }
 
     fn tile(&self, camera: &Camera, frame: u32, index: u32, scratch: &mut Scratch) -> Result<(EncodedChunk, u64)> {
@@ -175,8 +176,7 @@ fn summary(
 ) -> Result<Captured> {
     let trace = Trace::open(path, limits.clone())?;
     let count = |&(frame, tile): &(u32, u32)| trace.tile(frame, tile, &[Column::Tree]).map(|t| t.tree.ray_count());
-    let rays_kept: Vec<u64> = kept.par_iter().map(count).collect::<Result<_>>()?;
-    let rays = rays_this_run + rays_kept.iter().sum::<u64>();
+    let rays = rays_this_run + first_error(kept.par_iter().map(count))?.iter().sum::<u64>();
     let paths = trace.column_totals().iter().find(|c| c.id == Column::Paths as u8);
     let (path_bytes, path_raw) = paths.map_or((0, 0), |c| (c.packed_bytes, c.raw_bytes));
     let meta = trace.meta();

@@ -1,8 +1,8 @@
 //! Many triangles in one place.
 //!
 //! A builder that looks for good splits finds none among triangles of one box: it makes a tree as deep as they are many, in a time
-//! that grows with their square. So copies of a triangle, alike in everything, are left out where there are many (no ray can tell
-//! them from the first). Of others of one box the builder sees the first, and all of them are split in halves below it. So is the lower
+//! that grows with their square. So copies of a triangle, alike in everything, are left out where there are many: no ray can
+//! tell them from the first, but that each copy of glass would tint a shadow once more. Of others of one box the builder sees the first, and all of them are split in halves below it. So is the lower
 //! part of a tree that gets too deep.
 
 use std::collections::BTreeMap;

@@ -3,7 +3,7 @@
 use rayreel_formats::math::Vec3;
 use rayreel_formats::rays::Surface;
 use rayreel_formats::scene::Optics;
-use rayreel_scenes::{Material, Scene};
+use rayreel_scenes::{Material, Scene, Texture};
 
 use crate::accel::Built;
 use crate::convert;
@@ -11,7 +11,7 @@ use crate::shading::ShadingInputs;
 use crate::texture::{MipTexture, approximate_log2};
 use crate::traverse::RayHit;
 
-/// What a shadow ray keeps, beside the tint, at each dielectric surface that it passes: the transmittance for
+/// What a shadow ray keeps, beside the tint, at each dielectric surface that it passes and that reflects: the transmittance for
 /// unpolarised light at normal incidence and an index of 1.5.
 const SHADOW_TRANSMITTANCE: f32 = 0.96;
 
@@ -37,7 +37,9 @@ impl<'a> SceneMaterials<'a> {
         Self {
             scene,
             built,
-            textures: scene.textures.iter().map(MipTexture::new).collect(),
+            textures: (0..scene.textures.len())
+                .map(|map| MipTexture::new(&scene.textures[map], holes(scene, map)))
+                .collect(),
             uvs: built.source.iter().map(|&t| triangle_uv(scene, t as usize)).collect(),
         }
     }
@@ -64,7 +66,9 @@ impl<'a> SceneMaterials<'a> {
         }
         *passed = true;
         if !cut_out {
-            *tint = tint.times(material.transmission * SHADOW_TRANSMITTANCE);
+            // Plain transparency, of index 1, reflects nothing.
+            let kept = if material.ior == 1.0 { 1.0 } else { SHADOW_TRANSMITTANCE };
+            *tint = tint.times(material.transmission * kept);
         }
         true
     }
@@ -91,6 +95,15 @@ impl<'a> SceneMaterials<'a> {
         let [a, b, c] = self.uvs[triangle as usize].corners;
         std::array::from_fn(|i| (a[i] * ((1.0 - u) - v) + b[i] * u) + c[i] * v)
     }
+}
+
+/// The texture that cuts texture `map` out, if all materials that take their colour from it name the same one.
+fn holes(scene: &Scene, map: usize) -> Option<&Texture> {
+    let mut of = scene.materials.iter().filter(|material| material.diffuse_map == Some(map)).map(|m| m.alpha_map);
+    let first = of.next()??;
+    // Its own alpha may cut out others.
+    let alone = first == map || scene.materials.iter().all(|material| material.alpha_map != Some(map));
+    (alone && of.all(|other| other == Some(first))).then(|| &scene.textures[first])
 }
 
 fn triangle_uv(scene: &Scene, triangle: usize) -> TriangleUv {

@@ -8,6 +8,7 @@
 use rayon::prelude::*;
 use rayreel_formats::Result;
 use rayreel_formats::bvh::Bvh;
+use rayreel_formats::error::first_error;
 use rayreel_formats::half::Half3;
 use rayreel_formats::math::Vec3;
 use rayreel_formats::rays::{self, Geometry, Ray, RayRebuilder, Surface};
@@ -89,8 +90,7 @@ pub fn verify(trace: &Trace, mut progress: impl FnMut(u64) -> bool) -> Result<Ve
             let content = trace.tile_with(frame, tile, &readable, &mut scratch.0)?;
             TileCheck::new(trace, &traversal, &content, frame).map(|mut check| check.run(&mut scratch.1))
         };
-        let checked: Vec<Verified> = batch.par_iter().map_init(Default::default, check).collect::<Result<_>>()?;
-        for one in checked {
+        for one in first_error(batch.par_iter().map_init(Default::default, check))? {
             total.add(one);
         }
         if !progress(total.tiles + total.unchecked) {

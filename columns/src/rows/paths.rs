@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use rayreel_formats::tile::Tile;
+use rayreel_formats::tile::{Column, Tile};
 use rayreel_formats::trace::Trace;
 use rayreel_machine::work::check::{Fault, PathCounts, walk};
 use rayreel_machine::work::ops::Op;
@@ -45,19 +45,26 @@ pub fn broken(tile: &Tile, ray: u32, Fault { step, detail }: Fault) -> ColumnsEr
     ColumnsError::Path { frame: tile.frame, tile: tile.index, ray, step, detail }
 }
 
-/// Gives every ray of a tile to `see`, with its operations and what they ask for.
+/// Gives every ray of a tile to `see`, with its operations and what they ask for. The tile that it gives back has the columns of `also`
+/// too, at least.
 ///
 /// # Errors
-/// When the trace does not hold the tile, or it is damaged.
+/// When the trace does not hold the tile or one of these columns, or it is damaged.
 pub fn each_path(
     trace: &Trace,
-    tree: &Topology,
+    (tree, also): (&Topology, &[Column]),
     (frame, index): (u32, u32),
     mut see: impl FnMut(&Tile, RayAt, &[Op], PathCounts),
 ) -> Result<Arc<Tile>> {
-    let read = PathSource::packed_tile(trace, frame, index)?;
-    let tile = read.tile;
-    if let Some(packed) = read.packed {
+    let (tile, packed) = if trace.lacking().is_empty() {
+        let read = PathSource::packed_tile(trace, frame, index)?;
+        (read.tile, read.packed)
+    } else {
+        // Only what is needed: the others may have been trimmed away.
+        let columns = [&[Column::Paths], also].concat();
+        (Arc::new(trace.tile(frame, index, &columns)?), None)
+    };
+    if let Some(packed) = packed {
         // Known to lead through the tree; rays that share a path share its operations.
         let paths = PathSource::paths(trace, &tile, &packed)?;
         for ray in rays(&tile) {

@@ -3,14 +3,15 @@
 use std::sync::Arc;
 
 use rayreel_formats::math::Vec3;
-use rayreel_formats::tile::{Column, composite};
+use rayreel_formats::tile::{Column, Tile, composite};
 use rayreel_formats::trace::Trace;
 use rayreel_machine::work::check::PathCounts;
+use rayreel_machine::work::ops::Op;
 use rayreel_machine::work::topology::Topology;
 use rayreel_replay::frame::states::{Blocks, StateMap};
 use rayreel_replay::policy::view::SampleState;
 
-use super::paths::each_path;
+use super::paths::{RayAt, each_path};
 use super::{TileRows, place};
 use crate::error::Result;
 use crate::schema::{Batch, Table, table};
@@ -87,11 +88,11 @@ impl TileRows for SampleRows {
 
     fn add(&mut self, trace: &Trace, with: &Samples, (frame, index): (u32, u32)) -> Result<()> {
         let mut sums = vec![PathCounts::default(); trace.meta().tile_rect(index).len()];
+        let columns: &[Column] = if with.colours { &[Column::Radiance] } else { &[] };
         let tile = if let Some(tree) = &with.work {
-            // Colours come with the paths.
-            each_path(trace, tree, (frame, index), |_, at, _, counts| sums[at.sample as usize] += counts)?
+            let mut add = |_: &Tile, at: RayAt, _: &[Op], counts| sums[at.sample as usize] += counts;
+            each_path(trace, (tree, columns), (frame, index), &mut add)?
         } else {
-            let columns: &[Column] = if with.colours { &[Column::Radiance] } else { &[] };
             Arc::new(trace.tile(frame, index, columns)?)
         };
         for (sample, counts) in (0..).zip(&sums) {

@@ -15,7 +15,7 @@ table! {
     /// Counters over time.
     pub struct CounterRows = "counters", "a counter of a unit over an interval in which it changed; counters that stand still have no row" {
         frame: Vec<u32>, "", "frame number";
-        begin: Vec<u64>, "T&I cycles", "beginning of the interval, from that of the frame";
+        begin: Vec<u64>, "T&I cycles", "beginning of the interval, from that of the frame; what is counted at this cycle belongs to the interval before";
         end: Vec<u64>, "T&I cycles", "end of the interval: the first cycle at or after a whole number of intervals at which anything happened, or the end of the frame";
         core: Vec<i32>, "", "core; -1 for what cores share";
         unit: Words, "", "unit of the core";

@@ -16,7 +16,7 @@ table! {
         cycle: Vec<u64>, "T&I cycles", "when, from the beginning of the frame";
         core: Vec<u16>, "", "core";
         unit: Words, "", "traversal unit (TRV) or intersection unit (IST) of the core";
-        tile: Vec<u32>, "", "tile that the ray is traced for";
+        tile: Vec<u32>, "", "tile that the ray is traced for; its sample may lie in the border of a neighbour";
         x: Vec<u32>, "samples", "sample of the ray: column of the frame's grid";
         y: Vec<u32>, "samples", "sample of the ray: row of the frame's grid";
         ray: Vec<u32>, "", "number of the ray in the work of the tile; under policy full its number in the tile, as index of table rays";

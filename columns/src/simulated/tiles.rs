@@ -20,7 +20,7 @@ table! {
         slot: Vec<u16>, "", "tile slot of the core";
         begin: Vec<u64>, "T&I cycles", "first event of the machine that found it in the slot, from the beginning of the frame";
         end: Vec<u64>, "T&I cycles", "first event that found it gone, or the end of the frame";
-        rays: Vec<u32>, "rays", "rays that are traced for it";
+        rays: Vec<u32>, "rays", "rays that are traced for it, those of samples in its neighbours' borders that it closes among them";
         shadow_rays: Vec<u32>, "rays", "shadow rays among them";
         node_visits: Vec<u32>, "events", "inner nodes that its rays visit";
         triangle_tests: Vec<u32>, "events", "triangles that its rays test";

@@ -68,9 +68,9 @@ impl Format {
         Self::ALL.iter().copied().find(|format| format.name() == name)
     }
 
-    /// The format that the name of a file asks for.
+    /// The format that the name of a file asks for, in letters of either case.
     pub fn of(path: &Path) -> Option<Self> {
-        Self::named(path.extension()?.to_str()?)
+        Self::named(&path.extension()?.to_str()?.to_ascii_lowercase())
     }
 
     /// Whether it is read from the beginning to the end, so that it can be piped.
@@ -123,8 +123,17 @@ impl Encoder {
     /// # Errors
     /// Never for a table of ours.
     pub fn new(format: Format, head: Head) -> Result<Self> {
+        Self::of(format, head, None)
+    }
+
+    /// The same with `origin`, a JSON object that says what made the table: Parquet has a place for it.
+    ///
+    /// # Errors
+    /// As there.
+    #[cfg_attr(not(feature = "parquet"), expect(unused_variables, reason = "other formats have no place for it"))]
+    pub fn of(format: Format, head: Head, origin: Option<&str>) -> Result<Self> {
         #[cfg(feature = "parquet")]
-        let layout = if format == Format::Parquet { Some(parquet::Layout::new(&head)?) } else { None };
+        let layout = if format == Format::Parquet { Some(parquet::Layout::new(&head, origin)?) } else { None };
         Ok(Self {
             format,
             head,
@@ -153,9 +162,9 @@ impl Encoder {
     }
 
     /// What a file begins with; again at its end, where the number of rows stands in it.
-    fn beginning(&self, _rows: u64) -> Result<Vec<u8>> {
+    fn beginning(&self, rows: u64) -> Result<Vec<u8>> {
         match self.format {
-            Format::Npy => npy::header(&self.head, _rows),
+            Format::Npy => npy::header(&self.head, rows),
             #[cfg(feature = "csv")]
             Format::Csv => csv::header(&self.head),
             #[cfg(any(feature = "parquet", feature = "jsonl"))]

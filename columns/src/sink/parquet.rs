@@ -60,9 +60,9 @@ impl Layout {
     ///
     /// # Errors
     /// Never for a table of ours.
-    pub fn new(head: &Head) -> Result<Self> {
+    pub fn new(head: &Head, origin: Option<&str>) -> Result<Self> {
         let schema = schema(head).map_err(unwritten)?;
-        let properties = properties(head).map_err(unwritten)?;
+        let properties = properties(head, origin).map_err(unwritten)?;
         Ok(Self { columns: SchemaDescriptor::new(Arc::clone(&schema)), schema, properties: Arc::new(properties) })
     }
 
@@ -140,14 +140,14 @@ fn schema(head: &Head) -> Result<TypePtr, ParquetError> {
     Schema::group_type_builder(head.table.name).with_fields(fields).build().map(Arc::new)
 }
 
-fn properties(head: &Head) -> Result<WriterProperties, ParquetError> {
+fn properties(head: &Head, origin: Option<&str>) -> Result<WriterProperties, ParquetError> {
     let mut all = WriterProperties::builder()
         .set_compression(Compression::ZSTD(ZstdLevel::try_new(1)?))
-        .set_created_by("rayreel".into())
+        .set_created_by(concat!("rayreel ", env!("CARGO_PKG_VERSION")).into())
         .set_dictionary_enabled(false)
         .set_statistics_enabled(EnabledStatistics::Chunk)
         .set_offset_index_disabled(true)
-        .set_key_value_metadata(Some(vec![KeyValue::new(KEY.into(), describe(head))]));
+        .set_key_value_metadata(Some(vec![KeyValue::new(KEY.into(), describe(head, origin))]));
     for (column, _) in head.columns() {
         let path = ColumnPath::from(column.name);
         all = match column.kind {
@@ -165,12 +165,14 @@ fn properties(head: &Head) -> Result<WriterProperties, ParquetError> {
 }
 
 /// The value of the metadata key. Names, units and meanings hold nothing that JSON would escape; a test sees to that.
-fn describe(head: &Head) -> String {
+fn describe(head: &Head, origin: Option<&str>) -> String {
     let column = |(column, _): (&crate::schema::ColumnInfo, _)| {
         format!(r#"{{"name":"{}","unit":"{}","meaning":"{}"}}"#, column.name, column.unit, column.meaning)
     };
     let columns: Vec<_> = head.columns().map(column).collect();
-    format!(r#"{{"table":"{}","row":"{}","columns":[{}]}}"#, head.table.name, head.table.row, columns.join(","))
+    let (table, columns) = (&head.table, columns.join(","));
+    let origin = origin.map(|origin| format!(r#","origin":{origin}"#)).unwrap_or_default();
+    format!(r#"{{"table":"{}","row":"{}","columns":[{columns}]{origin}}}"#, table.name, table.row)
 }
 
 /// Writes a column.

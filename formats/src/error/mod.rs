@@ -9,6 +9,8 @@ mod place;
 use std::io;
 use std::path::{Path, PathBuf};
 
+use rayon::iter::IndexedParallelIterator;
+
 use crate::id::ChunkId;
 
 pub use fault::{Checked, Fault, Missing, Occupant, Unknown};
@@ -160,6 +162,16 @@ pub fn check_limit(what: &'static str, value: u64, limit: u64) -> Result<()> {
     if value > limit { Err(Error::limit(what, value, limit)) } else { Ok(()) }
 }
 
+/// What parallel work made, or the first error in its order: rayon's own `collect` gives any of them, another each time.
+///
+/// # Errors
+/// That one.
+pub fn first_error<T: Send, E: Send>(made: impl IndexedParallelIterator<Item = Result<T, E>>) -> Result<Vec<T>, E> {
+    let mut results = Vec::new();
+    made.collect_into_vec(&mut results);
+    results.into_iter().collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -176,6 +188,17 @@ mod tests {
         assert_eq!(error.in_tile(3, 4).to_string(), "frame 3, tile 4: column hits: too short");
         let place = Place::new(Path::new("a.rtrace"), 7);
         assert_eq!(Error::corrupt(place, "odd").to_string(), "a.rtrace, byte 7: corrupt: odd");
+    }
+
+    #[test]
+    fn the_first_error_is_that_of_the_first_item() {
+        use rayon::prelude::*;
+
+        for _ in 0..20 {
+            let made = (0..10_000_u32).into_par_iter().map(|i| if i % 700 == 699 { Err(i) } else { Ok(i) });
+            assert_eq!(first_error(made), Err(699));
+        }
+        assert_eq!(first_error((0..9).into_par_iter().map(Ok::<_, ()>)), Ok((0..9).collect()));
     }
 
     #[test]

@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::codec::Scratch;
 use super::reader::Trace;
-use crate::error::Result;
+use crate::error::{Result, first_error};
 use crate::scene::Meta;
 use crate::tile::Column;
 
@@ -67,7 +67,7 @@ pub fn digest(trace: &Trace) -> Result<Digest> {
             let hash = |column| readable.contains(&column).then(|| blake3::hash(&content.canonical_bytes(column)));
             Ok(Column::ALL.map(hash))
         };
-        let hashes: Vec<_> = tiles.par_iter().map_init(Scratch::default, hash).collect::<Result<_>>()?;
+        let hashes = first_error(tiles.par_iter().map_init(Scratch::default, hash))?;
         for (tile, hashes) in tiles.iter().zip(hashes) {
             for (hasher, hash) in columns.iter_mut().zip(hashes).filter_map(|(hasher, hash)| Some((hasher, hash?))) {
                 hasher.update(&frame.to_le_bytes());

@@ -85,6 +85,13 @@ impl Trace {
         Ok(trace)
     }
 
+    /// The same error, said to be of this file, frame and tile where it does not say so yet.
+    fn in_tile(&self, error: Error, frame: u32, tile: u32) -> Error {
+        let id = ChunkId::tile(frame, tile);
+        let offset = self.reader.find(id).map(|record| record.offset);
+        error.at(&Place { offset, ..Place::new(self.path(), 0) }.of(id))
+    }
+
     /// Refuses tiles and frames that the metadata does not know of.
     fn check_chunks(&self) -> Result<()> {
         for record in self.reader.chunks() {
@@ -139,7 +146,8 @@ impl Trace {
         if let Some(camera) = camera.get() {
             return Ok(*camera);
         }
-        let read = Camera::from_payload(&self.reader.read(record)?, self.reader.limits())?;
+        let here = |error: Error| error.at(&Place::new(self.path(), record.offset).of(record.id));
+        let read = Camera::from_payload(&self.reader.read(record)?, self.reader.limits()).map_err(here)?;
         Ok(*camera.get_or_init(|| read))
     }
 
@@ -204,7 +212,7 @@ impl Trace {
             }
             Ok(tile)
         };
-        decode().map_err(|error: Error| error.in_tile(frame, index))
+        decode().map_err(|error| self.in_tile(error, frame, index))
     }
 
     /// A tile with the bytes of its paths, to be decoded when they are needed: they take many times as much memory.
@@ -219,7 +227,7 @@ impl Trace {
             let tile = self.decode(&record, &source, &Column::ALL, &self.codec(&camera))?;
             Ok((tile, self.column(&record, &source, Column::Paths)?))
         };
-        decode().map_err(|error: Error| error.in_tile(frame, index))
+        decode().map_err(|error| self.in_tile(error, frame, index))
     }
 
     /// How many rays a tile has. The tile is read whole, as whoever asks is about to: a source far away then fetches it once.
@@ -231,7 +239,7 @@ impl Trace {
         let camera = self.camera(frame)?;
         let source = self.columns(&record, &Column::ALL)?;
         let decoded = self.decode(&record, &source, &[Column::Tree], &self.codec(&camera));
-        decoded.map(|tile| tile.tree.ray_count()).map_err(|error| error.in_tile(frame, index))
+        decoded.map(|tile| tile.tree.ray_count()).map_err(|error| self.in_tile(error, frame, index))
     }
 
     /// The paths of a tile from the bytes that [`Trace::packed_tile`] gave.
@@ -241,7 +249,7 @@ impl Trace {
     pub fn paths(&self, tile: &Tile, packed: &PackedColumn, scratch: &mut Scratch) -> Result<Paths> {
         let camera = self.camera(tile.frame)?;
         let decoded = self.codec(&camera).decode_paths(tile, packed, scratch);
-        decoded.map_err(|error| error.in_tile(tile.frame, tile.index))
+        decoded.map_err(|error| self.in_tile(error, tile.frame, tile.index))
     }
 
     /// As [`Trace::paths`], but the paths go to `sink`, each once. Only paths by [`Codec::Context`](super::Codec::Context) do: of others nobody
@@ -258,7 +266,7 @@ impl Trace {
     ) -> Result<SharedPaths> {
         let camera = self.camera(tile.frame)?;
         let decoded = self.codec(&camera).decode_paths_to(tile, packed, scratch, sink);
-        decoded.map_err(|error| error.in_tile(tile.frame, tile.index))
+        decoded.map_err(|error| self.in_tile(error, tile.frame, tile.index))
     }
 
     /// All rays of a tile, rebuilt, with what each met.

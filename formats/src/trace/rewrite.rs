@@ -10,8 +10,8 @@ use super::edit::with_needed;
 use super::reader::Trace;
 use super::writer::TraceWriter;
 use crate::columns::paths::BvhTopology;
-use crate::container::{EncodedChunk, Finished, Writer};
-use crate::error::{Error, Result};
+use crate::container::{Finished, Writer};
+use crate::error::{Error, Result, first_error};
 use crate::id::ChunkId;
 use crate::scene::Meta;
 use crate::tile::Column;
@@ -37,7 +37,7 @@ pub struct Keep {
     pub columns: Vec<Column>,
     /// The codec of the tiles; as they are if there is none.
     pub codec: Option<Codec>,
-    /// zstd level of metadata, tree and index.
+    /// zstd level of metadata, BVH and cameras.
     pub level: i32,
 }
 
@@ -117,9 +117,8 @@ fn copy(
                     Some(codec) => trace.recode_tile((frame, tile), codec, &topology, scratch),
                     None => trace.copy_tile(frame, tile, &columns),
                 };
-                // Collected before errors are looked at, so that the first tile's error is reported on any machine.
-                let made: Vec<Result<EncodedChunk>> = batch.par_iter().map_init(Scratch::default, chunk).collect();
-                made.into_iter().try_for_each(|chunk| writer.tile(&chunk?))?;
+                let made = first_error(batch.par_iter().map_init(Scratch::default, chunk))?;
+                made.iter().try_for_each(|chunk| writer.tile(chunk))?;
                 done += batch.len() as u64;
                 if !progress(done) {
                     return Ok(false);

@@ -12,7 +12,8 @@
 //! of the tile to the left, and for the X step of the tile above. A tile that is in no slot is done, since tiles come in order.
 //! It goes on in the cycle after the one that it waited for. Border samples of others are read before the second round.
 //!
-//! Store: the pixels of the tile, row by row, into a row-major framebuffer of one frame. Border samples: `sample.total()` bytes
+//! Store: the pixels of the tile, into a framebuffer of one frame: row by row of the picture, or as one stretch a tile
+//! (`layout.framebuffer`). Border samples: `sample.total()` bytes
 //! each, read before the second round, and written at the end of the tile for others. (Estimate.)
 
 use std::sync::Arc;
@@ -26,7 +27,7 @@ use super::rest::RestOfTile;
 use super::stats::LocalCounters;
 use crate::link::RayRef;
 use crate::memory::Route;
-use crate::work::history::{HistoryLayout, HistoryWork};
+use crate::work::history::HistoryLayout;
 use crate::work::layout::{Layout, Region};
 use crate::work::{Neighbour, PolicyReads, Round, TileWork};
 use rayreel_formats::scene::Rect;
@@ -103,22 +104,7 @@ pub struct Slot {
 impl Slot {
     /// A free slot.
     pub fn new() -> Self {
-        let work = TileWork {
-            frame: 0,
-            tile: 0,
-            rect: Rect { x: 0, y: 0, width: 0, height: 0 },
-            left: None,
-            above: None,
-            apron_samples: 0,
-            border_samples: 0,
-            kept_samples: 0,
-            audited_samples: 0,
-            secondary_hits: 0,
-            history: HistoryWork::default(),
-            rays: Vec::new(),
-            ops: Vec::new(),
-            rounds: Vec::new(),
-        };
+        let work = TileWork::empty(0, 0, Rect { x: 0, y: 0, width: 0, height: 0 });
         Self {
             work: Arc::new(work),
             age: 0,

@@ -110,8 +110,9 @@ impl Timeline {
         }
     }
 
-    /// The trace, in the JSON object form of the Chrome trace event format. Times are microseconds of simulated time.
-    pub fn to_json(&self) -> String {
+    /// The trace, in the JSON object form of the Chrome trace event format. Times are microseconds of simulated time. `about` is a JSON
+    /// object that says what it is of.
+    pub fn to_json(&self, about: &str) -> String {
         let mut events = self.names();
         events.extend(self.slices());
         for i in (0..self.tracks.len()).filter(|i| !matches!(self.tracks[*i].kind, Kind::State(_))) {
@@ -119,7 +120,8 @@ impl Timeline {
         }
         self.tile_slices(&mut events);
         self.state_slices(&mut events);
-        format!("{{\"displayTimeUnit\":\"ns\",\"traceEvents\":[\n{}\n]}}\n", events.join(",\n"))
+        let events = events.join(",\n");
+        format!("{{\"displayTimeUnit\":\"ns\",\"otherData\":{about},\"traceEvents\":[\n{events}\n]}}\n")
     }
 
     /// Process number of a track: cores first, then what they share.

@@ -168,6 +168,26 @@ pub(crate) fn cost(visits: u64, tests: u64, rays: u64) -> f64 {
 }
 
 impl TileWork {
+    /// A tile without rays and rounds, that waits for no other.
+    pub fn empty(frame: u32, tile: u32, rect: Rect) -> Self {
+        Self {
+            frame,
+            tile,
+            rect,
+            left: None,
+            above: None,
+            apron_samples: 0,
+            border_samples: 0,
+            kept_samples: 0,
+            audited_samples: 0,
+            secondary_hits: 0,
+            history: HistoryWork::default(),
+            rays: Vec::new(),
+            ops: Vec::new(),
+            rounds: Vec::new(),
+        }
+    }
+
     /// What has to come before round `round`.
     pub fn neighbours_before(&self, round: usize) -> impl Iterator<Item = Neighbour> {
         let all = [self.left, self.above].into_iter().flatten();

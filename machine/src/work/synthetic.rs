@@ -10,7 +10,6 @@ use super::check::{PathCounts, walk};
 use super::ops::Op;
 use super::topology::Topology;
 use super::{NO_RAY, NO_TRIANGLE, RayWork, Round, TileWork};
-use crate::work::history::HistoryWork;
 
 /// A small generator of numbers (SplitMix64).
 #[derive(Clone, Copy, Debug)]
@@ -127,22 +126,8 @@ fn random_steps(tree: &Topology, shadow: bool, random: &mut Random) -> Path {
 pub fn tile_of(frame: u32, tile: u32, paths: &[Path]) -> TileWork {
     let width = 32.min(paths.len().max(1) as u32);
     let height = (paths.len() as u32).div_ceil(width).max(1);
-    let mut work = TileWork {
-        frame,
-        tile,
-        rect: Rect { x: 0, y: 0, width, height },
-        left: None,
-        above: None,
-        apron_samples: 0,
-        border_samples: 0,
-        kept_samples: 0,
-        audited_samples: 0,
-        secondary_hits: 0,
-        history: HistoryWork::default(),
-        rays: Vec::new(),
-        ops: Vec::new(),
-        rounds: vec![Round { starts: (0..paths.len() as u32).collect(), ..Round::default() }],
-    };
+    let mut work = TileWork::empty(frame, tile, Rect { x: 0, y: 0, width, height });
+    work.rounds.push(Round { starts: (0..paths.len() as u32).collect(), ..Round::default() });
     for (i, path) in (0..).zip(paths) {
         let ray = push_ray(&mut work, path, RayKind::Primary);
         (work.rays[ray as usize].x, work.rays[ray as usize].y) = (i % width, i / width);

@@ -52,8 +52,14 @@ pub(crate) fn unknown_format(path: &Path) -> SceneError {
     let name = |path: &Path| path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
     let convert =
         || format!("convert it: Blender exports glTF 2.0 and OBJ, or `assimp export {} {}`", name(path), name(&out));
-    let fix =
-        if known.contains(&extension.as_str()) { convert() } else { "name a model, a scene file or a scene".into() };
+    let fix = match extension.as_str() {
+        "rtrace" => format!(
+            "it is a trace already: `rayreel replay {} --machine none --out FOLDER` makes its pictures",
+            name(path)
+        ),
+        known_kind if known.contains(&known_kind) => convert(),
+        _ => "name a model, a scene file or a scene".into(),
+    };
     SceneError::Usage { what, fix }
 }
 

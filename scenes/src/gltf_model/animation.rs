@@ -132,11 +132,15 @@ fn values(source: &Source, place: &str, accessor: usize, part: Part) -> Result<V
     Err(source.bad(place, "a value is not finite", "export the model again"))
 }
 
+/// Times are numbers of single precision, made by adding or multiplying: one that is that of a frame up to this part of it is that.
+pub(crate) const ROUNDING: f64 = 1.0 / (1 << 21) as f64;
+
 impl Track {
     /// The value at a time; before the first key and behind the last it stands still.
     fn at(&self, time: f64, rotation: bool) -> [f64; 4] {
         let last = self.times.len() - 1;
-        let after = self.times.partition_point(|key| *key <= time);
+        let reached = if self.how == Interpolation::Step { time * (1.0 + ROUNDING) } else { time };
+        let after = self.times.partition_point(|key| *key <= reached);
         if after == 0 || after > last {
             return self.key(if after == 0 { 0 } else { last });
         }

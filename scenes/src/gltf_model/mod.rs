@@ -121,7 +121,8 @@ pub(crate) fn load_gltf(path: &Path, options: &LoadOptions) -> Result<GltfModel,
 /// Frames of the animation: one at its start, and each whole one until its end.
 fn frames(path: &Path, animations: &Animations, options: &LoadOptions) -> Result<u64, SceneError> {
     // An end that is a frame up to the rounding of its seconds is that frame.
-    let last = (animations.end() * options.fps() + 1e-4).floor();
+    let end = animations.end() * options.fps();
+    let last = (end + (1e-4 + end * animation::ROUNDING).min(0.5)).floor();
     if last < MAX_FRAMES as f64 {
         return Ok(last as u64 + 1);
     }

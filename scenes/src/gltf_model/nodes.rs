@@ -139,6 +139,9 @@ fn stand(source: &Source, index: usize, node: &Node, animations: &Animations) ->
         if m.iter().any(|x| !x.is_finite()) {
             return broken("its matrix is not finite");
         }
+        if [m[3], m[7], m[11], m[15] - 1.0].iter().any(|x| x.abs() > 1e-6) {
+            return broken("the last row of its matrix is not 0 0 0 1");
+        }
         let column = |c: usize| DVec3::new(m[4 * c].into(), m[4 * c + 1].into(), m[4 * c + 2].into());
         let matrix3 = DMat3::from_cols(column(0), column(1), column(2));
         return Ok(Stand::Matrix(DAffine3 { matrix3, translation: column(3) }));

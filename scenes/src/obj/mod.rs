@@ -4,6 +4,7 @@ mod mtl;
 mod polygon;
 mod text;
 mod triangles;
+mod winding;
 
 use std::{
     io,
@@ -68,7 +69,8 @@ pub fn load_obj(path: impl AsRef<Path>) -> Result<ObjModel, SceneError> {
     let mut files = vec![path.to_owned()];
     let mut materials = load_libraries(path, &checked, (&mut textures, &mut files), &mut warnings)?;
     let slots = material_slots(path, &checked, &mut materials, &mut warnings);
-    let raw = triangles::triangles(path, &checked, &slots, &mut warnings)?;
+    let mut raw = triangles::triangles(path, &checked, &slots, &mut warnings)?;
+    winding::turn(&mut raw, (path, &checked.objects), &mut warnings);
     files.extend(textures.files());
     Ok(ObjModel {
         mesh: triangles::join(raw),

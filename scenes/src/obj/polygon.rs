@@ -126,6 +126,28 @@ mod tests {
         }
     }
 
+    /// A hole is reached by a side that is gone along twice.
+    #[test]
+    fn a_hole_that_is_bridged_stays_open() {
+        let square = [[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0]];
+        let hole = [[1.0, 1.0], [1.0, 3.0], [3.0, 3.0], [3.0, 1.0]];
+        // The corner of the hole that lies behind it is seen from no corner of the square.
+        let seen =
+            (0..160).map(|i| (i % 4, i / 4 % 4, i / 16)).filter(|&(square, hole, _)| hole != [2, 1, 0, 3][square]);
+        for (of_square, of_hole, first) in seen {
+            let ring = |corners: [[f64; 2]; 4], from: usize| (0..5).map(move |i| corners[(from + i) % 4]);
+            let mut corners: Vec<[f64; 2]> = ring(square, of_square).chain(ring(hole, of_hole)).collect();
+            corners.rotate_left(first);
+            let points: Vec<DVec3> = corners.into_iter().map(|[x, y]| DVec3::new(x, y, 0.0)).collect();
+            let (triangles, exact) = triangulate(&points);
+            let areas =
+                triangles.iter().map(|t| (points[t[1]] - points[t[0]]).cross(points[t[2]] - points[t[0]]).z / 2.0);
+            let areas: Vec<f64> = areas.collect();
+            assert!(exact && areas.iter().all(|area| *area >= 0.0), "{of_square} {of_hole} {first}: {areas:?}");
+            assert!((areas.iter().sum::<f64>() - 12.0).abs() < 1e-12, "{of_square} {of_hole} {first}: {areas:?}");
+        }
+    }
+
     #[test]
     fn a_bow_tie_is_not_exact_and_a_line_is() {
         let of = |corners: [[f64; 2]; 4]| triangulate(&corners.map(|[x, y]| DVec3::new(x, y, 0.0)));

@@ -15,10 +15,10 @@ use crate::{
 /// Triangles straight from tobj.
 #[derive(Default)]
 pub(crate) struct RawMesh {
-    positions: Vec<Vec3>,
-    normals: Vec<Vec3>,
+    pub positions: Vec<Vec3>,
+    pub normals: Vec<Vec3>,
     uvs: Vec<Vec2>,
-    triangles: Vec<Triangle>,
+    pub triangles: Vec<Triangle>,
 }
 
 /// Runs tobj over the checked text and drops degenerate triangles.

@@ -97,6 +97,22 @@ fn steps_hold_and_splines_are_cubic() {
     }
 }
 
+/// Keys at n / 30 s are single precision, and a frame's time is not: two of three frames showed the key before.
+#[test]
+fn a_step_counts_from_its_frame_on() {
+    for (fps, far) in [(24.0, 0.0), (25.0, 50.0), (29.97, 0.0), (30.0, 0.0), (60.0, 600.0)] {
+        let mut film = Film::new();
+        let times: Vec<f32> = (0..48).map(|n| (far + f64::from(n) / fps) as f32).collect();
+        let places: Vec<[f32; 3]> = (0..48).map(|n| [n as f32, 0.0, 0.0]).collect();
+        film.channel(ARM, "translation", "STEP", &times, &places);
+        let scene = film.finish().try_load(&LoadOptions { fps: Some(fps), ..LoadOptions::default() }).1.expect("loads");
+        let first = (far * fps) as usize;
+        assert_eq!(scene.cameras.len(), first + 48);
+        let x = |frame: usize| scene.cameras[first + frame].eye.x - scene.cameras[0].eye.x;
+        assert!((0..48).all(|frame| (x(frame) - frame as f32).abs() < 1e-4), "{fps} frames a second");
+    }
+}
+
 #[test]
 fn scale_moves_what_hangs_below() {
     let mut film = Film::new();

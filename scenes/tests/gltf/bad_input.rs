@@ -16,7 +16,7 @@ fn error(change: impl Fn(&mut Value)) -> String {
 #[test]
 fn errors_name_the_file_and_the_part() {
     type Change = fn(&mut Value);
-    let cases: [(Change, &str); 17] = [
+    let cases: [(Change, &str); 18] = [
         (|j| j["asset"]["version"] = json!("1.0"), "a.glb: this is glTF 1.0, and 2.0 is read; export it as glTF 2.0"),
         (
             // Version 1 has objects where version 2 has lists.
@@ -56,6 +56,10 @@ fn errors_name_the_file_and_the_part() {
         ),
         (|j| j["bufferViews"][0]["byteStride"] = json!(4), "a.glb: accessor 0: 3 elements of 12 bytes, 4 apart"),
         (|j| j["nodes"][0]["matrix"] = json!([1e39, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]), "a.glb:1:"),
+        (
+            |j| j["nodes"][0]["matrix"] = json!([1, 0, 0, 0.5, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]),
+            "the last row of its matrix is not 0 0 0 1",
+        ),
         (
             |j| j["nodes"][0]["scale"] = json!([0, 0, 0]),
             "a.glb: the scene is empty: no node has a mesh with a triangle that has an area in single precision",

@@ -42,7 +42,7 @@ pub fn dimensions(results: &Results) -> Vec<Dimension> {
 
 impl Dimension {
     /// Whether the value of another dimension decides about that of this one.
-    fn follows(&self, other: &Self) -> bool {
+    pub(super) fn follows(&self, other: &Self) -> bool {
         let mut known = BTreeMap::new();
         self.of.iter().zip(&other.of).all(|(value, decides)| known.entry(decides).or_insert(value) == &value)
     }

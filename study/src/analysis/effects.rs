@@ -1,7 +1,8 @@
 //! Main effects: how much an axis moves a result when everything else is averaged.
 //!
 //! Values of an axis are compared like with like: over points whose partners, which differ in that axis alone, are all there. Where a plan
-//! leaves out large caches with many units, large caches would have few units for company, and look better than they are.
+//! leaves out large caches with many units, large caches would have few units for company, and look better than they are. A value that has
+//! no partners at all, as a machine with an axis of its own, is left out; axes that go forward together are one.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -18,26 +19,21 @@ pub struct Effect {
     pub ends: [usize; 2],
     /// Points that the means are of.
     pub points: usize,
-    /// How they were chosen.
-    pub company: Company,
-}
-
-/// Which points an effect compares.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Company {
-    /// All: each has its partners.
-    Equal,
-    /// Those that have a partner at every other value.
-    Partners,
-    /// All, though none has all its partners: means differ by more than the axis.
-    Unequal,
+    /// Whether these are fewer than all.
+    pub in_part: bool,
+    /// Values of the dimension that are known and have no partners among these points.
+    pub left_out: usize,
+    /// Dimensions that go forward together with this one, so that nobody can tell their effects apart.
+    pub together: Vec<String>,
 }
 
 impl Effect {
-    /// The effect over the rows that have a value of the dimension and a number, which `result` gives; none with fewer than two such
-    /// values. Partners are the same in all `others`.
+    /// The effect over the rows that have a value of the dimension and a number, which `result` gives; none where fewer than two values
+    /// have partners. Partners are the same in all `others` but those that go forward together with the dimension.
     pub fn new(dimension: &Dimension, others: &[&Dimension], result: impl Fn(usize) -> Option<f64>) -> Option<Self> {
         let rows = dimension.of.iter().enumerate().filter_map(|(row, value)| Some((row, (*value)?, result(row)?)));
+        let (together, others): (Vec<&Dimension>, Vec<&Dimension>) =
+            others.iter().partition(|other| other.follows(dimension) && dimension.follows(other));
         let mut groups: BTreeMap<Vec<Option<usize>>, Vec<(usize, f64)>> = BTreeMap::new();
         for (row, value, number) in rows {
             // No mean has a number without an end, as the PSNR of equal pictures.
@@ -48,15 +44,10 @@ impl Effect {
         }
         let values = |group: &[(usize, f64)]| group.iter().map(|(value, _)| *value).collect::<BTreeSet<_>>();
         let all = groups.values().flat_map(|group| values(group)).collect::<BTreeSet<_>>().len();
-        let whole: Vec<_> = groups.values().filter(|group| values(group).len() == all).collect();
-        let company = match whole.len() {
-            0 => Company::Unequal,
-            some if some < groups.len() => Company::Partners,
-            _ => Company::Equal,
-        };
-        let compared = if whole.is_empty() { groups.values().collect() } else { whole };
+        let compared = partners(&groups.values().map(|group| values(group)).collect::<Vec<_>>());
         let mut sums = vec![(0.0, 0_u32); dimension.values.len()];
-        for (value, number) in compared.into_iter().flatten() {
+        let whole = groups.values().filter(|group| values(group).is_superset(&compared)).flatten();
+        for (value, number) in whole.filter(|(value, _)| compared.contains(value)) {
             sums[*value].0 += number;
             sums[*value].1 += 1;
         }
@@ -69,7 +60,10 @@ impl Effect {
         let most = known().rev().max_by(|a, b| a.1.total_cmp(&b.1))?.0;
         let (overall, points) = (sum / f64::from(count), count as usize);
         let several = known().count() > 1;
-        several.then_some(Self { overall, ends: [least, most], means, points, company })
+        let in_part = points < groups.values().map(Vec::len).sum();
+        let (left_out, together) =
+            (all - compared.len(), together.into_iter().map(|other| other.name.clone()).collect());
+        several.then_some(Self { overall, ends: [least, most], means, points, in_part, left_out, together })
     }
 
     /// How far a mean lies from the mean over all, as a share of that. Where the mean over all is 0, as that of -5 and 5, it is a
@@ -92,6 +86,15 @@ impl Effect {
     pub fn share(&self) -> f64 {
         self.end(1) - self.end(0)
     }
+}
+
+/// The values that are compared: of the sets that groups of partners have, the largest; of equal ones that which most groups have; of those
+/// the first.
+fn partners(sets: &[BTreeSet<usize>]) -> BTreeSet<usize> {
+    let mut distinct: Vec<&BTreeSet<usize>> = sets.iter().collect::<BTreeSet<_>>().into_iter().collect();
+    let groups = |set: &BTreeSet<usize>| sets.iter().filter(|other| other.is_superset(set)).count();
+    distinct.sort_by_cached_key(|set| std::cmp::Reverse((set.len(), groups(set))));
+    distinct.first().map(|set| (*set).clone()).unwrap_or_default()
 }
 
 #[cfg(test)]
@@ -139,15 +142,35 @@ mod tests {
         let time = |row: usize| Some((pairs[row].0 + 100 * pairs[row].1) as f64);
         let effect = Effect::new(&a, &[&b], time).unwrap();
         assert_eq!((effect.means.as_slice(), effect.overall), (&[Some(1.0), Some(2.0), Some(3.0)][..], 2.0));
-        assert_eq!((effect.points, effect.company, effect.ends), (3, Company::Partners, [0, 2]));
+        assert_eq!((effect.points, effect.in_part, effect.left_out, effect.ends), (3, true, 0, [0, 2]));
         let effect = Effect::new(&b, &[&a], time).unwrap();
         assert_eq!((effect.means.as_slice(), effect.points), (&[Some(1.5), Some(101.5)][..], 4));
-        // Each has its own partner: nothing can be told apart.
-        let effect = Effect::new(&a, &[&a], time).unwrap();
-        assert_eq!((effect.points, effect.company), (5, Company::Unequal));
+        // Another axis that goes forward with it is no company.
+        let zipped = Dimension { name: "zipped".into(), ..a.clone() };
+        let effect = Effect::new(&a, &[&b, &zipped], time).unwrap();
+        assert_eq!((effect.points, effect.together.as_slice()), (3, &["zipped".to_owned()][..]));
+        // Of points that all differ in more than one axis nothing can be told.
+        let each = Dimension { name: "each".into(), of: (0..5).map(Some).collect(), ..a.clone() };
+        assert_eq!(Effect::new(&a, &[&each], time), None);
         // A value that is nowhere known is no partner that one could have.
         let effect = Effect::new(&a, &[&b], |row| time(row).filter(|_| pairs[row].0 < 3)).unwrap();
-        assert_eq!((effect.means.as_slice(), effect.company), (&[Some(51.0), Some(52.0), None][..], Company::Equal));
+        assert_eq!((effect.means.as_slice(), effect.in_part), (&[Some(51.0), Some(52.0), None][..], false));
+    }
+
+    /// Machines 0, 1 and 2, of which 2 has an axis of its own; time = 10 machine + 100 axis. Means over what is there made it the slowest.
+    #[test]
+    fn a_value_with_an_axis_of_its_own_has_no_partners() {
+        let points: [(usize, Option<usize>); 6] =
+            [(0, None), (1, None), (2, Some(0)), (2, Some(1)), (2, Some(2)), (2, Some(3))];
+        let column = |name: &str, of: fn(&(usize, Option<usize>)) -> Option<usize>| {
+            Dimension::new(&axis(name, Cells::Int(points.iter().map(|p| of(p).map(|v| v as i64)).collect())))
+        };
+        let (machine, of_one) = (column("machine", |p| Some(p.0)), column("axis", |p| p.1));
+        let time = |row: usize| Some((10 * points[row].0 + 100 * points[row].1.unwrap_or(0)) as f64);
+        let effect = Effect::new(&machine, &[&of_one], time).unwrap();
+        assert_eq!(effect.means, [Some(0.0), Some(10.0), None]);
+        assert_eq!((effect.points, effect.in_part, effect.left_out), (2, true, 1));
+        assert_eq!(Effect::new(&of_one, &[&machine], time).unwrap().points, 4);
     }
 
     /// These were "no change".

@@ -1,7 +1,6 @@
 //! Reading results from the folder of a sweep or from a Parquet file.
 
-use std::fs::File;
-use std::io::{ErrorKind, Read};
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use crate::error::{Result, StudyError};
@@ -17,7 +16,7 @@ pub const RESULTS: &str = "results.parquet";
 pub(crate) const RESULTS_MAX: u64 = 8 << 30;
 
 /// The figures of a replay in its folder.
-const STATS: &str = "stats.json";
+pub(crate) const STATS: &str = "stats.json";
 
 /// Whether a path is the folder of a sweep.
 pub fn is_sweep(path: &Path) -> bool {
@@ -66,12 +65,8 @@ pub(crate) fn is_json(bytes: &[u8]) -> bool {
 /// # Errors
 /// The file begins as a trace does.
 pub(crate) fn refuse_trace(file: &Path) -> Result<()> {
-    let mut begin = Vec::new();
-    // Neither a device nor a pipe is opened.
-    let open = || files::check(file, u64::MAX).and_then(|()| File::open(file));
     // What cannot be read is said when all of it is read.
-    let read = open().and_then(|file| file.take(MAGIC.len() as u64).read_to_end(&mut begin));
-    if read.is_err() || begin != MAGIC {
+    if !files::begins_with(file, &MAGIC) {
         return Ok(());
     }
     let detail =

@@ -61,7 +61,8 @@ fn meant(pattern: &str, names: &BTreeSet<String>) -> String {
     let part = |name: &&str| letters.len() > 2 && (name.contains(&letters) || letters.contains(*name));
     let mut near = nearest(&letters, &names);
     near.extend(names.iter().copied().filter(part));
-    near.dedup();
+    let mut seen = BTreeSet::new();
+    near.retain(|name| seen.insert(*name));
     match near.as_slice() {
         [] if names.is_empty() => "there are none".into(),
         [] => {

@@ -17,13 +17,15 @@ pub enum Side {
 }
 
 impl Side {
-    /// Reads the folder of a sweep, a Parquet file, or a run as JSON. What a file is shows in its first byte, whatever it is called.
+    /// Reads the folder of a sweep or of a replay, a Parquet file, or a run as JSON. What a file is shows in its first byte, whatever it is called.
     ///
     /// # Errors
     /// A file that is not there, or is none of these.
     pub fn read(path: &Path) -> Result<Self> {
         if path.is_dir() {
-            return Ok(Self::Table(load::load(path)?.0));
+            let run = path.join(load::STATS);
+            let is_of_sweep = load::is_sweep(path) || path.join(load::RESULTS).is_file();
+            return if run.is_file() && !is_of_sweep { Self::read(&run) } else { Ok(Self::Table(load::load(path)?.0)) };
         }
         load::refuse_trace(path)?;
         let bytes = files::read(path, load::RESULTS_MAX).map_err(|source| StudyError::io(path, "read", source))?;

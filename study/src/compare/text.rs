@@ -85,7 +85,7 @@ fn config(change: &ConfigChange) -> Vec<String> {
 }
 
 fn change(change: &Change) -> Vec<String> {
-    let value = |value: Option<f64>| value.map_or_else(|| "none".to_owned(), |v| v.to_string());
+    let [a, b] = numbers([change.largest.a, change.largest.b]);
     let size = |value: Option<f64>, other: &str| value.map_or_else(|| other.to_owned(), percent);
     let unit = if change.unit == "1" { "" } else { &change.unit };
     vec![
@@ -98,9 +98,19 @@ fn change(change: &Change) -> Vec<String> {
                 change.largest.interval.map_or_else(String::new, plus_minus)
             },
         size(change.mean_relative, "-"),
-        format!("{} -> {} {unit}", value(change.largest.a), value(change.largest.b)).trim_end().to_owned(),
+        format!("{a} -> {b} {unit}").trim_end().to_owned(),
         change.largest.point.clone(),
     ]
+}
+
+/// Two values as texts: whole numbers as they are, others with six digits, or as many more as tell them apart.
+fn numbers(values: [Option<f64>; 2]) -> [String; 2] {
+    let digits = |value: f64, digits: usize| {
+        let rounded: f64 = format!("{value:.*e}", digits - 1).parse().unwrap_or(value);
+        if value.fract() == 0.0 { value.to_string() } else { rounded.to_string() }
+    };
+    let texts = |wanted| values.map(|value| value.map_or_else(|| "none".to_owned(), |value| digits(value, wanted)));
+    (6..17).map(texts).find(|[a, b]| a != b).unwrap_or_else(|| texts(17))
 }
 
 /// How far a change may be off.
@@ -125,6 +135,12 @@ mod tests {
     #[test]
     fn small_changes_are_no_zero() {
         assert_eq!([0.1, -0.2, 1e-9, 1234.0].map(percent), ["+10.00 %", "-20.00 %", "+1.0e-7 %", "+1.2e5 %"]);
+        let texts = |a, b| numbers([Some(a), Some(b)]);
+        assert_eq!(texts(0.6608407220694186, 0.8738858381048893), ["0.660841", "0.873886"]);
+        assert_eq!(texts(0.12345678, 0.12345699), ["0.1234568", "0.123457"]);
+        assert_eq!(texts(123456789.0, 123456790.0), ["123456789", "123456790"]);
+        assert_eq!(texts(1e-9, 0.1 + 0.2), ["0.000000001", "0.3"]);
+        assert_eq!(numbers([None, Some(1.5)]), ["none", "1.5"]);
         assert_eq!([many(1, "point"), many(2, "point")], ["1 point", "2 points"]);
     }
 }

@@ -99,13 +99,12 @@ pub fn machine_json(machine: &NamedMachine) -> String {
 /// The same of the values themselves.
 pub(crate) fn values_json(values: &[Sourced]) -> String {
     let values: BTreeMap<_, _> = values.iter().map(|sourced| (sourced.key, &sourced.value)).collect();
-    // Keys are words and numbers finite: this cannot fail.
-    serde_json::to_string(&values).unwrap_or_default()
+    serde_json::to_string(&values).expect("keys are words")
 }
 
 /// Every value of a policy as JSON, as results keep it.
 pub fn policy_json(policy: &NamedPolicy) -> String {
-    serde_json::to_string(&policy.policy).unwrap_or_default()
+    serde_json::to_string(&policy.policy).expect("keys are words")
 }
 
 /// The hash of all that a row depends on: the trace's fingerprint, the first frame and the number of frames, every value of

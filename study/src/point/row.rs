@@ -53,7 +53,7 @@ impl Row {
 
     /// The row of a report, with what its columns are.
     pub fn new(key: Key, report: &Report) -> (Self, Vec<Column>) {
-        Self::of_json(key, &serde_json::to_value(report).unwrap_or_default())
+        Self::of_json(key, &serde_json::to_value(report).expect("keys are words, and numbers are no maps"))
     }
 
     /// The row of a report as `rayreel replay --json` prints it.

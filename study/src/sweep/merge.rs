@@ -112,6 +112,20 @@ struct Table<'a> {
     columns: BTreeMap<String, Column>,
 }
 
+/// Units of what is measured; all others count something.
+const MEASURES: [&str; 13] =
+    ["1", "%", "dB", "8-bit levels", "ms", "frames/s", "Mrays/s", "W", "mJ", "nJ", "frames/s/W", "mm2", "Mrays/s/mm2"];
+
+/// A column without a value, of the type that it has in other tables, so that tables can be put together.
+fn nothing(role: Role, unit: &str, rows: usize) -> Cells {
+    match (role, unit) {
+        (Role::Config, _) => Cells::Text(vec![None; rows]),
+        (_, "bool") => Cells::Flag(vec![None; rows]),
+        (_, unit) if MEASURES.contains(&unit) => Cells::Float(vec![None; rows]),
+        _ => Cells::Int(vec![None; rows]),
+    }
+}
+
 impl Table<'_> {
     fn fields(&self) -> Result<Vec<Field>> {
         let plan = self.plan;
@@ -234,9 +248,12 @@ impl Table<'_> {
             .iter()
             .map(|p| self.row(&self.plan.points[*p]).figures.get(name).filter(|v| !v.is_null()))
             .collect();
+        let info = self.columns.get(name);
+        let text = |get: fn(&Column) -> &String| info.map(get).cloned().unwrap_or_default();
+        let (role, unit) = (role_of(name), text(|c| &c.unit));
         let all = |is: fn(&Value) -> bool| values.iter().flatten().all(|value| is(value));
         let cells = if values.iter().all(Option::is_none) {
-            Cells::Float(vec![None; values.len()])
+            nothing(role, &unit, values.len())
         } else if all(Value::is_boolean) {
             Cells::Flag(values.iter().map(|value| value.and_then(Value::as_bool)).collect())
         } else if all(Value::is_i64) {
@@ -246,10 +263,7 @@ impl Table<'_> {
         } else {
             Cells::Float(values.iter().map(|value| value.and_then(Value::as_f64)).collect())
         };
-        let info = self.columns.get(name);
-        let text = |get: fn(&Column) -> &String| info.map(get).cloned().unwrap_or_default();
-        let role = role_of(name);
-        Field { name: name.into(), unit: text(|c| &c.unit), description: text(|c| &c.description), role, cells }
+        Field { name: name.into(), unit, description: text(|c| &c.description), role, cells }
     }
 
     /// The resolved configurations and versions.

@@ -1,10 +1,10 @@
 //! Eight numbers in one vector, on processors that have AVX.
 //!
 //! With packets in two halves plain tracing takes 1.3 times as long. Safety: a value of [`Avx`] is made and used only below
-//! [`packet`](super::TraversalBvh::packet), which asks the processor first. The functions are inlined into one that is
-//! compiled for AVX2; outside of it each would be a call.
+//! [`packet`](super::TraversalBvh::packet), which asks the processor first. Nothing outside of this folder can name it, and must not:
+//! its functions are safe to call only there. They are inlined into one that is compiled for AVX2; outside of it each would be a call.
 
-#![allow(unsafe_code, reason = "measured: see above")]
+#![expect(unsafe_code, reason = "measured: see above")]
 
 use std::arch::x86_64::*;
 use std::ops::{Add, Div, Mul, Sub};
@@ -24,14 +24,14 @@ impl Lanes for Avx {
 
     #[inline(always)]
     fn new(v: [f32; LANES]) -> Self {
-        // SAFETY: see the head of the file.
+        // SAFETY: see the head of the file; `v` is as long as the vector, and may lie anywhere.
         Self(unsafe { _mm256_loadu_ps(v.as_ptr()) })
     }
 
     #[inline(always)]
     fn to_array(self) -> [f32; LANES] {
         let mut v = [0.0; LANES];
-        // SAFETY: see the head of the file; `v` is as long as the vector.
+        // SAFETY: see the head of the file; `v` is as long as the vector, and may lie anywhere.
         unsafe { _mm256_storeu_ps(v.as_mut_ptr(), self.0) };
         v
     }

@@ -143,7 +143,7 @@ impl TraversalBvh {
     ) -> LaneHits {
         #[cfg(target_arch = "x86_64")]
         if std::arch::is_x86_feature_detected!("avx2") {
-            #[allow(unsafe_code, reason = "the one way to code that not every processor has")]
+            #[expect(unsafe_code, reason = "the one way to code that not every processor has")]
             // SAFETY: the processor has what the function is compiled for.
             return unsafe { self.packet_avx::<RECORD, ANY_HIT>(packet, scratch, pass) };
         }

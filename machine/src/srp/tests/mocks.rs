@@ -12,7 +12,6 @@ use crate::memory::{Memory, MemoryStats, Port, Request, Response, Route};
 use crate::srp::{FrameShape, Srp, SrpContext, SrpPorts};
 use crate::time::{TiCycle, When};
 use crate::work::PolicyReads;
-use crate::work::history::HistoryWork;
 use crate::work::layout::Layout;
 use crate::work::{NO_RAY, NO_TRIANGLE, RayWork, Round, TileWork};
 
@@ -200,22 +199,7 @@ pub fn sample(work: &mut TileWork, material: Option<u32>, shadows: u8, reflects:
 
 /// A tile of `width x height` samples without work.
 pub fn empty(tile: u32, width: u32, height: u32) -> TileWork {
-    TileWork {
-        frame: 0,
-        tile,
-        rect: Rect { x: tile * width, y: 0, width, height },
-        left: None,
-        above: None,
-        apron_samples: 0,
-        border_samples: 0,
-        kept_samples: 0,
-        audited_samples: 0,
-        secondary_hits: 0,
-        history: HistoryWork::default(),
-        rays: Vec::new(),
-        ops: Vec::new(),
-        rounds: Vec::new(),
-    }
+    TileWork::empty(0, tile, Rect { x: tile * width, y: 0, width, height })
 }
 
 /// A tile of one round of `n` equal samples.

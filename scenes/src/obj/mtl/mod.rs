@@ -7,7 +7,8 @@
 //! - `illum` 0 to 2 (or none) is [`Optics::Opaque`], 3 and 8 [`Optics::Mirror`], 5
 //!   [`Optics::FresnelMirror`], 4, 6, 7 and 9 [`Optics::Dielectric`]; 10 (shadow matte) is opaque
 //!   with a warning.
-//! - Colours are linear. Without `Kd` a surface is 0.8 grey, or white under a `map_Kd`.
+//! - `illum` 0 and 1 have no highlight: their `Ks` is not read.
+//! - Colours are linear. Without `Kd` a surface is 0.8 grey, or white under a `map_Kd`; glass has no colour of its own then.
 //! - `Tf` is the tint of a refracted ray per surface crossed, 1 = clear; none = clear. In the wild
 //!   `Tf .1 .1 .1` without any `d` or `Tr` also means "filters a tenth" (the McGuire Cornell
 //!   boxes): a dielectric whose `Tf` is below one half in all channels and that states no `d`/`Tr`
@@ -180,7 +181,12 @@ fn finish(
     let mut optics = optics(s.illum, &place, warnings);
     let dielectric = optics == Optics::Dielectric;
     let mut transmission = transmission(&s, dielectric, &place, warnings);
-    let mut diffuse = s.diffuse.unwrap_or(Vec3::splat(if s.diffuse_map.is_some() { 1.0 } else { 0.8 }));
+    let grey = match (s.diffuse_map.is_some(), dielectric) {
+        (true, _) => 1.0,
+        (false, true) => 0.0,
+        (false, false) => 0.8,
+    };
+    let mut diffuse = s.diffuse.unwrap_or(Vec3::splat(grey));
     let mut ior = s.ior.unwrap_or(if dielectric { 1.5 } else { 1.0 });
     if ior < 1.0 {
         warnings.add("ni", || format!("{place}: an index of refraction of {ior} was raised to 1"));
@@ -205,7 +211,11 @@ fn finish(
     }
     let material = Material {
         diffuse,
-        specular: s.specular.unwrap_or(Vec3::splat(f32::from(u8::from(dielectric)))),
+        specular: if matches!(s.illum, Some(0 | 1)) {
+            Vec3::ZERO
+        } else {
+            s.specular.unwrap_or(Vec3::splat(f32::from(u8::from(dielectric))))
+        },
         shininess: s.shininess.unwrap_or(10.0).round().clamp(1.0, 1e6) as u32,
         emission: s.emission.unwrap_or(Vec3::ZERO),
         optics,

@@ -1,7 +1,7 @@
 //! Which axis moves which result by how much.
 
 use crate::analysis::dims::Dimension;
-use crate::analysis::effects::{Company, Effect};
+use crate::analysis::effects::Effect;
 use crate::html::parts::{Head, Section, how_to_read, table};
 use crate::html::sweep::number::{number, signed_percent};
 use crate::html::sweep::view::SweepView;
@@ -16,8 +16,9 @@ pub fn section(view: &SweepView<'_>) -> Option<Section> {
     }
     let cards: String = moved.iter().map(|field| card(view, field)).collect();
     let read = "For each value of an axis the result is averaged over points that differ in that axis alone: those that have a partner at \
-                every other value. Where some points lack partners, as after an exclude, a bar says how many points it is of; where all \
-                do, it says that it is not like with like. A bar reaches from the least to the most of these means, as far as they lie \
+                every other value. Where some points lack partners, as after an exclude, a bar says how many points it is of. A value \
+                without any, as a machine that has an axis of its own, is left out, and so is an axis of which no two values have \
+                partners. Axes that go forward together are one. A bar reaches from the least to the most of these means, as far as they lie \
                 from the mean of them all: its length is the main effect. Effects that axes have only together do not show here; the \
                 heat map shows them.";
     let controls = "<div class=\"controls only-js\"><label class=\"wide\">Another result <select id=\"effects-result\"></select></label>\
@@ -87,11 +88,15 @@ fn unit(field: &Field) -> &str {
 fn ends(dimension: &Dimension, effect: &Effect) -> String {
     let value = |end: usize| &dimension.values[effect.ends[end]];
     let ends = if effect.share() == 0.0 { "no change".into() } else { format!("{} to {}", value(0), value(1)) };
-    match effect.company {
-        Company::Equal => ends,
-        Company::Partners => format!("{ends}, of {} points", effect.points),
-        Company::Unequal => format!("{ends}, not like with like"),
-    }
+    let together =
+        if effect.together.is_empty() { String::new() } else { format!(", with {}", effect.together.join(", ")) };
+    let part = if effect.in_part { format!(", of {} points", effect.points) } else { String::new() };
+    let left_out = match effect.left_out {
+        0 => "",
+        1 => ", without 1 value",
+        count => &format!(", without {count} values"),
+    };
+    ends + &together + &part + left_out
 }
 
 /// The mean of each value, shown when a bar is pointed at.

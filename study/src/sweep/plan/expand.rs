@@ -14,7 +14,7 @@ use crate::sweep::plan::detail::details;
 use crate::sweep::plan::file::{At, PlanFile};
 use crate::sweep::plan::filter::{Filters, environment};
 use crate::sweep::plan::locate::Text;
-use crate::sweep::plan::machines::{Machines, Variant, on_all_cores};
+use crate::sweep::plan::machines::{BLOCK, Machines, REMEMBERED, Variant, on_all_cores};
 use crate::sweep::plan::scalar::Scalar;
 use crate::sweep::plan::sources::{Sources, machines, policies, traces};
 use crate::sweep::plan::{LAYOUT, Plan, PointRef, TraceRef, is_machine_override};
@@ -64,12 +64,8 @@ impl Plan {
     }
 }
 
-/// Points that are resolved at a time: the first few, then many enough for all cores, and few enough for an error to come soon.
+/// Points that are resolved first: what is wrong with all of them shows soon.
 const FEW: usize = 16;
-const BLOCK: usize = 1 << 11;
-
-/// Machines under overrides that are remembered: some 200 MB.
-const REMEMBERED: usize = 1 << 15;
 
 /// Machines and policies that are resolved, as keys have them.
 struct Known<'a> {
@@ -94,7 +90,6 @@ impl Expander<'_> {
         }
         let machines = Machines::new(self.plan);
         let mut known = Known { machines, jsons: BTreeMap::new(), policies: BTreeMap::new() };
-        // What is wrong with all of them shows at once.
         let few = points.len().min(FEW);
         let (few, others) = points.split_at_mut(few);
         for block in std::iter::once(few).chain(others.chunks_mut(BLOCK)) {
@@ -136,8 +131,10 @@ impl Expander<'_> {
             ((point.machine, machine), (point.policy, policy))
         };
         let variants: Vec<(Variant, Variant)> = points.iter().map(of).collect();
-        if known.jsons.len() > REMEMBERED {
-            known.jsons.clear();
+        for known in [&mut known.jsons, &mut known.policies] {
+            if known.len() > REMEMBERED {
+                known.clear();
+            }
         }
         let machines: BTreeSet<&Variant> = variants.iter().map(|(machine, _)| machine).collect();
         let new: Vec<Variant> = machines.into_iter().filter(|m| !known.jsons.contains_key(*m)).cloned().collect();

@@ -13,6 +13,12 @@ use crate::point::key::{machine_json, values_json};
 /// Number of a machine, and the overrides of it.
 pub(super) type Variant = (usize, Vec<String>);
 
+/// Points that are resolved at a time: many enough for all cores.
+pub(super) const BLOCK: usize = 1 << 11;
+
+/// Machines, or policies, under overrides that are remembered: some 200 MB.
+pub(super) const REMEMBERED: usize = 1 << 15;
+
 /// Items that are worth a thread.
 const SHARE_MIN: usize = 16;
 

@@ -118,10 +118,18 @@ fn reference(trace: &Trace, location: &str) -> rayreel_formats::Result<TraceRef>
 /// The traces that an entry names, sorted.
 fn locations(entry: &At<String>, sources: &Sources<'_>) -> Result<Vec<String>> {
     let (name, wrong) = (entry.get_ref(), |detail: String| sources.text.error(&entry.span(), detail));
+    let far = sources.traces.filter(|base| is_address(base));
+    // Behind an address a question mark begins its query.
+    let is_pattern = if is_address(name) { name.contains('*') } else { name.contains(['*', '?', '[']) };
+    if is_pattern && (is_address(name) || far.is_some()) {
+        return Err(wrong(format!(
+            "traces {name:?}: patterns are for files on this machine; name each object by itself"
+        )));
+    }
     if is_address(name) {
         return Ok(vec![name.clone()]);
     }
-    if let Some(base) = sources.traces.filter(|base| is_address(base)) {
+    if let Some(base) = far {
         return Ok(vec![in_folder(base, name)]);
     }
     let text =
@@ -130,7 +138,7 @@ fn locations(entry: &At<String>, sources: &Sources<'_>) -> Result<Vec<String>> {
     let folder = std::path::absolute(Path::new(".").join(sources.traces.map_or(sources.folder, Path::new)));
     let folder = folder.map_err(|e| wrong(format!("trace {name:?}: {e}")))?;
     let path = std::path::absolute(folder.join(name)).map_err(|e| wrong(format!("trace {name:?}: {e}")))?;
-    if !name.contains(['*', '?', '[']) {
+    if !is_pattern {
         return Ok(vec![text(&path)?]);
     }
     // The folder is no part of the pattern.

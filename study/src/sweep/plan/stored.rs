@@ -7,17 +7,19 @@
 //! The checksum finds what a disk or an editor did. It is no signature, so the key of every point is computed again from the
 //! configuration that the plan holds: a plan cannot put the results of one configuration under the name of another.
 
-use std::collections::btree_map::Entry;
 use std::collections::{BTreeMap, BTreeSet};
 
 use serde::Deserialize;
 
-use super::machines::{Machines, Variant};
+use super::machines::{BLOCK, Machines, REMEMBERED, Variant};
 use super::{LAYOUT, Plan, PointRef, is_machine_override};
 use crate::error::{Result, StudyError};
 use crate::point::key::{key, policy_json};
 use crate::point::version::MODEL_VERSION;
 use rayreel_replay::Detail;
+
+/// Machines or policies, as keys have them.
+type Resolved = BTreeMap<Variant, Result<String>>;
 
 /// What stands before the checksum.
 const HEAD: &[u8] = b"{\"checksum\":\"";
@@ -115,45 +117,69 @@ impl Plan {
         }
     }
 
-    /// The points whose keys are not those of their configurations, and what to say of each. Each machine and each policy is put together
-    /// once. Whether a machine can be built shows when a point of it is computed.
+    /// The points whose keys are not those of their configurations, and what to say of each. Machines and policies are put together once
+    /// each, as far as they are remembered. Whether a machine can be built shows when a point of it is computed.
     fn strangers(&self) -> Vec<(usize, String)> {
-        let of = |point: &PointRef| {
+        let of = |point: &PointRef| -> (Variant, Variant) {
             let (machine, policy) =
                 self.overrides(&point.values).into_iter().partition(|text| is_machine_override(text));
             ((point.machine, machine), (point.policy, policy))
         };
-        let variants: Vec<(Variant, Variant)> = self.points.iter().map(of).collect();
-        let distinct: BTreeSet<&Variant> = variants.iter().map(|(machine, _)| machine).collect();
-        let machines = Machines::new(self).all(distinct.into_iter().cloned().collect());
-        let mut policies: BTreeMap<&Variant, Result<String>> = BTreeMap::new();
-        for (_, policy) in &variants {
-            if let Entry::Vacant(slot) = policies.entry(policy) {
-                slot.insert(self.policy(policy.0, &policy.1).map(|found| policy_json(&found)));
+        let resolver = Machines::new(self);
+        let (mut machines, mut policies) = (Resolved::new(), Resolved::new());
+        let mut strangers = Vec::new();
+        for (block, first) in self.points.chunks(BLOCK).zip((0..).step_by(BLOCK)) {
+            for known in [&mut machines, &mut policies] {
+                if known.len() > REMEMBERED {
+                    known.clear();
+                }
+            }
+            let variants: Vec<(Variant, Variant)> = block.iter().map(of).collect();
+            let new: BTreeSet<&Variant> = variants
+                .iter()
+                .map(|(machine, _)| machine)
+                .filter(|machine| !machines.contains_key(*machine))
+                .collect();
+            machines.extend(resolver.all(new.into_iter().cloned().collect()));
+            for (_, policy) in &variants {
+                if !policies.contains_key(policy) {
+                    let json = self.policy(policy.0, &policy.1).map(|found| policy_json(&found));
+                    policies.insert(policy.clone(), json);
+                }
+            }
+            for ((at, point), (machine, policy)) in (first..).zip(block).zip(&variants) {
+                strangers.extend(self.stranger(at, point, &machines[machine], &policies[policy]).map(|why| (at, why)));
             }
         }
-        let stranger = |at: usize, point: &PointRef, (machine, policy): &(Variant, Variant)| -> Option<String> {
-            let unusable = |e: &StudyError| Some(format!("point {at} of the plan cannot be resolved: {e}; {AGAIN}"));
-            let (machine, policy) = match (&machines[machine], &policies[policy]) {
-                (Ok(machine), Ok(policy)) => (machine, policy),
-                (Err(e), _) | (_, Err(e)) => return unusable(e),
-            };
-            let detail = match self.detail(point) {
-                Ok(detail) => detail,
-                Err(e) => return unusable(&e),
-            };
-            let right = key(&self.traces[point.trace].fingerprint, point.frames, machine, policy, detail);
-            (right != point.key).then(|| {
-                format!(
-                    "point {at} of the plan ({}) has the key {}, and what it is to compute has the key {right}: the plan was \
-                     changed, or made by another build; {AGAIN}",
-                    self.describe(at),
-                    point.key,
-                )
-            })
+        strangers
+    }
+
+    /// What to say of a point whose key is not that of its configuration.
+    fn stranger(
+        &self,
+        at: usize,
+        point: &PointRef,
+        machine: &Result<String>,
+        policy: &Result<String>,
+    ) -> Option<String> {
+        let unusable = |e: &StudyError| Some(format!("point {at} of the plan cannot be resolved: {e}; {AGAIN}"));
+        let (machine, policy) = match (machine, policy) {
+            (Ok(machine), Ok(policy)) => (machine, policy),
+            (Err(e), _) | (_, Err(e)) => return unusable(e),
         };
-        let points = self.points.iter().zip(&variants).enumerate();
-        points.filter_map(|(at, (point, variant))| Some((at, stranger(at, point, variant)?))).collect()
+        let detail = match self.detail(point) {
+            Ok(detail) => detail,
+            Err(e) => return unusable(&e),
+        };
+        let right = key(&self.traces[point.trace].fingerprint, point.frames, machine, policy, detail);
+        (right != point.key).then(|| {
+            format!(
+                "point {at} of the plan ({}) has the key {}, and what it is to compute has the key {right}: the plan was \
+                 changed, or made by another build; {AGAIN}",
+                self.describe(at),
+                point.key,
+            )
+        })
     }
 
     /// The plan as `plan.json` holds it: the same bytes for the same plan.

@@ -7,7 +7,16 @@
 
   const effect = (dimension, result) => {
     const sums = new Map(dimension.of.filter((value) => value !== null).map((value) => [value, [0, 0]]));
-    const others = sweep.dimensions.filter((other) => other !== dimension);
+    const follows = (one, other) => {
+      const known = new Map();
+      return sweep.all.every((row) => {
+        if (!known.has(other.values[row])) known.set(other.values[row], one.values[row]);
+        return known.get(other.values[row]) === one.values[row];
+      });
+    };
+    const isTogether = (other) => follows(other, dimension) && follows(dimension, other);
+    const others = sweep.dimensions.filter((other) => other !== dimension && !isTogether(other));
+    const together = sweep.dimensions.filter((other) => other !== dimension && isTogether(other)).map((other) => other.name);
     const groups = new Map();
     let sum = 0, count = 0;
     for (const row of sweep.filter.rows) {
@@ -19,14 +28,23 @@
       groups.get(key).push([dimension.values[row], value]);
     }
     // Like with like, as `Effect::new`: points whose partners are all there.
-    const values = (group) => new Set(group.map(([value]) => value)).size;
-    const every = new Set([...groups.values()].flatMap((group) => group.map(([value]) => value))).size;
-    const complete = [...groups.values()].filter((group) => values(group) === every);
-    for (const [value, number] of (complete.length > 0 ? complete : [...groups.values()]).flat()) {
+    // A set is the places of its values, so that sets sort as there.
+    const place = new Map([...sums.keys()].map((value, at) => [value, at]));
+    const set = (group) => [...new Set(group.map(([value]) => place.get(value)))].sort((a, b) => a - b);
+    const sets = [...groups.values()].map(set);
+    const holds = (larger, smaller) => smaller.every((value) => larger.includes(value));
+    const owners = (own) => sets.filter((other) => holds(other, own)).length;
+    const before = (a, b) => b.length - a.length || owners(b) - owners(a) || a.map((value, i) => value - b[i]).find((difference) => difference !== 0) || 0;
+    const compared = [...new Map(sets.map((own) => [String(own), own])).values()].sort(before)[0] ?? [];
+    for (const [value, number] of [...groups.values()].filter((group) => holds(set(group), compared)).flat()) {
+      if (!compared.includes(place.get(value))) continue;
       const own = sums.get(value);
       own[0] += number; own[1] += 1; sum += number; count += 1;
     }
-    const company = complete.length === 0 ? ", not like with like" : complete.length < groups.size ? `, of ${count} points` : "";
+    const all = [...groups.values()].reduce((most, group) => most + group.length, 0);
+    const leftOut = new Set(sets.flat()).size - compared.length;
+    const company = (together.length > 0 ? `, with ${together.join(", ")}` : "") + (count < all ? `, of ${count} points` : "")
+      + (leftOut === 0 ? "" : `, without ${leftOut} ${leftOut === 1 ? "value" : "values"}`);
     const means = [...sums].filter(([, own]) => own[1] > 0).map(([value, own]) => ({ value, mean: own[0] / own[1] }));
     if (means.length < 2) return null;
     const overall = sum / count;

@@ -11,11 +11,22 @@ sweep.filter = (() => {
     return `; a word stands in quotes${near.length > 0 ? `, and there is ${near.join(", ")}` : ""}`;
   };
 
+  /** Results that the last expression asked for, each with the points that have none of it. */
+  const lacking = new Map();
   const expression = (text) => {
     const test = sweep.language.compile(text, known, hint);
+    lacking.clear();
+    const value = (name, row) => {
+      const found = sweep.column(name).values[row];
+      if (found === null && !sweep.dimensions.includes(sweep.column(name))) {
+        if (!lacking.has(name)) lacking.set(name, new Set());
+        lacking.get(name).add(row);
+      }
+      return found;
+    };
     return (row) => {
       try {
-        return test((name) => sweep.column(name).values[row]);
+        return test((name) => value(name, row));
       } catch (error) {
         throw new Error(`at point ${sweep.number(row)}: ${error.message}`);
       }
@@ -70,7 +81,10 @@ sweep.filter = (() => {
       own.withFailed = shown;
       own.rows = shown.filter((row) => done.has(row));
       own.isAll = text === "";
-      $("filter-found").textContent = text ? `${shown.length} of ${all}` : "";
+      // Nothing is less than every number, as in exclude: who asks for the fastest gets what never ran, too.
+      const without = [...lacking].map(([name, rows]) => [name, shown.filter((row) => rows.has(row)).length]).filter(([, count]) => count > 0);
+      const told = without.map(([name, count]) => `, ${count} of them without ${name}`).join("");
+      $("filter-found").textContent = text ? `${shown.length} of ${all}${told}` : "";
       $("filter").removeAttribute("aria-invalid");
     } catch (error) {
       // The last good choice stays while somebody types.
