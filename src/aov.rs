@@ -19,8 +19,8 @@ use rayreel_tracer::{CaptureOutcome, CaptureOutput, capture};
 use serde_json::json;
 
 use crate::common::{
-    GridArgs, build, check_output, digest_if_whole, frame, keep_scene, meta, open, output_file, plain, print, samples,
-    size, tile_of,
+    GridArgs, build, check_output, depth, digest_if_whole, frame, keep_scene, meta, open, output_file, plain, print,
+    samples, size, tile_of,
 };
 use crate::exit::Exit;
 use crate::memory;
@@ -59,7 +59,7 @@ pub struct Args {
     #[arg(long, value_name = "NxN", value_parser = samples)]
     samples: Option<u32>,
     /// Secondary bounces allowed in a scene; 0 is primary and shadow rays only. As `rayreel capture` has it if not given.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=14))]
+    #[arg(long, value_name = "N", value_parser = depth)]
     depth: Option<u32>,
     #[command(flatten)]
     cache: CacheArgs,

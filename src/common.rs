@@ -11,6 +11,7 @@ use rayreel_formats::Limits;
 use rayreel_formats::container::MAGIC;
 use rayreel_formats::durable::WholeFile;
 use rayreel_formats::scene::Meta;
+use rayreel_formats::tile::MAX_DEPTH;
 use rayreel_formats::trace::{Trace, digest};
 use rayreel_replay::image::Image;
 use rayreel_replay::image::resolve::Resolver;
@@ -31,7 +32,7 @@ pub struct GridArgs {
     #[arg(long, default_value = "2x2", value_name = "NxN", value_parser = samples)]
     pub samples: u32,
     /// Secondary bounces allowed; 0 is primary and shadow rays only.
-    #[arg(long, default_value_t = TraceSettings::default().max_depth, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=14))]
+    #[arg(long, default_value_t = TraceSettings::default().max_depth, value_name = "N", value_parser = depth)]
     pub depth: u32,
 }
 
@@ -40,6 +41,12 @@ impl GridArgs {
     pub const SIZE: (u32, u32) = (1024, 512);
     /// The samples in a row of a pixel if none are given.
     pub const SAMPLES: u32 = 2;
+}
+
+/// Parses a number of bounces.
+pub fn depth(text: &str) -> Result<u32, String> {
+    let depth = text.parse().ok().filter(|depth| *depth <= MAX_DEPTH);
+    depth.ok_or_else(|| format!("give a number of bounces from 0 to {MAX_DEPTH}"))
 }
 
 /// Parses `WxH`.

@@ -38,8 +38,8 @@ def test_what_traces_all_gives_the_reference(teapot: rayreel.Trace):
     assert mine.stats["policy_config"] is None
 
 
-def test_the_same_policy_in_rust_gives_the_same(teapot: rayreel.Trace):
-    """The counts that `cargo run --example custom_policy` prints are those of Pairs."""
+def test_a_policy_gives_what_it_traces(teapot: rayreel.Trace):
+    """Half of the samples, and their rays."""
     mine = teapot.replay(Pairs())
     assert mine.stats["policy"] == "pairs"
     for frame in mine.frames:

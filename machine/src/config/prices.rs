@@ -123,6 +123,16 @@ mod tests {
         NamedMachine::load("sgrt-ti2", &overrides).map(|_| ()).map_err(|error| error.to_string())
     }
 
+    /// Presets that have prices of their own say of which unit: another width is no conflict of theirs.
+    #[test]
+    fn presets_say_what_unit_their_prices_are_of() {
+        for (name, wider) in [("raycore", "ti.aabbs_per_cycle=1"), ("sgrt-ti1", "ti.aabbs_per_cycle=2")] {
+            assert!(NamedMachine::load(name, &[wider.to_owned()]).is_ok(), "{name} with {wider}");
+        }
+        let unified = ["ti.pipeline=unified", "ti.ist=0"].map(String::from);
+        assert!(NamedMachine::load("sgrt-ti1", &unified).is_ok());
+    }
+
     #[test]
     fn a_price_beside_a_size_says_what_it_is_of() {
         assert_eq!(
