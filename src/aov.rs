@@ -19,11 +19,12 @@ use rayreel_tracer::{CaptureOutcome, CaptureOutput, capture};
 use serde_json::json;
 
 use crate::common::{
-    GridArgs, build, check_output, depth, digest_if_whole, frame, keep_scene, meta, open, output_file, plain, print,
-    samples, size, tile_of,
+    GridArgs, bare, build, check_output, depth, digest_if_whole, frame, keep_scene, meta, open, output_file, plain,
+    print, samples, size, tile_of,
 };
 use crate::exit::Exit;
 use crate::memory;
+use crate::named;
 use crate::progress;
 use crate::scene_args::SceneArgs;
 use crate::traces::CacheArgs;
@@ -69,7 +70,7 @@ pub fn run(args: &Args) -> Result<Exit> {
     if !args.output.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("exr")) {
         bail!("{} is written as EXR; let its name end in .exr", args.output.display());
     }
-    let policy = NamedPolicy::load(&args.policy, &args.overrides)?;
+    let policy = named::policy(&args.policy, &args.overrides)?;
     check_output(&args.output, &[Path::new(&args.scene.scene), Path::new(&args.policy)])?;
     // Lives as long as the trace in it.
     let folder = tempfile::tempdir()?;
@@ -127,9 +128,8 @@ fn traced(args: &Args, path: PathBuf) -> Result<Trace> {
 
 /// What the picture is of. Files are named without their folders: the same frame gives the same bytes wherever it is made.
 fn notes(args: &Args, trace: &Trace, policy: &NamedPolicy, frame: u32) -> Result<ExrNotes> {
-    let name = |text: &str| text.rsplit(['/', '\\']).next().unwrap_or(text).to_owned();
-    let mut words = vec!["rayreel".into(), "aov".into(), name(&args.scene.scene), "--frame".into(), frame.to_string()];
-    words.extend(["--policy".into(), name(&args.policy)]);
+    let mut words = vec!["rayreel".into(), "aov".into(), bare(&args.scene.scene), "--frame".into(), frame.to_string()];
+    words.extend(["--policy".into(), bare(&args.policy)]);
     if !is_trace(&args.scene.scene) {
         let Meta { width, height, samples, max_depth, .. } = trace.meta();
         words.extend([

@@ -165,6 +165,11 @@ pub fn plain(error: ColumnsError) -> anyhow::Error {
     }
 }
 
+/// A file's name without its folders: what results name, so that they are the same wherever they are made.
+pub fn bare(text: &str) -> String {
+    text.rsplit(['/', '\\']).next().unwrap_or(text).to_owned()
+}
+
 /// Refuses an output that would take the place of an input.
 pub fn keep_input(output: &Path, input: &Path) -> Result<()> {
     let place = |path: &Path| path.canonicalize().ok();

@@ -69,29 +69,30 @@ pub fn run(args: &Args) -> Result<Exit> {
     if args.json {
         print_json(&json(&found, top)?)?;
     } else {
-        let others = if a.is_run() { others([a.results(), b.results()]) } else { String::new() };
+        let others = if a.is_run() { others([a.results(), b.results()], &options.select) } else { String::new() };
         print(&format!("{others}{}", text(&found, args.tolerance, top)))?;
     }
     Ok(if found.changed() { Exit::No } else { Exit::Done })
 }
 
-/// What two runs are of, where they are not of the same: whatever columns were asked for.
-fn others(runs: [&Results; 2]) -> String {
+/// What two runs differ in beside what is compared: whatever columns were asked for.
+fn others(runs: [&Results; 2], select: &Select) -> String {
     let value = |run: &Results, name: &str| match run.field(name).map(|field| &field.cells) {
         Some(Cells::Text(values)) => values.first().cloned().flatten(),
         Some(Cells::Int(values)) => values.first().copied().flatten().map(|value| value.to_string()),
         _ => None,
     };
-    let named = ["trace", "first_frame", "frames"].into_iter().filter_map(|name| {
+    let differs = |name: &str| {
         let [a, b] = runs.map(|run| value(run, name).unwrap_or_else(|| "none".into()));
         (a != b).then(|| format!("{name} {a} -> {b}"))
-    });
-    let mut named: Vec<String> = named.collect();
-    let prints = runs.map(|run| value(run, "trace_fingerprint"));
-    if named.is_empty() && prints[0] != prints[1] {
-        named.push("another trace of the same name".into());
-    }
-    if named.is_empty() { String::new() } else { format!("not of the same frames: {}\n", named.join(", ")) }
+    };
+    let [a, b] = runs.map(|run| value(run, "trace_fingerprint"));
+    // One trace may have two names, and one name two traces.
+    let trace = (a != b).then(|| differs("trace").unwrap_or_else(|| "another trace of the same name".into()));
+    let hidden = ["machine", "policy", "detail"].into_iter().filter(|name| !select.takes(name));
+    let rest = ["first_frame", "frames"].into_iter().chain(hidden).filter_map(differs);
+    let named: Vec<String> = trace.into_iter().chain(rest).collect();
+    if named.is_empty() { String::new() } else { format!("A and B differ in: {}\n", named.join(", ")) }
 }
 
 fn tolerance(text: &str) -> Result<f64, String> {

@@ -14,8 +14,9 @@ use rayreel_study::cluster::shell::line;
 use rayreel_study::point::version::MODEL_VERSION;
 use serde_json::json;
 
-use crate::common::{frames, keep_input, plain, print};
+use crate::common::{bare, frames, keep_input, plain, print};
 use crate::exit::Exit;
+use crate::named;
 use crate::progress::{self, Progress};
 use crate::traces::TraceArgs;
 
@@ -123,12 +124,11 @@ pub fn run(args: &Args, quiet: bool) -> Result<Exit> {
 
 /// What a table is of, as JSON, for files that have a place for it: the command without what changes no value, and of which trace.
 fn origin(args: &Args, trace: &Trace, named: (Option<&NamedPolicy>, Option<&NamedMachine>)) -> Result<String> {
-    let name = |text: &String| text.rsplit(['/', '\\']).next().unwrap_or(text).to_owned();
     let mut words: Vec<String> = ["rayreel", "export"].map(String::from).into();
     words.extend([args.trace.file_name(), "--what".into(), args.what.name().into()]);
     let columns = (!args.columns.is_empty()).then(|| args.columns.join(","));
     let frames = args.frames.map(|(first, count)| format!("{first}..{}", first + count));
-    let (policy, machine) = (args.policy.as_ref().map(name), args.machine.as_ref().map(name));
+    let (policy, machine) = (args.policy.as_deref().map(bare), args.machine.as_deref().map(bare));
     let interval = args.interval.map(|cycles| cycles.to_string());
     let options = [("--columns", columns), ("--frames", frames), ("--tiles", args.tiles.clone()), ("--policy", policy)];
     let options = options.into_iter().chain([("--machine", machine), ("--interval", interval)]);
@@ -179,8 +179,8 @@ fn settings(args: &Args) -> Result<(Option<NamedPolicy>, Option<NamedMachine>)> 
         let fix = if what.takes_policy() { "name one with --policy, or leave it out" } else { "leave it out" };
         bail!("--set {text} is for a policy, and table {name} has none; {fix}");
     }
-    let policy = policy_name.map(|name| NamedPolicy::load(name, &policy)).transpose()?;
-    let machine = machine_name.map(|name| NamedMachine::load(name, &machine)).transpose()?;
+    let policy = policy_name.map(|name| named::policy(name, &policy)).transpose()?;
+    let machine = machine_name.map(|name| named::machine(name, &machine)).transpose()?;
     Ok((policy, machine))
 }
 

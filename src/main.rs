@@ -21,6 +21,7 @@ mod export;
 mod info;
 mod memory;
 mod merge;
+mod named;
 mod paper;
 mod presets;
 mod progress;

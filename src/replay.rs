@@ -23,9 +23,10 @@ use rayreel_study::point::version::MODEL_VERSION;
 use rayreel_study::report::{Made, Origin, Report};
 use serde_json::{Value, json};
 
-use crate::common::{check_output, digest_if_whole, frames, keep_input, output_file, print};
+use crate::common::{bare, check_output, digest_if_whole, frames, keep_input, output_file, print};
 use crate::detail::DetailArgs;
 use crate::exit::Exit;
+use crate::named;
 use crate::progress::{self, Progress};
 use crate::traces::TraceArgs;
 
@@ -81,7 +82,7 @@ pub struct Args {
 pub fn run(args: &Args, quiet: bool) -> Result<Exit> {
     let (mut machine, policy): (Vec<_>, Vec<_>) =
         args.overrides.iter().cloned().partition(|text| is_machine_override(text));
-    let policy = NamedPolicy::load(&args.policy, &policy)?;
+    let policy = named::policy(&args.policy, &policy)?;
     // What is set by key comes later and decides.
     machine.splice(0..0, (args.warm && args.machine != "none").then(|| "gpu.warm_caches=true".to_owned()));
     let machine = load_machine(args, &machine)?;
@@ -134,7 +135,7 @@ fn check_folder(out: &Path, inputs: &[&Path], timeline: Option<&Path>) -> Result
 /// The machine asked for, if one is.
 fn load_machine(args: &Args, overrides: &[String]) -> Result<Option<NamedMachine>> {
     if args.machine != "none" {
-        return Ok(Some(NamedMachine::load(&args.machine, overrides)?));
+        return Ok(Some(named::machine(&args.machine, overrides)?));
     }
     if let Some(text) = overrides.first() {
         bail!("--set {text} is for a machine, and --machine none has none; name a machine or leave it out");
@@ -190,11 +191,10 @@ fn origin(args: &Args, trace: &Trace, frames: &Range<u32>, detail: Detail) -> Re
 /// The command without what changes no result: threads, progress, where files go. Files are named without their folders, so that the
 /// same replay gives the same bytes wherever it runs.
 fn command(args: &Args) -> String {
-    let name = |text: &str| text.rsplit(['/', '\\']).next().unwrap_or(text).to_owned();
     let mut words: Vec<String> = vec!["rayreel".into(), "replay".into(), args.trace.file_name()];
     let mut option = |option: &str, value: String| words.extend([option.to_owned(), value]);
-    option("--policy", name(&args.policy));
-    option("--machine", name(&args.machine));
+    option("--policy", bare(&args.policy));
+    option("--machine", bare(&args.machine));
     args.overrides.iter().for_each(|text| option("--set", text.clone()));
     if let Some((first, count)) = args.frames {
         option("--frames", format!("{first}..{}", first + count));
@@ -206,16 +206,18 @@ fn command(args: &Args) -> String {
     line(&words)
 }
 
-/// What pictures or a timeline are of.
+/// What the pictures of a frame are of, or a timeline of all.
 fn about(origin: &Origin, policy: &NamedPolicy, machine: Option<&NamedMachine>, frame: Option<u32>) -> Value {
     let Origin { made, trace, trace_fingerprint, trace_digest } = origin;
     let mut about = json!({
         "model_version": made.as_ref().map(|made| made.model_version), "trace": trace, "trace_fingerprint": trace_fingerprint,
-        "trace_digest": trace_digest, "frame": frame, "policy": policy.name, "machine": machine.map(|machine| &machine.name),
+        "trace_digest": trace_digest,
     });
-    if frame.is_none() {
-        about.as_object_mut().map(|about| about.remove("frame"));
+    if let Some(frame) = frame {
+        about["frame"] = frame.into();
     }
+    about["policy"] = policy.name.as_str().into();
+    about["machine"] = machine.map(|machine| machine.name.as_str()).into();
     about
 }
 

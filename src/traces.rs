@@ -77,15 +77,17 @@ impl CacheArgs {
 fn scene_hint(location: &Location, error: anyhow::Error) -> anyhow::Error {
     let Location::Local(path) = location else { return error };
     let text = path.display().to_string();
-    let ends = path
-        .extension()
-        .is_some_and(|end| ["obj", "gltf", "glb", "toml"].iter().any(|kind| end.eq_ignore_ascii_case(kind)));
-    if !ends && (path.exists() || !builtin_names().contains(&text.as_str())) {
-        return error;
-    }
+    let ends =
+        |kinds: &[&str]| path.extension().is_some_and(|end| kinds.iter().any(|kind| end.eq_ignore_ascii_case(kind)));
+    let what = match path.is_file() {
+        true if ends(&["obj", "gltf", "glb"]) => "is a model and no trace;",
+        true if ends(&["toml"]) => "is no trace; if it is a scene,",
+        false if builtin_names().contains(&text.as_str()) => "is a scene and no trace;",
+        _ => return error,
+    };
     let trace = path.file_stem().unwrap_or_default().to_string_lossy().into_owned() + ".rtrace";
     let record = line(&["rayreel", "capture", &text, "-o", &trace]);
-    error.context(format!("{text} is a scene and no trace; `{record}` records it"))
+    error.context(format!("{text} {what} `{record}` records it"))
 }
 
 /// URLs with what may not be written down of them, by what may: those that this process was given.

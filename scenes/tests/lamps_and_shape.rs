@@ -88,6 +88,18 @@ fn a_lamp_can_be_put_out_and_lit_in_a_scene_file() {
     assert!(colour.x == 0.0 && colour.y > 0.0);
 }
 
+/// So far away a light gave none.
+#[test]
+fn a_light_has_a_direction_from_everywhere() {
+    let load = |far: &str| {
+        let toml = format!("model = \"a.obj\"\n[[lights]]\nkind = \"point\"\nposition = [0, {far}, 0]\n");
+        load_in(&folder(&[("a.obj", TRIANGLE), ("s.toml", &toml)]), "s.toml")
+    };
+    assert!(load("9e17").is_ok());
+    let error = load("3e19").expect_err("no direction");
+    assert!(error.contains("light 0 stands so far away") && error.contains("make it directional"), "{error}");
+}
+
 /// Glass that says no colour was grey all over, and a model of light without a highlight had one.
 #[test]
 fn what_a_material_leaves_out_follows_from_its_model_of_light() {

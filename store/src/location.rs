@@ -21,8 +21,9 @@ pub fn is_remote(location: &str) -> bool {
 }
 
 impl Location {
-    /// What messages call it: a URL without user, password, query and fragment, any of which may be a secret. Where a password has a
-    /// character in it that should be escaped, it is all that stands before the last `@`.
+    /// What messages call it: a URL without user, password, query and fragment, any of which may be a secret. Where a password seems to have
+    /// a character in it that should be escaped, all that stands before the last `@` is left out. (`https://me:12/3@host` cannot be told from
+    /// a host `me` with a port and a path.)
     fn shown(&self) -> String {
         match self {
             Self::Local(path) => path.display().to_string(),
@@ -62,13 +63,26 @@ impl Location {
     }
 }
 
-/// Where the host begins, if what looks like a host and a port in front of a slash, a query or a fragment is the beginning of a user and a
-/// password: the port is no number, and an `@` follows. Else 0.
+/// Where the host begins, if what stands in front of a slash, a query or a fragment seems to be the beginning of a user and a password that
+/// has such a sign in it: an `@` follows, and it is no host with a port, or has an `@` itself and the other one is not in a query. Else 0.
 fn broken_password(rest: &str) -> usize {
     let front = rest.split(['/', '?', '#']).next().unwrap_or_default();
-    let is_host =
-        front.contains(['@', ']']) || front.split_once(':').is_none_or(|(_, port)| port.parse::<u16>().is_ok());
-    if is_host { 0 } else { rest.rfind('@').map_or(0, |at| at + 1) }
+    let (user, host) = front.rsplit_once('@').map_or((false, front), |(_, host)| (true, host));
+    let end = match (is_host(host), user) {
+        (true, false) => return 0,
+        (true, true) => rest.find(['?', '#']).unwrap_or(rest.len()),
+        (false, _) => rest.len(),
+    };
+    rest[front.len()..end].rfind('@').map_or(0, |at| front.len() + at + 1)
+}
+
+/// Whether text may be a host, with a port or without one.
+fn is_host(text: &str) -> bool {
+    let is_port = |port: &str| port.is_empty() || port.parse::<u16>().is_ok();
+    match text.strip_prefix('[').and_then(|name| name.split_once(']')) {
+        Some((_, behind)) => behind.strip_prefix(':').map_or(behind.is_empty(), is_port),
+        None => !text.contains(['[', ']']) && text.split_once(':').is_none_or(|(_, port)| is_port(port)),
+    }
 }
 
 /// The location of a file in a folder: the query of a URL stays behind its path.
@@ -144,10 +158,17 @@ mod tests {
         for (url, shown) in [
             ("https://me:wo/rd@host/x", "https://host/x"),
             ("https://me:wo#rd@host:8/x?y", "https://host:8/x"),
+            ("https://alice@corp.com:pa/ss@host/x", "https://host/x"),
+            ("https://me:p@s/word@host/x", "https://host/x"),
+            ("https://me:a]b/c@host/x", "https://host/x"),
+            ("https://me:word@[::1]:8/x", "https://[::1]:8/x"),
+            ("https://me:word@host/x?sig=a@b", "https://host/x"),
             ("http://host:8/a@b/x", "http://host:8/a@b/x"),
+            ("http://host/a@b/x", "http://host/a@b/x"),
             ("http://[::1]:8/a@b", "http://[::1]:8/a@b"),
         ] {
             assert_eq!(Location::from(url).to_string(), shown);
+            assert_eq!(Location::from(shown).to_string(), shown, "what is shown is shown again");
         }
         assert!(location.has_secret() && !Location::from("https://host:8/a/b.rtrace").has_secret());
         assert_eq!(in_folder("https://h/a/?sig=x", "t"), "https://h/a/t?sig=x");

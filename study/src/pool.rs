@@ -86,14 +86,13 @@ impl Pool {
     /// The first error in the order of the items.
     pub fn each<T: Sync, E: Send>(&self, items: &[T], work: impl Fn(&T) -> Result<(), E> + Sync) -> Result<(), E> {
         let items: Vec<(usize, &T)> = items.iter().enumerate().collect();
-        let failed = AtomicUsize::new(usize::MAX);
+        let failed = Failed(AtomicUsize::new(usize::MAX));
         let mut first: Option<(usize, E)> = None;
         let attempt = |_, (index, item): &(usize, &T)| {
-            // One in front of it that was taken and not begun may fail as well, and is the first then.
-            if failed.load(Ordering::Relaxed) < *index {
+            if failed.is_before(*index) {
                 return Ok(());
             }
-            work(item).inspect_err(|_| _ = failed.fetch_min(*index, Ordering::Relaxed))
+            work(item).inspect_err(|_| failed.add(*index))
         };
         let ended: Result<(), std::convert::Infallible> = self.run(&items, attempt, |event| {
             if let Event::Done { index, result: Err(error) } = event
@@ -105,6 +104,21 @@ impl Pool {
         });
         ended.unwrap_or_else(|never| match never {});
         first.map_or(Ok(()), |(_, error)| Err(error))
+    }
+}
+
+/// The first item that is known to have failed.
+struct Failed(AtomicUsize);
+
+impl Failed {
+    /// Whether an item need not be begun. One in front of the first may have been taken and not begun; it can fail as well, and is the first
+    /// then.
+    fn is_before(&self, index: usize) -> bool {
+        self.0.load(Ordering::Relaxed) < index
+    }
+
+    fn add(&self, index: usize) {
+        self.0.fetch_min(index, Ordering::Relaxed);
     }
 }
 
@@ -151,16 +165,13 @@ mod tests {
         });
         assert_eq!(ended, Err("five"));
         assert_eq!(*begun.lock().unwrap(), [0, 1, 2, 3, 4, 5]);
-        // One that was begun before and fails later is the first all the same.
-        let second = AtomicBool::new(false);
-        let ended = pool(2).each(&[0, 1], |item| {
-            while *item == 0 && !second.load(Ordering::Relaxed) {
-                std::thread::yield_now();
-            }
-            second.store(true, Ordering::Relaxed);
-            Err::<(), i32>(*item)
-        });
-        assert_eq!(ended, Err(0));
+        // One that was taken before and is begun later may be the first.
+        let failed = Failed(AtomicUsize::new(usize::MAX));
+        assert!(!failed.is_before(9));
+        [5, 7].into_iter().for_each(|index| failed.add(index));
+        assert_eq!([4, 5, 6, 8].map(|index| failed.is_before(index)), [false, false, true, true]);
+        failed.add(3);
+        assert!(failed.is_before(4));
         // Whoever takes results may end it as well.
         let ended = pool(2).run(
             &items,

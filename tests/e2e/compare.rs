@@ -64,7 +64,7 @@ fn two_runs_are_compared() {
     assert!(run.join("report.html").exists() && !run.join("x.gif").exists());
     fs::write(&c, replay(&other, "--machine sgrt-ti2 --frames 30").expect(0).out).unwrap();
     let told = rayreel!["compare", &a, &c, "--only", "cycles", "--tolerance", "1%"].expect(1).out;
-    let first = "not of the same frames: trace v1_0_cornell.rtrace -> v1_0_teapot.rtrace, first_frame 0 -> 30\n";
+    let first = "A and B differ in: trace v1_0_cornell.rtrace -> v1_0_teapot.rtrace, first_frame 0 -> 30\n";
     assert!(told.starts_with(first) && told.contains("figures: 1 of 1 changed within 1.00 %"), "{told}");
 }
 

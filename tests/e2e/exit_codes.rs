@@ -41,6 +41,8 @@ fn wrong_usage_is_2() {
     fs::create_dir(folder.join("some.sweep")).unwrap();
     fs::write(folder.join("some.sweep/plan.json"), "{}").unwrap();
     fs::write(folder.join("odd.toml"), "extends = \"multirat\"").unwrap();
+    fs::write(folder.join("far.toml"), "traces = [\"s3://b/*.rtrace\"]\npolicies = [\"full\"]\n").unwrap();
+    fs::write(folder.join("single.toml"), "traces = [\"a.rtrace\"]\n[axis]\nname = \"l1\"\n").unwrap();
     fs::write(folder.join("misspelt.toml"), "trace = [\"a.rtrace\"]").unwrap();
     for (line, word) in [
         ("", "Usage"),
@@ -87,12 +89,17 @@ fn wrong_usage_is_2() {
         ("sweep {}/some.sweep", "is the folder of a sweep and not a plan file: `rayreel sweep run "),
         ("sweep {}", "is a folder; name a plan file (.toml)"),
         ("sweep plan {}/odd.toml", "unknown field `extends`"),
+        ("sweep plan {}/far.toml", "far.toml:1:11: traces \"s3://b/*.rtrace\": patterns are for files on this machine"),
+        ("sweep plan {}/single.toml", "single.toml:2:1: one table stands where a list of tables is needed"),
         ("sweep plan {}/misspelt.toml", "misspelt.toml:1:1: unknown field `trace`; did you mean `traces`?"),
         ("presets show sgrt-ti3", "did you mean sgrt-ti2"),
         ("presets show adaptve", "did you mean adaptive"),
         ("presets show sgrt-ti2 --set ti.trv=99", "from 1 to 16"),
         ("info {}/a.rtrace --threads x", "--threads"),
         ("info {}/a.rtrace --memory 1GiB", "a whole number of MiB of 1 or more"),
+        ("replay {}/a.rtrace --policy sgrt-ti1", "sgrt-ti1 is a machine and no policy; give it to --machine"),
+        ("replay {}/a.rtrace --machine multirate", "multirate is a policy and no machine; give it to --policy"),
+        ("replay {}/a.rtrace --set l1.size=8KiB", "--set l1.size=8KiB: a machine has ti.trv_l1.size, ti.ist_l1.size"),
         ("replay chess", "chess is a scene and no trace; `rayreel capture chess -o chess.rtrace` records it"),
         ("render {}/a.rtrace -o {}/x.png", "it is a trace already: `rayreel replay a.rtrace --machine none"),
         ("report {} --animate result -o {}/x.gif", "--animate is for the folder of a replay"),

@@ -357,3 +357,33 @@ fn names_of_folders_and_meanings_of_columns() {
     }
     rayreel!["sweep", "merge", &sweep].expect(65).says(&["its name is the checksum of other bytes"]);
 }
+
+/// Tables of two sweeps can be put together: a column is of one type, whether anything has a value of it or not. Points that are alike have
+/// one row, and the last line says so.
+#[test]
+fn columns_have_one_type_and_points_one_row() {
+    use rayreel_study::analysis::load::load;
+    use rayreel_study::table::Cells;
+
+    let place = Place::new("32x32");
+    let types = |name: &str, machine: &str| {
+        place.plan(
+            &format!("{name}.toml"),
+            &format!("machines = [\"{machine}\"]\npolicies = [\"adaptive\", \"paper-ss\"]\n"),
+        );
+        let ran = place.run(&format!("run {{{name}.toml}} -o {{{name}}} --quiet")).expect(0);
+        ran.says(&["2 points, 0 skipped, 0 reused, 1 computed, 1 the same as another, 0 failed"]);
+        place.run(&format!("merge {{{name}}} --quiet")).expect(0);
+        let fields = load(&place.path(name)).unwrap().0.fields;
+        let kind = |cells: &Cells| format!("{cells:?}").split('(').next().unwrap().to_owned();
+        fields
+            .iter()
+            .map(|field| (field.name.clone(), kind(&field.cells)))
+            .collect::<std::collections::BTreeMap<_, _>>()
+    };
+    let (all, none) = (types("a", "sgrt-ti2"), types("b", "none"));
+    assert!(none.len() > 40 && none.keys().all(|name| all.contains_key(name)));
+    for (name, kind) in &none {
+        assert_eq!(kind, &all[name], "{name}");
+    }
+}

@@ -166,6 +166,8 @@ fn failed_points_and_single_ones_are_shown() {
     rayreel!["report", &sweep].expect(0);
     browser.open(&sweep.join("results.html"));
     page.is_sound();
+    browser.run("const f = document.getElementById('filter'); f.value = 'time_ms < 1e9 and policy is not none'; f.dispatchEvent(new Event('input'))");
+    page.holds("document.getElementById('filter-found').textContent === '8 of 8 points, 6 of them without time_ms'");
     browser.run("const f = document.getElementById('filter'); f.value = \"error is not none and block = 2\"; f.dispatchEvent(new Event('input'))");
     page.holds("document.getElementById('filter-found').textContent === '2 of 8 points'");
     page.holds("document.querySelector('#summary-of .read').textContent === '2 of 8 points; 2 of them failed'");

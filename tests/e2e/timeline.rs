@@ -18,9 +18,11 @@ const OPTIONS: &str = "--machine sgrt-ti2 --policy multirate";
 
 /// A timeline of two frames, and what the replay said.
 fn timeline(folder: &Path) -> (PathBuf, Value) {
-    let file = folder.join("timeline.json");
+    // The folder of --out is there before the timeline is written into it.
+    let (out, file) = (folder.join("new"), folder.join("new/timeline.json"));
     let trace = repository("traces/v1_0_teapot.rtrace");
-    let said = replay(&trace, &format!("{OPTIONS} --timeline {}", file.display())).expect(0).json();
+    let options = format!("{OPTIONS} --timeline {} --out {}", file.display(), out.display());
+    let said = replay(&trace, &options).expect(0).json();
     (file, said)
 }
 
@@ -146,7 +148,7 @@ fn perfetto_reads_it() {
     };
     wait("window.app");
     browser.run(
-        "return fetch('/timeline.json').then(answer => answer.arrayBuffer()).then(buffer => \
+        "return fetch('/new/timeline.json').then(answer => answer.arrayBuffer()).then(buffer => \
          { app.openTraceFromBuffer({ buffer, title: 'timeline', fileName: 'timeline.json' }); })",
     );
     wait("app.trace && app.trace.engine");

@@ -52,7 +52,7 @@ const ORDERS: [(&str, &str); 14] = [
     ("fuzz/src/lib.rs", "random memory coverage place mutate seeds traces target targets kept runner"),
     (
         "src/main.rs",
-        "tell exit memory progress common scene_args detail traces arguments edit anchors aov capture compare completions diff digest export info merge presets paper recompress render repair replay report scenes sweep trim verify",
+        "tell exit memory progress common named scene_args detail traces arguments edit anchors aov capture compare completions diff digest export info merge presets paper recompress render repair replay report scenes sweep trim verify",
     ),
 ];
 

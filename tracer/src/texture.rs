@@ -4,20 +4,41 @@
 //! Without it distant textures would alias, and policies that look for similar neighbours would see noise that no
 //! renderer ships.
 
+use std::ops::Range;
+
 use rayreel_formats::math::{Vec3, vec3};
 use rayreel_scenes as scenes;
 use rayreel_scenes::Wrap;
 
 /// A texture with its mip chain, in linear light.
 ///
-/// Where it is cut out, its colours are means weighed by alpha: what is painted into a hole (often black) is seen nowhere.
+/// Where it is cut out, its colours are means of what is seen: what is painted into a hole (often black) has no part in them.
 #[derive(Debug)]
 pub struct MipTexture {
+    /// Where it is cut out, the fourth channel is the part of the texel that is seen.
     levels: Vec<MipLevel>,
-    /// Whether colours are weighed by alpha.
+    /// Whether it is.
     cut_out: bool,
     /// What lies beyond the edges, along `u` and `v`.
     wrap: [Wrap; 2],
+}
+
+/// The alpha of a texture that cuts out.
+#[derive(Debug)]
+pub struct CutOut {
+    level: MipLevel,
+    wrap: [Wrap; 2],
+}
+
+/// What a texel counts by, beside its nearness.
+#[derive(Clone, Copy)]
+enum Weights {
+    /// All alike.
+    Equal,
+    /// Those of which anything is seen, alike: near at hand that is what it is in the way it is painted.
+    Seen,
+    /// By how much of them is seen.
+    Share,
 }
 
 #[derive(Debug)]
@@ -28,23 +49,27 @@ struct MipLevel {
     texels: Vec<[u16; 4]>,
 }
 
+impl CutOut {
+    /// The texture as it is.
+    pub fn new(source: &scenes::Texture) -> Self {
+        Self { level: MipLevel::new(source), wrap: source.wrap }
+    }
+
+    /// True where it lets rays pass: alpha below one half.
+    pub fn is_transparent(&self, uv: [f32; 2]) -> bool {
+        let [_, _, _, alpha] = self.level.gather(self.wrap, Weights::Equal, uv);
+        alpha < 0.5
+    }
+}
+
 impl MipTexture {
-    /// Decodes sRGB and averages down to one texel. `holes` is the texture whose alpha cuts it out, if one does wherever it is used.
+    /// Decodes sRGB and averages down to one texel. `holes` is the texture whose alpha cuts it out, if one does.
     pub fn new(source: &scenes::Texture, holes: Option<&scenes::Texture>) -> Self {
-        let table: Vec<u16> =
-            (0..=255u8).map(|c| (srgb_to_linear(f64::from(c) / 255.0) * 65535.0 + 0.5) as u16).collect();
-        let decode =
-            |t: &[u8; 4]| [table[t[0] as usize], table[t[1] as usize], table[t[2] as usize], u16::from(t[3]) * 257];
-        let (width, height) = (source.width, source.height);
-        let mut base = MipLevel { width, height, texels: source.texels.iter().map(decode).collect() };
+        let mut base = MipLevel::new(source);
         if let Some(holes) = holes {
-            // The texel of theirs that lies below the middle of each.
-            let below = |at: u32, size: u32, theirs: u32| {
-                ((2 * u64::from(at) + 1) * u64::from(theirs) / (2 * u64::from(size))) as usize
-            };
             for (texel, at) in base.texels.iter_mut().zip(0..) {
-                let (x, y) = (below(at % width, width, holes.width), below(at / width, height, holes.height));
-                texel[3] = u16::from(holes.texels[y * holes.width as usize + x][3]) * 257;
+                let (x, y) = (at % base.width, at / base.width);
+                texel[3] = seen(holes, below(x, base.width, holes.width), below(y, base.height, holes.height));
             }
         }
         let cut_out = holes.is_some();
@@ -63,7 +88,15 @@ impl MipTexture {
     /// The colour at `uv`. `lod` is the level of detail: 0 is the finest level, each unit halves the resolution.
     pub fn colour(&self, uv: [f32; 2], lod: f32) -> Vec3 {
         let last = self.levels.len() - 1;
-        let at = |level: usize| self.levels[level].bilinear(self.wrap, self.cut_out, uv);
+        let at = |level: usize| {
+            let weights = match (self.cut_out, level) {
+                (false, _) => Weights::Equal,
+                (true, 0) => Weights::Seen,
+                (true, _) => Weights::Share,
+            };
+            let [r, g, b, _] = self.levels[level].gather(self.wrap, weights, uv);
+            vec3(r, g, b)
+        };
         if lod <= 0.0 {
             return at(0);
         }
@@ -74,15 +107,18 @@ impl MipTexture {
         let blend = lod - lower as f32;
         at(lower) * (1.0 - blend) + at(lower + 1) * blend
     }
-
-    /// True where the cut-out lets rays pass: alpha of the finest level below one half.
-    pub fn is_transparent(&self, uv: [f32; 2]) -> bool {
-        let [_, _, _, alpha] = self.levels[0].gather(self.wrap, false, uv);
-        alpha < 0.5
-    }
 }
 
 impl MipLevel {
+    /// The finest level.
+    fn new(source: &scenes::Texture) -> Self {
+        let table: Vec<u16> =
+            (0..=255u8).map(|c| (srgb_to_linear(f64::from(c) / 255.0) * 65535.0 + 0.5) as u16).collect();
+        let decode =
+            |t: &[u8; 4]| [table[t[0] as usize], table[t[1] as usize], table[t[2] as usize], u16::from(t[3]) * 257];
+        Self { width: source.width, height: source.height, texels: source.texels.iter().map(decode).collect() }
+    }
+
     /// The next coarser level, half as many texels along each edge, rounded down; `None` at one texel. Each texel is the mean of what
     /// lies below it.
     fn halved(&self, cut_out: bool) -> Option<Self> {
@@ -102,13 +138,8 @@ impl MipLevel {
         Some(Self { width, height, texels })
     }
 
-    fn bilinear(&self, wrap: [Wrap; 2], cut_out: bool, uv: [f32; 2]) -> Vec3 {
-        let [r, g, b, _] = self.gather(wrap, cut_out, uv);
-        vec3(r, g, b)
-    }
-
-    /// Bilinear lookup of all four channels, with colours weighed by alpha or not. `v` points up, rows run down.
-    fn gather(&self, wrap: [Wrap; 2], cut_out: bool, [u, v]: [f32; 2]) -> [f32; 4] {
+    /// Bilinear lookup of all four channels. `v` points up, rows run down.
+    fn gather(&self, wrap: [Wrap; 2], weights: Weights, [u, v]: [f32; 2]) -> [f32; 4] {
         let (x0, x1, fx) = around(wrap[0], u, self.width);
         let (y0, y1, fy) = around(wrap[1], 1.0 - v, self.height);
         let texel = |x: u32, y: u32| self.texels[(y * self.width + x) as usize];
@@ -119,12 +150,18 @@ impl MipLevel {
             (top * (1.0 - fy) + bottom * fy) / 65535.0
         };
         let plain = |i: usize| mix(texels.map(|texel| f32::from(texel[i])));
-        let alpha = if cut_out { plain(3) } else { 0.0 };
-        if alpha <= 0.0 {
+        let shares = match weights {
+            Weights::Equal => return std::array::from_fn(plain),
+            Weights::Seen => texels.map(|texel| f32::from(u8::from(texel[3] > 0))),
+            Weights::Share => texels.map(|texel| f32::from(texel[3]) / 65535.0),
+        };
+        // Scaled as colours are.
+        let all = mix(shares) * 65535.0;
+        if all <= 0.0 {
             return std::array::from_fn(plain);
         }
-        let weighed = |i: usize| mix(texels.map(|texel| f32::from(texel[i]) * (f32::from(texel[3]) / 65535.0))) / alpha;
-        [weighed(0), weighed(1), weighed(2), alpha]
+        let weighed = |i: usize| mix(std::array::from_fn(|t| f32::from(texels[t][i]) * shares[t])) / all;
+        [weighed(0), weighed(1), weighed(2), plain(3)]
     }
 }
 
@@ -140,7 +177,22 @@ fn shares(at: u32, size: u32) -> impl Iterator<Item = (u32, u64)> + Clone {
     (2 * at..).zip(of).filter(|(_, share)| *share > 0)
 }
 
-/// The mean of texels by their shares, rounded up; of colours that are cut out also by their alpha, if any of it is left.
+/// The texels of an edge of `theirs` that lie below texel `at` of one of `size`, at least one.
+fn below(at: u32, size: u32, theirs: u32) -> Range<u32> {
+    let edge = |at: u32| u64::from(at) * u64::from(theirs);
+    let (first, end) = (edge(at) / u64::from(size), edge(at + 1).div_ceil(u64::from(size)));
+    first as u32..(end as u32).min(theirs)
+}
+
+/// The part of some texels that a cut-out shows, of 65535.
+fn seen(holes: &scenes::Texture, columns: Range<u32>, rows: Range<u32>) -> u16 {
+    let all = columns.len() as u64 * rows.len() as u64;
+    let texels = rows.flat_map(|y| columns.clone().map(move |x| (y * holes.width + x) as usize));
+    let shown = texels.filter(|&at| holes.texels[at][3] >= 128).count() as u64;
+    (shown * 65535 / all) as u16
+}
+
+/// The mean of texels by their shares, rounded up; of colours that are cut out also by the part that is seen, if any is.
 fn mean(texels: impl Iterator<Item = ([u16; 4], u64)> + Clone, cut_out: bool) -> [u16; 4] {
     let weighed = |weight: &dyn Fn([u16; 4], u64) -> u64, channel: usize| {
         let (sum, all) = texels.clone().fold((0, 0), |(sum, all), (texel, share)| {
@@ -235,17 +287,40 @@ mod tests {
     fn what_lies_in_a_hole_has_no_colour() {
         let leaf = |x: u32, y: u32| (x % 8).pow(2) + (y % 8).pow(2) < 30;
         let both = texture((64, 64), |x, y| if leaf(x, y) { [0, 255, 0, 255] } else { [0, 0, 0, 0] });
-        let alone = texture((64, 64), |x, y| if leaf(x, y) { [0, 255, 0, 255] } else { [9, 9, 9, 255] });
-        let holes = texture((32, 32), |x, y| [0, 0, 0, 255 * u8::from(leaf(2 * x, 2 * y))]);
         let green = |texture: &MipTexture, lod| texture.colour([0.031, 0.977], lod);
         for lod in [0.0, 0.7, 2.0, 3.5, 9.0] {
             assert!((green(&MipTexture::new(&both, Some(&both)), lod) - vec3(0.0, 1.0, 0.0)).max_abs() < 1e-3, "{lod}");
-            let other = green(&MipTexture::new(&alone, Some(&holes)), lod);
-            assert!(other.y > 0.85 && other.x < 0.05, "{lod}: {other:?}");
         }
         assert!(green(&MipTexture::new(&both, None), 9.0).y < 0.9);
-        let edge = MipTexture::new(&both, Some(&both));
+        let edge = CutOut::new(&both);
         assert!(edge.is_transparent([0.99, 0.01]) && !edge.is_transparent([0.02, 0.98]));
+        // What is seen is seen whole, however much of it there is: alpha is looked at and not shown.
+        let soft =
+            texture((8, 8), |x, _| if x < 4 { [255, 0, 0, 150] } else { [0, 0, 255, 255 - 150 * (x as u8 % 2)] });
+        let mean = MipTexture::new(&soft, Some(&soft)).colour([0.5, 0.5], 9.0);
+        assert!((mean - vec3(2.0 / 3.0, 0.0, 1.0 / 3.0)).max_abs() < 1e-3, "{mean:?}");
+    }
+
+    /// Blue around red, of which a finer mask shows a quarter to all: what is seen of red counts by how much that is, near and far.
+    #[test]
+    fn a_finer_mask_shows_a_part_of_a_texel() {
+        let is_red = |x: u32, y: u32| (1..3).contains(&x) && (1..3).contains(&y);
+        let colours = texture((4, 4), |x, y| if is_red(x, y) { [255, 0, 0, 255] } else { [0, 0, 255, 255] });
+        for rows in 1..=4 {
+            let mask = texture((16, 16), |x, y| [0, 0, 0, 255 * u8::from(!is_red(x / 4, y / 4) || y % 4 < rows)]);
+            let mips = MipTexture::new(&colours, Some(&mask));
+            let red = rows as f32;
+            let far = mips.colour([0.5, 0.5], 9.0);
+            assert!((far - vec3(red, 0.0, 12.0) * (1.0 / (red + 12.0))).max_abs() < 1e-3, "{rows}: {far:?}");
+            let near = mips.colour([0.5, 0.5], 0.0);
+            assert!((near - vec3(1.0, 0.0, 0.0)).max_abs() < 1e-3, "{rows}: {near:?}");
+            let between = mips.colour([0.25, 0.5], 0.0);
+            assert!((between - vec3(0.5, 0.0, 0.5)).max_abs() < 1e-3, "{rows}: {between:?}");
+        }
+        // A coarser mask hides what lies below its texels.
+        let mask = texture((2, 2), |x, _| [0, 0, 0, 255 * (1 - x as u8)]);
+        let far = MipTexture::new(&colours, Some(&mask)).colour([0.5, 0.5], 9.0);
+        assert!((far - vec3(0.25, 0.0, 0.75)).max_abs() < 1e-3, "{far:?}");
     }
 
     #[test]

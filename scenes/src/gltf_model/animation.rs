@@ -35,13 +35,14 @@ struct Track {
 /// All animations of a file, played together from their start.
 #[derive(Default)]
 pub(crate) struct Animations {
+    fps: f64,
     tracks: BTreeMap<(usize, Part), Track>,
 }
 
 impl Animations {
     /// Reads all animations. Where two move the same part of a node, the first counts.
-    pub fn read(source: &Source, warnings: &mut Warnings) -> Result<Self, SceneError> {
-        let mut all = Self::default();
+    pub fn read(source: &Source, fps: f64, warnings: &mut Warnings) -> Result<Self, SceneError> {
+        let mut all = Self { fps, tracks: BTreeMap::new() };
         for (a, animation) in source.root().animations.iter().enumerate() {
             for (c, channel) in animation.channels.iter().enumerate() {
                 let place = format!("animation {a}, channel {c}");
@@ -100,7 +101,8 @@ impl Animations {
 
     /// A node's pose at a time; what is not animated stays.
     pub fn pose(&self, node: usize, still: Pose, time: f64) -> Pose {
-        let at = |part: Part| self.tracks.get(&(node, part)).map(|track| track.at(time, part == Part::Rotation));
+        let at =
+            |part: Part| self.tracks.get(&(node, part)).map(|track| track.at((time, self.fps), part == Part::Rotation));
         let triple = |value: [f64; 4]| DVec3::new(value[0], value[1], value[2]);
         Pose {
             translation: at(Part::Translation).map_or(still.translation, triple),
@@ -132,14 +134,20 @@ fn values(source: &Source, place: &str, accessor: usize, part: Part) -> Result<V
     Err(source.bad(place, "a value is not finite", "export the model again"))
 }
 
-/// Times are numbers of single precision, made by adding or multiplying: one that is that of a frame up to this part of it is that.
-pub(crate) const ROUNDING: f64 = 1.0 / (1 << 21) as f64;
+/// Times are numbers of single precision, some of them written with three digits: one that is that of a frame up to so much of a frame, and so
+/// much of itself, is that.
+const ROUNDING: (f64, f64) = (0.05, 1.0 / (1 << 21) as f64);
+
+/// The last frame that has begun at a time, or just does up to rounding; both in frames.
+pub(crate) fn rounded_up(time: f64) -> f64 {
+    time + (ROUNDING.0 + time * ROUNDING.1).min(0.5)
+}
 
 impl Track {
     /// The value at a time; before the first key and behind the last it stands still.
-    fn at(&self, time: f64, rotation: bool) -> [f64; 4] {
+    fn at(&self, (time, fps): (f64, f64), rotation: bool) -> [f64; 4] {
         let last = self.times.len() - 1;
-        let reached = if self.how == Interpolation::Step { time * (1.0 + ROUNDING) } else { time };
+        let reached = if self.how == Interpolation::Step { rounded_up(time * fps) / fps } else { time };
         let after = self.times.partition_point(|key| *key <= reached);
         if after == 0 || after > last {
             return self.key(if after == 0 { 0 } else { last });

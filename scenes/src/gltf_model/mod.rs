@@ -77,7 +77,7 @@ pub(crate) fn load_gltf(path: &Path, options: &LoadOptions) -> Result<GltfModel,
     let mut warnings = Warnings::default();
     let source = Source::open(path)?;
     tell_ignored(&source, &mut warnings);
-    let animations = Animations::read(&source, &mut warnings)?;
+    let animations = Animations::read(&source, options.fps(), &mut warnings)?;
     let tree = Tree::new(&source, &animations, &mut warnings)?;
     let lens = cameras::first(&source, &tree, &mut warnings);
     let solid = |node: usize| source.root().nodes[node].mesh.is_some();
@@ -121,8 +121,7 @@ pub(crate) fn load_gltf(path: &Path, options: &LoadOptions) -> Result<GltfModel,
 /// Frames of the animation: one at its start, and each whole one until its end.
 fn frames(path: &Path, animations: &Animations, options: &LoadOptions) -> Result<u64, SceneError> {
     // An end that is a frame up to the rounding of its seconds is that frame.
-    let end = animations.end() * options.fps();
-    let last = (end + (1e-4 + end * animation::ROUNDING).min(0.5)).floor();
+    let last = animation::rounded_up(animations.end() * options.fps()).floor();
     if last < MAX_FRAMES as f64 {
         return Ok(last as u64 + 1);
     }

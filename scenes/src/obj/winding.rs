@@ -15,8 +15,8 @@ struct Sides {
     backs: u32,
 }
 
-/// Turns the triangles that turn their backs to their normals, in objects of which more than half do. Single ones are left as they are:
-/// a normal of a thin triangle may point anywhere.
+/// Turns the triangles that turn their backs to their normals, and those without, in objects of which more than half of those with normals
+/// do. Single ones are left as they are: a normal of a thin triangle may point anywhere.
 pub(super) fn turn(mesh: &mut RawMesh, (path, objects): (&Path, &[String]), warnings: &mut Warnings) {
     let backs: Vec<Option<bool>> = mesh.triangles.iter().map(|t| is_back(mesh, t.vertices)).collect();
     let mut sides = vec![Sides::default(); objects.len()];
@@ -27,14 +27,14 @@ pub(super) fn turn(mesh: &mut RawMesh, (path, objects): (&Path, &[String]), warn
     }
     let is_turned = |object: u32| sides[object as usize].backs * 2 > sides[object as usize].known;
     for (triangle, back) in mesh.triangles.iter_mut().zip(backs) {
-        if back == Some(true) && is_turned(triangle.object) {
+        if back != Some(false) && is_turned(triangle.object) {
             triangle.vertices.swap(1, 2);
         }
     }
     for (name, sides) in objects.iter().zip(&sides).filter(|(_, sides)| sides.backs * 2 > sides.known) {
         warnings.add("winding", || {
             format!(
-                "{}: object `{name}`: the corners of {} of its {} triangles run clockwise for who looks against their normals, and were \
+                "{}: object `{name}`: the corners of {} of its {} triangles with normals run clockwise for who looks against their normals, and were \
                  turned round",
                 path.display(),
                 sides.backs,

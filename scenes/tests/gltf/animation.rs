@@ -102,7 +102,10 @@ fn steps_hold_and_splines_are_cubic() {
 fn a_step_counts_from_its_frame_on() {
     for (fps, far) in [(24.0, 0.0), (25.0, 50.0), (29.97, 0.0), (30.0, 0.0), (60.0, 600.0)] {
         let mut film = Film::new();
-        let times: Vec<f32> = (0..48).map(|n| (far + f64::from(n) / fps) as f32).collect();
+        // As exact as they can be, or in milliseconds as texts have them.
+        let digits = if far == 0.0 { 1e3 } else { 1e9 };
+        let times: Vec<f32> =
+            (0..48).map(|n| ((far + f64::from(n) / fps) * digits).round() / digits).map(|t| t as f32).collect();
         let places: Vec<[f32; 3]> = (0..48).map(|n| [n as f32, 0.0, 0.0]).collect();
         film.channel(ARM, "translation", "STEP", &times, &places);
         let scene = film.finish().try_load(&LoadOptions { fps: Some(fps), ..LoadOptions::default() }).1.expect("loads");

@@ -21,10 +21,10 @@ pub(super) fn range_of(name: &str) -> Option<Range<u64>> {
     (len > 0).then_some(start..start.checked_add(len)?)
 }
 
-/// The names of what lies in a folder; none if it cannot be read. What is no UTF-8 is told so that it is like no name of the cache's.
+/// The names of what lies in a folder; none if it cannot be read. What is no UTF-8 has one that is like none of the cache's.
 pub(super) fn names(folder: &Path) -> impl Iterator<Item = String> {
     let entries = fs::read_dir(folder).into_iter().flatten().flatten();
-    entries.map(|entry| entry.file_name().to_string_lossy().into_owned())
+    entries.map(|entry| entry.file_name().into_string().unwrap_or_else(|_| char::REPLACEMENT_CHARACTER.into()))
 }
 
 #[cfg(test)]

@@ -1,8 +1,9 @@
 //! Main effects: how much an axis moves a result when everything else is averaged.
 //!
 //! Values of an axis are compared like with like: over points whose partners, which differ in that axis alone, are all there. Where a plan
-//! leaves out large caches with many units, large caches would have few units for company, and look better than they are. A value that has
-//! no partners at all, as a machine with an axis of its own, is left out; axes that go forward together are one.
+//! leaves out large caches with many units, large caches would have few units for company, and look better than they are. The largest set of
+//! values that stand together is compared; others, as a machine with an axis of its own, are left out. Axes that go forward together have one
+//! effect, whichever it is.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -21,7 +22,7 @@ pub struct Effect {
     pub points: usize,
     /// Whether these are fewer than all.
     pub in_part: bool,
-    /// Values of the dimension that are known and have no partners among these points.
+    /// Values of the dimension that are known and not compared.
     pub left_out: usize,
     /// Dimensions that go forward together with this one, so that nobody can tell their effects apart.
     pub together: Vec<String>,
@@ -44,10 +45,11 @@ impl Effect {
         }
         let values = |group: &[(usize, f64)]| group.iter().map(|(value, _)| *value).collect::<BTreeSet<_>>();
         let all = groups.values().flat_map(|group| values(group)).collect::<BTreeSet<_>>().len();
-        let compared = partners(&groups.values().map(|group| values(group)).collect::<Vec<_>>());
+        let sets: Vec<BTreeSet<usize>> = groups.values().map(|group| values(group)).collect();
+        let compared = partners(&sets);
         let mut sums = vec![(0.0, 0_u32); dimension.values.len()];
-        let whole = groups.values().filter(|group| values(group).is_superset(&compared)).flatten();
-        for (value, number) in whole.filter(|(value, _)| compared.contains(value)) {
+        let whole = groups.values().zip(&sets).filter(|(_, set)| Some(*set) == compared);
+        for (value, number) in whole.flat_map(|(group, _)| group) {
             sums[*value].0 += number;
             sums[*value].1 += 1;
         }
@@ -61,8 +63,8 @@ impl Effect {
         let (overall, points) = (sum / f64::from(count), count as usize);
         let several = known().count() > 1;
         let in_part = points < groups.values().map(Vec::len).sum();
-        let (left_out, together) =
-            (all - compared.len(), together.into_iter().map(|other| other.name.clone()).collect());
+        let left_out = all - compared.map_or(0, BTreeSet::len);
+        let together = together.into_iter().map(|other| other.name.clone()).collect();
         several.then_some(Self { overall, ends: [least, most], means, points, in_part, left_out, together })
     }
 
@@ -88,13 +90,13 @@ impl Effect {
     }
 }
 
-/// The values that are compared: of the sets that groups of partners have, the largest; of equal ones that which most groups have; of those
-/// the first.
-fn partners(sets: &[BTreeSet<usize>]) -> BTreeSet<usize> {
-    let mut distinct: Vec<&BTreeSet<usize>> = sets.iter().collect::<BTreeSet<_>>().into_iter().collect();
-    let groups = |set: &BTreeSet<usize>| sets.iter().filter(|other| other.is_superset(set)).count();
-    distinct.sort_by_cached_key(|set| std::cmp::Reverse((set.len(), groups(set))));
-    distinct.first().map(|set| (*set).clone()).unwrap_or_default()
+/// The values that are compared: of the sets that groups of partners have, the largest; of those of one size that which most groups have; of
+/// those the first.
+fn partners(sets: &[BTreeSet<usize>]) -> Option<&BTreeSet<usize>> {
+    let mut groups: BTreeMap<&BTreeSet<usize>, usize> = BTreeMap::new();
+    sets.iter().for_each(|set| *groups.entry(set).or_default() += 1);
+    // The last of equal ones would be taken.
+    groups.into_iter().rev().max_by_key(|(set, groups)| (set.len(), *groups)).map(|(set, _)| set)
 }
 
 #[cfg(test)]

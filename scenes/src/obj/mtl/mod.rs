@@ -8,7 +8,8 @@
 //!   [`Optics::FresnelMirror`], 4, 6, 7 and 9 [`Optics::Dielectric`]; 10 (shadow matte) is opaque
 //!   with a warning.
 //! - `illum` 0 and 1 have no highlight: their `Ks` is not read.
-//! - Colours are linear. Without `Kd` a surface is 0.8 grey, or white under a `map_Kd`; glass has no colour of its own then.
+//! - Colours are linear. Without `Kd` a surface is 0.8 grey, or white under a `map_Kd`; glass without either has
+//!   no colour of its own.
 //! - `Tf` is the tint of a refracted ray per surface crossed, 1 = clear; none = clear. In the wild
 //!   `Tf .1 .1 .1` without any `d` or `Tr` also means "filters a tenth" (the McGuire Cornell
 //!   boxes): a dielectric whose `Tf` is below one half in all channels and that states no `d`/`Tr`

@@ -15,11 +15,11 @@ pub fn section(view: &SweepView<'_>) -> Option<Section> {
         return None;
     }
     let cards: String = moved.iter().map(|field| card(view, field)).collect();
-    let read = "For each value of an axis the result is averaged over points that differ in that axis alone: those that have a partner at \
-                every other value. Where some points lack partners, as after an exclude, a bar says how many points it is of. A value \
-                without any, as a machine that has an axis of its own, is left out, and so is an axis of which no two values have \
-                partners. Axes that go forward together are one. A bar reaches from the least to the most of these means, as far as they lie \
-                from the mean of them all: its length is the main effect. Effects that axes have only together do not show here; the \
+    let read = "For each value of an axis the result is averaged over points that differ in that axis alone. As many values are compared \
+                as stand together in such points; a bar says how many others are left out, as a machine that has an axis of its own, and \
+                how many points it is of where some lack partners. Axes that go forward together have one effect, and name each other. \
+                An axis of which no two values stand together has none. A bar reaches from the least to the most of these means, as far \
+                as they lie from the mean of them all: its length is the main effect. Effects that axes have only together do not show here; the \
                 heat map shows them.";
     let controls = "<div class=\"controls only-js\"><label class=\"wide\">Another result <select id=\"effects-result\"></select></label>\
                     <output id=\"effects-of\"></output></div>\n";
@@ -54,10 +54,15 @@ fn card(view: &SweepView<'_>, field: &Field) -> String {
         )
     };
     let bars: String = effects.iter().map(bar).collect();
+    let bars = if bars.is_empty() {
+        "<p>No two of these points differ in one axis alone.</p>".into()
+    } else {
+        format!("<ul class=\"bars\">\n{bars}</ul>")
+    };
     let mean = mean(view, field);
     format!(
         "<figure class=\"card\" data-result=\"{name}\"><figcaption><strong>{name}</strong> <small>{}</small><p>{}</p></figcaption>\
-         <ul class=\"bars\">\n{bars}</ul></figure>\n",
+         {bars}</figure>\n",
         escape(&mean),
         escape(&field.description),
         name = escape(&field.name),

@@ -98,6 +98,12 @@ impl PlanFile {
     /// # Errors
     /// Not TOML, an unknown or missing key, a value of the wrong kind: with line and column.
     pub fn parse(text: Text<'_>) -> Result<Self> {
-        toml::from_str(text.text).map_err(|e| text.error(&e.span().unwrap_or(0..0), with_near_key(e.message())))
+        let words = |message: &str| match message {
+            "invalid type: map, expected a sequence" => {
+                "one table stands where a list of tables is needed; write its name in two brackets: `[[axis]]`".into()
+            }
+            message => with_near_key(message),
+        };
+        toml::from_str(text.text).map_err(|e| text.error(&e.span().unwrap_or(0..0), words(e.message())))
     }
 }

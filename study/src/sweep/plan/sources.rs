@@ -119,9 +119,10 @@ fn reference(trace: &Trace, location: &str) -> rayreel_formats::Result<TraceRef>
 fn locations(entry: &At<String>, sources: &Sources<'_>) -> Result<Vec<String>> {
     let (name, wrong) = (entry.get_ref(), |detail: String| sources.text.error(&entry.span(), detail));
     let far = sources.traces.filter(|base| is_address(base));
-    // Behind an address a question mark begins its query.
-    let is_pattern = if is_address(name) { name.contains('*') } else { name.contains(['*', '?', '[']) };
-    if is_pattern && (is_address(name) || far.is_some()) {
+    let is_pattern = name.contains(['*', '?', '[']);
+    // Names of objects may have brackets in them, and a question mark begins a query.
+    let object = name.split(['?', '#']).next().unwrap_or_default();
+    if object.contains('*') && (is_address(name) || far.is_some()) {
         return Err(wrong(format!(
             "traces {name:?}: patterns are for files on this machine; name each object by itself"
         )));

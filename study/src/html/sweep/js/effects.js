@@ -5,18 +5,23 @@
   const text = sweep.text;
   if (!$("effects")) return;
 
+  const follows = (one, other) => {
+    const known = new Map();
+    return sweep.all.every((row) => {
+      if (!known.has(other.values[row])) known.set(other.values[row], one.values[row]);
+      return known.get(other.values[row]) === one.values[row];
+    });
+  };
+  /** Of each dimension those that go forward together with it, by name, and all others. */
+  const company = new Map(sweep.dimensions.map((own) => {
+    const rest = sweep.dimensions.filter((other) => other !== own);
+    const isTogether = (other) => follows(other, own) && follows(own, other);
+    return [own, { together: rest.filter(isTogether).map((other) => other.name), others: rest.filter((other) => !isTogether(other)) }];
+  }));
+
   const effect = (dimension, result) => {
     const sums = new Map(dimension.of.filter((value) => value !== null).map((value) => [value, [0, 0]]));
-    const follows = (one, other) => {
-      const known = new Map();
-      return sweep.all.every((row) => {
-        if (!known.has(other.values[row])) known.set(other.values[row], one.values[row]);
-        return known.get(other.values[row]) === one.values[row];
-      });
-    };
-    const isTogether = (other) => follows(other, dimension) && follows(dimension, other);
-    const others = sweep.dimensions.filter((other) => other !== dimension && !isTogether(other));
-    const together = sweep.dimensions.filter((other) => other !== dimension && isTogether(other)).map((other) => other.name);
+    const { others, together } = company.get(dimension);
     const groups = new Map();
     let sum = 0, count = 0;
     for (const row of sweep.filter.rows) {
@@ -27,23 +32,25 @@
       if (!groups.has(key)) groups.set(key, []);
       groups.get(key).push([dimension.values[row], value]);
     }
-    // Like with like, as `Effect::new`: points whose partners are all there.
-    // A set is the places of its values, so that sets sort as there.
+    // Like with like, as `Effect::new`: of the sets of values that groups have the largest, then that of most groups, then the first.
     const place = new Map([...sums.keys()].map((value, at) => [value, at]));
-    const set = (group) => [...new Set(group.map(([value]) => place.get(value)))].sort((a, b) => a - b);
-    const sets = [...groups.values()].map(set);
-    const holds = (larger, smaller) => smaller.every((value) => larger.includes(value));
-    const owners = (own) => sets.filter((other) => holds(other, own)).length;
-    const before = (a, b) => b.length - a.length || owners(b) - owners(a) || a.map((value, i) => value - b[i]).find((difference) => difference !== 0) || 0;
-    const compared = [...new Map(sets.map((own) => [String(own), own])).values()].sort(before)[0] ?? [];
-    for (const [value, number] of [...groups.values()].filter((group) => holds(set(group), compared)).flat()) {
-      if (!compared.includes(place.get(value))) continue;
+    const sets = new Map();
+    for (const group of groups.values()) {
+      const values = [...new Set(group.map(([value]) => place.get(value)))].sort((a, b) => a - b);
+      const key = String(values);
+      if (!sets.has(key)) sets.set(key, { values, groups: [] });
+      sets.get(key).groups.push(group);
+    }
+    const first = (a, b) => a.values.map((value, at) => value - b.values[at]).find((difference) => difference !== 0) ?? 0;
+    const before = (a, b) => b.values.length - a.values.length || b.groups.length - a.groups.length || first(a, b);
+    const compared = [...sets.values()].sort(before)[0] ?? { values: [], groups: [] };
+    for (const [value, number] of compared.groups.flat()) {
       const own = sums.get(value);
       own[0] += number; own[1] += 1; sum += number; count += 1;
     }
-    const all = [...groups.values()].reduce((most, group) => most + group.length, 0);
-    const leftOut = new Set(sets.flat()).size - compared.length;
-    const company = (together.length > 0 ? `, with ${together.join(", ")}` : "") + (count < all ? `, of ${count} points` : "")
+    const points = [...groups.values()].reduce((all, group) => all + group.length, 0);
+    const leftOut = new Set([...sets.values()].flatMap((own) => own.values)).size - compared.values.length;
+    const words = (together.length > 0 ? `, with ${together.join(", ")}` : "") + (count < points ? `, of ${count} points` : "")
       + (leftOut === 0 ? "" : `, without ${leftOut} ${leftOut === 1 ? "value" : "values"}`);
     const means = [...sums].filter(([, own]) => own[1] > 0).map(([value, own]) => ({ value, mean: own[0] / own[1] }));
     if (means.length < 2) return null;
@@ -53,7 +60,7 @@
     // As `Effect::relative`: a share of the mean over all, or where that is 0 of the means' mean magnitude.
     const whole = overall === 0 ? means.reduce((all, own) => all + Math.abs(own.mean), 0) / means.length : Math.abs(overall);
     const share = (mean) => (whole === 0 ? 0 : (mean - overall) / whole);
-    return { dimension, means, overall, company, least, most, share, low: share(least.mean), high: share(most.mean), size: share(most.mean) - share(least.mean) };
+    return { dimension, means, overall, words, least, most, share, low: share(least.mean), high: share(most.mean), size: share(most.mean) - share(least.mean) };
   };
   const all = (result) => sweep.dimensions.map((own) => effect(own, result)).filter(Boolean).sort((a, b) => b.size - a.size);
 
@@ -67,7 +74,7 @@
     const bar = (own) => {
       const name = own.dimension.name;
       const shown = (value) => text.value(own.dimension, value);
-      const ends = (own.size === 0 ? "no change" : `${shown(own.least.value)} to ${shown(own.most.value)}`) + own.company;
+      const ends = (own.size === 0 ? "no change" : `${shown(own.least.value)} to ${shown(own.most.value)}`) + own.words;
       const lines = own.means.slice(0, 24).map(({ value, mean }) => `${shown(value)}: ${text.number(mean)} ${result.unit} (${text.signed(own.share(mean))})`);
       const tip = [`${result.name} by ${name}`, ...lines, ...(own.means.length > 24 ? ["…"] : [])].join("\n");
       return html("li", { "data-axis": name, "data-share": own.size.toFixed(6) }, html("span", { class: "bar-name" }, name, html("small", {}, ends)),
@@ -79,7 +86,7 @@
     const finite = shown.filter(Number.isFinite);
     const mean = finite.length > 0 ? `mean ${text.number(finite.reduce((a, b) => a + b, 0) / finite.length)} ${result.unit}`.trim() + without(shown.length - finite.length) : "";
     const figure = html("figure", { class: "card", "data-result": result.name, "data-chart": `effects-${result.name}` }, html("figcaption", {}, html("strong", {}, result.name), " ", html("small", {}, mean), html("p", {}, result.text)),
-      list.length > 0 ? html("ul", { class: "bars" }, ...list.map(bar)) : html("p", {}, "These points differ in no axis."));
+      list.length > 0 ? html("ul", { class: "bars" }, ...list.map(bar)) : html("p", {}, "No two of these points differ in one axis alone."));
     if (list.length > 0) window.rayreel.offer(figure, () => [["axis", "value", result.name], ...list.flatMap((own) => own.means.map(({ value, mean }) => [own.dimension.name, text.cell(own.dimension, value), mean]))]);
     return figure;
   };

@@ -15,7 +15,6 @@ sweep.filter = (() => {
   const lacking = new Map();
   const expression = (text) => {
     const test = sweep.language.compile(text, known, hint);
-    lacking.clear();
     const value = (name, row) => {
       const found = sweep.column(name).values[row];
       if (found === null && !sweep.dimensions.includes(sweep.column(name))) {
@@ -74,6 +73,7 @@ sweep.filter = (() => {
   };
   const apply = () => {
     const text = $("filter").value.trim();
+    lacking.clear();
     try {
       const test = parse(text);
       const shown = sweep.all.filter(test);
