@@ -1,5 +1,6 @@
 //! Near names: what a mistyped name may have meant.
 
+use rayreel_settings::one_table;
 use strsim::levenshtein;
 
 /// At most three of `known` that look like `name`, best first.
@@ -35,9 +36,8 @@ pub(crate) fn hint<'a>(name: &str, known: &[&'a str], what: &str) -> String {
 /// A message of the TOML reader in two parts: what is wrong, and for a key or word that does not exist what to write instead. The reader lists
 /// those that exist.
 pub(crate) fn of_toml(message: &str) -> (String, Option<String>) {
-    if message == "invalid type: map, expected a sequence" {
-        let fix = "write its name in two brackets, such as `[[lights]]`";
-        return ("one table stands where a list of tables is needed".to_owned(), Some(fix.to_owned()));
+    if let Some(what) = one_table(message) {
+        return (what.to_owned(), Some("write its name in two brackets, such as `[[lights]]`".to_owned()));
     }
     let is_name = |text: &str| text.starts_with("unknown field") || text.starts_with("unknown variant");
     let unknown = message.split_once(", expected ").filter(|(start, _)| is_name(start));

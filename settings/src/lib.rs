@@ -49,7 +49,7 @@ pub use error::{Result, SettingsError};
 pub use family::{Family, Preset, is_path};
 pub use key::{Entry, Key, Settings};
 pub use loaded::Loaded;
-pub use near::{near, nearest, with_near_key};
+pub use near::{near, nearest, one_table, with_near_key};
 pub use rule::Rule;
 pub use schema::Schema;
 pub use source::{Class, Sourced};

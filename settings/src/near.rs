@@ -28,6 +28,12 @@ pub fn near(name: &str, names: &[&str]) -> String {
     }
 }
 
+/// What to say of a message of the TOML reader where one table stands for a list of tables; nothing of others.
+pub fn one_table(message: &str) -> Option<&'static str> {
+    let is_table = message == "invalid type: map, expected a sequence";
+    is_table.then_some("one table stands where a list of tables is needed")
+}
+
 /// A message of a TOML reader about a key or word that does not exist, with the one that was probably meant. The reader lists
 /// those that exist; all other messages stay as they are.
 pub fn with_near_key(message: &str) -> String {

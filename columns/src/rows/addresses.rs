@@ -62,7 +62,7 @@ impl TileRows for AddressRows {
     type With = Arc<Addresses>;
 
     fn add(&mut self, trace: &Trace, with: &Arc<Addresses>, tile: (u32, u32)) -> Result<()> {
-        each_path(trace, (&with.tree, &[]), tile, |tile, at, ops, _| {
+        each_path(trace, &with.tree, &[], tile, |tile, at, ops, _| {
             let before = self.number.len();
             for op in ops {
                 match op.kind() {

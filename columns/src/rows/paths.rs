@@ -52,7 +52,8 @@ pub fn broken(tile: &Tile, ray: u32, Fault { step, detail }: Fault) -> ColumnsEr
 /// When the trace does not hold the tile or one of these columns, or it is damaged.
 pub fn each_path(
     trace: &Trace,
-    (tree, also): (&Topology, &[Column]),
+    tree: &Topology,
+    also: &[Column],
     (frame, index): (u32, u32),
     mut see: impl FnMut(&Tile, RayAt, &[Op], PathCounts),
 ) -> Result<Arc<Tile>> {

@@ -91,7 +91,7 @@ impl TileRows for SampleRows {
         let columns: &[Column] = if with.colours { &[Column::Radiance] } else { &[] };
         let tile = if let Some(tree) = &with.work {
             let mut add = |_: &Tile, at: RayAt, _: &[Op], counts| sums[at.sample as usize] += counts;
-            each_path(trace, (tree, columns), (frame, index), &mut add)?
+            each_path(trace, tree, columns, (frame, index), &mut add)?
         } else {
             Arc::new(trace.tile(frame, index, columns)?)
         };

@@ -13,8 +13,8 @@
 //! It goes on in the cycle after the one that it waited for. Border samples of others are read before the second round.
 //!
 //! Store: the pixels of the tile, into a framebuffer of one frame: row by row of the picture, or as one stretch a tile
-//! (`layout.framebuffer`). Border samples: `sample.total()` bytes
-//! each, read before the second round, and written at the end of the tile for others. (Estimate.)
+//! (`layout.framebuffer`). Border samples: `sample.total()` bytes each, read before the second round, and written at the end of
+//! the tile for others. (Estimate.)
 
 use std::sync::Arc;
 

@@ -35,6 +35,7 @@ struct Track {
 /// All animations of a file, played together from their start.
 #[derive(Default)]
 pub(crate) struct Animations {
+    /// Frames a second.
     fps: f64,
     tracks: BTreeMap<(usize, Part), Track>,
 }
@@ -102,7 +103,7 @@ impl Animations {
     /// A node's pose at a time; what is not animated stays.
     pub fn pose(&self, node: usize, still: Pose, time: f64) -> Pose {
         let at =
-            |part: Part| self.tracks.get(&(node, part)).map(|track| track.at((time, self.fps), part == Part::Rotation));
+            |part: Part| self.tracks.get(&(node, part)).map(|track| track.at(time, self.fps, part == Part::Rotation));
         let triple = |value: [f64; 4]| DVec3::new(value[0], value[1], value[2]);
         Pose {
             translation: at(Part::Translation).map_or(still.translation, triple),
@@ -138,14 +139,14 @@ fn values(source: &Source, place: &str, accessor: usize, part: Part) -> Result<V
 /// much of itself, is that.
 const ROUNDING: (f64, f64) = (0.05, 1.0 / (1 << 21) as f64);
 
-/// The last frame that has begun at a time, or just does up to rounding; both in frames.
+/// A time in frames up to which what is written is that of it or before, rounding allowed for.
 pub(crate) fn rounded_up(time: f64) -> f64 {
     time + (ROUNDING.0 + time * ROUNDING.1).min(0.5)
 }
 
 impl Track {
-    /// The value at a time; before the first key and behind the last it stands still.
-    fn at(&self, (time, fps): (f64, f64), rotation: bool) -> [f64; 4] {
+    /// The value at a time in an animation of so many frames a second; before the first key and behind the last it stands still.
+    fn at(&self, time: f64, fps: f64, rotation: bool) -> [f64; 4] {
         let last = self.times.len() - 1;
         let reached = if self.how == Interpolation::Step { rounded_up(time * fps) / fps } else { time };
         let after = self.times.partition_point(|key| *key <= reached);

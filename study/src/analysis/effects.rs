@@ -44,8 +44,8 @@ impl Effect {
             groups.entry(others.iter().map(|other| other.of[row]).collect()).or_default().push((value, number));
         }
         let values = |group: &[(usize, f64)]| group.iter().map(|(value, _)| *value).collect::<BTreeSet<_>>();
-        let all = groups.values().flat_map(|group| values(group)).collect::<BTreeSet<_>>().len();
         let sets: Vec<BTreeSet<usize>> = groups.values().map(|group| values(group)).collect();
+        let all = sets.iter().flatten().collect::<BTreeSet<_>>().len();
         let compared = partners(&sets);
         let mut sums = vec![(0.0, 0_u32); dimension.values.len()];
         let whole = groups.values().zip(&sets).filter(|(_, set)| Some(*set) == compared);

@@ -16,7 +16,7 @@
 //! log = { from = "4KiB", to = "64KiB", factor = 2 }
 //! ```
 
-use rayreel_settings::with_near_key;
+use rayreel_settings::{one_table, with_near_key};
 use serde::Deserialize;
 use toml::{Spanned, Value};
 
@@ -98,11 +98,9 @@ impl PlanFile {
     /// # Errors
     /// Not TOML, an unknown or missing key, a value of the wrong kind: with line and column.
     pub fn parse(text: Text<'_>) -> Result<Self> {
-        let words = |message: &str| match message {
-            "invalid type: map, expected a sequence" => {
-                "one table stands where a list of tables is needed; write its name in two brackets: `[[axis]]`".into()
-            }
-            message => with_near_key(message),
+        let words = |message: &str| match one_table(message) {
+            Some(what) => format!("{what}; write its name in two brackets: `[[axis]]`"),
+            None => with_near_key(message),
         };
         toml::from_str(text.text).map_err(|e| text.error(&e.span().unwrap_or(0..0), words(e.message())))
     }
