@@ -45,7 +45,8 @@ pub(crate) fn unknown_format(path: &Path) -> SceneError {
         "max", "ma", "mb", "c4d", "step", "stp", "iges", "off", "vrm", "ase", "dxf", "3mf", "pbrt", "xml", "mitsuba",
     ];
     let extension = extension(path);
-    let kind = if known.contains(&extension.as_str()) { "files are" } else { "(whatever it is) is" };
+    let is_known = known.contains(&extension.as_str()) || extension == "rtrace";
+    let kind = if is_known { "files are" } else { "(whatever it is) is" };
     let what =
         format!("{}: .{extension} {kind} not read: models are .obj, .gltf or .glb, scene files .toml", path.display());
     let out = path.with_extension("obj");
