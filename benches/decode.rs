@@ -137,7 +137,8 @@ fn replays(trace: &Trace, frame: u32, rays: u64) {
     let load = |name: &&str| NamedPolicy::load(name, &[]).expect("a preset");
     let all: Vec<NamedPolicy> = ["full", "multirate", "paper-ss"].iter().map(load).collect();
     let tree = Topology::new(trace.bvh());
-    let [plain, seen] = [false, true].map(|perception| Options { reference: perception, perception });
+    let [plain, seen] =
+        [false, true].map(|perception| Options { reference: perception, perception, ..Options::default() });
     let mut times = vec![[Best(f64::MAX); 3]; all.len()];
     let pairs = [[0, 1], [2, 1]];
     let mut together = [[Best(f64::MAX); 2]; 2];

@@ -82,7 +82,7 @@ fn run(
 ) -> Option<(MachineRun, f64)> {
     let policy = NamedPolicy::load(policy, &[]).expect("a policy");
     let begin = cpu_seconds();
-    let options = Options { reference: false, perception: false };
+    let options = Options { reference: false, perception: false, ..Options::default() };
     let mut frames = FrameLoop::new(trace, &policy.policy, options, &Stop::never()).expect("a replay");
     let simulator = Simulator { machine, tree, detail };
     let result = match frames.step(trace.meta().first_frame, Some(simulator), &mut NoProbe) {

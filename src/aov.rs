@@ -33,8 +33,8 @@ use crate::traces::CacheArgs;
 /// triangle tests a pixel, and what a policy makes of it.
 ///
 /// depth, position, normal, object, material and shadow are those of the primary hit of a pixel's upper left sample; rays and work are
-/// sums over its samples. policy is the picture of the policy with the share of samples that it traced, flip where a viewer sees the
-/// difference from full sampling, and R, G and B are the picture of full sampling. docs/export.md describes every channel.
+/// sums over its samples. policy is the picture of the policy with the share of samples and the rays that it traced, flip where a viewer
+/// sees the difference from full sampling, and R, G and B are the picture of full sampling. docs/export.md describes every channel.
 #[derive(Debug, clap::Args)]
 #[command(mut_arg("scene", |arg| arg.value_name("TRACE|SCENE").help("A trace (.rtrace, or a URL); or a built-in scene, scene file (.toml) or model (.obj, .gltf, .glb), which is traced first")))]
 pub struct Args {

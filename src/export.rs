@@ -26,7 +26,8 @@ use crate::traces::TraceArgs;
 /// machine keeps it. lookups, requests and counters come from a simulation under a policy: what each unit asks for and when, before
 /// its cache and behind it, what the units count over time, and when which tile was where. docs/export.md describes every column.
 ///
-/// The file is whole or absent, and the same for any number of threads; memory does not depend on its length.
+/// The file is whole or absent, and the same for any number of threads; memory does not depend on its length, but for
+/// counters at short intervals.
 #[derive(Debug, clap::Args)]
 pub struct Args {
     #[command(flatten)]

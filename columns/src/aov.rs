@@ -42,7 +42,7 @@ pub fn channels(trace: &Trace, policy: &NamedPolicy, frame: u32, stop: &Stop) ->
             Ok(())
         },
     })?;
-    let options = Options { reference: true, perception: true };
+    let options = Options { traced: true, ..Options::default() };
     let replayed = Replayer::new(trace, &policy.policy, options)?.with_stop(stop.clone()).frame(frame)?;
     let mut all = Vec::new();
     let mut colours = |layer: &str, image: &Image| {
@@ -56,15 +56,16 @@ pub fn channels(trace: &Trace, policy: &NamedPolicy, frame: u32, stop: &Stop) ->
     if let Some(flip) = replayed.flip {
         all.push(Channel { name: "flip.value".into(), values: Values::Floats(flip.values) });
     }
-    let states = &replayed.states;
+    let (states, n) = (&replayed.states, planes.samples);
     let is_traced = |x, y| f32::from(u8::from(states.state(x, y) != SampleState::Interpolated));
-    let n = planes.samples;
-    let row = planes.width as usize;
-    let traced = (0..row * planes.height as usize).map(|i| {
-        let (x, y) = ((i % row) as u32 * n, (i / row) as u32 * n);
-        (0..n * n).map(|s| is_traced(x + s % n, y + s / n)).sum::<f32>() / (n * n) as f32
-    });
-    all.push(Channel { name: "policy.traced".into(), values: Values::Floats(traced.collect()) });
+    let share = planes.pixels(|samples| samples.map(|(x, y)| is_traced(x, y)).sum::<f32>() / (n * n) as f32);
+    all.push(Channel { name: "policy.traced".into(), values: Values::Floats(share) });
+    if let Some(traced) = &replayed.traced {
+        let rays = planes.pixels(|samples| samples.map(|(x, y)| traced.at(x, y).all).sum());
+        let shadow = planes.pixels(|samples| samples.map(|(x, y)| traced.at(x, y).shadow).sum());
+        all.push(Channel { name: "policy.rays".into(), values: Values::Whole(rays) });
+        all.push(Channel { name: "policy.shadow_rays".into(), values: Values::Whole(shadow) });
+    }
     all.extend(planes.channels);
     Ok(all)
 }
@@ -117,6 +118,13 @@ impl Planes {
             .chain((0..lights).map(|light| whole(&format!("shadow.light{light}"), 0)))
             .collect();
         Self { width: meta.width, height: meta.height, samples: meta.samples, lights, channels }
+    }
+
+    /// A value for each pixel, made of column and row of its samples.
+    fn pixels<T>(&self, value: impl Fn(&mut dyn Iterator<Item = (u32, u32)>) -> T) -> Vec<T> {
+        let n = self.samples;
+        let pixels = (0..self.height).flat_map(|y| (0..self.width).map(move |x| (x * n, y * n)));
+        pixels.map(|(x, y)| value(&mut (0..n * n).map(|s| (x + s % n, y + s / n)))).collect()
     }
 
     /// Takes the primary hits of the pixels' first samples.

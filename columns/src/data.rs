@@ -11,13 +11,13 @@ use rayreel_machine::ports::tells_lookups;
 use rayreel_machine::system::NoProbe;
 use rayreel_machine::work::topology::Topology;
 use rayreel_replay::simulate::simulate_in_front_of;
-use rayreel_replay::{NamedPolicy, Options, Replayer, Stop};
+use rayreel_replay::{FrameReplay, NamedPolicy, Options, Replayer, Stop};
 
 use crate::error::{ColumnsError, Result};
 use crate::order::{Gathered, ROWS, ordered};
 use crate::rows::{
-    AddressRows, Addresses, HIT_COLOURS, HitRows, Hits, NodeRows, RayRows, SAMPLE_COLOURS, SAMPLE_WORK, SampleRows,
-    Samples, StepRows, TileRows, ancestors, nodes, triangle_words, triangles,
+    AddressRows, Addresses, HIT_COLOURS, HitRows, Hits, Made, NodeRows, RayRows, SAMPLE_COLOURS, SAMPLE_WORK,
+    SampleRows, Samples, StepRows, TileRows, ancestors, nodes, triangle_words, triangles,
 };
 use crate::schema::{Batch, Head};
 use crate::select::Selection;
@@ -28,7 +28,7 @@ use crate::what::{Choice, What};
 pub const INTERVAL: u64 = 1000;
 
 /// Nothing is replayed for its picture.
-const NO_PICTURES: Options = Options { reference: false, perception: false };
+const NO_PICTURES: Options = Options { reference: false, perception: false, traced: false };
 
 /// What to get out of a trace.
 #[derive(Clone, Debug)]
@@ -262,13 +262,18 @@ impl<'a> Data<'a> {
         let colours = self.looks_at(&SAMPLE_COLOURS);
         let work = self.looks_at(&SAMPLE_WORK).then(|| Arc::new(Topology::new(self.trace.bvh())));
         let mut replayer = match self.policy {
-            Some(policy) => Some(Replayer::new(self.trace, &policy.policy, NO_PICTURES)?.with_stop(self.stop.clone())),
+            Some(policy) => {
+                let options = Options { traced: true, ..NO_PICTURES };
+                Some(Replayer::new(self.trace, &policy.policy, options)?.with_stop(self.stop.clone()))
+            }
             None => None,
         };
         self.tile_rows::<SampleRows, T>(to, |frame| {
             let replayed = replayer.as_mut().map(|replayer| replayer.frame(frame)).transpose()?;
-            let states = replayed.map(|frame| Arc::new((frame.states, frame.blocks)));
-            Ok(Samples { colours, work: work.clone(), states })
+            let made = replayed.and_then(|FrameReplay { states, blocks, traced, .. }| {
+                Some(Arc::new(Made { states, blocks, traced: traced? }))
+            });
+            Ok(Samples { colours, work: work.clone(), made })
         })
     }
 

@@ -12,7 +12,8 @@ use rayreel_formats::intersect::intersect;
 use rayreel_formats::rays::RayEnd;
 use rayreel_formats::tile::{Column, RayKind, ShadowState, composite, step};
 use rayreel_machine::NamedMachine;
-use rayreel_replay::NamedPolicy;
+use rayreel_replay::counts::RayCounts;
+use rayreel_replay::{NamedPolicy, Options, replay};
 
 /// Frame, tile, sample, in the order of the tables.
 fn tiles(trace: &Trace) -> Vec<(u32, u32)> {
@@ -262,6 +263,32 @@ fn rounds_and_blocks_are_those_of_the_places() {
             traced[round[i] as usize] += u32::from(state == "traced");
         }
         assert!(traced[1..].iter().all(|&samples| samples > 0), "each round traces some: {traced:?}");
+    }
+}
+
+/// What is traced of a sample follows from its state, but for partial ones and where lights are known; all sums are those of the replay.
+#[test]
+fn traced_rays_are_those_of_the_replay() {
+    for (trace, name) in
+        traces().iter().flat_map(|trace| ["full", "adaptive-8", "multirate", "temporal"].map(|name| (trace, name)))
+    {
+        let policy = NamedPolicy::load(name, &[]).unwrap();
+        let samples = Rows::of(&Data { policy: Some(&policy), ..Data::new(trace, What::Samples) });
+        let [all, shadow, traced, shadow_traced] =
+            ["rays", "shadow_rays", "rays_traced", "shadow_rays_traced"].map(|name| samples.integers(name));
+        for (i, state) in samples.words("state").into_iter().enumerate() {
+            let (rays, of) = ((traced[i], shadow_traced[i]), (all[i], shadow[i]));
+            let fits = match state {
+                "interpolated" => rays == (0, 0),
+                "reference" | "traced" if name != "temporal" => rays == of,
+                _ => rays.0 > 0 && rays.0 <= of.0 && rays.1 <= of.1,
+            };
+            assert!(fits, "{name}: {rays:?} of {of:?} of a {state} sample");
+        }
+        let replayed = replay(trace, &policy.policy, trace.meta().frame_numbers(), Options::default()).unwrap();
+        let counts: RayCounts = replayed.frames.iter().map(|frame| frame.stats.counts.rays_traced).sum();
+        let sum = |values: &[i64]| values.iter().sum::<i64>() as u64;
+        assert_eq!((sum(&traced), sum(&shadow_traced)), (counts.total(), counts.shadow), "{name}");
     }
 }
 

@@ -20,7 +20,9 @@ fn machine(name: &str, set: &[&str]) -> NamedMachine {
 
 /// What a machine counts in the first frame.
 fn stats(trace: &Trace, policy: &NamedPolicy, machine: &NamedMachine) -> Stats {
-    let mut replayer = Replayer::new(trace, &policy.policy, Options { reference: false, perception: false }).unwrap();
+    let mut replayer =
+        Replayer::new(trace, &policy.policy, Options { reference: false, perception: false, ..Options::default() })
+            .unwrap();
     let named = (machine.name.as_str(), &machine.config);
     simulate(&mut replayer, trace.meta().first_frame, &trace.topology(), named, &mut NoProbe).unwrap().stats
 }

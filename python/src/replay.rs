@@ -70,7 +70,7 @@ pub fn frames_of(
     let frames = selection.frames;
     let hurry = |py: Python<'_>| in_python.iter().for_each(|policy| policy.interrupt(py));
     let (ran, failure) = interruptible_with(py, (&stop, hurry), || {
-        let options = Options { reference: request.compare, perception: request.compare };
+        let options = Options { reference: request.compare, perception: request.compare, ..Options::default() };
         let tree = machine.as_ref().map(|_| trace.topology());
         let simulator = machine.as_ref().zip(tree.as_ref()).map(|(machine, tree)| Simulator { machine, tree, detail });
         let ran = match (&policy, &in_python) {

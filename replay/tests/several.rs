@@ -40,7 +40,7 @@ fn together_is_as_alone() {
     // A tile of 16 samples ends within a pixel of 3.
     for (look, size, samples) in [(Look::Trees, (47, 33), 1), (Look::Discs, (20, 21), 3), (Look::Noise, (16, 70), 2)] {
         let (source, all) = (source(look, size, samples), policies());
-        for options in [Options::default(), Options { reference: false, perception: false }] {
+        for options in [Options::default(), Options { reference: false, perception: false, traced: true }] {
             let mut together = Replayers::new(&source, &dynamic(&all), options).unwrap();
             let mut alone: Vec<_> = all.iter().map(|policy| Replayer::new(&source, policy, options).unwrap()).collect();
             for frame in source.meta.frame_numbers() {

@@ -42,7 +42,8 @@ assert lights > 0
 for light in range(lights):
     same(f"shadow.light{light}", plane(first["shadows"] >> (2 * light) & 3, 0))
 for name, column in [("rays.all", "rays"), ("rays.shadow", "shadow_rays"), ("work.node_visits", "node_visits"),
-                     ("work.triangle_tests", "triangle_tests"), ("work.pops", "pops")]:
+                     ("work.triangle_tests", "triangle_tests"), ("work.pops", "pops"),
+                     ("policy.rays", "rays_traced"), ("policy.shadow_rays", "shadow_rays_traced")]:
     sums = np.zeros((height, width), np.uint32)
     np.add.at(sums, (samples["y"] // n, samples["x"] // n), samples[column])
     same(name, sums)
@@ -56,5 +57,7 @@ json.dump({
     "comments": header["comments"],
     "rayreel": header["rayreel"],
     "traced_samples": round(float(channels["policy.traced"].sum()) * n**2),
+    "traced_rays": int(channels["policy.rays"].sum()),
+    "traced_shadow_rays": int(channels["policy.shadow_rays"].sum()),
     "mean_flip": float(channels["flip.value"].mean(dtype=np.float64)),
 }, sys.stdout)

@@ -14,11 +14,13 @@ fn openexr_reads_what_was_recorded() {
     let folder = tempfile::tempdir().unwrap();
     let (trace, file) = (folder.path().join("chess.rtrace"), folder.path().join("a.exr"));
     capture("chess", "--size 48x32 --samples 2x2 --frames 0..2", &trace);
-    let table = |what: &str| {
-        let table = folder.path().join(format!("{what}.npy"));
-        rayreel!["export", "--quiet", &trace, "--what", what, "--frames", "1", "-o", &table].expect(0);
-        table
-    };
+    let [hits, samples] = ["hits.npy", "samples.npy"].map(|name| folder.path().join(name));
+    rayreel!["export", "--quiet", &trace, "--what", "hits", "--frames", "1", "-o", &hits].expect(0);
+    rayreel![
+        "export", "--quiet", &trace, "--what", "samples", "--frames", "1", "--policy", "paper-ss", "--set", "block=4",
+        "-o", &samples
+    ]
+    .expect(0);
     let ran =
         rayreel!["aov", &trace, "--frame", "1", "--policy", "paper-ss", "--set", "block=4", "-o", &file].expect(0);
     assert!(ran.out.contains("frame 1, ") && ran.out.contains("of 48 x 32 pixels"), "{ran:?}");
@@ -37,7 +39,7 @@ fn openexr_reads_what_was_recorded() {
     let (bytes, hash) = (std::fs::read(&again).unwrap(), digest(&alone)["total"].as_str().unwrap().to_owned());
     assert!(bytes.windows(hash.len()).any(|window| window == hash.as_bytes()), "{hash}");
     let script = repository("tests/e2e/aov.py");
-    let ran = Command::new("python3").arg("-B").arg(script).args([&file, &table("hits"), &table("samples")]).output();
+    let ran = Command::new("python3").arg("-B").arg(script).args([&file, &hits, &samples]).output();
     let output = match ran {
         Ok(output) => output,
         Err(error) => return eprintln!("skipped: python3 does not start: {error}"),
@@ -72,6 +74,8 @@ fn openexr_reads_what_was_recorded() {
     ];
     let traced = traced.expect(0).json();
     assert_eq!(read["traced_samples"], traced["samples_traced"]);
+    assert_eq!(read["traced_rays"], traced["rays_traced"]);
+    assert_eq!(read["traced_shadow_rays"], traced["rays_by_kind"]["traced"]["shadow"]);
     let flip = |value: &Value| (value.as_f64().unwrap() * 1e5).round();
     assert_eq!(flip(&read["mean_flip"]), flip(&traced["flip"]));
 }

@@ -22,7 +22,7 @@ pub use hits::{HitRows, Hits};
 pub use kinds::{Asked, Kind, Outcome};
 pub use rays::RayRows;
 pub(crate) use samples::{COLOURS as SAMPLE_COLOURS, WORK as SAMPLE_WORK};
-pub use samples::{SampleRows, Samples, State};
+pub use samples::{Made, SampleRows, Samples, State};
 pub use steps::{At, StepOutcome, StepRows};
 
 /// Rows that tiles add to, whichever tiles they are.

@@ -9,6 +9,7 @@ use rayreel_machine::work::check::PathCounts;
 use rayreel_machine::work::ops::Op;
 use rayreel_machine::work::topology::Topology;
 use rayreel_replay::frame::states::{Blocks, StateMap};
+use rayreel_replay::frame::traced::{TracedMap, TracedRays};
 use rayreel_replay::policy::view::SampleState;
 
 use super::paths::{RayAt, each_path};
@@ -62,6 +63,8 @@ table! {
         state: WordsOf<State>, "", "what the policy made of it";
         round: Vec<u8>, "", "round of the policy in which it was traced or interpolated; 0 without a policy";
         block: Vec<u32>, "samples", "block edge of the policy in its tile; 1 without a policy";
+        rays_traced: Vec<u32>, "rays", "rays of the sample that the policy traced; without a policy those recorded";
+        shadow_rays_traced: Vec<u32>, "rays", "shadow rays among them";
     }
 }
 
@@ -78,7 +81,18 @@ pub struct Samples {
     /// The tree that their rays walk through: their paths are read, which takes most of the time. Without, the work on them is 0.
     pub work: Option<Arc<Topology>>,
     /// What a policy made of the frame at hand.
-    pub states: Option<Arc<(StateMap, Blocks)>>,
+    pub made: Option<Arc<Made>>,
+}
+
+/// What a policy made of a frame.
+#[derive(Debug)]
+pub struct Made {
+    /// State and round of each sample.
+    pub states: StateMap,
+    /// The block of each tile.
+    pub blocks: Blocks,
+    /// The rays that were traced for each sample.
+    pub traced: TracedMap,
 }
 
 impl TileRows for SampleRows {
@@ -101,9 +115,12 @@ impl TileRows for SampleRows {
             let nodes = &tile.tree.nodes[of.clone()];
             let colour = if with.colours { composite(nodes, &tile.radiance[of]) } else { Vec3::ZERO };
             let shadow_rays: u32 = nodes.iter().map(|node| node.shadows.count()).sum();
-            let (state, round, block) = match with.states.as_deref() {
-                Some((states, blocks)) => (states.state(x, y).into(), states.round(x, y), blocks.at(x, y)),
-                None => (State::Recorded, 0, 1),
+            let rays = nodes.len() as u32 + shadow_rays;
+            let (state, round, block, traced) = match with.made.as_deref() {
+                Some(Made { states, blocks, traced }) => {
+                    (states.state(x, y).into(), states.round(x, y), blocks.at(x, y), traced.at(x, y))
+                }
+                None => (State::Recorded, 0, 1, TracedRays { all: rays, shadow: shadow_rays }),
             };
             self.frame.push(frame);
             self.tile.push(index);
@@ -112,7 +129,7 @@ impl TileRows for SampleRows {
             self.r.push(colour.x);
             self.g.push(colour.y);
             self.b.push(colour.z);
-            self.rays.push(nodes.len() as u32 + shadow_rays);
+            self.rays.push(rays);
             self.shadow_rays.push(shadow_rays);
             self.node_visits.push(counts.node_visits as u32);
             self.triangle_tests.push(counts.triangle_tests as u32);
@@ -120,6 +137,8 @@ impl TileRows for SampleRows {
             self.state.push(state);
             self.round.push(round);
             self.block.push(block);
+            self.rays_traced.push(traced.all);
+            self.shadow_rays_traced.push(traced.shadow);
         }
         Ok(())
     }

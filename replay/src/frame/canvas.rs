@@ -3,6 +3,7 @@
 use rayreel_formats::scene::Meta;
 
 use super::states::{Blocks, StateMap};
+use super::traced::TracedMap;
 use crate::counts::{FrameStats, TileStats};
 use crate::error::Result;
 use crate::image::Image;
@@ -25,6 +26,8 @@ pub struct FrameReplay {
     pub flip: Option<FlipMap>,
     /// What became of each sample.
     pub states: StateMap,
+    /// The rays that were traced for each, if they were asked for.
+    pub traced: Option<TracedMap>,
     /// Block edge of each tile in samples; 1 for `full`.
     pub blocks: Blocks,
     /// Counts and quality.
@@ -46,18 +49,20 @@ pub(super) struct Canvas {
     image: Resolver,
     reference: Reference,
     states: StateMap,
+    traced: Option<TracedMap>,
     /// What the tiles cost that are in, in order.
     pub tiles: Vec<TileStats>,
 }
 
 impl Canvas {
-    /// For a frame of a trace; with `reference` it makes the picture of `full` too.
-    pub fn new(meta: &Meta, reference: bool) -> Self {
+    /// For a frame of a trace; with `reference` it makes the picture of `full` too, with `traced` the map of rays.
+    pub fn new(meta: &Meta, reference: bool, traced: bool) -> Self {
         let resolver = || Resolver::new(meta.width, meta.height, meta.samples);
         Self {
             image: resolver(),
             reference: if reference { Reference::Made(resolver()) } else { Reference::Not },
             states: StateMap::new(meta.grid()),
+            traced: traced.then(|| TracedMap::new(meta)),
             tiles: Vec::new(),
         }
     }
@@ -73,6 +78,9 @@ impl Canvas {
             });
         }
         self.states.set_rows(rows, |y, set| tiles.iter().for_each(|view| view.row(y, |_, state| set(state))));
+        if let Some(traced) = &mut self.traced {
+            tiles.iter().for_each(|view| traced.add(view));
+        }
         self.tiles.extend(stats);
     }
 
@@ -106,6 +114,6 @@ impl Canvas {
             None => (None, Vec::new(), None),
         };
         let stats = FrameStats { frame, counts, tiles: self.tiles, quality, tile_errors };
-        Ok(FrameReplay { frame, image, reference, flip, states: self.states, blocks, stats })
+        Ok(FrameReplay { frame, image, reference, flip, states: self.states, traced: self.traced, blocks, stats })
     }
 }

@@ -9,6 +9,7 @@ mod canvas;
 mod replayer;
 mod several;
 pub mod states;
+pub mod traced;
 
 pub use canvas::FrameReplay;
 pub(crate) use replayer::PassedFrame;

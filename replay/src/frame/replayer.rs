@@ -31,11 +31,13 @@ pub struct Options {
     pub reference: bool,
     /// Compare as a viewer does too, by SSIM and FLIP: that takes longer than all other figures together.
     pub perception: bool,
+    /// Tell how many rays were traced for each sample ([`FrameReplay::traced`]): 8 bytes a sample.
+    pub traced: bool,
 }
 
 impl Default for Options {
     fn default() -> Self {
-        Self { reference: true, perception: true }
+        Self { reference: true, perception: true, traced: false }
     }
 }
 
@@ -96,7 +98,7 @@ impl<'a, S: TileSource + ?Sized> Replayer<'a, S> {
 
     /// What a frame is put together on; `first` of those who share one picture of `full`, if it is wanted.
     pub(super) fn canvas(&self, first: bool) -> Canvas {
-        Canvas::new(self.source.meta(), self.options.reference && first)
+        Canvas::new(self.source.meta(), self.options.reference && first, self.options.traced)
     }
 
     /// The camera of a frame that is about to begin.

@@ -76,7 +76,11 @@ impl<'a, S: PathSource + ?Sized> PointTask<'a, S> {
             .filter(|first| points[1..].iter().all(|(point, _)| point.shares_replay(first)));
         let first = first.ok_or_else(|| StudyError::Usage { detail: "points that do not share a replay".into() })?;
         let compared = points.iter().map(|(point, missing)| compared(point, *missing)).max().unwrap_or(Compared::Not);
-        let options = Options { reference: compared != Compared::Not, perception: compared == Compared::Seen };
+        let options = Options {
+            reference: compared != Compared::Not,
+            perception: compared == Compared::Seen,
+            ..Options::default()
+        };
         let frames = FrameLoop::new(source, &first.policy.policy, options, stop)?;
         let member = |(point, missing): &(&'a Point, Missing)| {
             let pictures = if missing.details { point.wanted.views.pictures.len() } else { 0 };
