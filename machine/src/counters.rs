@@ -55,7 +55,7 @@ counters! {
         bypass: "cycles", "issued an operation whose data had missed: it passes the pipe without work (miss_handling = \"retry\")";
         fetch: "cycles", "operations wait for the L1's hit latency or its port";
         memory: "cycles", "all waiting operations wait for L2 or DRAM";
-        mshr: "cycles", "the next lookup misses and no MSHR, accumulation row or L2 queue entry is free";
+        mshr: "cycles", "the next lookup was refused (no MSHR, accumulation row or L2 queue entry) and hit when it was let in; if it missed, all of its wait is memory";
         blocked: "cycles", "an operation is ready, but the stage behind is full";
         starved: "cycles", "rays are here, but none needs this stage now";
         idle: "cycles", "there is no ray";

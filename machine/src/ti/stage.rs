@@ -1,7 +1,8 @@
 //! An issue stage: one operation a cycle, first ready, first issued; and the account of what it did in every cycle.
 //!
-//! An operation takes the first free cycle at or after the one in which it is ready, so its issue is known as soon as it is
-//! certain to be ready, and the cycles since the issue before can be accounted at once. A cycle without an issue is charged to
+//! An operation takes the first cycle behind all that are booked in which it is ready, so its issue is known as soon as it is
+//! certain to be ready, and the cycles since the issue before can be accounted at once. (One that is ready before a booked
+//! operation waits behind it: MODEL.md says what that costs.) A cycle without an issue is charged to
 //! what the next operation waited for:
 //! - from its arrival on, to what it waited for itself: a lookup or the hit latency, a line, a refused lookup, or a full stage behind;
 //! - before that, to `idle` as far as no ray was in the unit; the rest to `memory` if at its arrival other operations of the
