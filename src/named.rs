@@ -42,7 +42,9 @@ pub fn machine(spec: &str, overrides: &[String]) -> Result<NamedMachine> {
 /// The keys of a machine that end as that of an override does, in words.
 fn of_machine(text: &String) -> Option<String> {
     let key = text.split('=').next()?.trim();
-    let ends = |name: &&str| name.strip_suffix(key).is_some_and(|begin| begin.ends_with(['.', '_']));
+    // A word alone is the whole last part of a key: `block` does not mean `layout.texture_block`.
+    let before: &[char] = if key.contains('.') { &['.', '_'] } else { &['.'] };
+    let ends = |name: &&str| name.strip_suffix(key).is_some_and(|begin| begin.ends_with(before));
     let near: Vec<&str> = KEYS.iter().map(|known| known.name).filter(ends).take(6).collect();
     (!near.is_empty()).then(|| format!("--set {text}: a machine has {}", near.join(", ")))
 }

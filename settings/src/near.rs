@@ -5,7 +5,10 @@ use strsim::levenshtein;
 /// Longest name that is compared with others, in bytes: the time grows with the length, and nothing is near to a longer one.
 const LONGEST: usize = 200;
 
-/// The names nearest to `name`, in their order; none if all of them are other words.
+/// Most names that are told because they begin with what was written.
+const MOST: usize = 6;
+
+/// The names nearest to `name`, or those of which it is the begin, in their order; none if all of them are other words.
 pub fn nearest<'a>(name: &str, names: &[&'a str]) -> Vec<&'a str> {
     if name.len() > LONGEST {
         return Vec::new();
@@ -13,9 +16,10 @@ pub fn nearest<'a>(name: &str, names: &[&'a str]) -> Vec<&'a str> {
     let last = |s: &str| s.rsplit('.').next().unwrap_or_default().to_owned();
     let distance = |other: &str| levenshtein(name, other).min(levenshtein(&last(name), &last(other)));
     let best = names.iter().map(|n| distance(n)).min().unwrap_or(usize::MAX);
-    // More than a third of the letters wrong is another word.
+    // More than a third of the letters wrong is another word, or the begin of one.
     if best > last(name).chars().count() / 3 + 1 {
-        return Vec::new();
+        let goes_on = |other: &&&str| other.strip_prefix(name).is_some_and(|rest| rest.starts_with(['_', '.']));
+        return if name.is_empty() { Vec::new() } else { names.iter().filter(goes_on).take(MOST).copied().collect() };
     }
     names.iter().filter(|n| distance(n) == best).copied().collect()
 }
@@ -60,6 +64,9 @@ mod tests {
         assert_eq!(nearest("ti.trb", &names), ["ti.trv"]);
         assert_eq!(nearest("way", &names), ["l2.ways"], "by its last part alone");
         assert!(nearest("colour", &names).is_empty());
+        let groups = ["target.psnr_db", "target.audit", "history.plane"];
+        assert_eq!(nearest("target.psnr", &groups), ["target.psnr_db"], "the unit was left out");
+        assert_eq!(nearest("target", &groups), ["target.psnr_db", "target.audit"], "a group");
         assert_eq!(near("colour", &names), "there are ti.trv, ti.ist, l2.ways");
         assert!(nearest("", &[]).is_empty());
         let long = "ti.".repeat(1 << 20);

@@ -99,7 +99,11 @@ impl FromStr for Detail {
         }
         match text.strip_prefix("precision ") {
             Some(share) => share.parse().map(Self::Precision),
-            None => text.parse().map(Self::Sampled).map_err(|_| {
+            None => text.parse().map(Self::Sampled).map_err(|error| {
+                // A number is a share, and what is wrong with it is its size.
+                if text.trim_end_matches('%').trim().parse::<f64>().is_ok() {
+                    return error;
+                }
                 format!("`{text}` is not a detail: give full, all, counts, or a share of the tiles such as 0.05 or 5%")
             }),
         }
@@ -126,5 +130,8 @@ mod tests {
         for text in ["", "half", "0", "-1", "1.5", "101%", "NaN", "precision 0", "precision"] {
             assert!(text.parse::<Detail>().is_err(), "{text}");
         }
+        let says = |text: &str| text.parse::<Detail>().unwrap_err();
+        assert!(says("half").contains("give full, all, counts"), "{}", says("half"));
+        assert!(["1e-7", "101%"].iter().all(|text| says(text).contains("is not from 0.000001")), "{}", says("101%"));
     }
 }
