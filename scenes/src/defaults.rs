@@ -43,7 +43,8 @@ pub(crate) fn framing_camera(bounds: (Vec3, Vec3), vfov_deg: f32, aspect: f64) -
     let aspect = aspect.min(DEFAULT_ASPECT);
     let (centre, radius) = sphere(bounds);
     let (low, high) = (bounds.0.as_dvec3(), bounds.1.as_dvec3());
-    let slope = libm::tan((f64::from(vfov_deg).to_radians() / 2.0).clamp(0.02, 1.5));
+    // However narrow the view: what it is divided by is not zero.
+    let slope = libm::tan((f64::from(vfov_deg).to_radians() / 2.0).clamp(1e-6, 1.5));
     let towards = DVec3::new(0.5, 0.42, 0.76).normalize();
     let right = DVec3::Y.cross(towards).normalize();
     let up = towards.cross(right);

@@ -6,7 +6,7 @@ use crate::{
     defaults::sky_around,
     error::{Location, SceneError},
     scene::{Camera, Light, Scene},
-    validate::{check_camera, check_light_count, is_colour},
+    validate::{NEAR_LIGHTS, check_camera, check_light_count, is_colour, is_direction, is_near},
 };
 
 /// What to replace of a scene. What is not given stays as the scene has it.
@@ -16,7 +16,7 @@ pub struct Overrides {
     pub eye: Option<Vec3>,
     /// Where it looks at, in every frame.
     pub target: Option<Vec3>,
-    /// What is up.
+    /// What is up in the picture; the sky stays along +y.
     pub up: Option<Vec3>,
     /// Vertical field of view in degrees.
     pub vfov_deg: Option<f32>,
@@ -37,21 +37,14 @@ impl Overrides {
     /// moved stands still; with only one of them, the other keeps moving.
     ///
     /// # Errors
-    /// A camera that cannot look, a light or sky that is negative or not finite, more lights than a trace holds.
+    /// A camera that cannot look, a light or sky that is negative or not finite, a light too far away, more lights than a trace holds.
     pub fn apply(&self, scene: &mut Scene) -> Result<(), SceneError> {
         self.change_cameras(scene)?;
         let at = |camera| Location::Scene { name: scene.name.clone(), camera };
-        let colours = self.lights.iter().map(|light| match light {
-            Light::Point { colour, .. } | Light::Directional { colour, .. } => *colour,
-        });
-        let fix = "colours are finite and not negative";
-        let bad = |what: &str| Err(SceneError::Usage { what: what.into(), fix: fix.into() });
-        if !colours.clone().all(is_colour) {
-            return bad("a light that was asked for is negative or not finite");
-        }
+        self.lights.iter().try_for_each(check_light)?;
         check_light_count(self.lights.len(), || at(None)).map_err(asked)?;
         if !self.sky.is_none_or(is_colour) {
-            return bad("the sky that was asked for is negative or not finite");
+            return Err(usage("the sky that was asked for is negative or not finite", COLOURS));
         }
         if !self.lights.is_empty() {
             scene.lights.clone_from(&self.lights);
@@ -76,6 +69,28 @@ impl Overrides {
         }
         scene.cameras = cameras;
         Ok(())
+    }
+}
+
+/// What colours must be.
+const COLOURS: &str = "colours are finite and not negative";
+
+fn usage(what: impl Into<String>, fix: &str) -> SceneError {
+    SceneError::Usage { what: what.into(), fix: fix.into() }
+}
+
+/// Refuses a light that cannot be drawn.
+fn check_light(light: &Light) -> Result<(), SceneError> {
+    let (Light::Point { colour, .. } | Light::Directional { colour, .. }) = light;
+    match light {
+        _ if !is_colour(*colour) => Err(usage("a light that was asked for is negative or not finite", COLOURS)),
+        Light::Point { position, .. } if !is_near(*position) => {
+            Err(usage(format!("a light that was asked for is at {:?}", position.to_array()), NEAR_LIGHTS))
+        }
+        Light::Directional { to_light, .. } if !is_direction(*to_light) => {
+            Err(usage("a light that was asked for shines from no direction", "give one that is not zero"))
+        }
+        _ => Ok(()),
     }
 }
 

@@ -5,7 +5,7 @@ use std::{
     path::Path,
 };
 
-use image::{ImageError, ImageReader, Limits, RgbaImage};
+use image::{ImageError, ImageFormat, ImageReader, Limits, RgbaImage, error::ImageFormatHint};
 use rayreel_settings::files;
 
 use crate::{
@@ -32,6 +32,25 @@ fn is_other_picture(file: &Path) -> bool {
     ending.is_some_and(|ending| OTHER_ENDINGS.contains(&ending.as_str()))
 }
 
+/// Bytes at the beginning of a picture that say what it is.
+pub(crate) const HEAD: usize = 16;
+
+/// The format that the first bytes of a picture say it has, if it is one that is not read.
+pub(crate) fn other_format(head: &[u8]) -> Option<&'static str> {
+    let format = image::guess_format(head).ok().filter(|format| is_other(*format))?;
+    format.extensions_str().first().copied()
+}
+
+fn is_other(format: ImageFormat) -> bool {
+    !matches!(format, ImageFormat::Png | ImageFormat::Jpeg)
+}
+
+/// Whether a picture could not be decoded because it has another format, whatever its name.
+fn has_other_format(error: &ImageError) -> bool {
+    let ImageError::Unsupported(error) = error else { return false };
+    matches!(error.format_hint(), ImageFormatHint::Exact(format) if is_other(format))
+}
+
 /// Decodes a picture file that is named at `at`; none if its format is not read.
 pub(crate) fn decode_file(at: &Location, file: &Path) -> Result<Option<RgbaImage>, SceneError> {
     let missing = |source| SceneError::missing(at.clone(), "texture", file, source);
@@ -40,6 +59,7 @@ pub(crate) fn decode_file(at: &Location, file: &Path) -> Result<Option<RgbaImage
     match decode(reader) {
         Ok(image) => Ok(Some(image)),
         Err(ImageError::Unsupported(_)) if is_other_picture(file) => Ok(None),
+        Err(error) if has_other_format(&error) => Ok(None),
         Err(ImageError::IoError(source)) if source.kind() != ErrorKind::UnexpectedEof => Err(missing(source)),
         Err(other) => Err(undecoded(at, &file.display().to_string(), &other)),
     }

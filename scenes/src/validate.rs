@@ -105,7 +105,7 @@ impl Scene {
         if !vector.is_finite() || !is_colour(colour) {
             return self.broken(format!("light {index} has a negative or non-finite value"));
         }
-        if matches!(light, Light::Point { .. }) && vector.abs().max_element() > 1e18 {
+        if matches!(light, Light::Point { .. }) && !is_near(vector) {
             let far = format!(
                 "light {index} stands so far away that single precision knows no direction to it; make it directional"
             );
@@ -120,6 +120,15 @@ impl Scene {
     fn broken(&self, what: String) -> Result<(), SceneError> {
         Err(SceneError::Inconsistent { scene: self.name.clone(), what })
     }
+}
+
+/// What a point light needs that is not [near](is_near).
+pub(crate) const NEAR_LIGHTS: &str = "coordinates of point lights are at most 1e18, or single precision knows no direction to \
+    them; make it directional, or move it nearer";
+
+/// Whether a point light at a place is so near that single precision knows a direction to it.
+pub(crate) fn is_near(place: Vec3) -> bool {
+    place.is_finite() && place.abs().max_element() <= 1e18
 }
 
 /// Whether every channel is finite and not negative.

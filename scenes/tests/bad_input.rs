@@ -249,7 +249,7 @@ fn toml_errors_say_where_and_what() {
             format!("{eye}path = \"x.csv\""),
             "s.toml: [camera] has more than one of eye/target, path and keyframes; keep one",
         ),
-        ("[camera]\npath = \"gone.csv\"".into(), "gone.csv: cannot read this camera path"),
+        ("[camera]\npath = \"gone.csv\"".into(), "s.toml:3: the camera path `gone.csv` cannot be read; put it there"),
         ("[camera]\nkeyframes = []".into(), "s.toml: camera.keyframes is empty"),
         (many, "s.toml: 17 lights are too many: at most 16 fit the trace; remove some"),
         ("[[lights]]\nkind = \"spot\"".into(), "s.toml:3:8: unknown variant `spot`"),

@@ -46,6 +46,33 @@ impl Quads {
     }
 }
 
+/// Whether the corners of a box from (-4, 0, -1) to (4, 1, 1) are in a picture.
+fn sees(Camera { eye, target, up, vfov_deg }: Camera, aspect: f32) -> bool {
+    let forward = (target - eye).normalize();
+    let right = forward.cross(up).normalize();
+    let slope = (vfov_deg.to_radians() / 2.0).tan();
+    (0..8).all(|corner| {
+        let at = |bit: u32, low: f32, high: f32| if corner >> bit & 1 == 0 { low } else { high };
+        let arm = Vec3::new(at(0, -4.0, 4.0), at(1, 0.0, 1.0), at(2, -1.0, 1.0)) - eye;
+        let depth = arm.dot(forward) * slope;
+        arm.dot(right).abs() < depth * aspect && arm.dot(right.cross(forward)).abs() < depth
+    })
+}
+
+/// Below 2.3 degrees the camera came no nearer to where it sees the model whole.
+#[test]
+fn the_whole_model_is_in_a_narrow_view() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let wide = Quads::default().sides([-4.0, 0.0, -1.0], [4.0, 1.0, 1.0], false, false);
+    std::fs::write(folder.path().join("a.obj"), &wide.text).expect("writes");
+    let path = folder.path().join("s.toml");
+    for vfov_deg in [0.01, 1.0, 2.0, 35.0] {
+        std::fs::write(&path, format!("model = \"a.obj\"\n[camera]\nvfov_deg = {vfov_deg}\n")).expect("writes");
+        let camera = load(path.to_str().expect("UTF-8")).unwrap_or_else(|e| panic!("{e}")).cameras[0];
+        assert!(camera.vfov_deg == vfov_deg && sees(camera, 2.0), "{camera:?}");
+    }
+}
+
 /// A tall picture shows the whole model, and a wide one is as it was for 2:1.
 #[test]
 fn the_whole_model_is_in_a_picture_of_any_shape() {
@@ -57,20 +84,8 @@ fn the_whole_model_is_in_a_picture_of_any_shape() {
         let options = LoadOptions { aspect, ..LoadOptions::default() };
         load_with(path.to_str().expect("UTF-8"), &options).unwrap_or_else(|e| panic!("{e}")).cameras[0]
     };
-    let inside = |aspect: f64| {
-        let Camera { eye, target, up, vfov_deg } = camera(aspect);
-        let forward = (target - eye).normalize();
-        let right = forward.cross(up).normalize();
-        let slope = (vfov_deg.to_radians() / 2.0).tan();
-        (0..8).all(|corner| {
-            let at = |bit: u32, low: f32, high: f32| if corner >> bit & 1 == 0 { low } else { high };
-            let arm = Vec3::new(at(0, -4.0, 4.0), at(1, 0.0, 1.0), at(2, -1.0, 1.0)) - eye;
-            let depth = arm.dot(forward) * slope;
-            arm.dot(right).abs() < depth * aspect as f32 && arm.dot(right.cross(forward)).abs() < depth
-        })
-    };
     for aspect in [0.25, 0.5, 1.0, 1.5, 2.0, 3.0] {
-        assert!(inside(aspect), "{aspect}");
+        assert!(sees(camera(aspect), aspect as f32), "{aspect}");
     }
     assert_eq!(camera(3.0), camera(2.0));
     assert_eq!(camera(2.0), wide.load().cameras[0]);

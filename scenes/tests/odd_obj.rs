@@ -19,7 +19,12 @@ fn a_texture_that_cannot_be_drawn_as_it_is_is_told() {
     let picture = |alpha: u8| image::RgbaImage::from_pixel(1, 1, image::Rgba([255, 0, 0, alpha]));
     let load = |faces: &str, mtl: &str| {
         let obj = format!("mtllib a.mtl\nusemtl m\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\n{faces}");
-        let files = folder(&[("a.obj", &obj), ("a.mtl", &format!("newmtl m\n{mtl}")), ("t.tga", "no picture")]);
+        let files = folder(&[
+            ("a.obj", &obj),
+            ("a.mtl", &format!("newmtl m\n{mtl}")),
+            ("t.tga", "no picture"),
+            ("w.png", "RIFF\x10\0\0\0WEBPVP8 "),
+        ]);
         picture(0).save(files.path().join("clear.png")).expect("saves");
         picture(255).save(files.path().join("solid.png")).expect("saves");
         let scene = load_in(&files, "a.obj").expect("loads");
@@ -30,10 +35,15 @@ fn a_texture_that_cannot_be_drawn_as_it_is_is_told() {
         load(bare, "map_Kd solid.png\n").0.contains("a.obj:7: material `m`: without `vt` its texture has one colour")
     );
     assert!(load(mapped, "map_Kd clear.png\n").0.contains("name the file as `map_d` too to cut it out"));
-    let (told, scene) = load(mapped, "map_Kd t.tga\nKd 0.5 0.25 0\n");
-    assert!(told.contains("is no PNG or JPEG, and the material is drawn without it"), "{told}");
-    assert_eq!((scene.materials[0].diffuse_map, scene.materials[0].diffuse.to_array()), (None, [0.5, 0.25, 0.0]));
-    for (faces, mtl) in [(mapped, "map_Kd solid.png\n"), (mapped, "map_Kd clear.png\nmap_d clear.png\n"), (bare, "")] {
+    // By its name, and by its bytes.
+    for file in ["t.tga", "w.png"] {
+        let (told, scene) = load(mapped, &format!("map_Kd {file}\nKd 0.5 0.25 0\n"));
+        assert!(told.contains("is no PNG or JPEG, and the material is drawn without it"), "{told}");
+        assert_eq!((scene.materials[0].diffuse_map, scene.materials[0].diffuse.to_array()), (None, [0.5, 0.25, 0.0]));
+    }
+    let told = load(mapped, "map_Kd clear.png\nmap_d clear.png\n").0;
+    assert_eq!(told, "a.mtl:1: material `m`: its texture is below the cutoff everywhere, and cuts all away");
+    for (faces, mtl) in [(mapped, "map_Kd solid.png\n"), (mapped, "map_Kd solid.png\nmap_d solid.png\n"), (bare, "")] {
         assert_eq!(load(faces, mtl).0, "", "{mtl}");
     }
 }
@@ -49,6 +59,22 @@ fn names_of_materials_end_before_a_comment() {
     assert_eq!(load("usemtl red # the lid"), ([1.0, 0.0, 0.0], 0));
     assert_eq!(load("usemtl red # 2"), ([0.0, 1.0, 0.0], 0), "a name with a hash that is known");
     assert_eq!(load("usemtl").1, 2, "a name is missing, and a material");
+}
+
+/// The comment was taken for a part of the name, which no `usemtl` has.
+#[test]
+fn names_in_libraries_end_before_a_comment() {
+    let mtl = "newmtl red # the lid\nKd 1 0 0\nnewmtl blue # 1\nKd 0 0 1\nnewmtl blue\nKd 0 1 0\n";
+    let load = |usemtl: &str| {
+        let obj = format!("mtllib a.mtl\nusemtl {usemtl}\n{TRIANGLE}");
+        let scene = load_in(&folder(&[("a.obj", &obj), ("a.mtl", mtl)]), "a.obj").expect("loads");
+        (scene.materials[scene.mesh.triangles[0].material as usize].diffuse.to_array(), warnings(&scene).len())
+    };
+    for usemtl in ["red", "red # mine", "red # the lid"] {
+        assert_eq!(load(usemtl), ([1.0, 0.0, 0.0], 0), "{usemtl}");
+    }
+    assert_eq!(load("blue"), ([0.0, 1.0, 0.0], 0), "the whole name counts first");
+    assert_eq!(load("blue # 1"), ([0.0, 0.0, 1.0], 0));
 }
 
 #[test]

@@ -10,7 +10,7 @@ use crate::{
     error::{Location, SceneError},
     file::value::{Triple, amount, bad_value, colour},
     scene::{Light, Sky},
-    validate::{check_light_count, is_direction},
+    validate::{NEAR_LIGHTS, check_light_count, is_direction, is_near},
 };
 
 #[derive(Clone, Copy, Debug, Deserialize)]
@@ -54,6 +54,17 @@ fn light(path: &Path, index: usize, table: &LightTable) -> Result<Light, SceneEr
     let tint = table.colour.map_or(Ok(Vec3::ONE), |c| colour(path, &key("colour"), c))?;
     let intensity = amount(path, &key("intensity"), table.intensity.unwrap_or(0.7), 0.0, 1e6)?;
     let colour = tint * intensity;
+    if !colour.is_finite() {
+        let what =
+            format!("{} is {:?}, and times its intensity of {intensity} above 3.4e38", key("colour"), tint.to_array());
+        return Err(bad_value(path, what, "use smaller ones"));
+    }
+    if let (LightKind::Point, Some(Triple(place))) = (table.kind, table.position)
+        && place.is_finite()
+        && !is_near(place)
+    {
+        return Err(bad_value(path, format!("{} is {:?}", key("position"), place.to_array()), NEAR_LIGHTS));
+    }
     match (table.kind, table.position, table.to_light) {
         (LightKind::Point, Some(p), None) if p.0.is_finite() => Ok(Light::Point { position: p.0, colour }),
         (LightKind::Directional, None, Some(d)) if is_direction(d.0) => {

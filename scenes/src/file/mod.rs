@@ -10,6 +10,7 @@ pub use model::BOX_PADDING;
 
 use std::{
     collections::BTreeMap,
+    io::ErrorKind,
     path::{Path, PathBuf},
 };
 
@@ -20,6 +21,7 @@ use self::{
     camera::{CameraTable, Placed},
     lights::{LightTable, SkyTable},
     materials::MaterialTable,
+    model::Model,
     value::bad_value,
 };
 use crate::{
@@ -69,7 +71,6 @@ pub fn load_scene_file(path: &Path, options: &LoadOptions) -> Result<Scene, Scen
         return Err(error);
     }
     let table: SceneTable = toml::from_str(&text).map_err(|error| toml_error(path, &text, &error))?;
-    let folder = path.parent().unwrap_or(Path::new(""));
     if !is_model(&table.model) {
         return Err(bad_value(
             path,
@@ -77,7 +78,7 @@ pub fn load_scene_file(path: &Path, options: &LoadOptions) -> Result<Scene, Scen
             "name a file that ends in .obj, .gltf or .glb",
         ));
     }
-    let model = model::read(&folder.join(&table.model), &with_fps(path, &table, options)?)?;
+    let model = model_of(path, &text, &table, &with_fps(path, &table, options)?)?;
     let (mut scene, frames) = (model.scene, model.frames);
     let (view, has_cameras) = (model.view, model.has_cameras);
     if let Some(name) = table.name.or_else(|| stem(path)) {
@@ -95,7 +96,8 @@ pub fn load_scene_file(path: &Path, options: &LoadOptions) -> Result<Scene, Scen
     }
     if let Some(table) = &table.camera {
         let placed = if has_cameras { Placed::Model(&scene.cameras) } else { Placed::View(&view) };
-        scene.cameras = camera::cameras(path, table, placed, &mut scene.warnings)?;
+        scene.cameras = camera::cameras(path, table, placed, &mut scene.warnings)
+            .map_err(|error| named_by(line_of(path, &text, "path"), error))?;
         // A still camera before a model that moves stands there for all of its frames.
         if let [camera] = scene.cameras[..] {
             scene.cameras = vec![camera; frames as usize];
@@ -105,6 +107,34 @@ pub fn load_scene_file(path: &Path, options: &LoadOptions) -> Result<Scene, Scen
     scene.files.extend(table.camera.as_ref().and_then(|camera| camera.path_file(path)));
     scene.validate()?;
     Ok(scene)
+}
+
+/// The model that the file names.
+fn model_of(path: &Path, text: &str, table: &SceneTable, options: &LoadOptions) -> Result<Model, SceneError> {
+    let model = path.parent().unwrap_or(Path::new("")).join(&table.model);
+    let at = line_of(path, text, "model");
+    if model.is_dir() {
+        return Err(SceneError::missing(at, "model", &model, ErrorKind::IsADirectory.into()));
+    }
+    model::read(&model, options).map_err(|error| named_by(at, error))
+}
+
+/// The line of a key, where it has one of its own.
+fn line_of(path: &Path, text: &str, key: &str) -> Location {
+    let states =
+        |line: &str| line.trim_start().strip_prefix(key).is_some_and(|rest| rest.trim_start().starts_with('='));
+    match text.lines().position(states) {
+        Some(index) => Location::line(path, index + 1),
+        None => Location::File(path.to_owned()),
+    }
+}
+
+/// A file that cannot be read is the fault of the file that names it at `at`.
+fn named_by(at: Location, error: SceneError) -> SceneError {
+    match error {
+        SceneError::Io { path, what, source } => SceneError::missing(at, what, &path, source),
+        other => other,
+    }
 }
 
 /// The options with the frames a second of the file, where the caller asks for none.

@@ -51,13 +51,7 @@ impl Pictures {
     /// The picture behind a texture.
     pub fn named(source: &Source, texture: &gltf::Texture<'_>, warnings: &mut Warnings) -> Named {
         let image = texture.source().map(|image| image.index());
-        let other = image.and_then(|i| {
-            let image = &source.root().images[i];
-            let mime = image.mime_type.as_ref().map(|mime| mime.0.as_str());
-            let uri = image.uri.as_deref().unwrap_or("").to_lowercase();
-            let is = |kind: &str| mime == Some(&format!("image/{kind}")) || uri.ends_with(&format!(".{kind}"));
-            pictures::OTHER_ENDINGS.into_iter().chain([BASIS]).find(|kind| is(kind))
-        });
+        let other = image.and_then(|index| other_format(source, index));
         match (image, other) {
             (Some(index), None) => Named::Picture(Image { index, wrap: wraps(&texture.sampler()) }),
             (_, kind) => {
@@ -199,6 +193,24 @@ impl Pictures {
     }
 }
 
+/// The format of a picture, if it is one that is not read: as the file says, else as its first bytes do.
+fn other_format(source: &Source, index: usize) -> Option<&'static str> {
+    let image = &source.root().images[index];
+    let uri = image.uri.as_deref().unwrap_or("");
+    let inside = uri::mime_type(uri);
+    let ending = if inside.is_some() { String::new() } else { uri.to_lowercase() };
+    let mimes = [image.mime_type.as_ref().map(|mime| mime.0.to_lowercase()), inside];
+    let is = |kind: &str| {
+        ending.ends_with(&format!(".{kind}")) || mimes.iter().flatten().any(|mime| *mime == format!("image/{kind}"))
+    };
+    let stated = pictures::OTHER_ENDINGS.into_iter().chain([BASIS]).find(|kind| is(kind));
+    // What cannot be had is an error when the picture is decoded.
+    stated.or_else(|| match image.buffer_view {
+        Some(view) => pictures::other_format(source.view("image", view.value()).ok()?),
+        None => pictures::other_format(&uri::head(&source.path, uri, pictures::HEAD)?),
+    })
+}
+
 /// What a sampler says of the edges.
 fn wraps(sampler: &gltf::texture::Sampler<'_>) -> [Wrap; 2] {
     [sampler.wrap_s(), sampler.wrap_t()].map(|mode| match mode {
@@ -208,16 +220,41 @@ fn wraps(sampler: &gltf::texture::Sampler<'_>) -> [Wrap; 2] {
     })
 }
 
-/// Alpha so that one half is where `alpha * factor` reaches `cutoff`: what a cut-out of the scene compares with.
+/// Alpha so that one half is where `alpha * factor` reaches `cutoff`: what a cut-out of the scene compares with. The map is
+/// affine, so that between two texels the edge lies where the file has it; of those that stay within 0 and 1 it is the steepest.
 fn scale(alpha: u8, factor: f32, cutoff: f32) -> u8 {
     let (value, cutoff) = (f64::from(alpha) / 255.0 * f64::from(factor), f64::from(cutoff));
-    if factor.to_bits() == 1.0_f32.to_bits() && cutoff.to_bits() == 0.5_f64.to_bits() {
-        return alpha;
+    let half = if cutoff < 0.5 { 1.0 - (1.0 - value) * 0.5 / (1.0 - cutoff) } else { value * 0.5 / cutoff };
+    let nearest = (half * 255.0).round() as u8;
+    // Rounding must not carry a texel over the edge.
+    if value < cutoff { nearest.min(127) } else { nearest.max(128) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::scale;
+
+    /// It lay in the middle between a hole and what is whole, whatever the cutoff.
+    #[test]
+    fn the_edge_between_texels_lies_at_the_cutoff() {
+        for (cutoff, factor) in [(0.25, 1.0), (0.5, 1.0), (0.75, 1.0), (0.25, 0.5), (0.3, 0.4)] {
+            for (low, high) in [(0, 255), (20, 250)] {
+                let [from, to] = [low, high].map(|alpha| f64::from(scale(alpha, factor, cutoff)) / 255.0);
+                let [low, high] = [low, high].map(|alpha| f64::from(alpha) / 255.0 * f64::from(factor));
+                let (edge, wanted) = ((0.5 - from) / (to - from), (f64::from(cutoff) - low) / (high - low));
+                assert!((edge - wanted).abs() < 0.02, "cutoff {cutoff}, factor {factor}: {edge}, not {wanted}");
+            }
+        }
     }
-    if value < cutoff {
-        (value / cutoff * 127.0) as u8
-    } else {
-        let rest = if cutoff < 1.0 { ((value - cutoff) / (1.0 - cutoff)).min(1.0) } else { 1.0 };
-        128 + (rest * 127.0) as u8
+
+    #[test]
+    fn each_texel_stays_on_its_side_of_the_cutoff() {
+        for cutoff in (0..=110).map(|percent| percent as f32 / 100.0) {
+            for (alpha, factor) in (0..=255).flat_map(|alpha| [(alpha, 1.0_f32), (alpha, 0.7)]) {
+                let is_shown = f64::from(alpha) / 255.0 * f64::from(factor) >= f64::from(cutoff);
+                assert_eq!(scale(alpha, factor, cutoff) >= 128, is_shown, "{alpha} of {factor} at {cutoff}");
+            }
+        }
+        assert!((0..=255).all(|alpha| scale(alpha, 1.0, 0.5) == alpha), "nothing to change");
     }
 }

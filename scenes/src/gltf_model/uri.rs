@@ -1,5 +1,7 @@
 //! Data that a URI names: inside the URI, or in a file beside the model. Nothing else is opened.
 
+use std::fs::File;
+use std::io::Read;
 use std::path::{Component, Path, PathBuf};
 
 use base64::{
@@ -29,6 +31,29 @@ pub(crate) fn read(model: &Path, at: &Location, what: &str, uri: &str, most: u64
         return Err(SceneError::Limit { at: at.clone(), what: text, fix: "make it smaller".into() });
     }
     rayreel_settings::files::read(&file, most).map_err(missing)
+}
+
+/// The first bytes of what `uri` names, as far as they can be had.
+pub(crate) fn head(model: &Path, uri: &str, most: usize) -> Option<Vec<u8>> {
+    let Some(data) = inside(uri) else {
+        let file = file(model, uri)?;
+        rayreel_settings::files::check(&file, u64::MAX).ok()?;
+        let mut bytes = Vec::new();
+        File::open(file).ok()?.take(most as u64).read_to_end(&mut bytes).ok()?;
+        return Some(bytes);
+    };
+    // Four characters of base64 are three bytes, and one byte may be written `%00`.
+    let start = data.find(',')? + 1;
+    let begin: String = data.chars().take(start + most.div_ceil(3) * 4 * 3).collect();
+    let mut bytes = decode(&Location::File(model.to_owned()), "picture", &begin).ok()?;
+    bytes.truncate(most);
+    Some(bytes)
+}
+
+/// The MIME type that a data URI says its data has, in small letters; none of another URI.
+pub(crate) fn mime_type(uri: &str) -> Option<String> {
+    let head = inside(uri)?.split([';', ',']).next()?;
+    Some(head.trim().to_lowercase())
 }
 
 /// What follows `data:`, where the data stands in the URI itself.

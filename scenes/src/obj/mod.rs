@@ -149,8 +149,7 @@ fn material_slots(
 ) -> Vec<u32> {
     let mut slots = Vec::with_capacity(checked.uses.len());
     for (number, (name, line)) in checked.uses.iter().enumerate() {
-        // A name may hold a `#`; one that nobody knows has a comment behind it.
-        let known = materials.find(name).or_else(|| materials.find(mtl::before_comment(name)));
+        let known = materials.find_stated(name);
         let slot = known.unwrap_or_else(|| unknown_material((path, *line), name, materials, warnings));
         if let (Some(line), Some(material)) = (checked.without_uv.get(&number), materials.get(slot))
             && (material.diffuse_map.is_some() || material.alpha_map.is_some())

@@ -148,10 +148,10 @@ pub enum Light {
     },
 }
 
-/// Vertical gradient behind everything; also the source of ambient light.
+/// Gradient behind everything, along +y whatever a camera's `up` is; also the source of ambient light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sky {
-    /// Linear RGB straight up.
+    /// Linear RGB straight up: along +y.
     pub zenith: Vec3,
     /// Linear RGB at the horizon.
     pub horizon: Vec3,
@@ -168,7 +168,7 @@ pub struct Camera {
     pub eye: Vec3,
     /// A point on the view axis.
     pub target: Vec3,
-    /// Up, not parallel to the view axis.
+    /// Up in the picture, not parallel to the view axis. It does not turn the [`Sky`].
     pub up: Vec3,
     /// Vertical field of view in degrees, between 0 and 180 exclusive.
     pub vfov_deg: f32,

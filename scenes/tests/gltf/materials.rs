@@ -128,12 +128,40 @@ fn pictures_in_other_formats_have_a_warning() {
         (json!({"uri": "b.bmp"}), "bmp"),
         (json!({"uri": "B.TGA"}), "tga"),
         (json!({"uri": "data:image/tiff;base64,SUkqAA==", "mimeType": "image/tiff"}), "tiff"),
+        (json!({"uri": "data:image/WebP;base64,AAAA"}), "webp"),
+        // What the bytes say, where nothing else does: `RIFF....WEBP`, `BM`.
+        (json!({"uri": "data:image/png;base64,UklGRgAAAABXRUJQVlA4IAAAAAA="}), "webp"),
+        (json!({"uri": "data:application/octet-stream,BM%00%00"}), "bmp"),
     ] {
         let mut writer = pictured([255; 2], &json!({}));
         writer.json["images"] = json!([image]);
         let (folder, scene) = writer.load();
         assert_warned(&folder, &scene, 1, &format!("pictures in {kind} are not read, and the plain colour is used"));
     }
+}
+
+/// A picture of another format under the name of one that is read stopped the load; one that is damaged must.
+#[test]
+fn the_bytes_of_a_picture_say_its_format() {
+    let load = |bytes: &[u8]| {
+        let mut writer = pictured([255; 2], &json!({}));
+        let view = writer.view(bytes);
+        writer.json["images"] = json!([{"bufferView": view, "mimeType": "image/png"}]);
+        writer.try_load(&rayreel_scenes::LoadOptions::default())
+    };
+    let (folder, scene) = load(b"RIFF\x10\0\0\0WEBPVP8 ");
+    assert_warned(&folder, &scene.expect("loads"), 1, "pictures in webp are not read, and the plain colour is used");
+    for damaged in [&b"\x89PNG\r\n\x1a\n"[..], &[0xff, 0xd8, 0xff, 0xe0], b"no picture"] {
+        let (folder, scene) = load(damaged);
+        let text = message(&folder, &scene.expect_err("is damaged"));
+        assert!(text.contains("image 0: the texture `image 0` cannot be decoded"), "{text}");
+    }
+    let mut writer = pictured([255; 2], &json!({}));
+    writer.json["images"] = json!([{"uri": "a.png"}]);
+    let folder = crate::folder();
+    std::fs::write(folder.path().join("a.png"), b"BM\0\0\0\0").expect("writes");
+    let scene = crate::load_file(&writer.write_glb(folder.path(), "a"), &rayreel_scenes::LoadOptions::default());
+    assert_warned(&folder, &scene.expect("loads"), 1, "pictures in bmp are not read");
 }
 
 /// What metal reflects and glass lets through was that of the factor alone, and white for most files.

@@ -139,12 +139,26 @@ fn xyz_to_rgb(c: Vec3) -> Vec3 {
     Vec3::new(r, g, b).max(Vec3::ZERO)
 }
 
-/// The file of a texture statement, behind its options, relative to the library's folder.
-pub(crate) fn map_path(line: &MtlLine<'_>, warnings: &mut Warnings) -> Result<PathBuf, SceneError> {
-    let mut rest = line.rest;
+/// What a texture statement says.
+#[derive(Debug)]
+pub(crate) struct Map {
+    /// The file, relative to the library's folder.
+    pub file: PathBuf,
+    /// The statement's line.
+    pub line: usize,
+    /// `-imfchan l` asks for the luminance.
+    pub luminance: bool,
+}
+
+/// Reads a texture statement: its options, and the file behind them.
+pub(crate) fn map(line: &MtlLine<'_>, warnings: &mut Warnings) -> Result<Map, SceneError> {
+    let (mut rest, mut luminance) = (line.rest, false);
     while let Some((option, behind)) = next_option(rest) {
         let (arguments, after) = take_arguments(option, behind);
-        if !harmless(option, &arguments) {
+        if option == "-imfchan" {
+            luminance = arguments == ["l"];
+        }
+        if !harmless(line.keyword, option, &arguments) {
             let (file, number) = (line.path.display(), line.number);
             warnings.add(&format!("map {option}"), || {
                 format!(
@@ -158,7 +172,7 @@ pub(crate) fn map_path(line: &MtlLine<'_>, warnings: &mut Warnings) -> Result<Pa
     if rest.is_empty() {
         return Err(line.bad(format!("`{}` names no file", line.keyword), "add the file name or remove the line"));
     }
-    Ok(file_named(line.path, rest))
+    Ok(Map { file: file_named(line.path, rest), line: line.number, luminance })
 }
 
 /// The option at the front, when the front is one, and what follows it.
@@ -192,14 +206,16 @@ fn take_arguments<'a>(option: &str, mut rest: &'a str) -> (Vec<&'a str>, &'a str
     (arguments, rest)
 }
 
-/// Whether an option with these arguments changes nothing.
-fn harmless(option: &str, arguments: &[&str]) -> bool {
+/// Whether an option with these arguments changes nothing of what the statement means here.
+fn harmless(keyword: &str, option: &str, arguments: &[&str]) -> bool {
     let all = |value: f32| arguments.iter().all(|a| a.parse::<f32>().is_ok_and(|n| (n - value).abs() < 1e-6));
     match option {
         "-s" => all(1.0),
         "-o" | "-t" => all(0.0),
         "-clamp" | "-cc" => arguments == ["off"],
-        "-imfchan" | "-blendu" | "-blendv" | "-texres" => true,
+        // A cut-out has one channel: that of luminance or of alpha.
+        "-imfchan" => keyword != "map_d" || matches!(arguments, ["l" | "m"]),
+        "-blendu" | "-blendv" | "-texres" => true,
         "-mm" => {
             matches!(arguments, [base, gain] if base.parse() == Ok(0.0_f32) && gain.parse() == Ok(1.0_f32))
         }

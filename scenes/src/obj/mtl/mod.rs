@@ -17,6 +17,8 @@
 //! - `d` below 1 on an opaque surface is plain transparency: a dielectric of index 1 (no
 //!   reflection, no bending) that lets `1 - d` through. `d 0` there is what broken exporters write
 //!   for "opaque" and is read so, with a warning.
+//! - `map_d` with the picture of `map_Kd` means its alpha; with another picture, or with `-imfchan l`, the alpha if a texel is
+//!   not opaque, else the luminance.
 //! - `Ni` of a dielectric without one is 1.5, `Ks` of a dielectric without one is 1 (the full
 //!   Fresnel reflection).
 
@@ -25,14 +27,11 @@ mod textures;
 
 pub(crate) use line::before_comment;
 
-use std::{
-    collections::BTreeMap,
-    path::{Path, PathBuf},
-};
+use std::{collections::BTreeMap, path::Path};
 
 use glam::Vec3;
 
-use self::line::MtlLine;
+use self::line::{Map, MtlLine};
 use crate::{
     error::SceneError,
     scene::{Material, Optics},
@@ -46,12 +45,20 @@ pub(crate) use textures::TextureSet;
 pub(crate) struct MaterialList {
     list: Vec<Material>,
     by_name: BTreeMap<String, usize>,
+    /// By what stands before a `#` in their names, which begins a comment where nobody knows the whole.
+    by_bare_name: BTreeMap<String, usize>,
 }
 
 impl MaterialList {
     /// The material of a name.
     pub fn find(&self, name: &str) -> Option<usize> {
         self.by_name.get(name).copied()
+    }
+
+    /// The material that a statement names. A name may hold a `#`: the whole counts before what is left without a comment.
+    pub fn find_stated(&self, name: &str) -> Option<usize> {
+        let bare = before_comment(name);
+        self.find(name).or_else(|| self.find(bare)).or_else(|| self.by_bare_name.get(bare).copied())
     }
 
     /// A material by its place.
@@ -68,6 +75,7 @@ impl MaterialList {
     pub fn append(&mut self, material: Material) -> usize {
         let at = self.list.len();
         self.by_name.entry(material.name.clone()).or_insert(at);
+        self.by_bare_name.entry(before_comment(&material.name).to_owned()).or_insert(at);
         self.list.push(material);
         at
     }
@@ -106,8 +114,8 @@ struct Statements {
     dissolve: Option<f32>,
     transparency: Option<f32>,
     illum: Option<i64>,
-    diffuse_map: Option<(PathBuf, usize)>,
-    alpha_map: Option<(PathBuf, usize)>,
+    diffuse_map: Option<Map>,
+    alpha_map: Option<Map>,
 }
 
 /// Reads one library and appends its materials; a material defined twice keeps its place and the
@@ -158,8 +166,8 @@ fn statement(line: &MtlLine<'_>, into: &mut Statements, warnings: &mut Warnings)
         "d" => into.dissolve = Some(line.dissolve(warnings)?),
         "Tr" => into.transparency = Some(line.number_in(0.0, 1.0)?),
         "illum" => into.illum = Some(line.illum()?),
-        "map_Kd" => into.diffuse_map = Some((line::map_path(line, warnings)?, line.number)),
-        "map_d" => into.alpha_map = Some((line::map_path(line, warnings)?, line.number)),
+        "map_Kd" => into.diffuse_map = Some(line::map(line, warnings)?),
+        "map_d" => into.alpha_map = Some(line::map(line, warnings)?),
         // Ambient light comes from the sky here, and there are no reflection maps to be sharp.
         "Ka" | "map_Ka" | "sharpness" | "map_aat" => {}
         other => {
@@ -200,16 +208,7 @@ fn finish(
         transmission = Vec3::splat(1.0 - opacity);
         diffuse *= opacity;
     }
-    let mut load = |map: &Option<(PathBuf, usize)>, mask: bool| match map {
-        Some((file, line)) => textures.load((path, *line), file, mask, warnings),
-        None => Ok(None),
-    };
-    let (diffuse_map, alpha_map) = (load(&s.diffuse_map, false)?, load(&s.alpha_map, true)?);
-    if s.alpha_map.is_none() && diffuse_map.is_some_and(|map| textures.has_alpha(map)) {
-        warnings.add("alpha of map_Kd", || {
-            format!("{place}: the alpha of its texture is not read: name the file as `map_d` too to cut it out")
-        });
-    }
+    let (diffuse_map, alpha_map) = maps(path, &s, &place, textures, warnings)?;
     let material = Material {
         diffuse,
         specular: if matches!(s.illum, Some(0 | 1)) {
@@ -230,6 +229,43 @@ fn finish(
         warnings.add("newmtl twice", || format!("{place} is defined twice; the later definition counts"));
     }
     Ok(())
+}
+
+/// The textures of colour and of cut-out. A `map_d` that is the picture of the `map_Kd` means its alpha: the luminance of a
+/// picture that is opaque would cut its dark parts out. That counts there only if `-imfchan l` asks for it.
+fn maps(
+    path: &Path,
+    s: &Statements,
+    place: &str,
+    textures: &mut TextureSet,
+    warnings: &mut Warnings,
+) -> Result<(Option<usize>, Option<usize>), SceneError> {
+    let mut load = |map: Option<&Map>, mask: bool| match map {
+        Some(map) => textures.load(path, map, mask, warnings),
+        None => Ok(None),
+    };
+    let of_colour = |mask: &&Map| {
+        !mask.luminance && s.diffuse_map.as_ref().is_some_and(|colour| is_same_file(&colour.file, &mask.file))
+    };
+    let shared = s.alpha_map.as_ref().filter(of_colour).is_some();
+    let (diffuse_map, mask) = (load(s.diffuse_map.as_ref(), false)?, s.alpha_map.as_ref().filter(|_| !shared));
+    let own = load(mask, true)?;
+    let alpha_map = if shared { diffuse_map.filter(|map| textures.has_alpha(*map)) } else { own };
+    if s.alpha_map.is_none() && diffuse_map.is_some_and(|map| textures.has_alpha(map)) {
+        warnings.add("alpha of map_Kd", || {
+            format!("{place}: the alpha of its texture is not read: name the file as `map_d` too to cut it out")
+        });
+    }
+    if alpha_map.is_some_and(|map| textures.is_cut_away(map)) {
+        warnings.add("cut away", || format!("{place}: its texture is below the cutoff everywhere, and cuts all away"));
+    }
+    Ok((diffuse_map, alpha_map))
+}
+
+/// Whether two names are those of one file.
+fn is_same_file(one: &Path, other: &Path) -> bool {
+    let real = |path: &Path| path.canonicalize().ok();
+    one == other || real(one).is_some_and(|one| real(other) == Some(one))
 }
 
 /// Counts what the material says of light that passes, where none does or where it cannot be said.

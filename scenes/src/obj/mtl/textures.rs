@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use image::RgbaImage;
 
+use super::line::Map;
 use crate::{
     error::{Location, SceneError},
     pictures,
@@ -19,12 +20,12 @@ pub(crate) struct TextureSet {
 }
 
 impl TextureSet {
-    /// Loads a texture that a line of a library names. A `mask` is used as `map_d`: without an alpha
-    /// channel its luminance becomes alpha. None for a picture in a format that is not read, which is told.
+    /// Loads a texture that a statement of the library at `path` names. A `mask` is a `map_d` with a picture of its own: where
+    /// that is opaque, its luminance becomes alpha. None for a picture in a format that is not read, which is told.
     pub fn load(
         &mut self,
-        (path, line): (&Path, usize),
-        file: &Path,
+        path: &Path,
+        Map { file, line, .. }: &Map,
         mask: bool,
         warnings: &mut Warnings,
     ) -> Result<Option<usize>, SceneError> {
@@ -32,7 +33,7 @@ impl TextureSet {
         if let Some(known) = self.keys.iter().position(|k| *k == key) {
             return Ok(Some(known));
         }
-        let Some(mut image) = pictures::decode_file(&Location::line(path, line), file)? else {
+        let Some(mut image) = pictures::decode_file(&Location::line(path, *line), file)? else {
             warnings.add("picture format", || {
                 format!(
                     "{}:{line}: `{}` is no PNG or JPEG, and the material is drawn without it; convert it to PNG",
@@ -63,6 +64,11 @@ impl TextureSet {
         self.textures[texture].texels.iter().any(|texel| texel[3] != 255)
     }
 
+    /// Whether nothing is left of what is cut out by a texture.
+    pub fn is_cut_away(&self, texture: usize) -> bool {
+        self.textures[texture].texels.iter().all(|texel| texel[3] < 128)
+    }
+
     /// The files that were read; one that is colour and mask stands there twice.
     pub fn files(&self) -> impl Iterator<Item = PathBuf> {
         self.keys.iter().map(|(file, _)| file.clone())
@@ -74,7 +80,8 @@ impl TextureSet {
     }
 }
 
-/// Puts the luminance into alpha, unless the image already has a texel that is not opaque.
+/// Puts the luminance into alpha, unless the image already has a texel that is not opaque. Masks are often exported as RGBA
+/// whose alpha says nothing.
 fn luminance_to_alpha(image: &mut RgbaImage) {
     if image.pixels().any(|p| p.0[3] != 255) {
         return;
