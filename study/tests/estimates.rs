@@ -8,7 +8,7 @@ use rayreel_machine::config::NamedMachine;
 use rayreel_machine::energy::EnergyReport;
 use rayreel_machine::system::NoProbe;
 use rayreel_replay::counts::FrameStats;
-use rayreel_replay::detail::{Estimate, FLOOR, Replicate};
+use rayreel_replay::detail::{Estimate, FLOOR, Replicate, WholeFrames, WhyWhole};
 use rayreel_replay::sequence::{FrameLoop, Simulator};
 use rayreel_replay::simulate::MachineRun;
 use rayreel_replay::{Detail, NamedPolicy, Options, PathSource, Stop};
@@ -18,7 +18,7 @@ use rayreel_study::point::estimates::{RowEstimates, Sampled};
 use rayreel_study::point::row::{Row, role_of};
 use rayreel_study::report::{Origin, Report};
 use rayreel_study::table::Role;
-use serde_json::Value;
+use serde_json::{Value, json};
 
 /// A frame that was simulated, and what is needed to report it.
 struct Simulated {
@@ -62,7 +62,7 @@ impl Simulated {
             detailed_tiles: 400,
             windows: 5,
             frames: 1,
-            whole_frames: 0,
+            whole_frames: WholeFrames::default(),
             freedom: off.len().saturating_sub(1) as u32,
             replicates: off.iter().map(replicate).collect(),
         };
@@ -137,14 +137,20 @@ fn the_page_says_what_is_estimated() {
     assert_eq!(told.lines().find(|line| line.contains("  rays  ")).map(|line| line.matches('±').count()), Some(1));
     let full = page(frame.run.clone());
     assert!(!full.contains('±') && !full.contains("estimate"), "{full}");
-    // Too few tiles: it was simulated whole, and that is said.
+    // It was simulated whole, and why is said.
     let mut whole = frame.estimated("0.1", &[]);
-    whole.estimate.as_mut().map(|estimate| (estimate.windows, estimate.whole_frames) = (0, 1)).unwrap();
+    whole
+        .estimate
+        .as_mut()
+        .map(|estimate| (estimate.windows, estimate.whole_frames) = (0, WholeFrames::one(WhyWhole::OneTile)))
+        .unwrap();
     let told = page(whole.clone());
     assert!(
-        told.contains("nothing is estimated; 1 frame was simulated whole (too few tiles") && !told.contains('±'),
+        told.contains("nothing is estimated; 1 frame was simulated whole (a single tile is a large part of it)")
+            && !told.contains('±'),
         "{told}"
     );
+    assert_eq!(frame.json(&whole)["detail"]["whole_because"], json!({ "one_tile": 1 }));
     assert!(frame.json(&whole)["detail"]["interval_percent"].as_object().unwrap().is_empty());
 }
 

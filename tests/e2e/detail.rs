@@ -107,6 +107,8 @@ fn uniform_frames_are_simulated_whole_and_that_is_said() {
             let whole = of(asked);
             assert_eq!((&whole["cycles"], &whole["gpu"]), (&full["cycles"], &full["gpu"]), "{machine}, {asked}");
             assert_eq!((&whole["detail"]["windows"], &whole["detail"]["whole_frames"]), (&json!(0), &json!(1)));
+            let why = if machine == "gr6500" { "machine" } else { "uniform" };
+            assert_eq!(whole["detail"]["whole_because"], json!({ why: 1 }), "{machine}, {asked}");
         }
         // Where all is simulated seams alone are off.
         let all = of("--detail all");
@@ -115,11 +117,7 @@ fn uniform_frames_are_simulated_whole_and_that_is_said() {
         assert!(all["detail"]["windows"].as_u64() > Some(0) && off.abs() < said, "{machine}: {off} of {said}");
     }
     let page = rayreel!["replay", "--quiet", &file, "--detail", "5%"].expect(0).out;
-    assert!(
-        page.contains("1 frame was simulated whole (too few tiles or too small ones, tiles too alike")
-            && !page.contains('±'),
-        "{page}"
-    );
+    assert!(page.contains("1 frame was simulated whole (its tiles are too alike)") && !page.contains('±'), "{page}");
 }
 
 #[test]
@@ -134,12 +132,16 @@ fn machines_that_the_pass_does_not_know_are_not_sampled() {
     );
     for machine in ["mimd-trax", "gr6500", "hybrid-raster"] {
         let (sampled, full) = (of(&format!("5% --machine {machine}")), of(&format!("full --machine {machine}")));
-        assert_eq!((&sampled["cycles"], &sampled["detail"]["whole_frames"]), (&full["cycles"], &json!(1)), "{machine}");
+        assert_eq!(
+            (&sampled["cycles"], &sampled["detail"]["whole_because"]),
+            (&full["cycles"], &json!({ "machine": 1 })),
+            "{machine}"
+        );
         assert!(of(&format!("counts --machine {machine}"))["cycles"].is_null());
     }
     // Sixteen tiles a core are sixty-four in flight, of 320: windows would have to be as long as the frame.
     let many = of("5% --machine sgrt-ti2 --set gpu.tiles_in_flight=16");
-    assert_eq!(many["detail"]["whole_frames"], json!(1));
+    assert_eq!(many["detail"]["whole_because"], json!({ "few_tiles": 1 }));
 }
 
 #[test]
@@ -152,7 +154,7 @@ fn what_ends_whole_leaves_its_own_caches_to_the_next_frame() {
     assert!(of("--detail 5%")["detail"]["windows"].as_u64() > Some(0), "it is large enough for a sample");
     // More than there are windows for.
     let (whole, full) = (of("--precision 0.6%"), of("--detail full"));
-    assert_eq!(whole["detail"]["whole_frames"], 2);
+    assert_eq!(whole["detail"]["whole_because"], json!({ "precision": 2 }));
     assert_eq!((&whole["frames"][1]["cycles"], &whole["counters"]), (&full["frames"][1]["cycles"], &full["counters"]));
 }
 

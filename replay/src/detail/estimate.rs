@@ -9,6 +9,7 @@ use rayreel_machine::energy::EnergyReport;
 use rayreel_machine::stats::Stats;
 
 use super::mode::Detail;
+use super::whole::WholeFrames;
 
 /// Half width of an interval, at least, as a part of the value, of a frame of 2048 tiles or more: what windows do not tell
 /// of, such as the seams between them, has been below this (see the bench `detail`).
@@ -34,15 +35,15 @@ pub struct Estimate {
     pub windows: u64,
     /// Frames.
     pub frames: u64,
-    /// Frames that were simulated whole: see [`WHY_WHOLE`].
-    pub whole_frames: u64,
+    /// Frames that were simulated whole.
+    pub whole_frames: WholeFrames,
     /// Degrees of freedom of the intervals; 0 where all frames were simulated whole.
     pub freedom: u32,
     /// The run, estimated again without a part of the windows each.
     pub replicates: Vec<Replicate>,
 }
 
-/// Why a frame is simulated whole though a sample was asked for, as pages say it.
+/// Why frames are simulated whole though a sample was asked for, where nobody knows which reason it was.
 pub const WHY_WHOLE: &str = "too few tiles or too small ones, tiles too alike or too different, a precision that no sample reaches, or a machine that gathers \
                              rays, traces them by threads or has a rasteriser";
 
@@ -82,7 +83,7 @@ impl Estimate {
         self.detailed_tiles += other.detailed_tiles;
         self.windows += other.windows;
         self.frames += other.frames;
-        self.whole_frames += other.whole_frames;
+        self.whole_frames.add(&other.whole_frames);
         // The frame with the fewest windows is the one that knows least.
         self.freedom = match (self.freedom, other.freedom) {
             (0, freedom) | (freedom, 0) => freedom,
@@ -233,7 +234,7 @@ mod tests {
                 detailed_tiles: 100,
                 windows: groups as u64,
                 frames: 1,
-                whole_frames: 0,
+                whole_frames: WholeFrames::default(),
                 freedom: 20,
                 replicates: std::iter::repeat_with(|| cycles(0.0)).take(groups).chain(pairs).collect(),
             }
@@ -258,7 +259,7 @@ mod tests {
             detailed_tiles: 288,
             windows: 2,
             frames: 1,
-            whole_frames: replicates as u64,
+            whole_frames: WholeFrames::default(),
             freedom: 0,
             replicates: vec![Replicate::default(); replicates],
         };
@@ -300,7 +301,7 @@ mod tests {
     fn small_frames_are_known_less_well_and_flights_of_them_better() {
         let of = |frames: u64, tiles: u64| {
             let detail = Detail::All;
-            let (detailed_tiles, windows, whole_frames, freedom) = (0, 0, 0, 0);
+            let (detailed_tiles, windows, whole_frames, freedom) = (0, 0, WholeFrames::default(), 0);
             let replicates = Vec::new();
             Estimate {
                 detail,

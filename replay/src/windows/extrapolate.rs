@@ -8,7 +8,7 @@ use rayreel_machine::stats::Stats;
 use super::calibrate::{rates_used, weights};
 use super::pass::Passed;
 use super::window::Measured;
-use crate::detail::{Detail, Estimate, READS, Replicate, weight_of_pair};
+use crate::detail::{Detail, Estimate, READS, Replicate, WholeFrames, weight_of_pair};
 use crate::simulate::MachineRun;
 
 /// Parts that windows are left out in, one at a time.
@@ -75,7 +75,7 @@ pub fn extrapolate(config: &MachineConfig, passed: &Passed, detail: Detail) -> M
         detailed_tiles: (part * tiles as f64).round().min(tiles as f64) as u64,
         windows: passed.windows.len() as u64,
         frames: 1,
-        whole_frames: 0,
+        whole_frames: WholeFrames::default(),
         freedom,
         replicates,
     };

@@ -25,7 +25,7 @@ use rayreel_machine::system::Probe;
 use rayreel_machine::work::check::PathCounts;
 use rayreel_machine::work::topology::Topology;
 
-use crate::detail::{Detail, Estimate, Replicate};
+use crate::detail::{Detail, Estimate, Replicate, WholeFrames, WhyWhole};
 use crate::error::{ReplayError, Result};
 use crate::frame::{FrameReplay, PassedFrame, Replayer};
 use crate::policy::Sampler;
@@ -74,7 +74,12 @@ pub fn simulate_estimated<S: PathSource + ?Sized, P: Probe>(
     let begin = simulation.replayer.fork();
     let sampled = begin.is_some() && places.iter().any(Option::is_some);
     if !sampled && detail != Detail::Counts {
-        let (passed, runs) = simulation.whole(machines)?;
+        let why = |(_, config): &Named<'_>, places: &Option<Places>| match places {
+            Some(_) => WhyWhole::Policy,
+            None => no_places(detail, config),
+        };
+        let why: Vec<_> = machines.iter().zip(&places).map(|(machine, places)| why(machine, places)).collect();
+        let (passed, runs) = simulation.whole(machines, &why)?;
         return Ok((simulation.replayer.finish(passed)?, runs));
     }
     let (passed_frame, mut passed) = simulation.pass(machines, &places)?;
@@ -88,7 +93,7 @@ pub fn simulate_estimated<S: PathSource + ?Sized, P: Probe>(
     // The next frame begins with what the functional pass left, however often this one was passed. What was simulated whole has left
     // its own caches.
     for (((_, config), left), run) in machines.iter().zip(left).zip(&runs) {
-        let is_whole = run.estimate.as_ref().is_some_and(|estimate| estimate.whole_frames > 0);
+        let is_whole = run.estimate.as_ref().is_some_and(|estimate| estimate.whole_frames.total() > 0);
         left.into_iter().filter(|_| !is_whole).for_each(|left| simulation.replayer.caches.keep(config, frame, || left));
     }
     Ok((simulation.replayer.finish(passed_frame)?, runs))
@@ -104,6 +109,11 @@ fn slots(config: &MachineConfig) -> usize {
 fn is_sampled(config: &MachineConfig) -> bool {
     let is_raster = config.gpu.primary_visibility == PrimaryVisibility::Raster;
     !is_raster && !matches!(config.ti.pipeline, Pipeline::Gathering | Pipeline::Software)
+}
+
+/// Why a frame has no places for windows on a machine.
+fn no_places(detail: Detail, config: &MachineConfig) -> WhyWhole {
+    if detail == Detail::All || is_sampled(config) { WhyWhole::FewTiles } else { WhyWhole::Machine }
 }
 
 /// What a machine has under way at a time, at most.
@@ -176,14 +186,20 @@ impl<S: PathSource + ?Sized, P: Probe> Simulation<'_, '_, S, P> {
         if self.detail == Detail::Counts {
             return Ok(counted(config, &passed));
         }
+        let mut why = no_places(self.detail, config);
         for pass in 1..=PASSES {
-            let Some(held) = places.filter(|_| self.has_typical_parts(&passed.sizes, slots(config))) else { break };
+            let Some(held) = places else { break };
+            if let Some(no_parts) = self.without_typical_parts(&passed.sizes, slots(config)) {
+                why = no_parts;
+                break;
+            }
             let run = extrapolate::extrapolate(config, &passed, self.detail);
             let Detail::Precision(wanted) = self.detail else { return Ok(run) };
             let width = widest(&run);
             if width <= wanted.fraction() {
                 return Ok(run);
             }
+            why = WhyWhole::Precision;
             if pass == PASSES {
                 break;
             }
@@ -199,7 +215,7 @@ impl<S: PathSource + ?Sized, P: Probe> Simulation<'_, '_, S, P> {
             }
         }
         begin.into_iter().for_each(|begin| self.replayer.restore(begin));
-        let (_, runs) = self.whole(&[machine])?;
+        let (_, runs) = self.whole(&[machine], &[why])?;
         only(runs)
     }
 
@@ -209,23 +225,26 @@ impl<S: PathSource + ?Sized, P: Probe> Simulation<'_, '_, S, P> {
         places.by_work(&line)
     }
 
-    /// Whether windows can stand for a frame of these tiles. Under `all` they stand for themselves, uniform or not.
-    fn has_typical_parts(&self, tiles: &[f64], slots: usize) -> bool {
-        !is_dominated(tiles, slots) && (self.detail == Detail::All || !is_uniform(tiles, slots))
+    /// Why windows cannot stand for a frame of these tiles; nothing if they can. Under `all` they stand for themselves, uniform or not.
+    fn without_typical_parts(&self, tiles: &[f64], slots: usize) -> Option<WhyWhole> {
+        if is_dominated(tiles, slots) {
+            return Some(WhyWhole::OneTile);
+        }
+        (self.detail != Detail::All && is_uniform(tiles, slots)).then_some(WhyWhole::Uniform)
     }
 
-    /// Every cycle of a frame whose tiles are too few, too different or too alike.
-    fn whole(&mut self, machines: &[Named<'_>]) -> Result<(PassedFrame, Vec<MachineRun>)> {
+    /// Every cycle of a frame that a sample cannot stand for, with the reason on each machine.
+    fn whole(&mut self, machines: &[Named<'_>], why: &[WhyWhole]) -> Result<(PassedFrame, Vec<MachineRun>)> {
         let (passed, mut runs) = pass_all(self.replayer, self.frame, self.tree, machines, self.probe)?;
         let tiles = u64::from(self.replayer.source().meta().tile_count());
-        for run in &mut runs {
+        for (run, why) in runs.iter_mut().zip(why) {
             run.estimate = Some(Estimate {
                 detail: self.detail,
                 tiles,
                 detailed_tiles: tiles,
                 windows: 0,
                 frames: 1,
-                whole_frames: 1,
+                whole_frames: WholeFrames::one(*why),
                 freedom: 0,
                 replicates: vec![Replicate { stats: run.stats.clone(), energy: run.energy.clone() }],
             });
@@ -244,7 +263,7 @@ fn counted(config: &MachineConfig, passed: &Passed) -> MachineRun {
         detailed_tiles: 0,
         windows: 0,
         frames: 1,
-        whole_frames: 0,
+        whole_frames: WholeFrames::default(),
         freedom: 0,
         replicates: Vec::new(),
     };

@@ -16,7 +16,7 @@ use rayreel_machine::config::MachineConfig;
 use rayreel_machine::functional::{counted_counters, exact_counters};
 use rayreel_machine::stats::Stats;
 use rayreel_replay::Detail;
-use rayreel_replay::detail::{Estimate, half_width};
+use rayreel_replay::detail::{Estimate, WholeFrames, half_width};
 use rayreel_replay::simulate::MachineRun;
 
 /// Name of the bytes that DRAM read and wrote, among the intervals: no column by itself but the sum of some.
@@ -40,6 +40,8 @@ pub struct DetailReport {
     pub windows: u64,
     /// Frames that were simulated whole.
     pub whole_frames: u64,
+    /// How many of them for which reason, where a sample was asked for: a [`rayreel_replay::detail::WhyWhole`] by its name.
+    pub whole_because: Map<String, Value>,
     /// Half the width of the 95 % interval of each figure that is estimated, in percent of its value, by the name of its column; null
     /// where nothing is known of it. What is not listed is exact.
     pub interval_percent: Map<String, Value>,
@@ -59,7 +61,8 @@ impl DetailReport {
             precision: None,
             fraction: estimate.fraction(),
             windows: estimate.windows,
-            whole_frames: estimate.whole_frames,
+            whole_frames: estimate.whole_frames.total(),
+            whole_because: because(&estimate.whole_frames),
             interval_percent: Map::new(),
             replicates: Value::Null,
         };
@@ -87,6 +90,7 @@ impl DetailReport {
             fraction: 1.0,
             windows: 0,
             whole_frames: frames as u64,
+            whole_because: Map::new(),
             interval_percent: Map::new(),
             replicates: Value::Null,
         }
@@ -114,6 +118,11 @@ impl DetailReport {
 }
 
 /// The runs of which the replicates of an estimate tell.
+/// The reasons of frames that were simulated whole, by their names.
+fn because(frames: &WholeFrames) -> Map<String, Value> {
+    frames.reasons().map(|(why, count)| (why.name().to_owned(), count.into())).collect()
+}
+
 fn replicates<'a>(run: &'a MachineRun, estimate: &'a Estimate) -> impl Iterator<Item = MachineRun> + 'a {
     estimate.replicates.iter().map(|replicate| MachineRun {
         stats: replicate.stats.clone(),

@@ -1,12 +1,12 @@
 //! What a report says of how much was simulated, where that is not every cycle.
 
-use serde_json::Value;
+use serde_json::{Map, Value};
 
 use rayreel_replay::Detail;
-use rayreel_replay::detail::WHY_WHOLE;
+use rayreel_replay::detail::{WHY_WHOLE, WhyWhole};
 
 /// How much of a run was simulated.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Extent<'a> {
     /// `full`, `all`, `sampled`, `precision` or `counts`.
     pub mode: &'a str,
@@ -16,6 +16,8 @@ pub struct Extent<'a> {
     pub windows: u64,
     /// Frames that were simulated whole.
     pub whole_frames: u64,
+    /// For which reasons, as far as that is known.
+    pub whole_because: Vec<(WhyWhole, u64)>,
     /// Whether processors stand in the place of T&I units and of the SRPs' arrays.
     pub has_processors: bool,
 }
@@ -30,6 +32,7 @@ impl<'a> Extent<'a> {
             fraction: detail["fraction"].as_f64().unwrap_or(1.0),
             windows: number("windows"),
             whole_frames: number("whole_frames"),
+            whole_because: reasons(detail["whole_because"].as_object()),
             has_processors: report["machine_config"]["ti.pipeline"]["value"] == "software",
         })
     }
@@ -39,8 +42,8 @@ impl<'a> Extent<'a> {
         let Self { mode, windows, .. } = self;
         let whole = match self.whole_frames {
             0 => String::new(),
-            1 => format!("; 1 frame was simulated whole ({WHY_WHOLE})"),
-            n => format!("; {n} frames were simulated whole ({WHY_WHOLE})"),
+            1 => format!("; 1 frame was simulated whole ({})", self.why()),
+            n => format!("; {n} frames were simulated whole ({})", self.why()),
         };
         if *mode == Detail::Full.mode() {
             Vec::new()
@@ -62,4 +65,22 @@ impl<'a> Extent<'a> {
             vec![format!("nothing is estimated{whole}")]
         }
     }
+
+    /// Why frames were simulated whole. Reports of older builds do not say which of the reasons it was.
+    fn why(&self) -> String {
+        match self.whole_because.as_slice() {
+            [] => WHY_WHOLE.to_owned(),
+            [(why, _)] => why.words().to_owned(),
+            several => {
+                let each: Vec<_> = several.iter().map(|(why, frames)| format!("{frames}: {}", why.words())).collect();
+                each.join("; ")
+            }
+        }
+    }
+}
+
+/// The reasons in a report, with their frames.
+pub(super) fn reasons(of_report: Option<&Map<String, Value>>) -> Vec<(WhyWhole, u64)> {
+    let frames = |why: WhyWhole| of_report?.get(why.name())?.as_u64().map(|frames| (why, frames));
+    WhyWhole::ALL.into_iter().filter_map(frames).collect()
 }

@@ -6,7 +6,7 @@ use crate::figures::RunCost;
 use crate::report::Report;
 use crate::report::counters::{code_l1, ist_activity, ist_l1, processors, srp_l1, srp_sum, stages, trv_l1};
 use crate::report::detail::DetailReport;
-use crate::report::extent::Extent;
+use crate::report::extent::{Extent, reasons};
 use crate::report::format::{amount, digits, grouped, percent, plus_minus};
 use rayreel_machine::AreaReport;
 use rayreel_machine::config::{Dram, MachineConfig};
@@ -45,7 +45,8 @@ pub(super) fn write(f: &mut Formatter<'_>, report: &Report) -> fmt::Result {
 /// What was simulated, if that is not all.
 fn extent(f: &mut Formatter<'_>, detail: &DetailReport, has_processors: bool) -> fmt::Result {
     let DetailReport { mode, fraction, windows, whole_frames, .. } = *detail;
-    let clauses = Extent { mode, fraction, windows, whole_frames, has_processors }.clauses();
+    let whole_because = reasons(Some(&detail.whole_because));
+    let clauses = Extent { mode, fraction, windows, whole_frames, whole_because, has_processors }.clauses();
     clauses.iter().try_for_each(|clause| writeln!(f, "  {clause}"))?;
     if clauses.is_empty() { Ok(()) } else { writeln!(f) }
 }
