@@ -1,6 +1,7 @@
 //! The native part of the Python package `rayreel`: traces, columns, replays and simulations. What Python programs see of it is
 //! written in `rayreel/`, in Python.
 
+mod arguments;
 mod batches;
 mod columns;
 mod error;

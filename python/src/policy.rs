@@ -1,11 +1,13 @@
 //! A policy that is an object of Python: for trying an idea out. It decides each tile by itself.
 
+use std::io::{Write as _, stderr};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, TryLockError, Weak};
+use std::time::{Duration, Instant};
 
 use pyo3::exceptions::{PyKeyboardInterrupt, PySystemExit};
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyType};
+use pyo3::types::{PyDict, PyString, PyType};
 use rayreel_formats::scene::{Camera, Meta};
 use rayreel_replay::Stop;
 use rayreel_replay::counts::TileStats;
@@ -17,6 +19,9 @@ use crate::wait::{LOOK, is_forked, within};
 
 /// The policies that may be at work; nothing once the program ends.
 static LIVE: Mutex<Option<Vec<Weak<Callee>>>> = Mutex::new(Some(Vec::new()));
+
+/// How long the end of a program waits for a call before it says so.
+const QUIET: Duration = Duration::from_secs(2);
 
 /// No thread: Python gives none this number.
 const NOBODY: u64 = 0;
@@ -39,6 +44,8 @@ enum Part {
 /// The object, which the threads of a replay call.
 struct Callee {
     object: Py<PyAny>,
+    /// The name that results show.
+    name: String,
     /// Ends the replay.
     stop: Stop,
     /// Held during a call, so the object is called once at a time. It is taken before Python is: who waits for it keeps no one else
@@ -127,7 +134,17 @@ pub fn end_policies(py: Python<'_>) -> PyResult<()> {
         callee.note(Moment { frame: 0, part: Part::Begin }, PySystemExit::new_err(()));
         // Without it the call ends by itself.
         let _ = callee.interrupt(&py.get_type::<PySystemExit>());
+        let (began, mut told) = (Instant::now(), false);
         while callee.is_called() {
+            // It is not left behind: if C returned to Python while Python ends, the process would abort.
+            if !told && began.elapsed() >= QUIET {
+                told = true;
+                let name = &callee.name;
+                let _ = writeln!(
+                    stderr(),
+                    "rayreel: the program ends when policy {name} returns from its call, or with Ctrl-C"
+                );
+            }
             py.detach(|| std::thread::sleep(LOOK));
             py.check_signals()?;
         }
@@ -135,10 +152,9 @@ pub fn end_policies(py: Python<'_>) -> PyResult<()> {
     Ok(())
 }
 
-/// The object, with the name that results show.
+/// The object as a policy.
 pub struct InPython {
     callee: Arc<Callee>,
-    name: String,
 }
 
 impl InPython {
@@ -155,22 +171,25 @@ impl InPython {
                 "a policy is the name of a preset, a file, or an object with a method begin_tile(view), not {kind}"
             )));
         }
-        let name = match bound.getattr_opt("name")? {
-            Some(name) => {
-                name.extract().map_err(|_| refuse(format!("the name of a policy is text, not {}", name.get_type())))?
+        for part in ["begin_frame", "end_frame"] {
+            if let Some(other) = bound.getattr_opt(part)?.filter(|method| !method.is_callable()) {
+                let kind = other.get_type().name()?;
+                return Err(refuse(format!(
+                    "{part} of a policy is a method, not {kind}; leave it out if it does nothing"
+                )));
             }
-            None => bound.get_type().name()?.to_string(),
-        };
+        }
+        let name = name_of(bound)?;
         let (turn, caller, failure) = (Mutex::default(), AtomicU64::new(NOBODY), Mutex::default());
-        let callee = Arc::new(Callee { object, stop, turn, caller, failure });
+        let callee = Arc::new(Callee { object, name, stop, turn, caller, failure });
         match &mut *lock(&LIVE) {
             Some(live) => {
                 live.retain(|callee| callee.strong_count() > 0);
                 live.push(Arc::downgrade(&callee));
             }
-            None => return Err(PySystemExit::new_err(())),
+            None => return Err(too_late(py)?),
         }
-        Ok(Self { callee, name })
+        Ok(Self { callee })
     }
 
     /// What the object raised, if it did.
@@ -185,14 +204,36 @@ impl InPython {
     }
 }
 
+/// The name that results show: that of the class, unless the object has one.
+fn name_of(object: &Bound<'_, PyAny>) -> PyResult<String> {
+    let Some(name) = object.getattr_opt("name")? else {
+        return Ok(object.get_type().name()?.to_string());
+    };
+    let Ok(text) = name.cast::<PyString>() else {
+        return Err(refuse(format!("the name of a policy is text, not {}", name.get_type().name()?)));
+    };
+    match text.to_str() {
+        Ok(text) => Ok(text.to_owned()),
+        Err(_) => Err(refuse(format!("the name of a policy is no UTF-8: {}", text.repr()?))),
+    }
+}
+
+/// What is raised once policies have ended. A thread beside the program's own ends quietly by it, as those do that had one at work.
+fn too_late(py: Python<'_>) -> PyResult<PyErr> {
+    const TEXT: &str = "Python is ending: no policy in Python can be called any more";
+    let threads = py.import("threading")?;
+    let is_main = threads.call_method0("current_thread")?.is(&threads.call_method0("main_thread")?);
+    Ok(if is_main { refuse(TEXT) } else { PySystemExit::new_err(TEXT) })
+}
+
 impl SamplePolicy for InPython {
     fn name(&self) -> String {
-        self.name.clone()
+        self.callee.name.clone()
     }
 
     /// Nothing is kept under it: results of such a policy stand in no store.
     fn text(&self) -> String {
-        format!("in Python: {}", self.name)
+        format!("in Python: {}", self.callee.name)
     }
 
     fn sampler(&self, _: &Meta) -> rayreel_replay::Result<Box<dyn Sampler>> {

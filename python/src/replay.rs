@@ -62,7 +62,9 @@ pub fn frames_of(
         None => Some(InPython::new(py, request.policy.clone_ref(py), stop.clone())?),
     };
     let (policy, machine) = settings(name.as_deref(), request.machine.as_deref(), &request.overrides, lacks)?;
-    let detail: Detail = request.detail.as_deref().unwrap_or("full").parse().map_err(refuse)?;
+    // What the command has an option of its own for is a detail here.
+    let refused = |error: String| refuse(format!("detail: {error}; `precision P`, such as precision 0.01, is one too"));
+    let detail: Detail = request.detail.as_deref().unwrap_or("full").parse().map_err(refused)?;
     let mut selection = Selection::all(trace.meta());
     if let Some((first, end)) = request.frames {
         selection = selection.frames(first..end).map_err(|e| raise(&e))?;

@@ -11,11 +11,15 @@ use rayreel_formats::scene::Rect;
 use rayreel_replay::policy::tree::{Node, SurfacePoint};
 use rayreel_replay::policy::{SampleState, TileView as Lent, between};
 
+use crate::arguments::{Given, Whole, or_none};
 use crate::columns::{picture, plane};
 use crate::error::refuse;
 
 /// Column and row as Python gives them, which may lie anywhere.
 type Sample = (i64, i64);
+
+/// The largest part of a colour: pixels are sums, and these stay finite.
+const BRIGHTEST: f32 = 1e30;
 
 scoped_tls_hkt::scoped_thread_local!(static mut LENT: for<'a> &'a mut Lent);
 // Which loan it is: tiles of another frame have the same numbers and places.
@@ -108,36 +112,53 @@ fn surface<T>(of: impl Fn(&SurfacePoint) -> T) -> impl Fn(&Node) -> Option<T> {
     move |node| node.surface.as_ref().map(&of)
 }
 
-/// So many values out of a list, a tuple, an array, or whatever else gives them one by one.
-fn values<T: for<'a, 'py> FromPyObject<'a, 'py>, const N: usize>(given: &Bound<'_, PyAny>) -> Option<[T; N]> {
-    let value = |item: PyResult<Bound<'_, PyAny>>| item.ok()?.extract().ok();
-    let values: Option<Vec<T>> = given.try_iter().ok()?.take(N + 1).map(value).collect();
-    values?.try_into().ok()
+/// So many values out of a list, a tuple, an array, or whatever else gives them one by one; nothing if it does not.
+fn values<T: for<'a, 'py> FromPyObject<'a, 'py>, const N: usize>(given: &Bound<'_, PyAny>) -> PyResult<Option<[T; N]>> {
+    let all = || given.try_iter()?.take(N + 1).map(|item| item?.extract().map_err(Into::into)).collect();
+    let values: Option<Vec<T>> = or_none(all())?;
+    Ok(values.and_then(|values| values.try_into().ok()))
 }
 
 /// A sample as Python gives it.
 fn sample(given: &Bound<'_, PyAny>) -> PyResult<Sample> {
-    match values(given) {
-        Some([x, y]) => Ok((x, y)),
+    match values(given)? {
+        Some([Whole(x), Whole(y)]) => Ok((x, y)),
         None => Err(refuse(format!("a sample is its column and its row, such as (8, 3), not {given}"))),
     }
 }
 
+/// The same in two arguments.
+fn sample_at(x: Given<Whole>, y: Given<Whole>) -> PyResult<Sample> {
+    const WHAT: &str = "a whole number in the tile";
+    Ok((x.value("x", WHAT)?.0, y.value("y", WHAT)?.0))
+}
+
 /// A colour as Python gives it.
 fn colour_of(given: &Bound<'_, PyAny>) -> PyResult<Vec3> {
-    match values(given) {
-        Some([x, y, z]) if [x, y, z].iter().all(|part: &f32| part.is_finite() && *part >= 0.0) => Ok(Vec3 { x, y, z }),
-        _ => Err(refuse(format!("a colour is three finite numbers of 0 or more, not {given}"))),
+    match values(given)? {
+        Some([x, y, z]) if [x, y, z].iter().all(|part| (0.0..=BRIGHTEST).contains(part)) => Ok(Vec3 { x, y, z }),
+        _ => Err(refuse(format!("a colour is three numbers from 0 to {BRIGHTEST:e}, not {given}"))),
     }
 }
 
 /// A round as Python gives it.
-fn round_of(round: i64) -> PyResult<u8> {
-    u8::try_from(round).map_err(|_| refuse(format!("a round is from 0 to 255, not {round}")))
+fn round_of(round: Given<Whole>) -> PyResult<u8> {
+    const WHAT: &str = "a whole number from 0 to 255";
+    let Whole(round) = round.value("round", WHAT)?;
+    u8::try_from(round).map_err(|_| refuse(format!("round is {WHAT}, not {round}")))
 }
 
-fn state(reference: bool) -> SampleState {
-    if reference { SampleState::Reference } else { SampleState::Traced }
+/// How far from one sample to another, as Python gives it.
+fn share_of(share: Given<f32>) -> PyResult<f32> {
+    const WHAT: &str = "a number from 0 to 1";
+    let share = share.value("share", WHAT)?;
+    if (0.0..=1.0).contains(&share) { Ok(share) } else { Err(refuse(format!("share is {WHAT}, not {share}"))) }
+}
+
+/// What becomes of samples that are traced.
+fn traced(reference: Given<bool>) -> PyResult<SampleState> {
+    let reference = reference.value("reference", "True or False")?;
+    Ok(if reference { SampleState::Reference } else { SampleState::Traced })
 }
 
 #[pymethods]
@@ -173,20 +194,26 @@ impl TileView {
     }
 
     /// Traces a sample with all its rays.
-    #[pyo3(signature = (x, y, round=0, reference=true))]
-    fn trace(&self, x: i64, y: i64, round: i64, reference: bool) -> PyResult<()> {
-        let round = round_of(round)?;
+    #[pyo3(
+        signature = (x, y, round=Given::default(Whole(0)), reference=Given::default(true)),
+        text_signature = "($self, x, y, round=0, reference=True)"
+    )]
+    fn trace(&self, x: Given<Whole>, y: Given<Whole>, round: Given<Whole>, reference: Given<bool>) -> PyResult<()> {
+        let (at, round, state) = (sample_at(x, y)?, round_of(round)?, traced(reference)?);
         self.with(|tile| {
-            let (x, y) = self.open(tile, (x, y))?;
-            tile.trace(x, y, state(reference), round);
+            let (x, y) = self.open(tile, at)?;
+            tile.trace(x, y, state, round);
             Ok(())
         })
     }
 
     /// Traces the samples where `mask`, of the tile's rows and columns, is true.
-    #[pyo3(signature = (mask, round=0, reference=true))]
-    fn trace_mask(&self, mask: &Bound<'_, PyAny>, round: i64, reference: bool) -> PyResult<()> {
-        let (round, (width, height)) = (round_of(round)?, self.size());
+    #[pyo3(
+        signature = (mask, round=Given::default(Whole(0)), reference=Given::default(true)),
+        text_signature = "($self, mask, round=0, reference=True)"
+    )]
+    fn trace_mask(&self, mask: &Bound<'_, PyAny>, round: Given<Whole>, reference: Given<bool>) -> PyResult<()> {
+        let (round, state, (width, height)) = (round_of(round)?, traced(reference)?, self.size());
         let mask: PyReadonlyArray2<'_, bool> = mask.extract().map_err(|_| {
             refuse(format!(
                 "the mask is an array of bool of two dimensions, of shape ({height}, {width}) for this tile"
@@ -200,28 +227,29 @@ impl TileView {
             let wanted = tile.samples().zip(mask.iter()).filter(|(_, wanted)| **wanted);
             let wanted: Vec<(u32, u32)> = wanted.map(|(at, _)| at).collect();
             wanted.iter().try_for_each(|&(x, y)| self.open(tile, (x.into(), y.into())).map(drop))?;
-            wanted.iter().for_each(|&(x, y)| tile.trace(x, y, state(reference), round));
+            wanted.iter().for_each(|&(x, y)| tile.trace(x, y, state, round));
             Ok(())
         })
     }
 
     /// Gives a sample what lies `share` of the way from sample `near` to sample `far`.
-    #[pyo3(signature = (x, y, near, far, share=0.5, round=1))]
+    #[pyo3(
+        signature = (x, y, near, far, share=Given::default(0.5), round=Given::default(Whole(1))),
+        text_signature = "($self, x, y, near, far, share=0.5, round=1)"
+    )]
     fn interpolate(
         &self,
-        x: i64,
-        y: i64,
+        x: Given<Whole>,
+        y: Given<Whole>,
         near: &Bound<'_, PyAny>,
         far: &Bound<'_, PyAny>,
-        share: f32,
-        round: i64,
+        share: Given<f32>,
+        round: Given<Whole>,
     ) -> PyResult<()> {
-        if !(0.0..=1.0).contains(&share) {
-            return Err(refuse(format!("a share is from 0 to 1, not {share}")));
-        }
-        let (round, near, far) = (round_of(round)?, sample(near)?, sample(far)?);
+        let (at, share, round) = (sample_at(x, y)?, share_of(share)?, round_of(round)?);
+        let (near, far) = (sample(near)?, sample(far)?);
         self.with(|tile| {
-            let (x, y) = self.open(tile, (x, y))?;
+            let (x, y) = self.open(tile, at)?;
             let (near, far) = (self.tree(tile, near)?, self.tree(tile, far)?);
             let tree = if share <= 0.5 { between(near, far, share) } else { between(far, near, 1.0 - share) };
             tile.interpolate(x, y, &tree, round);
@@ -230,26 +258,32 @@ impl TileView {
     }
 
     /// Gives a sample what sample `source` has.
-    #[pyo3(signature = (x, y, source, round=1))]
-    fn copy(&self, x: i64, y: i64, source: &Bound<'_, PyAny>, round: i64) -> PyResult<()> {
-        let (round, source) = (round_of(round)?, sample(source)?);
+    #[pyo3(
+        signature = (x, y, source, round=Given::default(Whole(1))),
+        text_signature = "($self, x, y, source, round=1)"
+    )]
+    fn copy(&self, x: Given<Whole>, y: Given<Whole>, source: &Bound<'_, PyAny>, round: Given<Whole>) -> PyResult<()> {
+        let (at, round, source) = (sample_at(x, y)?, round_of(round)?, sample(source)?);
         self.with(|tile| {
-            let (x, y) = self.open(tile, (x, y))?;
+            let (x, y) = self.open(tile, at)?;
             let tree = self.tree(tile, source)?.to_vec();
             tile.interpolate(x, y, &tree, round);
             Ok(())
         })
     }
 
-    /// Gives a sample a colour, linear RGB of three finite numbers of 0 or more, and no surface.
-    #[pyo3(signature = (x, y, colour, round=1))]
-    fn paint(&self, x: i64, y: i64, colour: &Bound<'_, PyAny>, round: i64) -> PyResult<()> {
-        let (round, colour) = (round_of(round)?, colour_of(colour)?);
+    /// Gives a sample a colour, linear RGB of three numbers from 0 to 1e30, and no surface.
+    #[pyo3(
+        signature = (x, y, colour, round=Given::default(Whole(1))),
+        text_signature = "($self, x, y, colour, round=1)"
+    )]
+    fn paint(&self, x: Given<Whole>, y: Given<Whole>, colour: &Bound<'_, PyAny>, round: Given<Whole>) -> PyResult<()> {
+        let (at, round, colour) = (sample_at(x, y)?, round_of(round)?, colour_of(colour)?);
         let none = (None, None);
         let (surface, (reflect, refract)) = (None, none);
         let node = Node { surface, local: colour, colour, reflect, refract, hit_rays: 0, rays: 0, len: 1, age: 0 };
         self.with(|tile| {
-            let (x, y) = self.open(tile, (x, y))?;
+            let (x, y) = self.open(tile, at)?;
             tile.interpolate(x, y, &[node], round);
             Ok(())
         })

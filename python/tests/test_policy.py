@@ -118,18 +118,27 @@ def test_paint(cornell: rayreel.Trace):
         (lambda view: view.interpolate(view.x, view.y, (0, 0), (0, 0), share=2.0), "from 0 to 1"),
         (lambda view: view.trace(-1, 0), r"sample \(-1, 0\) is not in the tile"),
         (lambda view: view.copy(view.x, view.y, (-1, view.y)), r"sample \(-1, \d+\) is not in the tile"),
-        (lambda view: view.trace(view.x, view.y, round=256), "a round is from 0 to 255, not 256"),
-        (lambda view: view.paint(view.x, view.y, (0, 0, 0), round=-1), "a round is from 0 to 255, not -1"),
+        (lambda view: view.trace(view.x, view.y, round=256), "round is a whole number from 0 to 255, not 256"),
+        (lambda view: view.paint(view.x, view.y, (0, 0, 0), round=-1), "round is a whole number from 0 to 255, not -1"),
         (lambda view: view.trace_mask(np.ones((view.height, view.width), np.uint8)), "the mask is an array of bool"),
         (lambda view: view.trace_mask([[True]]), "the mask is an array of bool"),
-        (lambda view: view.paint(view.x, view.y, (0, np.nan, 0)), "a colour is three finite numbers of 0 or more, not"),
-        (lambda view: view.paint(view.x, view.y, (0, 0, np.inf)), "a colour is three finite numbers of 0 or more, not"),
-        (lambda view: view.paint(view.x, view.y, (0, 0, 1e300)), "a colour is three finite numbers of 0 or more, not"),
+        (lambda view: view.paint(view.x, view.y, (0, np.nan, 0)), "a colour is three numbers from 0 to 1e30, not"),
+        (lambda view: view.paint(view.x, view.y, (0, 0, np.inf)), "a colour is three numbers from 0 to 1e30, not"),
+        (lambda view: view.paint(view.x, view.y, (0, 0, 1e300)), "a colour is three numbers from 0 to 1e30, not"),
         (lambda view: view.paint(view.x, view.y, (-0.1, 0, 0)), r"a colour is.*not \(-0.1, 0, 0\)"),
         (lambda view: view.paint(view.x, view.y, (0, 0)), r"a colour is.*not \(0, 0\)"),
         (lambda view: view.paint(view.x, view.y, "red"), "a colour is.*not red"),
         (lambda view: view.copy(view.x, view.y, 3), "a sample is its column and its row, such as .*, not 3"),
         (lambda view: view.copy(view.x, view.y, (1, 2, 3)), "a sample is its column and its row"),
+        (lambda view: view.copy(view.x, view.y, (True, False)), "a sample is its column and its row"),
+        (lambda view: view.paint(view.x, view.y, (3e38, 3e38, 3e38)), "a colour is three numbers from 0 to 1e30, not"),
+        (lambda view: view.trace(2**70, 0), f"x is a whole number in the tile, not {2**70}"),
+        (lambda view: view.trace(view.x, "a"), "y is a whole number in the tile, not 'a'"),
+        (lambda view: view.trace(view.x, 1 << 20000), "y is a whole number in the tile, not"),
+        (lambda view: view.trace(view.x, view.y, round=2**70), "round is a whole number from 0 to 255, not"),
+        (lambda view: view.trace(view.x, view.y, round=True), "round is a whole number from 0 to 255, not True"),
+        (lambda view: view.trace(view.x, view.y, reference=1), "reference is True or False, not 1"),
+        (lambda view: view.interpolate(view.x, view.y, (0, 0), (0, 0), share=2**2000), "share is a number from 0 to 1"),
     ],
 )
 def test_wrong_policies_are_told(cornell: rayreel.Trace, decide, says: str):
@@ -139,6 +148,67 @@ def test_wrong_policies_are_told(cornell: rayreel.Trace, decide, says: str):
 
     with pytest.raises(rayreel.Error, match=says):
         cornell.replay(Wrong())
+
+
+def interrupted():
+    yield 0
+    raise KeyError("mine")
+
+
+class Unset:
+    def __index__(self) -> int:
+        raise KeyError("mine")
+
+    __float__ = __index__
+
+
+@pytest.mark.parametrize(
+    "decide",
+    [
+        lambda view: view.paint(view.x, view.y, interrupted()),
+        lambda view: view.paint(view.x, view.y, (0, 0, Unset())),
+        lambda view: view.copy(view.x, view.y, interrupted()),
+        lambda view: view.copy(view.x, view.y, (view.x, Unset())),
+        lambda view: view.trace(Unset(), view.y),
+    ],
+)
+def test_what_is_raised_inside_a_sample_or_a_colour_comes_out(cornell: rayreel.Trace, decide):
+    class Raises:
+        def begin_tile(self, view: TileView) -> None:
+            decide(view)
+
+    with pytest.raises(KeyError, match="mine"):
+        cornell.replay(Raises())
+
+
+@pytest.mark.parametrize(
+    ("attribute", "value", "says"),
+    [
+        ("name", None, "the name of a policy is text, not NoneType"),
+        ("name", "\udcff", r"the name of a policy is no UTF-8: '\\udcff'"),
+        ("begin_frame", None, "begin_frame of a policy is a method, not NoneType; leave it out if it does nothing"),
+        ("end_frame", 3, "end_frame of a policy is a method, not int"),
+    ],
+)
+def test_attributes_of_policies_are_checked_beforehand(cornell: rayreel.Trace, attribute: str, value, says: str):
+    class Never(Full):
+        def begin_tile(self, view: TileView) -> None:
+            raise AssertionError("the replay began")
+
+    policy = Never()
+    setattr(policy, attribute, value)
+    with pytest.raises(rayreel.Error, match=says):
+        cornell.replay(policy)
+
+
+def test_the_brightest_colour_is_finite(cornell: rayreel.Trace):
+    class Bright:
+        def begin_tile(self, view: TileView) -> None:
+            for x, y in view.samples().tolist():
+                view.paint(x, y, (1e30, 1e30, 1e30))
+
+    frame = cornell.replay(Bright()).frames[0]
+    assert np.isfinite(frame.image).all() and all(np.isfinite(value) for value in frame.quality.values())
 
 
 def test_a_policy_is_called_once_at_a_time(cornell: rayreel.Trace):

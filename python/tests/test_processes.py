@@ -210,3 +210,38 @@ def test_a_program_may_end_while_a_thread_replays(decides: str):
         print("the end")
     """)
     assert (ran.returncode, ran.stdout, ran.stderr) == (0, "the end\n", "")
+
+
+def test_once_python_ends_no_policy_begins():
+    """The program is told why; a thread beside it ends quietly."""
+    ran = run("""
+        import atexit
+
+        # What Python does first when it ends.
+        atexit._run_exitfuncs()
+        try:
+            trace.replay(Full())
+        except rayreel.Error as error:
+            print(error)
+        thread = threading.Thread(target=trace.replay, args=(Full(),))
+        thread.start()
+        thread.join()
+    """)
+    said = "Python is ending: no policy in Python can be called any more\n"
+    assert (ran.returncode, ran.stdout, ran.stderr) == (0, said, "")
+
+
+def test_the_end_says_which_policy_it_waits_for():
+    ran = run("""
+        began = threading.Event()
+
+        class Sleeps(Full):
+            def begin_tile(self, view):
+                began.set()
+                time.sleep(2.5)
+
+        threading.Thread(target=trace.replay, args=(Sleeps(),), daemon=True).start()
+        began.wait()
+    """)
+    said = "rayreel: the program ends when policy Sleeps returns from its call, or with Ctrl-C\n"
+    assert (ran.returncode, ran.stdout, ran.stderr) == (0, "", said)

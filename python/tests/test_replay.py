@@ -6,6 +6,7 @@ import signal
 import subprocess
 import threading
 import time
+from fractions import Fraction
 from pathlib import Path
 
 import numpy as np
@@ -96,7 +97,7 @@ def test_the_reference_is_the_mean_of_the_recorded_samples(teapot: rayreel.Trace
 def test_what_is_not_wanted_is_not_there(cornell: rayreel.Trace):
     frame = cornell.replay("adaptive", pictures=False).frames[0]
     assert frame.image is None and frame.reference is None and frame.flip is None and frame.quality is not None
-    frame = cornell.replay("adaptive", compare=False).frames[0]
+    frame = cornell.replay("adaptive", compare=np.False_).frames[0]
     assert frame.image is not None and frame.reference is None and frame.quality is None
 
 
@@ -110,6 +111,10 @@ def test_what_is_not_wanted_is_not_there(cornell: rayreel.Trace):
         ({"policy": "full", "set": ["ti.trv_l1.size=8KiB"]}, "is for a machine, and there is none in a replay; call simulate"),
         ({"policy": 3}, "an object with a method begin_tile"),
         ({"policy": Full}, r"Full is a class; pass an instance: Full\(\)"),
+        ({"pictures": np.array([1, 2])}, r"pictures is True or False, not array\(\[1, 2\]\)"),
+        ({"pictures": "no"}, "pictures is True or False, not 'no'"),
+        ({"compare": 1}, "compare is True or False, not 1"),
+        ({"set": b"block=4"}, "set is made of text, not of b'block=4'"),
         ({"policy": Full(), "set": {"block": 4}}, "block=4 is for a policy, and this one is an object; set its values in Python"),
     ],
 )
@@ -123,8 +128,24 @@ def test_wrong_machines_are_refused(cornell: rayreel.Trace):
         cornell.simulate(machine="sgrt-ti22")
     with pytest.raises(rayreel.Error, match="simulate takes a machine.*without one, call replay"):
         cornell.simulate("full", None)
-    with pytest.raises(rayreel.Error, match="is not a detail"):
-        cornell.simulate(detail="some")
+
+
+@pytest.mark.parametrize("detail", ["some", 2, True, np.True_, "precision 9"])
+def test_wrong_details_are_refused(cornell: rayreel.Trace, detail):
+    with pytest.raises(rayreel.Error, match="detail: .*; `precision P`, such as precision 0.01, is one too"):
+        cornell.simulate(detail=detail)
+
+
+@pytest.mark.parametrize("detail", [None, b"full", pytest.param(1 << 20000, id="long"), np.array([1, 2])])
+def test_a_detail_is_text_or_a_number(cornell: rayreel.Trace, detail):
+    with pytest.raises(rayreel.Error, match="detail is full, all, counts, a share.* or precision P, not "):
+        cornell.simulate(detail=detail)
+
+
+def test_a_detail_may_be_any_number(cornell: rayreel.Trace):
+    half = cornell.simulate(detail="0.5").stats
+    for detail in (Fraction(1, 2), np.float32(0.5)):
+        assert cornell.simulate(detail=detail).stats == half
 
 
 def test_a_result_is_shown_in_a_line(teapot: rayreel.Trace):

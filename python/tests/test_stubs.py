@@ -21,6 +21,7 @@ def test_types_take_what_is_taken(tmp_path: Path):
     pytest.importorskip("mypy", reason="mypy is not installed")
     program = tmp_path / "program.py"
     program.write_text("""
+from fractions import Fraction
 import numpy as np
 import rayreel
 
@@ -30,11 +31,21 @@ trace.table("rays", frames=one, tiles=one)
 trace.table("rays", frames=(one, two), tiles=(0, 3))
 trace.table("counters", interval=np.int64(500))
 trace.table("rays", tiles=0.5)  # type: ignore[arg-type]
+trace.table("samples", policy=b"adaptive")
+trace.simulate(b"adaptive", detail=Fraction(1, 2), pictures=np.False_, compare=np.True_)
+trace.replay(pictures="no")  # type: ignore[arg-type]
+
+class Mine(rayreel.Trace):
+    more = 1
+
+with Mine("t.rtrace") as mine:
+    mine.more
 names: set[str] = set(trace.table("rays").keys())
 
 def decide(view: rayreel.TileView) -> None:
     for x, y in view.samples():
-        view.trace(x, y)
+        view.trace(x, y, reference=np.bool_(x > y))
+    view.interpolate(0, 0, (0, 1), (0, 2), share=Fraction(1, 2))
     view.copy(0, 0, [one, 2])
     view.paint(0, 0, np.zeros(3, np.float32))
 """)

@@ -1,8 +1,13 @@
 """Results of sweeps as tables."""
 
+import os
 import subprocess
+import sys
 from pathlib import Path
 
+import polars as pl
+import pyarrow as pa
+import pyarrow.parquet as pq
 import pytest
 
 import rayreel
@@ -32,6 +37,33 @@ def test_results_that_are_not_parquet_are_named(tmp_path: Path):
         for read in (rayreel.read_results, rayreel.open_results):
             with pytest.raises(rayreel.Error, match="results.parquet cannot be read as a Parquet file"):
                 read(tmp_path)
+
+
+@pytest.mark.parametrize("name", [b"a[1]", b"a*", b"{a,b}", b"policy=zzz", b"\xff"])
+def test_the_name_of_a_folder_is_no_pattern(tmp_path: Path, name: bytes):
+    """Beside it lies one that the pattern would find."""
+    if name == b"\xff" and sys.platform != "linux":
+        pytest.skip("names of files are text here")
+    folders = [os.path.join(os.fsencode(tmp_path), each) for each in (name, b"a1")]
+    for number, folder in enumerate(folders):
+        os.mkdir(folder)
+        with open(os.path.join(folder, b"results.parquet"), "wb") as file:
+            pq.write_table(pa.table({"x": [number]}), file)
+    assert rayreel.open_results(folders[0]).to_dict(as_series=False) == {"x": [0]}
+    assert rayreel.read_results(folders[0]).to_pydict() == {"x": [0]}
+
+
+def test_a_panic_and_an_old_polars_are_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    def panics(file: object) -> None:
+        raise pl.exceptions.PanicException("unwrap")
+
+    (tmp_path / "results.parquet").touch()
+    monkeypatch.setattr(pl, "read_parquet", panics)
+    for version, old in [("1.42.1", True), ("1.43.0", False), ("2.0.0", False)]:
+        monkeypatch.setattr(pl, "__version__", version)
+        with pytest.raises(rayreel.Error, match="cannot be read as a Parquet file: unwrap") as told:
+            rayreel.open_results(tmp_path)
+        assert (f"polars {version} may be too old for this file: take 1.43 or later" in str(told.value)) == old
 
 
 def test_a_folder_without_results_is_named(tmp_path: Path):

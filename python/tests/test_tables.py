@@ -132,6 +132,12 @@ def test_words(cornell: rayreel.Trace):
         ({"what": "rays", "frames": -1}, "frames is a whole number.*not -1"),
         ({"what": "rays", "frames": (0, -1)}, "frames is a whole number.*not -1"),
         ({"what": "rays", "frames": (0, 1, 2)}, "frames as a pair"),
+        ({"what": "rays", "frames": "9" * 5000}, "frames is a whole number from 0 to 4294967295, not 999"),
+        ({"what": "rays", "frames": 1 << 20000}, "frames is a whole number from 0 to"),
+        ({"what": "rays", "frames": True}, "frames is a whole number.*not True"),
+        ({"what": "rays", "tiles": (0, True)}, "tiles is a whole number.*not True"),
+        ({"what": "counters", "interval": True}, "interval is a whole number.*not True"),
+        ({"what": "rays", "columns": b"t"}, "columns is made of text, not of b't'"),
         ({"what": "rays", "frames": 0.5}, "frames are a whole number, a range, a pair.*such as 0..60, not 0.5"),
         ({"what": "rays", "frames": [0]}, r"frames are a whole number, a range, a pair.*such as 0..60, not \[0\]"),
         ({"what": "rays", "tiles": [0]}, r"tiles are a whole number, a range, a pair.*such as 0..8,17, not \[0\]"),
@@ -220,4 +226,6 @@ def test_memory_is_bounded(cornell: rayreel.Trace):
         rayreel.open(cornell.path, memory=0)
     with pytest.raises(rayreel.Error, match="memory is a whole number"):
         rayreel.open(cornell.path, memory=-1)
+    with pytest.raises(rayreel.Error, match="memory is a whole number.*not True"):
+        rayreel.open(cornell.path, memory=True)
     assert len(rayreel.open(cornell.path, memory=64).table("rays")) > 0

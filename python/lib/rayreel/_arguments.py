@@ -5,7 +5,7 @@ from __future__ import annotations
 import operator
 import os
 import re
-from typing import Any, Mapping, Sequence, SupportsIndex, TypeAlias
+from typing import Any, Mapping, Sequence, SupportsFloat, SupportsIndex, TypeAlias
 
 import numpy as np
 
@@ -18,22 +18,39 @@ Tiles: TypeAlias = SupportsIndex | range | tuple[SupportsIndex, SupportsIndex] |
 #: `key=value` once or several times, or values by key.
 Overrides: TypeAlias = str | Sequence[str] | Mapping[str, Any]
 #: The name of a preset, or a file.
-PresetOrFile: TypeAlias = str | os.PathLike[str]
+PresetOrFile: TypeAlias = str | bytes | os.PathLike[str] | os.PathLike[bytes]
+#: Yes or no, of Python or NumPy.
+Flag: TypeAlias = bool | np.bool_
 #: Where a file is.
 Location: TypeAlias = str | bytes | os.PathLike[str] | os.PathLike[bytes]
 
 _LARGEST = 2**32 - 1
 
 
-def whole(argument: str, value: object, largest: int = _LARGEST) -> int:
-    """A whole number, of Python or NumPy."""
+def _shown(value: object) -> str:
     try:
-        number = operator.index(value)  # type: ignore[arg-type]
+        return repr(value)
+    except ValueError:
+        # Python writes no number of thousands of digits.
+        return f"<unprintable {type(value).__name__} object>"
+
+
+def whole(argument: str, value: object, largest: int = _LARGEST) -> int:
+    """A whole number, of Python or NumPy. Yes and no are none."""
+    try:
+        number = -1 if isinstance(value, bool) else operator.index(value)  # type: ignore[arg-type]
     except TypeError:
         number = -1
     if not 0 <= number <= largest:
-        raise Error(f"{argument} is a whole number from 0 to {largest}, not {value!r}")
+        raise Error(f"{argument} is a whole number from 0 to {largest}, not {_shown(value)}")
     return number
+
+
+def flag(argument: str, value: object) -> bool:
+    """Yes or no. Words and numbers are neither: `"no"` would be yes."""
+    if not isinstance(value, (bool, np.bool_)):
+        raise Error(f"{argument} is True or False, not {_shown(value)}")
+    return bool(value)
 
 
 def path(wanted: Location) -> str:
@@ -51,8 +68,16 @@ def path(wanted: Location) -> str:
 
 def _run(argument: str, wanted: range) -> tuple[int, int]:
     if wanted.step != 1 or not wanted:
-        raise Error(f"{argument} are a run of numbers, such as range(0, 60), not {wanted}")
+        raise Error(f"{argument} are a run of numbers, such as range(0, 60), not {_shown(wanted)}")
     return whole(argument, wanted.start), whole(argument, wanted.stop)
+
+
+def _written(argument: str, digits: str) -> int:
+    """The number that digits stand for. Python reads no more than some thousands of them."""
+    significant = digits.lstrip("0") or "0"
+    if len(significant) > len(str(_LARGEST)):
+        raise Error(f"{argument} is a whole number from 0 to {_LARGEST}, not {digits}")
+    return int(significant)
 
 
 def _numbers(argument: str, wanted: object, text: str) -> tuple[int, int]:
@@ -61,7 +86,7 @@ def _numbers(argument: str, wanted: object, text: str) -> tuple[int, int]:
         return _run(argument, wanted)
     if isinstance(wanted, tuple):
         if len(wanted) != 2:
-            raise Error(f"{argument} as a pair are the first and the one behind the last, not {wanted}")
+            raise Error(f"{argument} as a pair are the first and the one behind the last, not {_shown(wanted)}")
         return _run(argument, range(*(whole(argument, number) for number in wanted)))
     try:
         operator.index(wanted)  # type: ignore[arg-type]
@@ -80,8 +105,8 @@ def frames(wanted: Frames | None) -> tuple[int, int] | None:
         found = re.fullmatch(r"\s*(\d+)\s*(?:\.\.\s*(\d+)\s*)?", wanted, re.ASCII)
         if not found:
             raise Error(f"frames as text are A..B with A below B, such as 0..60, or one number, not {wanted!r}")
-        first = int(found[1])
-        return _run("frames", range(first, int(found[2]) if found[2] else first + 1))
+        first = _written("frames", found[1])
+        return _run("frames", range(first, _written("frames", found[2]) if found[2] else first + 1))
     return _numbers("frames", wanted, "0..60")
 
 
@@ -104,6 +129,21 @@ def overrides(wanted: Overrides | None) -> list[str]:
     return texts("set", wanted)
 
 
+def detail(wanted: str | SupportsFloat) -> str:
+    """How much is simulated, as text."""
+    if isinstance(wanted, str):
+        return text("detail", wanted)
+    try:
+        # Numbers of Python and NumPy as they write themselves: as a float, one of few digits has more.
+        if isinstance(wanted, (int, float, np.generic)):
+            return str(wanted)
+        if isinstance(wanted, SupportsFloat):
+            return str(float(wanted))
+    except (TypeError, ValueError, OverflowError):
+        pass
+    raise Error(f"detail is full, all, counts, a share of the tiles such as 0.05, or precision P, not {_shown(wanted)}")
+
+
 def _setting(value: object) -> object:
     if isinstance(value, (bool, np.bool_)):
         return "true" if value else "false"
@@ -124,7 +164,7 @@ def text(argument: str, wanted: str) -> str:
 def texts(argument: str, wanted: str | Sequence[str]) -> list[str]:
     """Words, of which one may stand alone."""
     try:
-        words = [wanted] if isinstance(wanted, str) else list(wanted)
+        words = [wanted] if isinstance(wanted, (str, bytes, bytearray)) else list(wanted)
     except TypeError:
         words = [wanted]  # type: ignore[list-item]
     for word in words:

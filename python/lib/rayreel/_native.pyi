@@ -105,10 +105,10 @@ class TileView:
     def samples(self) -> npt.NDArray[np.uint32]:
         """Column and row of all samples, row by row."""
 
-    def trace(self, x: SupportsIndex, y: SupportsIndex, round: SupportsIndex = 0, reference: bool = True) -> None:
+    def trace(self, x: SupportsIndex, y: SupportsIndex, round: SupportsIndex = 0, reference: bool | np.bool_ = True) -> None:
         """Traces a sample with all its rays."""
 
-    def trace_mask(self, mask: npt.NDArray[np.bool_], round: SupportsIndex = 0, reference: bool = True) -> None:
+    def trace_mask(self, mask: npt.NDArray[np.bool_], round: SupportsIndex = 0, reference: bool | np.bool_ = True) -> None:
         """Traces the samples where `mask`, of the tile's rows and columns, is true."""
 
     def interpolate(
@@ -117,7 +117,7 @@ class TileView:
         y: SupportsIndex,
         near: _Sample,
         far: _Sample,
-        share: float = 0.5,
+        share: SupportsFloat = 0.5,
         round: SupportsIndex = 1,
     ) -> None:
         """Gives a sample what lies `share` of the way from sample `near` to sample `far`."""
@@ -126,7 +126,7 @@ class TileView:
         """Gives a sample what sample `source` has."""
 
     def paint(self, x: SupportsIndex, y: SupportsIndex, colour: _Colour, round: SupportsIndex = 1) -> None:
-        """Gives a sample a colour, linear RGB of three finite numbers of 0 or more, and no surface."""
+        """Gives a sample a colour, linear RGB of three numbers from 0 to 1e30, and no surface."""
 
 @final
 class Trace:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -23,8 +24,14 @@ def _file(folder: Location) -> Path:
     return path
 
 
-def _unreadable(path: Path, error: Exception) -> Error:
-    return Error(f"{path} cannot be read as a Parquet file: {error}")
+def _unreadable(path: Path, error: BaseException, reason: str = "") -> Error:
+    return Error(f"{path} cannot be read as a Parquet file: {error}{reason}")
+
+
+def _too_old(version: str) -> str:
+    """What is said of a polars that does not know the order of floats in these files."""
+    known = tuple(int(number) for number in re.findall(r"\d+", version)[:2])
+    return f" (polars {version} may be too old for this file: take 1.43 or later)" if known < (1, 43) else ""
 
 
 def read_results(folder: Location) -> pyarrow.Table:
@@ -34,7 +41,9 @@ def read_results(folder: Location) -> pyarrow.Table:
 
     path = _file(folder)
     try:
-        return pq.read_table(path)
+        # An open file: a path would have to be UTF-8.
+        with open(path, "rb") as file:
+            return pq.read_table(file)
     except (pa.ArrowException, OSError) as error:
         raise _unreadable(path, error) from error
 
@@ -45,6 +54,9 @@ def open_results(folder: Location) -> polars.DataFrame:
 
     path = _file(folder)
     try:
-        return pl.read_parquet(path)
-    except (pl.exceptions.PolarsError, OSError) as error:
-        raise _unreadable(path, error) from error
+        # An open file: a path would be a pattern too.
+        with open(path, "rb") as file:
+            return pl.read_parquet(file)
+    # Of damaged files polars panics now and then, and that is no `Exception`.
+    except (pl.exceptions.PolarsError, pl.exceptions.PanicException, OSError) as error:
+        raise _unreadable(path, error, _too_old(pl.__version__)) from error

@@ -7,15 +7,18 @@ import os
 from dataclasses import dataclass
 from enum import IntEnum
 from functools import partial
-from typing import Any, Iterator, Sequence, SupportsIndex
+from typing import TYPE_CHECKING, Any, Iterator, Sequence, SupportsFloat, SupportsIndex
 
 import numpy.typing as npt
 
 from . import _arguments, _native
-from ._arguments import Frames, Location, Overrides, PresetOrFile, Tiles
+from ._arguments import Flag, Frames, Location, Overrides, PresetOrFile, Tiles
 from ._native import Error, Frame
 from .policy import Policy
 from .table import Table, tables
+
+if TYPE_CHECKING:
+    from typing_extensions import Self
 
 
 class State(IntEnum):
@@ -81,7 +84,7 @@ class Trace:
         """Lets go of the file: nothing can be asked of the trace any more. Batches that were begun go on."""
         self._open = None
 
-    def __enter__(self) -> Trace:
+    def __enter__(self) -> Self:
         self._recorded  # Raises if it is closed.
         return self
 
@@ -170,8 +173,8 @@ class Trace:
         *,
         set: Overrides | None = None,
         frames: Frames | None = None,
-        pictures: bool = True,
-        compare: bool = True,
+        pictures: Flag = True,
+        compare: Flag = True,
     ) -> Result:
         """Replays frames under a policy, without a machine. The policy is a preset, a file, or an object of yours (`Policy`).
         Without `compare` there is no reference and no quality; without `pictures` frames keep none."""
@@ -184,13 +187,13 @@ class Trace:
         *,
         set: Overrides | None = None,
         frames: Frames | None = None,
-        detail: str | float = "full",
-        pictures: bool = True,
-        compare: bool = True,
+        detail: str | SupportsFloat = "full",
+        pictures: Flag = True,
+        compare: Flag = True,
     ) -> Result:
         """The same on a machine: a preset or a file. `detail` is that of `rayreel replay`: `full`, `all`, `counts`, a share of the
         tiles, or `precision P`. Under a policy of yours every cycle is simulated, whatever share is asked for."""
-        return self._replay(policy, _arguments.machine(machine), set, frames, _arguments.text("detail", str(detail)), pictures, compare)
+        return self._replay(policy, _arguments.machine(machine), set, frames, _arguments.detail(detail), pictures, compare)
 
     def _replay(
         self,
@@ -199,8 +202,8 @@ class Trace:
         overrides: Overrides | None,
         frames: Frames | None,
         detail: str | None,
-        pictures: bool,
-        compare: bool,
+        pictures: Flag,
+        compare: Flag,
     ) -> Result:
         request = {
             "policy": _arguments.policy(policy),
@@ -208,8 +211,8 @@ class Trace:
             "overrides": _arguments.overrides(overrides),
             "frames": _arguments.frames(frames),
             "detail": detail,
-            "pictures": bool(pictures),
-            "compare": bool(compare),
+            "pictures": _arguments.flag("pictures", pictures),
+            "compare": _arguments.flag("compare", compare),
         }
         stats, kept = self._recorded.replay(request)
         return Result(json.loads(stats), kept)
