@@ -37,6 +37,7 @@ mod kill;
 mod models;
 mod outputs;
 mod page;
+mod page_shapes;
 mod paper;
 mod policies;
 mod presets;

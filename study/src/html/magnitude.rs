@@ -31,6 +31,12 @@ pub fn for_all(units: &[Unit; 3], values: impl IntoIterator<Item = f64>) -> Unit
     units.iter().find(enough).copied().unwrap_or(last)
 }
 
+/// The unit in which to write values that are stored in `stored`: that itself where it has no others.
+pub fn of(stored: &'static str, values: impl IntoIterator<Item = f64>) -> Unit {
+    let known = [ENERGY, TIME].into_iter().find(|units| units[0].name == stored);
+    known.map_or(unit(stored, 1.0), |units| for_all(&units, values))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -40,6 +46,7 @@ mod tests {
         let name = |values: &[f64]| for_all(&ENERGY, values.iter().copied()).name;
         assert_eq!([name(&[1e-6, 960.8]), name(&[0.1]), name(&[0.0012, 0.0006])], ["mJ", "mJ", "µJ"]);
         assert_eq!([name(&[2e-6]), name(&[1e-300]), name(&[0.0]), name(&[])], ["nJ", "nJ", "mJ", "mJ"]);
+        assert_eq!([of("ms", [2e-5]).name, of("dB", [2e-4]).name, of("", []).name], ["ns", "dB", ""]);
         for units in [ENERGY, TIME] {
             assert!(units.windows(2).all(|pair| pair[1].scale == 1e3 * pair[0].scale));
         }

@@ -6,7 +6,7 @@
 mod charts;
 mod error;
 mod load;
-mod magnitude;
+pub mod magnitude;
 mod modes;
 mod page;
 mod parts;

@@ -127,7 +127,13 @@
   }
 
   // Lines: the values of the frame under the pointer.
-  const number = (value) => value.toLocaleString("en", { maximumSignificantDigits: 4 }).replaceAll(",", "\u202f");
+  const number = (value) => {
+    const size = Math.abs(value);
+    if (size === Infinity) return "identical";
+    if (!Number.isSafeInteger(value) && (size >= 1e10 || size < 1e-3)) return value.toExponential(3).replace("e+", "e");
+    const places = Number.isInteger(value) || size >= 1000 ? { maximumFractionDigits: size >= 10000 ? 0 : 1 } : { maximumSignificantDigits: 4 };
+    return value.toLocaleString("en", places).replaceAll(",", "\u202f");
+  };
   for (const chart of document.querySelectorAll("[data-lines]")) {
     const list = (text) => text.split(",").map((v) => (v === "" ? null : Number(v)));
     const frames = list(chart.dataset.x);
@@ -147,7 +153,7 @@
       chart.append(cursor);
       const box = chart.getBoundingClientRect();
       const off = (within) => (within[at] ? ` ±\u202f${within[at].toFixed(1)}\u202f%` : "");
-      const rows = lines.map(({ name, values, within }) => `${name} ${values[at] === null ? "–" : `${number(values[at])} ${chart.dataset.unit}${off(within)}`}`);
+      const rows = lines.map(({ name, values, within }) => `${name} ${values[at] === null ? "–" : `${number(values[at])} ${Number.isFinite(values[at]) ? chart.dataset.unit : ""}${off(within)}`}`);
       showTip([`frame ${frames[at]}`, ...rows].join("\n"), clientX ?? box.left + (x / 360) * box.width, clientY ?? box.top + box.height / 3);
     };
     const leave = () => { cursor.remove(); hideTip(); };
@@ -235,12 +241,32 @@
     }
     return entries.length > 0 ? (row + 1) * 20 + 12 : 0;
   };
-  const sheet = (made, figure, width, height) => {
+  /** Writes the caption of a figure above its chart, in lines of this width; how high they are. */
+  const heading = (made, figure, width) => {
+    const lines = [];
+    for (const part of figure.querySelectorAll("figcaption > *")) {
+      const own = getComputedStyle(part);
+      pen.font = `${own.fontWeight} 12px ${font()}`;
+      let line = "";
+      for (const word of part.textContent.split(/\s+/).filter(Boolean)) {
+        const longer = line ? `${line} ${word}` : word;
+        const isFull = line !== "" && pen.measureText(longer).width > width;
+        if (isFull) lines.push([line, own]);
+        line = isFull ? word : longer;
+      }
+      if (line) lines.push([line, own]);
+    }
+    lines.forEach(([line, own], i) => made.append(element("text", { x: 0, y: (i + 1 - lines.length) * 16 - 8, "font-size": 12, "font-weight": own.fontWeight, fill: plain(own.color) }, line)));
+    return lines.length * 16 + 4;
+  };
+  // XML has no way to write these.
+  const valid = (text) => text.replace(/[\0-\x08\x0b\x0c\x0e-\x1f\ufffe\uffff]/g, "\ufffd");
+  const sheet = (made, figure, width, height, above = 0) => {
     const below = legend(made, figure, width, height + 12);
-    const [w, h] = [width + 24, height + 24 + below];
-    for (const [key, value] of Object.entries({ viewBox: `-12 -12 ${w} ${h}`, width: w, height: h, "font-family": font() })) made.setAttribute(key, value);
-    made.prepend(element("rect", { x: -12, y: -12, width: w, height: h, fill: getComputedStyle(figure).backgroundColor }));
-    return new XMLSerializer().serializeToString(made);
+    const [w, h, top] = [width + 24, height + 24 + below + above, -12 - above];
+    for (const [key, value] of Object.entries({ viewBox: `-12 ${top} ${w} ${h}`, width: w, height: h, "font-family": font() })) made.setAttribute(key, value);
+    made.prepend(element("rect", { x: -12, y: top, width: w, height: h, fill: getComputedStyle(figure).backgroundColor }));
+    return valid(new XMLSerializer().serializeToString(made));
   };
   const ofChart = (chart) => {
     const copy = chart.cloneNode(true);
@@ -252,14 +278,26 @@
     const { width, height } = chart.viewBox.baseVal;
     return sheet(copy, chart.closest("figure"), width, height);
   };
-  // A chart made of boxes: their backgrounds, and each word where it stands.
-  const ofBoxes = (box) => {
+  /** The colours of a bar of a ramp, from left to right. */
+  const ramp = (bar, steps) => {
+    const probe = bar.appendChild(Object.assign(document.createElement("i"), { className: "heat" }));
+    const colours = Array.from({ length: steps }, (_, i) => {
+      probe.style.setProperty("--t", `${((i + 0.5) / steps) * 100}%`);
+      return plain(getComputedStyle(probe).backgroundColor);
+    });
+    probe.remove();
+    return colours;
+  };
+  /** Draws boxes from a height on: their backgrounds, and each word where it stands. */
+  const boxes = (made, box, above) => {
     const frame = box.getBoundingClientRect();
-    const made = element("svg", {});
     for (const part of [box, ...box.querySelectorAll("*:not(.unseen)")]) {
       const [own, at] = [getComputedStyle(part), part.getBoundingClientRect()];
-      const [x, y] = [at.left - frame.left, at.top - frame.top];
-      if (at.width > 0 && own.backgroundColor !== "rgba(0, 0, 0, 0)") made.append(element("rect", { x, y, width: at.width, height: at.height, fill: plain(own.backgroundColor) }));
+      const [x, y, line] = [at.left - frame.left, at.top - frame.top + above, parseFloat(own.borderLeftWidth)];
+      // A line is a box that is nothing but its border.
+      if (line > 0 && at.width <= line) made.append(element("rect", { x, y, width: line, height: at.height, fill: plain(own.borderLeftColor) }));
+      if (part.matches(".ramp-bar")) ramp(part, 24).forEach((fill, i, { length }) => made.append(element("rect", { x: x + (at.width * i) / length, y, width: at.width / length + 0.5, height: at.height, fill })));
+      else if (at.width > 0 && own.backgroundColor !== "rgba(0, 0, 0, 0)") made.append(element("rect", { x, y, width: at.width, height: at.height, fill: plain(own.backgroundColor) }));
       for (const node of [...part.childNodes].filter((child) => child.nodeType === Node.TEXT_NODE)) {
         for (const { 0: word, index } of node.data.matchAll(/\S+/g)) {
           const range = document.createRange();
@@ -267,15 +305,28 @@
           range.setEnd(node, index + word.length);
           const place = range.getBoundingClientRect();
           const size = parseFloat(own.fontSize);
-          made.append(element("text", { x: place.left - frame.left, y: place.top - frame.top + place.height / 2 + size * 0.35, "font-size": size, "font-weight": own.fontWeight, fill: plain(own.color) }, word));
+          // Of a long name as much as its box shows.
+          const isCut = own.overflowX === "hidden" && place.right > at.right;
+          const letters = isCut ? Math.max(Math.floor((word.length * (at.right - place.left)) / place.width) - 1, 0) : word.length;
+          made.append(element("text", { x: place.left - frame.left, y: place.top - frame.top + above + place.height / 2 + size * 0.35, "font-size": size, "font-weight": own.fontWeight, fill: plain(own.color) }, word.slice(0, letters) + (isCut ? "…" : "")));
+          if (isCut) break;
         }
       }
     }
-    return sheet(made, box.closest("figure"), frame.width, frame.height);
+    return frame;
   };
+  // A chart made of boxes, with what stands around it.
+  const ofBoxes = (box) => {
+    const [made, figure] = [element("svg", {}), box.closest("figure")];
+    const { width, height } = boxes(made, box, 0);
+    const key = figure.querySelector(".ramp-legend");
+    const below = key ? boxes(made, key, height + 8).height + 8 : 0;
+    return sheet(made, figure, width, height + below, heading(made, figure, width));
+  };
+  /** The chart of a figure as a file; nothing where it has none. */
   const alone = (figure) => {
-    const chart = figure.querySelector("svg.chart");
-    return chart ? ofChart(chart) : ofBoxes(figure.querySelector("table, .bars"));
+    const [chart, box] = [figure.querySelector("svg.chart"), figure.querySelector("table, .bars")];
+    return chart ? ofChart(chart) : box && ofBoxes(box);
   };
   const save = (name, type, text) => {
     const url = URL.createObjectURL(new Blob([text], { type }));
@@ -296,11 +347,12 @@
   const name = (figure) => figure.dataset.chart ?? "chart";
   const svgButton = (figure) => button("SVG", `Save ${name(figure)} as SVG`, () => save(`${name(figure)}.svg`, "image/svg+xml", alone(figure)));
   for (const figure of document.querySelectorAll("figure[data-chart]")) figure.querySelector(".save")?.prepend(svgButton(figure));
-  /** For charts that other scripts draw: `rows` gives the table, names first. */
+  /** For charts that other scripts draw: `rows` gives the table, names first. Who draws says whether there is something to save. */
   const offer = (figure, rows) => {
     const made = Object.assign(document.createElement("p"), { className: "save" });
     made.append(svgButton(figure), button("CSV", `Save ${name(figure)} as CSV`, () => save(`${name(figure)}.csv`, "text/csv", csv(rows()))));
     figure.append(made);
+    return { enable: (is) => { for (const own of made.children) own.disabled = !is; } };
   };
   Object.assign(window.rayreel, { alone, csv, offer });
 

@@ -15,6 +15,8 @@ pub fn escape(text: &str) -> String {
             '\'' => out.push_str("&#39;"),
             // Not allowed in HTML in any way of writing.
             c if c.is_control() && !matches!(c, '\n' | '\t') => out.push('\u{fffd}'),
+            // Not allowed in XML, which a chart as a file is.
+            '\u{fffe}' | '\u{ffff}' => out.push('\u{fffd}'),
             c => out.push(c),
         }
     }
@@ -81,9 +83,11 @@ pub fn factor(value: f64) -> String {
     format!("{}×", fixed(value, if value.abs() < 99.5 { 2 } else { 0 }))
 }
 
-/// What stands behind an estimate: half the width of its 95 % interval, as a part of it. Nothing behind what is exact.
+/// What stands behind an estimate: half the width of its 95 % interval, as a part of it. Nothing behind what is exact, or as good as
+/// exact: no sign stands before a zero.
 pub fn plus_minus(interval: Option<f64>) -> String {
-    interval.filter(|part| *part > 0.0).map_or_else(String::new, |part| format!(" ±{GAP}{}", percent(part)))
+    let shown = interval.map(percent).filter(|text| text.bytes().any(|b| (b'1'..=b'9').contains(&b)));
+    shown.map_or_else(String::new, |text| format!(" ±{GAP}{text}"))
 }
 
 /// A share in percent.
@@ -136,6 +140,7 @@ mod tests {
     #[test]
     fn nothing_of_html_gets_through() {
         assert_eq!(escape("<a b=\"c\" d='e'>&\u{0}"), "&lt;a b=&quot;c&quot; d=&#39;e&#39;&gt;&amp;\u{fffd}");
+        assert_eq!(escape("a\u{fffe}\u{ffff}\u{1}"), "a\u{fffd}\u{fffd}\u{fffd}");
         assert_eq!(script_json(&serde_json::json!("</script>")), "\"\\u003c/script>\"");
     }
 
@@ -163,6 +168,8 @@ mod tests {
             (factor(2.976), percent(0.0512), psnr(None)),
             ("2.98×".into(), "5.1\u{202f}%".into(), "identical".into())
         );
+        let within = [Some(0.0), Some(0.0004), Some(0.0006), None].map(plus_minus);
+        assert_eq!(within, ["", "", " ±\u{202f}0.1\u{202f}%", ""]);
         assert_eq!((counted(1, "frame"), counted(0, "frame")), ("1 frame".into(), "0 frames".into()));
         assert_eq!((or_dash(None, decibels), amount(2.5, "")), ("\u{2013}".into(), "2.50".into()));
     }

@@ -10,11 +10,11 @@ pub struct References {
     pub policies: Vec<ModePolicy>,
     /// Performance per watt over full, T&I units alone (Figure 7), for both modes.
     pub gains: Vec<GainBand>,
-    /// Power over full, mean of all scenes.
+    /// Power over full; of which scenes, and whether it is a mean, is not stated.
     pub power: Option<f64>,
     /// Table 1.
     pub psnr: Vec<PaperPsnr>,
-    /// SRP cycles by kernel, mean of all scenes.
+    /// SRP cycles by kernel; of which scenes, and whether they are means, is not stated.
     pub srp: Vec<PaperKernel>,
 }
 

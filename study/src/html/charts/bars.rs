@@ -3,7 +3,7 @@
 use crate::html::charts::WIDTH;
 use crate::html::charts::chart::{Chart, Data, Key, cell, ends, once, percent_cell};
 use crate::html::charts::scale::{Scale, extent};
-use crate::html::charts::svg::{Svg, n, shortened, text_width};
+use crate::html::charts::svg::{Svg, n, text_width, told_apart};
 use crate::html::text::factor;
 use crate::point::known::interval_of;
 
@@ -36,7 +36,7 @@ const HEIGHT: f64 = 250.0;
 
 /// Groups of vertical bars over a common axis of factors. A line marks 1, the reference.
 pub fn grouped(groups: &[Group], label: &str) -> Chart {
-    let [left, right, top, bottom] = [34.0, WIDTH - 4.0, 14.0, HEIGHT - 26.0];
+    let [right, top, bottom] = [WIDTH - 4.0, 14.0, HEIGHT - 26.0];
     let values = groups.iter().flat_map(|g| {
         let (least, most) = g.band.unwrap_or((0.0, None));
         g.bars.iter().filter_map(|b| Some(ends(b.value?, b.within)[1])).chain([least, most.unwrap_or(least)])
@@ -44,6 +44,7 @@ pub fn grouped(groups: &[Group], label: &str) -> Chart {
     let [_, most] = extent(values).unwrap_or([0.0, 1.0]);
     // Room above the highest bar for its number.
     let y = Scale::exact([0.0, most.max(1.0) * 1.09], 6, [bottom, top]);
+    let left = y.margin(34.0, |tick| factor_tick(&y, tick));
     let mut svg = Svg::new(WIDTH, HEIGHT);
     for tick in y.ticks() {
         svg.line([left, y.at(tick)], [right, y.at(tick)], "grid");
@@ -51,8 +52,10 @@ pub fn grouped(groups: &[Group], label: &str) -> Chart {
     }
     svg.line([left, y.at(1.0)], [right, y.at(1.0)], "one");
     let slot = (right - left) / groups.len().max(1) as f64;
-    for (i, group) in groups.iter().enumerate() {
-        upright(&mut svg, group, [left + slot * i as f64, slot], &y, bottom);
+    let names: Vec<&str> = groups.iter().map(|group| group.name.as_str()).collect();
+    let names = told_apart(&names, (slot / 6.2) as usize);
+    for (i, (group, name)) in groups.iter().zip(&names).enumerate() {
+        upright(&mut svg, (group, name), [left + slot * i as f64, slot], &y, bottom);
     }
     svg.line([left, bottom], [right, bottom], "axis");
     let bars = groups.iter().flat_map(|group| &group.bars);
@@ -77,8 +80,8 @@ fn factor_tick(scale: &Scale, tick: f64) -> String {
     scale.label(tick) + "×"
 }
 
-/// One group in its slot: left end and width.
-fn upright(svg: &mut Svg, group: &Group, [start, slot]: [f64; 2], y: &Scale, bottom: f64) {
+/// One group and its name in its slot: left end and width.
+fn upright(svg: &mut Svg, (group, name): (&Group, &str), [start, slot]: [f64; 2], y: &Scale, bottom: f64) {
     // The last slot is for the paper's bracket.
     let places = group.bars.len() as f64 + 0.8;
     let (pad, middle) = (slot * 0.08, start + slot / 2.0);
@@ -99,7 +102,7 @@ fn upright(svg: &mut Svg, group: &Group, [start, slot]: [f64; 2], y: &Scale, bot
     if let Some(band) = group.band {
         bracket(svg, first + width * (places - 0.3), band, y);
     }
-    svg.text(middle, bottom + 17.0, "label m", &shortened(&group.name, (slot / 6.2) as usize));
+    svg.text(middle, bottom + 17.0, "label m", name);
 }
 
 /// What the paper states: from least to most, or an arrow upwards from least.
@@ -135,7 +138,8 @@ const ROW: f64 = 22.0;
 /// Horizontal bars over an axis of factors that reaches `most`; the zone is what the paper states.
 pub fn rows(rows: &[HorizontalBar], most: f64, zone: Option<(f64, Option<f64>)>, label: &str) -> Chart {
     let top = if zone.is_some() { 20.0 } else { 6.0 };
-    let (height, left) = (top + ROW * rows.len() as f64 + 22.0, name_width(rows.iter().map(|r| r.name.as_str())));
+    let (names, left) = beside(&rows.iter().map(|row| row.name.as_str()).collect::<Vec<_>>(), NAME_MAX);
+    let height = top + ROW * rows.len() as f64 + 22.0;
     let bottom = height - 22.0;
     let behind = rows.iter().map(|r| text_width(&r.text)).fold(0.0, f64::max) + 8.0;
     let room = rows.iter().map(|row| ends(1.0, row.within)[1]).fold(1.0, f64::max);
@@ -155,7 +159,7 @@ pub fn rows(rows: &[HorizontalBar], most: f64, zone: Option<(f64, Option<f64>)>,
     }
     for (i, row) in rows.iter().enumerate() {
         let y = top + ROW * i as f64;
-        svg.text(left - 6.0, y + 13.5, "label e", &shortened(&row.name, NAME_MAX));
+        svg.text(left - 6.0, y + 13.5, "label e", &names[i]);
         svg.mark([left, y + 3.0, x.at(row.value) - left, ROW - 7.0], &row.class, 1.0, &row.tip);
         svg.level_interval(y + ROW / 2.0 - 0.5, ends(row.value, row.within).map(|end| x.at(end)));
     }
@@ -177,9 +181,11 @@ pub fn rows(rows: &[HorizontalBar], most: f64, zone: Option<(f64, Option<f64>)>,
 /// Most characters of a name beside a bar.
 pub const NAME_MAX: usize = 15;
 
-/// Room for the longest of some names.
-pub fn name_width<'a>(names: impl Iterator<Item = &'a str>) -> f64 {
-    names.map(|name| text_width(&shortened(name, NAME_MAX))).fold(30.0, f64::max) + 8.0
+/// Names cut to so many characters, and room for the longest of them.
+pub fn beside(names: &[&str], most: usize) -> (Vec<String>, f64) {
+    let names = told_apart(names, most);
+    let width = names.iter().map(|name| text_width(name)).fold(30.0, f64::max) + 8.0;
+    (names, width)
 }
 
 #[cfg(test)]

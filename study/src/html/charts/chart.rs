@@ -34,6 +34,8 @@ pub enum Symbol {
     Square,
     /// A line with a pattern of dashes.
     Line(&'static str),
+    /// Nothing: the name says something of all of them.
+    Word,
     /// A marker of a shape: more values than there are colours differ in it.
     Marker(usize),
 }
@@ -47,6 +49,11 @@ impl Key {
     /// The key of markers.
     pub fn of_marker(class: &str, shape: usize, name: &str) -> Self {
         Self { symbol: Symbol::Marker(shape), ..Self::new(class, name) }
+    }
+
+    /// Says how many are not among the keys.
+    pub fn more(count: usize) -> Self {
+        Self { symbol: Symbol::Word, ..Self::new("", &format!("and {count} more")) }
     }
 
     /// The key of a line: several lines may have one colour and differ in their dashes.

@@ -6,7 +6,7 @@ use std::path::Path;
 use crate::files::write_named;
 use crate::html::ReportError;
 use crate::html::charts::chart::{Chart, Key, Symbol};
-use crate::html::charts::svg::{line, marker, n, text_width};
+use crate::html::charts::svg::{line, marker, n, text_width, told_apart};
 use crate::html::text::escape;
 
 /// The rules for charts; pages have them too.
@@ -59,15 +59,23 @@ pub fn alone(chart: &Chart, title: &str) -> String {
 /// What the colours mean, in rows from a place on that are so wide; and how high they are.
 fn legend(keys: &[Key], [width, top]: [f64; 2]) -> (String, f64) {
     let (mut drawn, mut x, mut row) = (String::new(), 0.0, 0.0);
-    for key in keys {
-        let symbol = if matches!(key.symbol, Symbol::Line(_)) { LINE } else { SQUARE };
-        let room = symbol + 20.0 + text_width(&key.name);
+    // No name is wider than the chart.
+    let widest = ((width + MARGIN - LINE - 5.0) / text_width("m")) as usize;
+    let names = told_apart(&keys.iter().map(|key| key.name.as_str()).collect::<Vec<_>>(), widest);
+    for (key, name) in keys.iter().zip(&names) {
+        let symbol = match key.symbol {
+            Symbol::Line(_) => LINE,
+            Symbol::Word => -5.0,
+            Symbol::Square | Symbol::Marker(_) => SQUARE,
+        };
+        let room = symbol + 20.0 + text_width(name);
         if x > 0.0 && x + room > width {
             (x, row) = (0.0, row + 1.0);
         }
         let y = top + row * KEY_ROW;
         let class = escape(&key.class);
         drawn += &match key.symbol {
+            Symbol::Word => String::new(),
             Symbol::Line(dash) => line([x, x + LINE], y + SQUARE / 2.0, &class, dash),
             Symbol::Marker(shape) => {
                 let place = marker(shape, x + SQUARE / 2.0, y + SQUARE / 2.0);
@@ -81,7 +89,7 @@ fn legend(keys: &[Key], [width, top]: [f64; 2]) -> (String, f64) {
             ),
         };
         let (start, base) = (n(x + symbol + 5.0), n(y + 9.0));
-        drawn += &format!("<text x=\"{start}\" y=\"{base}\">{}</text>", escape(&key.name));
+        drawn += &format!("<text x=\"{start}\" y=\"{base}\">{}</text>", escape(name));
         x += room;
     }
     (drawn, if keys.is_empty() { 0.0 } else { (row + 1.0) * KEY_ROW + MARGIN })
@@ -145,6 +153,16 @@ mod tests {
         assert_eq!(drawn.matches("class=\"line p0\"").count(), 2);
         assert_eq!(drawn.matches(" stroke-dasharray=\"2 3\"").count(), 1, "{drawn}");
         assert!(!drawn.contains("<rect"), "{drawn}");
+    }
+
+    /// They ended where the picture does, and the last of too many were not mentioned.
+    #[test]
+    fn long_keys_are_cut_and_missing_ones_counted() {
+        let long = |end: &str| Key::new("p0", &format!("{}{end}", "long".repeat(30)));
+        let (drawn, _) = legend(&[long("1"), long("2"), Key::more(3)], [360.0, 0.0]);
+        assert!(drawn.contains("1</text>") && drawn.contains("2</text>") && drawn.contains("…"), "{drawn}");
+        assert!(!drawn.contains(&"long".repeat(14)) && drawn.contains(">and 3 more</text>"), "{drawn}");
+        assert_eq!(drawn.matches("<rect").count(), 2, "{drawn}");
     }
 
     /// Ten policies have seven colours.

@@ -13,7 +13,10 @@ use crate::point::known::interval_of;
 pub struct Line {
     /// Its name.
     pub name: String,
-    /// One value for each frame of the chart; a missing one breaks the line.
+    /// Its name in the file of the values, which may say their unit.
+    pub column: String,
+    /// One value for each frame of the chart; a missing one breaks the line, and so does an infinite one: that of an identical
+    /// picture.
     pub values: Vec<Option<f64>>,
     /// Of values that are estimates half the width of the interval, in percent; empty where all are exact.
     pub intervals: Vec<Option<f64>>,
@@ -46,22 +49,33 @@ const HEIGHT: f64 = 200.0;
 impl Lines<'_> {
     /// The chart; `label` describes it.
     pub fn draw(&self, label: &str) -> Chart {
-        let [left, right, top, bottom] = [44.0, WIDTH - 8.0, 10.0, HEIGHT - 36.0];
-        let [mut low, high] =
-            extent(self.lines.iter().flat_map(|l| l.values.iter().flatten().copied())).unwrap_or([0.0, 1.0]);
+        let [right, top, bottom] = [WIDTH - 8.0, 10.0, HEIGHT - 36.0];
+        let known = self.lines.iter().flat_map(|l| l.values.iter().flatten().copied()).filter(|v| v.is_finite());
+        let extent = extent(known);
+        let [mut low, high] = extent.unwrap_or([0.0, 1.0]);
         if self.zero {
             low = low.min(0.0);
         }
         let y = Scale::nice([low, high], 4, [bottom, top]);
+        let text = |tick: f64| y.times(self.scale).label(tick * self.scale);
+        let left = y.margin(44.0, text);
         let ends = (self.frames.first().copied().unwrap_or(0), self.frames.last().copied().unwrap_or(1));
-        let x = Scale::exact([f64::from(ends.0), f64::from(ends.1)], 6, [left, right]);
+        // A single frame stands in the middle.
+        let [first, last] = [ends.0, ends.1].map(f64::from);
+        let about = if first < last { 0.0 } else { 1.0 };
+        let x = Scale::exact([first - about, last + about], 6, [left, right]);
         let mut svg = Svg::new(WIDTH, HEIGHT);
-        for tick in y.ticks() {
+        let mut values = self.lines.iter().flat_map(|line| line.values.iter().flatten());
+        if extent.is_none() && values.any(|value| value.is_infinite()) {
+            svg.text(f64::midpoint(left, right), f64::midpoint(top, bottom), "note m", "identical");
+        }
+        for tick in y.ticks().into_iter().filter(|_| extent.is_some()) {
             svg.line([left, y.at(tick)], [right, y.at(tick)], "grid");
-            svg.text(left - 5.0, y.at(tick) + 4.0, "tick e", &y.times(self.scale).label(tick * self.scale));
+            svg.text(left - 5.0, y.at(tick) + 4.0, "tick e", &text(tick));
         }
         // There is no frame one and a half.
-        for tick in x.ticks().into_iter().filter(|tick| (tick - tick.round()).abs() < 1e-9) {
+        let is_frame = |tick: &f64| (tick - tick.round()).abs() < 1e-9 && (first..=last).contains(tick);
+        for tick in x.ticks().into_iter().filter(is_frame) {
             svg.line([x.at(tick), bottom], [x.at(tick), bottom + 4.0], "axis");
             svg.text(x.at(tick), bottom + 16.0, "tick m", &fixed(tick, 0));
         }
@@ -76,8 +90,8 @@ impl Lines<'_> {
             n(right),
             n(top),
             n(bottom),
-            ends.0,
-            ends.1,
+            x.domain[0],
+            x.domain[1],
             escape(self.unit)
         );
         let keys = self.lines.iter().map(|line| Key::of_line(&line.class, line.dash, &line.name));
@@ -88,8 +102,8 @@ impl Lines<'_> {
     fn data(&self) -> Data {
         // A line, and behind it what its estimates may be off.
         let columns = self.lines.iter().flat_map(|line| {
-            let intervals = (!line.intervals.is_empty()).then(|| (interval_of(&line.name), &line.intervals));
-            std::iter::once((line.name.clone(), &line.values)).chain(intervals)
+            let intervals = (!line.intervals.is_empty()).then(|| (interval_of(&line.column), &line.intervals));
+            std::iter::once((line.column.clone(), &line.values)).chain(intervals)
         });
         let (names, columns): (Vec<String>, Vec<&Vec<Option<f64>>>) = columns.unzip();
         let names: Vec<&str> = std::iter::once("frame").chain(names.iter().map(String::as_str)).collect();
@@ -104,13 +118,13 @@ impl Lines<'_> {
     fn line(&self, svg: &mut Svg, line: &Line, x: &Scale, y: &Scale) {
         let (mut d, mut dots, mut drawing) = (String::new(), String::new(), false);
         for (i, (frame, value)) in self.frames.iter().zip(&line.values).enumerate() {
-            let Some(value) = value else {
+            let Some(value) = value.filter(|value| value.is_finite()) else {
                 drawing = false;
                 continue;
             };
-            let (px, py) = (n(x.at(f64::from(*frame))), n(y.at(*value)));
+            let (px, py) = (n(x.at(f64::from(*frame))), n(y.at(value)));
             let _ = write!(d, "{}{px} {py}", if drawing { 'L' } else { 'M' });
-            let alone = !drawing && line.values.get(i + 1).is_none_or(Option::is_none);
+            let alone = !drawing && line.values.get(i + 1).is_none_or(|next| !next.is_some_and(f64::is_finite));
             // A frame without neighbours would be a line of no length.
             if alone || self.frames.len() <= DOTTED {
                 let _ = write!(dots, "M{px} {py}m-2.5 0a2.5 2.5 0 1 0 5 0a2.5 2.5 0 1 0 -5 0");
@@ -131,12 +145,48 @@ impl Lines<'_> {
     }
 }
 
-/// A value for the script: four digits are enough to read out.
+/// A value for the script: whole numbers in full, of others the digits that it reads out and some more.
 fn short(value: f64) -> String {
-    let places = match value.abs() {
-        v if v >= 1000.0 => 0,
-        v if v >= 10.0 => 2,
-        _ => 4,
-    };
-    format!("{value:.places$}")
+    let text = if value.fract() == 0.0 { format!("{value}") } else { format!("{value:.6e}") };
+    match text.parse::<f64>() {
+        Ok(v) if v.is_infinite() => if v > 0.0 { "Infinity" } else { "-Infinity" }.into(),
+        Ok(v) if v == 0.0 || (1e-6..1e15).contains(&v.abs()) => v.to_string(),
+        Ok(v) => format!("{v:e}"),
+        Err(_) => text,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn lines(frames: &[u32], values: &[Option<f64>]) -> Chart {
+        let line = Line {
+            name: "a".into(),
+            column: "a, ms".into(),
+            values: values.to_vec(),
+            intervals: Vec::new(),
+            class: "p0".into(),
+            dash: "",
+        };
+        Lines { unit: "µs", scale: 1e3, frames, lines: vec![line], zero: true }.draw("label")
+    }
+
+    /// Four places made 0 of the small ones.
+    #[test]
+    fn values_are_read_out_as_they_are() {
+        assert_eq!(
+            [2e-5, 123_456.0, 1e-9, 1_234.567_89, 0.0].map(short),
+            ["0.00002", "123456", "1e-9", "1234.568", "0"]
+        );
+        let chart = lines(&[0, 1, 2], &[Some(2e-6), None, Some(f64::INFINITY)]);
+        assert!(chart.svg.contains("data-v=\"0.002,,Infinity\"") && !chart.svg.contains("inf "), "{}", chart.svg);
+        assert_eq!(chart.data.csv(), "frame,\"a, ms\"\r\n0,0.000002\r\n1,\r\n2,inf\r\n");
+    }
+
+    #[test]
+    fn a_single_frame_has_one_tick() {
+        let chart = lines(&[0], &[Some(1.0)]).svg;
+        assert!(chart.contains("data-ends=\"-1 1\"") && chart.matches("\"tick m\"").count() == 1, "{chart}");
+    }
 }

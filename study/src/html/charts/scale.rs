@@ -1,5 +1,6 @@
 //! Axes: from values to places, and the round numbers that are written along them.
 
+use super::WIDTH;
 use super::svg::text_width;
 use crate::html::text::fixed;
 
@@ -18,7 +19,7 @@ impl Scale {
     /// From `low` to `high`, both moved outwards to a tick; about `ticks` of them.
     pub fn nice([low, high]: [f64; 2], ticks: u32, range: [f64; 2]) -> Self {
         let (low, high) = (bounded(low), bounded(high));
-        let (low, high) = if high > low { (low, high) } else { (low, low + low.abs().max(1.0)) };
+        let high = apart(low, high);
         let step = round_step((high - low) / f64::from(ticks.max(1)));
         Self { domain: [(low / step).floor() * step, (high / step).ceil() * step], range, step }
     }
@@ -26,7 +27,7 @@ impl Scale {
     /// From exactly `low` to `high`; ticks stand at round numbers between.
     pub fn exact([low, high]: [f64; 2], ticks: u32, range: [f64; 2]) -> Self {
         let (low, high) = (bounded(low), bounded(high));
-        let high = if high > low { high } else { low + low.abs().max(1.0) };
+        let high = apart(low, high);
         Self { domain: [low, high], range, step: round_step((high - low) / f64::from(ticks.max(1))) }
     }
 
@@ -46,11 +47,20 @@ impl Scale {
 
     /// The ticks of a horizontal axis with their texts, so few of them that no text runs into the next.
     pub fn named_ticks(&self, text: impl Fn(f64) -> String) -> Vec<(f64, String)> {
-        let named: Vec<_> = self.ticks().into_iter().map(|tick| (tick, text(tick))).collect();
+        let mut named: Vec<_> = self.ticks().into_iter().map(|tick| (tick, text(tick))).collect();
+        named.dedup_by(|a, b| a.1 == b.1);
+        // Nor does one stick out to the right.
+        named.retain(|(tick, text)| self.at(*tick) + text_width(text) / 2.0 <= WIDTH + 4.0);
         let widest = named.iter().map(|(_, text)| text_width(text)).fold(0.0, f64::max) + 4.0;
         let apart = named.windows(2).map(|pair| (self.at(pair[1].0) - self.at(pair[0].0)).abs()).fold(widest, f64::min);
         let every = if apart > 0.0 { (widest / apart).ceil() as usize } else { named.len() };
         named.into_iter().step_by(every.max(1)).collect()
+    }
+
+    /// Room at the left of a vertical axis for the longest text of a tick, and no less than `least`.
+    pub fn margin(&self, least: f64, text: impl Fn(f64) -> String) -> f64 {
+        let widths = self.ticks().into_iter().map(|tick| text_width(&text(tick)) * TICK + 7.0);
+        widths.fold(least, f64::max)
     }
 
     /// The same axis in another unit: its ticks stand where they stood and are so many times as much.
@@ -60,21 +70,48 @@ impl Scale {
 
     /// A tick as text, with the places that tell it from its neighbours.
     pub fn label(&self, tick: f64) -> String {
-        let most = self.domain[0].abs().max(self.domain[1].abs());
-        let (scale, prefix) = match most {
-            v if v >= 1e9 => (1e-9, "G"),
-            v if v >= 1e6 => (1e-6, "M"),
-            v if v >= 1e4 => (1e-3, "k"),
-            _ => (1.0, ""),
-        };
-        let step = self.step * scale;
-        let whole = |places: &usize| {
-            let scaled = step * [1.0, 10.0, 100.0, 1e3, 1e4, 1e5, 1e6][*places];
-            scaled > 0.5 && (scaled - scaled.round()).abs() < 1e-6
-        };
-        let places = (0..7).find(whole).unwrap_or(6);
-        if tick == 0.0 { "0".into() } else { fixed(tick * scale, places) + prefix }
+        if tick == 0.0 {
+            return "0".into();
+        }
+        let (unit, name) = unit(self.domain[0].abs().max(self.domain[1].abs()));
+        let mut scaled = self.step / unit;
+        let mut places = 0;
+        while places < PLACES_MAX && !(scaled > 0.5 && (scaled - scaled.round()).abs() < 1e-6) {
+            (scaled, places) = (scaled * 10.0, places + 1);
+        }
+        fixed(tick / unit, places) + &name
     }
+}
+
+/// Digits of ticks are wider than other letters, for all that they are smaller.
+const TICK: f64 = 1.1;
+
+/// Most places of a tick: what differs less is one value to an axis.
+const PLACES_MAX: usize = 14;
+
+/// What the numbers of an axis are of that reaches `most`, and what stands behind them: a prefix, or a power of ten.
+fn unit(most: f64) -> (f64, String) {
+    match most {
+        v if (1e-3..1e4).contains(&v) || v == 0.0 => (1.0, String::new()),
+        v if (1e4..1e6).contains(&v) => (1e3, "k".into()),
+        v if (1e6..1e9).contains(&v) => (1e6, "M".into()),
+        v if (1e9..1e12).contains(&v) => (1e9, "G".into()),
+        v => {
+            // As it is written: a logarithm of the platform could differ in its last bit.
+            let text = format!("{:e}", v.max(1e-300));
+            let power = text.split('e').next_back().unwrap_or("0");
+            (format!("1e{power}").parse().unwrap_or(1.0), format!("e{power}"))
+        }
+    }
+}
+
+/// The end of an axis: `high`, or beyond it where `low` is the same but for its last digits.
+fn apart(low: f64, high: f64) -> f64 {
+    let most = low.abs().max(high.abs());
+    if high - low > most * 1e-12 {
+        return high;
+    }
+    low + if low == 0.0 { 1.0 } else { low.abs() }
 }
 
 /// A value with which sums and products stay finite.
@@ -126,6 +163,20 @@ mod tests {
         let close = Scale::nice([0.99312, 0.99402], 4, [0.0, 1.0]);
         let labels: Vec<String> = close.ticks().into_iter().map(|tick| close.label(tick)).collect();
         assert!(labels.windows(2).all(|pair| pair[0] != pair[1]), "{labels:?}");
+        for (domain, texts) in [
+            ([1e-12, 9e-10], ["0", "0.5e-9", "1.0e-9"].as_slice()),
+            ([22_400.0, 22_400.001], &["22.4000000k", "22.4000005k", "22.4000010k"]),
+            ([0.0, 2.5e17], &["0", "1e17", "2e17", "3e17"]),
+            ([-20.0, -19.999], &["\u{2212}20.0000", "\u{2212}19.9995", "\u{2212}19.9990"]),
+        ] {
+            let scale = Scale::nice(domain, 3, [0.0, 1.0]);
+            let labels: Vec<String> = scale.ticks().into_iter().map(|tick| scale.label(tick)).collect();
+            assert_eq!(labels, texts);
+            assert!(scale.margin(1.0, |tick| scale.label(tick)) > 3.0 * 6.0);
+        }
+        // One number that two sums gave.
+        let one = Scale::nice([1e15, 1e15 + 0.5], 4, [0.0, 1.0]);
+        assert!(one.named_ticks(|tick| one.label(tick)).windows(2).all(|pair| pair[0].1 != pair[1].1));
     }
 
     #[test]

@@ -3,7 +3,7 @@
 use crate::html::charts::WIDTH;
 use crate::html::charts::chart::{Chart, Data, Key, cell, ends, once, percent_cell};
 use crate::html::charts::scale::{Scale, extent};
-use crate::html::charts::svg::{Svg, marker, n, shortened, text_width};
+use crate::html::charts::svg::{Svg, marker, n, text_width, told_apart};
 use crate::html::text::escape;
 use crate::point::known::interval_of;
 
@@ -52,17 +52,18 @@ const HEIGHT: f64 = 270.0;
 pub fn scatter(dots: &[Dot], names: [&str; 2], label: &str) -> Chart {
     let best = frontier(dots);
     let identical = dots.iter().any(|d| d.x.is_none());
-    let [left, top, bottom] = [36.0, 24.0, HEIGHT - 38.0];
+    let [top, bottom] = [24.0, HEIGHT - 38.0];
     let right = if identical { WIDTH - 58.0 } else { WIDTH - 10.0 };
     let [low, high] = extent(dots.iter().filter_map(|d| d.x)).unwrap_or([30.0, 50.0]);
     let pad = ((high - low) * 0.04).max(0.5);
-    let x = Scale::nice([low - pad, high + pad], 5, [left, right]);
     let [_, most] = extent(dots.iter().map(|d| ends(d.y, d.within)[1])).unwrap_or([0.0, 1.0]);
     let y = Scale::nice([0.0, most * 1.05], 5, [bottom, top]);
+    let left = y.margin(36.0, |tick| y.label(tick) + "×");
+    let x = Scale::nice([low - pad, high + pad], 5, [left, right]);
     let mut svg = Svg::new(WIDTH, HEIGHT);
     axes(&mut svg, &x, &y, identical, names);
     let place = |dot: &Dot| [dot.x.map_or(WIDTH - 22.0, |v| x.at(v)), y.at(dot.y)];
-    stairs(&mut svg, dots, &best, place, bottom);
+    stairs(&mut svg, dots, &best, place, [left, bottom]);
     // The frontier last, so that no dimmed point covers it.
     for wanted in [false, true] {
         for (dot, _) in dots.iter().zip(&best).filter(|(_, on)| **on == wanted) {
@@ -95,9 +96,9 @@ fn axes(svg: &mut Svg, x: &Scale, y: &Scale, identical: bool, [x_name, y_name]: 
         svg.line([left, y.at(tick)], [end, y.at(tick)], "grid");
         svg.text(left - 5.0, y.at(tick) + 4.0, "tick e", &(y.label(tick) + "×"));
     }
-    for tick in x.ticks() {
+    for (tick, text) in x.named_ticks(|tick| x.label(tick)) {
         svg.line([x.at(tick), top], [x.at(tick), bottom], "grid");
-        svg.text(x.at(tick), bottom + 15.0, "tick m", &x.label(tick));
+        svg.text(x.at(tick), bottom + 15.0, "tick m", &text);
     }
     if identical {
         svg.rect([end - 36.0, top, 36.0, bottom - top], "apart");
@@ -110,11 +111,11 @@ fn axes(svg: &mut Svg, x: &Scale, y: &Scale, identical: bool, [x_name, y_name]: 
 }
 
 /// The frontier as stairs: everything below and to the left of it is beaten.
-fn stairs(svg: &mut Svg, dots: &[Dot], best: &[bool], place: impl Fn(&Dot) -> [f64; 2], bottom: f64) {
+fn stairs(svg: &mut Svg, dots: &[Dot], best: &[bool], place: impl Fn(&Dot) -> [f64; 2], [left, bottom]: [f64; 2]) {
     let mut points: Vec<[f64; 2]> = dots.iter().zip(best).filter(|(_, on)| **on).map(|(dot, _)| place(dot)).collect();
     points.sort_by(|a, b| a[0].total_cmp(&b[0]).then(b[1].total_cmp(&a[1])));
     let (Some(first), Some(last)) = (points.first(), points.last()) else { return };
-    let mut d = format!("M36 {}H{}", n(first[1]), n(first[0]));
+    let mut d = format!("M{} {}H{}", n(left), n(first[1]), n(first[0]));
     for pair in points.windows(2) {
         d += &format!("V{}H{}", n(pair[1][1]), n(pair[1][0]));
     }
@@ -126,9 +127,10 @@ fn stairs(svg: &mut Svg, dots: &[Dot], best: &[bool], place: impl Fn(&Dot) -> [f
 fn names_of(svg: &mut Svg, dots: &[Dot], best: &[bool], place: impl Fn(&Dot) -> [f64; 2], frame: [f64; 4]) {
     let [left, right, top, bottom] = frame;
     let mut taken: Vec<[f64; 4]> = dots.iter().map(|d| around(place(d))).collect();
-    for dot in dots.iter().zip(best).filter(|(_, on)| **on).map(|(dot, _)| dot) {
-        let (text, [x, y]) = (shortened(&dot.name, 16), place(dot));
-        let width = text_width(&text);
+    let on: Vec<&Dot> = dots.iter().zip(best).filter(|(_, on)| **on).map(|(dot, _)| dot).collect();
+    let texts = told_apart(&on.iter().map(|dot| dot.name.as_str()).collect::<Vec<_>>(), 16);
+    for (dot, text) in on.into_iter().zip(&texts) {
+        let ([x, y], width) = (place(dot), text_width(text));
         let tries = [
             (x + 9.0, y - 2.0, "s"),
             (x - 9.0, y - 4.0, "e"),
@@ -142,7 +144,7 @@ fn names_of(svg: &mut Svg, dots: &[Dot], best: &[bool], place: impl Fn(&Dot) -> 
             let room = [start, start + width, ty - 9.0, ty + 2.0];
             let inside = room[0] >= left && room[1] <= right && room[2] >= top && room[3] <= bottom;
             if inside && !taken.iter().any(|other| overlap(other, &room)) {
-                svg.text(tx, ty, &format!("name {align}"), &text);
+                svg.text(tx, ty, &format!("name {align}"), text);
                 taken.push(room);
                 break;
             }

@@ -1,10 +1,10 @@
 //! Horizontal bars made of parts: energy by component, cycles by state, kernels.
 
 use crate::html::charts::WIDTH;
-use crate::html::charts::bars::{NAME_MAX, name_width};
+use crate::html::charts::bars::{NAME_MAX, beside};
 use crate::html::charts::chart::{Chart, Data, Key, cell, ends, once, percent_cell};
 use crate::html::charts::scale::Scale;
-use crate::html::charts::svg::{Svg, shortened, text_width};
+use crate::html::charts::svg::{Svg, text_width};
 use crate::point::known::interval_of;
 
 /// A part of a bar.
@@ -38,6 +38,13 @@ pub enum StackedRow {
     },
 }
 
+impl StackedRow {
+    /// The name of a bar.
+    fn name(&self) -> &str {
+        if let Self::Bar { name, .. } = self { name } else { "" }
+    }
+}
+
 /// Height of a bar with the gap below it.
 const ROW: f64 = 21.0;
 
@@ -49,10 +56,10 @@ pub fn stacked(
     tick: impl Fn(&Scale, f64) -> String,
     label: &str,
 ) -> Chart {
-    let names =
-        rows.iter().filter_map(|row| if let StackedRow::Bar { name, .. } = row { Some(name.as_str()) } else { None });
+    // Heads stand above bars, and take no room beside them.
+    let (names, left) = beside(&rows.iter().map(StackedRow::name).collect::<Vec<_>>(), NAME_MAX);
     let texts = rows.iter().map(|row| if let StackedRow::Bar { text, .. } = row { text_width(text) } else { 0.0 });
-    let (left, behind) = (name_width(names), texts.fold(0.0, f64::max) + 10.0);
+    let behind = texts.fold(0.0, f64::max) + 10.0;
     let bottom = 4.0 + ROW * rows.len() as f64;
     let within = rows.iter().filter_map(|row| if let StackedRow::Bar { within, .. } = row { *within } else { None });
     let room = within.map(|part| ends(1.0, Some(part))[1]).fold(1.0, f64::max);
@@ -66,8 +73,8 @@ pub fn stacked(
         let y = 4.0 + ROW * i as f64;
         match row {
             StackedRow::Head(text) => svg.text(0.0, y + 14.0, "head s", text),
-            StackedRow::Bar { name, parts, within, text } => {
-                svg.text(left - 6.0, y + 13.0, "label e", &shortened(name, NAME_MAX));
+            StackedRow::Bar { parts, within, text, .. } => {
+                svg.text(left - 6.0, y + 13.0, "label e", &names[i]);
                 let mut start = 0.0;
                 for part in parts.iter().filter(|part| part.value > 0.0) {
                     let (a, b) = (x.at(start), x.at(start + part.value));

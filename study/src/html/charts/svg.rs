@@ -1,5 +1,6 @@
 //! A small SVG writer: escapes what it is given and prints coordinates the same way everywhere.
 
+use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
 use crate::html::text::escape;
@@ -175,4 +176,42 @@ pub fn shortened(text: &str, most: usize) -> String {
         return text.to_owned();
     }
     text.chars().take(most.saturating_sub(1)).chain(['…']).collect()
+}
+
+/// Texts cut to so many characters: at their ends, or where that would make two of them the same, inside. What no cut tells apart
+/// begins with its number.
+pub fn told_apart(texts: &[&str], most: usize) -> Vec<String> {
+    let different = texts.iter().collect::<BTreeSet<_>>().len();
+    let is_told = |cut: &Vec<String>| cut.iter().collect::<BTreeSet<_>>().len() == different;
+    let number = |text: &str| texts.iter().position(|other| *other == text).unwrap_or_default() + 1;
+    let numbered = || texts.iter().map(|text| shortened(&format!("{} {text}", number(text)), most)).collect();
+    // Half of each side first: both are read then.
+    let mut tails = std::iter::once(0).chain(most / 2..most).chain(1..most / 2);
+    let cut = |tail| texts.iter().map(|text| without_middle(text, most, tail)).collect::<Vec<_>>();
+    tails.find_map(|tail| Some(cut(tail)).filter(is_told)).unwrap_or_else(numbered)
+}
+
+/// The text cut to so many characters, of which so many are its last.
+fn without_middle(text: &str, most: usize, tail: usize) -> String {
+    let length = text.chars().count();
+    if length <= most || tail == 0 {
+        return shortened(text, most);
+    }
+    let head = text.chars().take(most.saturating_sub(tail + 1));
+    head.chain(['…']).chain(text.chars().skip(length - tail)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_that_are_cut_stay_apart() {
+        assert_eq!(told_apart(&["one", "two", "one"], 5), ["one", "two", "one"]);
+        assert_eq!(told_apart(&["adaptive-quality", "multirate"], 10), ["adaptive-…", "multirate"]);
+        assert_eq!(told_apart(&["0.1000 to 0.2000", "0.1000 to 0.3000"], 10), ["0.10….2000", "0.10….3000"]);
+        let inside = ["aaaaaaaa1aaaaaaaaaaaaa", "aaaaaaaa2aaaaaaaaaaaaa"];
+        assert_eq!(told_apart(&inside, 6), ["1 aaa…", "2 aaa…"]);
+        assert!(told_apart(&["ab", "cd"], 0).len() == 2 && told_apart(&[], 4).is_empty());
+    }
 }

@@ -2,11 +2,12 @@
 
 use serde_json::{Value, json};
 
-use super::charts;
+use super::charts::{self, Figure};
 use super::folder::Folder;
 use crate::figures::{FixedColumn, columns};
 use crate::html::charts::file::Saved;
 use crate::html::charts::gallery::Gallery;
+use crate::html::magnitude::{self, Unit};
 use crate::html::parts::{Head, Section, how_to_read, table};
 use crate::html::shell::Shell;
 use crate::html::text::{base64, bytes, count, counted, escape, plus_minus};
@@ -15,19 +16,23 @@ use crate::report::extent::Extent;
 
 const STYLE: &str = include_str!("player.css");
 
-/// Figures of a frame: key in the report, heading, places.
-const OF_FRAMES: &[charts::Figure] = &[
-    ("rays_traced", "Rays", 0),
-    ("samples_interpolated", "Interpolated samples", 0),
-    ("psnr_db", "PSNR, dB", 2),
-    ("ssim", "SSIM", 4),
-    ("flip", "FLIP", 4),
-    ("flicker", "Flicker", 2),
-    ("cycles", "Cycles", 0),
-    ("time_ms", "Time, ms", 3),
-    ("energy_mj", "Energy of the T&I units, mJ", 3),
-    ("gpu_energy_mj", "Energy of the GPU, mJ", 3),
+/// Figures of a frame.
+const OF_FRAMES: &[Figure] = &[
+    figure("rays_traced", "Rays", "", 0),
+    figure("samples_interpolated", "Interpolated samples", "", 0),
+    figure("psnr_db", "PSNR", "dB", 2),
+    figure("ssim", "SSIM", "", 4),
+    figure("flip", "FLIP", "", 4),
+    figure("flicker", "Flicker", "", 2),
+    figure("cycles", "Cycles", "", 0),
+    figure("time_ms", "Time", "ms", 3),
+    figure("energy_mj", "Energy of the T&I units", "mJ", 3),
+    figure("gpu_energy_mj", "Energy of the GPU", "mJ", 3),
 ];
+
+const fn figure(key: &'static str, name: &'static str, unit: &'static str, places: usize) -> Figure {
+    Figure { key, name, unit, places }
+}
 
 /// The whole page.
 pub fn page(replay: &Folder) -> (String, Vec<Saved>) {
@@ -90,23 +95,33 @@ fn sentences(clauses: &[String]) -> String {
     clauses.iter().map(sentence).collect::<Vec<_>>().join(" ")
 }
 
-/// A figure of a frame or of all as people read it, with what it may be off; a dash where there is none.
-fn shown(figures: &Value, key: &str, places: usize) -> String {
+/// A figure of a frame or of all in a unit as people read it, with what it may be off; a dash where there is none.
+fn shown(figures: &Value, key: &str, places: usize, scale: f64) -> String {
     let figure = charts::figure(figures, key);
     let number = match (figure.as_u64(), figure.as_f64()) {
-        (Some(whole), _) => count(whole),
-        (None, Some(number)) => format!("{number:.places$}"),
+        _ if charts::is_identical(figures, key) => return "identical".into(),
+        (Some(whole), _) if scale == 1.0 => count(whole),
+        (_, Some(number)) => written(number * scale, places),
         _ => return "–".into(),
     };
     number + &plus_minus(charts::interval(figures, key).map(|percent| percent / 100.0))
+}
+
+/// A number with so many places; one of which these would leave less than two digits by its power of ten.
+fn written(number: f64, places: usize) -> String {
+    let fixed = format!("{number:.places$}");
+    let digits = fixed.trim_start_matches(['-', '0', '.']).len();
+    if number != 0.0 && places > 0 && digits < 2 { format!("{number:.3e}") } else { fixed }
 }
 
 /// The figures of all frames together, with what they mean.
 fn figures(stats: &Value) -> Option<Section> {
     let row = |column: &FixedColumn| {
         let FixedColumn { name, unit, description, .. } = column;
-        let is_figure = column.is_figure && column.value(stats).is_number();
-        let cells = || vec![escape(name), shown(stats, name, 4), escape(unit), escape(description)];
+        let value = column.value(stats);
+        let is_figure = column.is_figure && (value.is_number() || charts::is_identical(stats, name));
+        let Unit { name: unit, scale } = magnitude::of(unit, value.as_f64());
+        let cells = || vec![escape(name), shown(stats, name, 4, scale), escape(unit), escape(description)];
         is_figure.then(|| (String::new(), cells()))
     };
     let rows: Vec<_> = columns().iter().filter_map(row).collect();
@@ -121,12 +136,13 @@ fn figures(stats: &Value) -> Option<Section> {
 /// The figures of each frame.
 fn frames(stats: &Value) -> Option<Section> {
     let all = stats["frames"].as_array()?;
-    let wanted: Vec<_> =
-        OF_FRAMES.iter().filter(|(key, ..)| all.iter().any(|frame| charts::figure(frame, key).is_number())).collect();
-    let columns: Vec<Head> =
-        std::iter::once(Head::number("Frame")).chain(wanted.iter().map(|(_, name, _)| Head::number(name))).collect();
+    let known = OF_FRAMES.iter().filter(|figure| all.iter().any(|frame| figure.is_known(frame)));
+    // One unit for a column: its values compare at a glance.
+    let wanted: Vec<(&Figure, Unit)> = known.map(|figure| (figure, figure.unit(all))).collect();
+    let heads = wanted.iter().map(|(figure, unit)| Head::number(&figure.heading(unit.name)));
+    let columns: Vec<Head> = std::iter::once(Head::number("Frame")).chain(heads).collect();
     let row = |frame: &Value| {
-        let figures = wanted.iter().map(|(key, _, places)| shown(frame, key, *places));
+        let figures = wanted.iter().map(|(figure, unit)| shown(frame, figure.key, figure.places, unit.scale));
         (String::new(), std::iter::once(frame["frame"].to_string()).chain(figures).collect())
     };
     let rows: Vec<_> = all.iter().map(row).collect();

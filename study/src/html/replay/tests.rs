@@ -53,6 +53,43 @@ fn the_whole_gpu_has_its_figures() {
     assert!(page.contains("Energy of the GPU, mJ") && page.contains("12.500<"), "frame by frame");
 }
 
+/// They had fixed places of mJ and ms, and all read 0.000.
+#[test]
+fn small_frames_have_their_digits() {
+    let mut stats = stats();
+    let frame = |number: u64, time: f64| json!({ "frame": number, "time_ms": time, "energy_mj": 2e-9, "flip": 3e-6 });
+    stats["frames"] = json!([frame(0, 0.0021), frame(1, 0.0042)]);
+    (stats["time_ms"], stats["power_w"]) = (json!(0.0063), json!(1.25e-5));
+    let page = page_of(&stats);
+    for words in ["Time, µs</th>", ">2.100<", ">4.200<", "energy_mj", ">3.000e-6<", ">6.3000</td><td>µs<", ">1.250e-5<"]
+    {
+        assert!(page.contains(words), "{words}: {page}");
+    }
+    assert!(page.contains("Energy of the T&amp;I units, nJ") && page.contains(">2.000e-3<"), "{page}");
+    // The file keeps the unit that is stored.
+    let folder = folder(&stats, &[]);
+    let (_, charts) = page::page(&folder::Folder::read(folder.path()).unwrap());
+    let time = charts.iter().find(|chart| chart.name == "frames-time_ms").unwrap();
+    assert_eq!(time.csv, "frame,\"Time, ms\"\r\n0,0.0021\r\n1,0.0042\r\n");
+}
+
+/// A picture that equals the reference has no number, and read as one that nobody compared.
+#[test]
+fn identical_pictures_say_so() {
+    let mut stats = stats();
+    let frame = |number: u64, psnr: Value| json!({ "frame": number, "identical": psnr.is_null(), "psnr_db": psnr });
+    stats["frames"] = json!([frame(0, Value::Null), frame(1, json!(40.5)), { "frame": 2, "psnr_db": null }]);
+    let page = page_of(&stats);
+    assert!(page.contains(">identical</td>") && page.contains(">40.50</td>") && page.contains(">–</td>"), "{page}");
+    assert!(page.contains("A missing piece of a PSNR line is a frame that equals the reference."));
+    assert!(page.contains("data-v=\"Infinity,40.5,\""), "{page}");
+    stats["frames"] = json!([frame(0, Value::Null), frame(1, Value::Null)]);
+    stats["identical"] = json!(true);
+    let page = page_of(&stats);
+    assert!(page.contains("<strong>PSNR, dB</strong>") && page.contains(">identical</text>"), "{page}");
+    assert_eq!(page.matches(">identical</td>").count(), 5, "two frames, and three figures of all: {page}");
+}
+
 /// Two frames of which the second is an estimate.
 fn estimated() -> Value {
     let mut stats = stats();
@@ -78,7 +115,7 @@ fn estimates_say_so() {
         "{html}"
     );
     assert!(html.contains("95 % interval reaches from - to + what stands behind it; counts of work are exact.</p>"));
-    assert!(html.contains("data-within=\",1.5000\""), "the pointer tells them too");
+    assert!(html.contains("data-within=\",1.5\""), "the pointer tells them too");
     assert_eq!(charts[0].csv, "frame,Cycles,Cycles_interval_percent\r\n0,10,\r\n1,20000,1.5\r\n");
     // What is exact says nothing of it.
     let exact = page_of(&stats());

@@ -2,7 +2,7 @@
 
 use crate::html::charts::chart::in_percent;
 use crate::html::charts::lines::{Line, Lines};
-use crate::html::magnitude::{ENERGY, TIME, Unit, for_all};
+use crate::html::magnitude::{self, Unit};
 use crate::html::modes::mode_name;
 use crate::html::parts::{Head, Section, grid, how_to_read, table};
 use crate::html::text::{escape, fixed, or_dash, percent, plus_minus, psnr};
@@ -29,9 +29,7 @@ fn part(view: &StudyView<'_>) -> [&'static str; 2] {
 
 /// The unit of a figure over some tracks; `stored` is that of the study.
 fn unit_of(tracks: &[&Track], stored: &'static str, value: fn(&TrackFrame) -> Option<f64>) -> Unit {
-    let values = || tracks.iter().flat_map(|track| &track.frames).filter_map(value);
-    let known = [ENERGY, TIME].into_iter().find(|units| units[0].name == stored);
-    known.map_or(Unit { name: stored, scale: 1.0 }, |units| for_all(&units, values()))
+    magnitude::of(stored, tracks.iter().flat_map(|track| &track.frames).filter_map(value))
 }
 
 /// The section.
@@ -87,7 +85,8 @@ fn chart(view: &StudyView<'_>, scene: &str, tracks: &[&Track], (title, stored, v
             intervals.clear();
         }
         let look = view.look(&track.policy);
-        Line { name: track.policy.clone(), values, intervals, class: look.class(), dash: look.dash() }
+        let [name, column] = [track.policy.clone(), track.policy.clone()];
+        Line { name, column, values, intervals, class: look.class(), dash: look.dash() }
     };
     let mut lines: Vec<Line> = tracks.iter().map(line).filter(|l| l.values.iter().any(Option::is_some)).collect();
     // The policy of the summary lies on top: others would hide it where they come near.

@@ -64,8 +64,10 @@ pub fn section(view: &StudyView<'_>) -> Option<Section> {
         models(&view.study.scenes)
     ));
     if let Some(power) = view.study.references.power {
-        html +=
-            &how_to_read(&format!("The paper states {} of the reference's power, mean of all scenes.", factor(power)));
+        html += &how_to_read(&format!(
+            "The paper states {} of the reference's power; of which scenes, and whether it is a mean, it does not say.",
+            factor(power)
+        ));
     }
     html +=
         &details("Numbers: every policy, T&I units alone and whole GPU", &by_mode(view, |mode| numbers(view, mode)));

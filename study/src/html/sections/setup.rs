@@ -3,7 +3,7 @@
 use crate::html::modes::mode_name;
 use crate::html::parts::{Head, Section, details, table};
 use crate::html::text::{count, escape, fixed, or_dash};
-use crate::html::view::StudyView;
+use crate::html::view::{StudyView, has_counterpart};
 
 /// The section.
 pub fn section(view: &StudyView<'_>) -> Option<Section> {
@@ -31,7 +31,8 @@ fn scenes(view: &StudyView<'_>) -> String {
     ];
     columns.extend(modes.iter().map(|mode| Head::number(&format!("Rays, {}", mode_name(mode).to_lowercase()))));
     let row = |scene: &crate::schema::Scene| {
-        let paper = scene.paper_triangles.filter(|n| *n > 0).map(|n| {
+        // Its name alone makes no scene of the paper's.
+        let paper = scene.paper_triangles.filter(|_| has_counterpart(scene)).map(|n| {
             format!(
                 "{} <small>({}{}\u{202f}%)</small>",
                 count(n),
@@ -71,4 +72,22 @@ fn policies(view: &StudyView<'_>) -> String {
     };
     let all: String = view.study.policies.iter().map(policy).collect();
     if all.is_empty() { all } else { format!("<h3>Policies</h3>\n<dl class=\"policies\">\n{all}</dl>\n") }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::schema::{Scene, Study};
+
+    /// A model of a user stood beside the paper's scene of that name, 99 % smaller.
+    #[test]
+    fn a_scene_stands_beside_the_papers_only_if_it_is_like_it() {
+        let page = |triangles| {
+            let scene = Scene { name: "teapot".into(), triangles, paper_triangles: Some(15_000), ..Scene::default() };
+            scenes(&StudyView::new(&Study { scenes: vec![scene], ..Study::default() }))
+        };
+        let paper = count(15_000);
+        assert!(page(15_168).contains(&paper) && page(15_168).contains("+1.1"));
+        assert!(!page(12).contains(&paper), "{}", page(12));
+    }
 }

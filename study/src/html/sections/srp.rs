@@ -95,7 +95,7 @@ fn chart(view: &StudyView<'_>, scene: &str, mode: &str) -> String {
         let text = percent(added(&kernels));
         rows.push(StackedRow::Bar {
             name: "the paper".into(),
-            parts: parts("the paper, mean of its scenes", &kernels),
+            parts: parts("the paper, of which scenes is not stated", &kernels),
             within: None,
             text,
         });

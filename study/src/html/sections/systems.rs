@@ -1,6 +1,6 @@
-//! Policies on machines: efficiency against quality, and which conclusions of the paper hold where.
+//! Policies on machines: efficiency against quality, and what the paper states or expects that holds where.
 
-use crate::analysis::systems::{CONCLUSIONS, Pair, Systems};
+use crate::analysis::systems::{Pair, STATEMENTS, Systems};
 use crate::html::charts::scatter::{Dot, scatter};
 use crate::html::parts::{Head, Section, grid, how_to_read, table};
 use crate::html::text::{decibels, escape, factor, fixed, or_dash, plus_minus};
@@ -27,8 +27,8 @@ pub fn section(view: &StudyView<'_>) -> Option<Section> {
     html += &gains(&systems, &pairs);
     html += &verdicts(&systems);
     html += &how_to_read(
-        "What the paper concludes from SGRT, looked at on every machine that can run adaptive policies: the value that decides, for the \
-         T&I units alone where there are any, and for the whole GPU.",
+        "What the paper states of SGRT, and what it expects of multi-rate sampling, looked at on every machine that can run adaptive \
+         policies: the value that decides, for the T&I units alone where there are any, and for the whole GPU.",
     );
     Section::new("systems", "Policies on machines", html)
 }
@@ -118,7 +118,7 @@ fn gains(systems: &Systems<'_>, pairs: &[Pair]) -> String {
 
 fn verdicts(systems: &Systems<'_>) -> String {
     let verdicts = systems.verdicts();
-    let mut columns = vec![Head::words("Conclusion")];
+    let mut columns = vec![Head::words("Statement")];
     columns.extend(verdicts.iter().map(|verdict| Head::words(systems.machines[verdict.machine])));
     let part = |name: &str, value: Option<(bool, f64)>| {
         value.map(|(holds, v)| format!("{} {} <small>{name}</small>", if holds { "yes" } else { "no" }, fixed(v, 2)))
@@ -131,5 +131,9 @@ fn verdicts(systems: &Systems<'_>) -> String {
         let cells = verdicts.iter().map(|verdict| cell(&verdict.holds[i]));
         (String::new(), [escape(name)].into_iter().chain(cells).collect())
     };
-    table("Which conclusions hold", &columns, &CONCLUSIONS.iter().enumerate().map(row).collect::<Vec<_>>())
+    table(
+        "What the paper states or expects, and where it holds",
+        &columns,
+        &STATEMENTS.iter().enumerate().map(row).collect::<Vec<_>>(),
+    )
 }

@@ -3,7 +3,7 @@
 use crate::html::parts::{Head, Section, details, table};
 use crate::html::sweep::number::value;
 use crate::html::sweep::view::SweepView;
-use crate::html::text::escape;
+use crate::html::text::{counted, escape};
 use crate::table::{Cells, Field, Role};
 
 /// The section.
@@ -17,7 +17,7 @@ pub fn section(view: &SweepView<'_>) -> Option<Section> {
     let rows: Vec<_> = vary.iter().map(|field| (String::new(), names(field))).collect();
     let mut html = String::new();
     if !rows.is_empty() {
-        html += &details(&format!("{} columns that vary", rows.len()), &table("Columns that vary", &unit(), &rows));
+        html += &details(&columns_that(rows.len(), ["varies", "vary"]), &table("Columns that vary", &unit(), &rows));
     }
     let with_value = |field: &&Field| {
         let mut cells = names(field);
@@ -29,10 +29,15 @@ pub fn section(view: &SweepView<'_>) -> Option<Section> {
     if !rows.is_empty() {
         let [name, unit, what] = unit();
         let columns = [name, Head::number("Value"), unit, what];
-        let summary = format!("{} columns with one value for all points", rows.len());
+        let summary = format!("{} with one value for all points", counted(rows.len(), "column"));
         html += &details(&summary, &table("Columns with one value", &columns, &rows));
     }
     Section::new("columns", "Columns", html)
+}
+
+/// How many columns do something: what one does, and what more do.
+fn columns_that(count: usize, [one, more]: [&str; 2]) -> String {
+    format!("{} that {}", counted(count, "column"), if count == 1 { one } else { more })
 }
 
 /// Whether all rows hold the same.

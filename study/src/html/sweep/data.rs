@@ -1,9 +1,11 @@
 //! The table as the page's scripts read it: column by column, each in the form that takes the least room.
 //!
 //! A column with one value is that value (`all`). A column with few different values is a list of these (`of`) and a text (`at`): for
-//! each row the index of its value, in digits of base 64. All other columns are lists of values (`own`). Numbers are kept to seven
-//! digits: the page is to be looked at, and the Parquet file has all digits.
+//! each row the index of its value, in digits of base 64. All other columns are lists of values (`own`). What somebody chose has all its
+//! digits. Results are kept to seven, or to as many as tell their values apart: the page is to be looked at, and the Parquet file has
+//! all digits.
 
+use std::cmp::Ordering;
 use std::collections::{BTreeMap, BTreeSet};
 
 use serde_json::{Map, Value, json};
@@ -19,7 +21,9 @@ const DIGITS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz
 /// Everything that the scripts need.
 pub fn data(view: &SweepView<'_>) -> Value {
     let shown = |field: &&Field| field.role != Role::Config && field.name != "key";
-    let columns: Vec<Value> = view.results.fields.iter().filter(shown).map(column).collect();
+    let is_dimension = |field: &Field| view.dimensions.iter().any(|dimension| dimension.name == field.name);
+    let columns = view.results.fields.iter().filter(shown).map(|field| column(field, is_dimension(field)));
+    let columns: Vec<Value> = columns.collect();
     let configs: Vec<Value> = Half::ALL.iter().flat_map(|half| config(&view.configs[*half as usize], *half)).collect();
     json!({
         "rows": view.results.rows(),
@@ -35,12 +39,17 @@ pub fn data(view: &SweepView<'_>) -> Value {
         "most_heat": VALUES_MAX,
         "config": configs,
         "presets": presets(view),
+        "files": files(view),
     })
 }
 
-fn column(field: &Field) -> Value {
+/// A column; scripts go through the values of a dimension, so that it has a list of them in any case.
+fn column(field: &Field, is_dimension: bool) -> Value {
     let result = matches!(field.role, Role::Figure | Role::Counter);
+    let chosen = matches!(field.role, Role::Axis | Role::Point);
+    let as_text = chosen && beyond_numbers(&field.cells);
     let kind = match field.cells {
+        _ if as_text => "text",
         Cells::Int(_) | Cells::Float(_) => "number",
         Cells::Flag(_) => "flag",
         Cells::Text(_) => "text",
@@ -54,34 +63,69 @@ fn column(field: &Field) -> Value {
     if result {
         column.insert("goal".into(), json!(goal(&field.name)));
     }
-    let values: Vec<Value> = (0..field.cells.len()).map(|row| cell(&field.cells, row)).collect();
-    // Numbers of a dictionary ascend, so that scripts need not sort them.
+    let digits = if chosen { None } else { digits(&field.cells) };
+    if let Some(digits) = digits {
+        column.insert("digits".into(), json!(digits));
+    }
+    let cell = |row: usize| if as_text { field.cells.text(row).into() } else { cell(&field.cells, row, digits) };
+    let values: Vec<Value> = (0..field.cells.len()).map(cell).collect();
+    // The values of a dictionary ascend, so that scripts need not sort them.
     let sorted = !matches!(field.cells, Cells::Text(_));
-    let listed = matches!(field.role, Role::Axis | Role::Point) && field.name != "point";
+    let listed = (chosen && field.name != "point") || is_dimension;
     column.extend(packed(&values, sorted, listed));
+    if is_dimension && !column.contains_key("of") {
+        column.extend(dictionary(&values, sorted));
+    }
     Value::Object(column)
 }
 
-fn cell(cells: &Cells, row: usize) -> Value {
+fn cell(cells: &Cells, row: usize, digits: Option<usize>) -> Value {
     match cells {
         Cells::Int(cells) => cells[row].into(),
-        Cells::Float(cells) => cells[row].map(short).into(),
+        Cells::Float(cells) => cells[row].map(|value| digits.map_or(value, |digits| short(value, digits))).into(),
         Cells::Flag(cells) => cells[row].into(),
         Cells::Text(cells) => cells[row].clone().into(),
     }
 }
 
-/// The number to seven digits.
-fn short(value: f64) -> f64 {
-    format!("{value:.6e}").parse().unwrap_or(value)
+/// Whether a script would not tell some of the numbers from their neighbours: those are words to it.
+fn beyond_numbers(cells: &Cells) -> bool {
+    const LAST: u64 = 1 << 53;
+    matches!(cells, Cells::Int(cells) if cells.iter().flatten().any(|value| value.unsigned_abs() > LAST))
 }
 
-/// Values in the shortest form; as a dictionary in any case if `listed`.
+/// The fewest digits, from seven on, that leave as many different numbers as there are; none if only all of them do.
+fn digits(cells: &Cells) -> Option<usize> {
+    let Cells::Float(cells) = cells else { return None };
+    let different = |shown: &dyn Fn(f64) -> f64| {
+        cells.iter().flatten().map(|value| shown(*value).to_bits()).collect::<BTreeSet<u64>>().len()
+    };
+    let all = different(&|value| value);
+    [7, 10, 13].into_iter().find(|digits| different(&|value| short(value, *digits)) == all)
+}
+
+/// The number to so many digits.
+fn short(value: f64, digits: usize) -> f64 {
+    format!("{value:.*e}", digits - 1).parse().unwrap_or(value)
+}
+
+/// Values in the shortest form; as a dictionary in any case if `listed`, unless all are the same.
 fn packed(values: &[Value], sorted: bool, listed: bool) -> Map<String, Value> {
-    let one = |key: &str, value: Value| Map::from_iter([(key.to_owned(), value)]);
     if let Some(first) = values.first().filter(|first| values.iter().all(|value| value == *first)) {
-        return one("all", first.clone());
+        return Map::from_iter([("all".to_owned(), first.clone())]);
     }
+    let dictionary = dictionary(values, sorted);
+    let length = |values: &[Value]| values.iter().map(|value| value.to_string().len() + 1).sum::<usize>();
+    let listed_values = dictionary["of"].as_array().map_or(0, |of| length(of));
+    let coded = listed_values + dictionary["at"].as_str().map_or(0, str::len);
+    if coded >= length(values) && !listed {
+        return Map::from_iter([("own".to_owned(), Value::Array(values.to_vec()))]);
+    }
+    dictionary
+}
+
+/// The different values, and of each row which it has.
+fn dictionary(values: &[Value], sorted: bool) -> Map<String, Value> {
     let texts: Vec<String> = values.iter().map(Value::to_string).collect();
     let mut known: BTreeMap<&str, usize> = BTreeMap::new();
     let mut order: Vec<usize> = Vec::new();
@@ -92,24 +136,28 @@ fn packed(values: &[Value], sorted: bool, listed: bool) -> Map<String, Value> {
         });
     }
     if sorted {
-        // A missing value comes last.
-        let number = |row: usize| match &values[row] {
-            Value::Bool(flag) => f64::from(u8::from(*flag)),
-            value => value.as_f64().unwrap_or(f64::INFINITY),
-        };
-        order.sort_by(|a, b| number(*a).total_cmp(&number(*b)));
+        order.sort_by(|a, b| ascending(&values[*a], &values[*b]));
         known = order.iter().enumerate().map(|(index, row)| (texts[*row].as_str(), index)).collect();
     }
     let width = (1..=4).find(|width| order.len() <= 1 << (6 * width)).unwrap_or(4);
-    let plain: usize = texts.iter().map(|text| text.len() + 1).sum();
-    let coded: usize = order.iter().map(|row| texts[*row].len() + 1).sum::<usize>() + width * values.len();
-    if coded >= plain && !listed {
-        return one("own", Value::Array(values.to_vec()));
-    }
     let digits = |index: usize| (0..width).rev().map(move |place| DIGITS[(index >> (6 * place)) & 63] as char);
-    let mut packed = one("of", order.iter().map(|row| values[*row].clone()).collect());
-    packed.insert("at".into(), texts.iter().flat_map(|text| digits(known[text.as_str()])).collect::<String>().into());
-    packed
+    let at: String = texts.iter().flat_map(|text| digits(known[text.as_str()])).collect();
+    let of = order.iter().map(|row| values[*row].clone()).collect();
+    Map::from_iter([("of".to_owned(), Value::Array(of)), ("at".to_owned(), at.into())])
+}
+
+/// The order of two numbers, or of two that are words because a script has none so large; a missing one comes last.
+fn ascending(a: &Value, b: &Value) -> Ordering {
+    let number = |value: &Value| match value {
+        Value::Bool(flag) => f64::from(u8::from(*flag)),
+        value => value.as_f64().unwrap_or(f64::INFINITY),
+    };
+    let whole = |value: &Value| value.as_str().map(|text| text.parse::<i64>().unwrap_or(i64::MAX));
+    match (whole(a), whole(b)) {
+        (None, None) => number(a).total_cmp(&number(b)),
+        (Some(a), Some(b)) => a.cmp(&b),
+        (a, b) => b.is_some().cmp(&a.is_some()),
+    }
 }
 
 /// The configuration, a column for each key.
@@ -146,9 +194,19 @@ fn presets(view: &SweepView<'_>) -> Value {
     Value::Object(all)
 }
 
+/// The rows that are of a file with the name of a preset, of which others are.
+fn files(view: &SweepView<'_>) -> Value {
+    let of_half = |half: &Half| {
+        let rows: Vec<usize> = (0..view.results.rows()).filter(|row| view.is_file_of_known_name(*row, *half)).collect();
+        (half.name().to_owned(), json!(rows))
+    };
+    Value::Object(Half::ALL.iter().map(of_half).collect())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::analysis::tables::{axis, figure};
 
     #[test]
     fn each_column_takes_the_form_that_is_short() {
@@ -170,7 +228,30 @@ mod tests {
     }
 
     #[test]
-    fn seven_digits_are_kept() {
-        assert_eq!((short(558_106.0), short(0.123_456_789), short(-1e-9)), (558_106.0, 0.123_456_8, -1e-9));
+    fn seven_digits_are_kept_or_as_many_as_tell_values_apart() {
+        let kept = [558_106.0, 0.123_456_789, -1e-9].map(|value| short(value, 7));
+        assert_eq!(kept, [558_106.0, 0.123_456_8, -1e-9]);
+        let of = |values: &[f64]| digits(&Cells::Float(values.iter().copied().map(Some).collect()));
+        assert_eq!([of(&[]), of(&[1.0 / 3.0, 0.5]), of(&[22_400.0, 22_400.001])], [Some(7), Some(7), Some(10)]);
+        assert_eq!(of(&[1.0, 1.0 + f64::EPSILON]), None);
+    }
+
+    /// Values that agree to seven digits became one, and scripts found an axis without values.
+    #[test]
+    fn what_somebody_chose_has_all_its_digits() {
+        let floats = axis("pj", Cells::Float([22_400.0, 22_400.001].map(Some).into()));
+        let shown = column(&floats, true);
+        assert_eq!((&shown["of"], &shown["kind"]), (&json!([22_400.0, 22_400.001]), &json!("number")));
+        // A script has no numbers beyond 2^53.
+        let seed = 1_i64 << 53;
+        let shown = column(&axis("seed", Cells::Int([seed + 1, seed, seed + 2].map(Some).into())), true);
+        assert_eq!((&shown["kind"], &shown["at"]), (&json!("text"), &json!("BAC")));
+        assert_eq!(shown["of"], json!(["9007199254740992", "9007199254740993", "9007199254740994"]));
+        // To JSON both are zero; the page has two.
+        let zeros = column(&axis("z", Cells::Float([0.0, -0.0].map(Some).into())), true);
+        assert_eq!(zeros["of"].as_array().map(Vec::len), Some(2), "{zeros}");
+        // A result varies for the scripts if it does for what is drawn without them.
+        let result = column(&figure("time_ms", &[1.0, 1.000_000_001]), false);
+        assert_eq!((result.get("all"), &result["digits"]), (None, &json!(10)));
     }
 }

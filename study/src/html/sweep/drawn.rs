@@ -7,12 +7,13 @@ use crate::analysis::effects::Effect;
 use crate::analysis::goals::goal;
 use crate::analysis::pareto::front;
 use crate::html::charts::WIDTH;
+use crate::html::charts::bars::beside;
 use crate::html::charts::chart::{Chart, Data, Key, cell};
 use crate::html::charts::scale::{Scale, extent};
-use crate::html::charts::svg::{COLOURS, Svg, marker, n, shortened};
+use crate::html::charts::svg::{COLOURS, FULL, Svg, marker, n, shortened, told_apart};
 use crate::html::sweep::number::{number, signed_percent};
 use crate::html::sweep::view::{SweepView, VALUES_MAX};
-use crate::html::text::escape;
+use crate::html::text::{counted, escape};
 use crate::table::Field;
 
 /// Height of a row.
@@ -20,6 +21,12 @@ const ROW: f64 = 20.0;
 
 /// Breadth of the strip for what is infinite.
 const STRIP: f64 = 34.0;
+
+/// Width of a letter of a tick, roughly.
+const LETTER: f64 = 6.2;
+
+/// Height of a line of a note below a chart.
+const NOTE: f64 = 14.0;
 
 /// Most values in a legend.
 const KEYS_MAX: usize = 24;
@@ -46,6 +53,31 @@ fn named(field: &Field) -> String {
     if matches!(field.unit.as_str(), "" | "1") { field.name.clone() } else { format!("{}, {}", field.name, field.unit) }
 }
 
+/// How many points are left out of a chart and why, in lines below it: what a chart does not have nobody misses.
+fn notes(svg: &mut Svg, top: f64, left_out: &[(usize, String)]) {
+    for (i, (count, what)) in left_out.iter().filter(|(count, _)| *count > 0).enumerate() {
+        let is = if *count == 1 { "is" } else { "are" };
+        let text = format!("{} {what} {is} left out", counted(*count, "point"));
+        svg.text(0.0, top + NOTE * (i as f64 + 1.0) - 3.0, "note s", &shortened(&text, (WIDTH / LETTER) as usize));
+    }
+}
+
+/// Room for these notes.
+fn room(left_out: &[(usize, String)]) -> f64 {
+    NOTE * left_out.iter().filter(|(count, _)| *count > 0).count() as f64
+}
+
+/// How many points that could be computed have none of a result.
+fn lacking(view: &SweepView<'_>, field: &Field) -> (usize, String) {
+    let lacks = |row: &usize| view.error(*row).is_none() && view.result(field, *row).is_none();
+    ((0..view.results.rows()).filter(lacks).count(), format!("without {}", field.name))
+}
+
+/// The name of a result, and of a second one unless it is the same.
+fn once(fields: [&Field; 2]) -> Vec<&Field> {
+    fields.into_iter().take(if fields[0].name == fields[1].name { 1 } else { 2 }).collect()
+}
+
 /// Points of two results, and of each group those that no other beats in both.
 fn pareto(view: &SweepView<'_>, fields: [&Field; 2]) -> Chart {
     let value = |row: usize| {
@@ -57,17 +89,20 @@ fn pareto(view: &SweepView<'_>, fields: [&Field; 2]) -> Chart {
     let fronts: Vec<Vec<usize>> = view.groups().into_iter().map(|(_, rows)| best(&points, &rows, goals)).collect();
     // What is infinite, as the PSNR of the same picture, stands in a strip of its own behind the end of its axis.
     let apart = [0, 1].map(|axis| points.iter().flatten().any(|point| point[axis].is_infinite()));
-    let [left, bottom] = [52.0, 240.0];
+    let bottom = 240.0;
     let right = WIDTH - if apart[0] { 12.0 + STRIP + 4.0 } else { 12.0 };
     let top = 24.0 + if apart[1] { STRIP + 4.0 } else { 0.0 };
     let finite = |axis: usize| points.iter().flatten().map(move |point| point[axis]).filter(|value| value.is_finite());
-    let x = Scale::nice(extent(finite(0)).unwrap_or([0.0, 1.0]), 5, [left, right]);
     let y = Scale::nice(extent(finite(1)).unwrap_or([0.0, 1.0]), 5, [bottom, top]);
+    let left = y.margin(52.0, |tick| y.label(tick));
+    let x = Scale::nice(extent(finite(0)).unwrap_or([0.0, 1.0]), 5, [left, right]);
     let place = |[a, b]: [f64; 2]| {
         let across = if a.is_infinite() { right + 4.0 + STRIP / 2.0 } else { x.at(a) };
         [across, if b.is_infinite() { top - 4.0 - STRIP / 2.0 } else { y.at(b) }]
     };
-    let mut svg = Svg::new(WIDTH, bottom + 38.0);
+    let left_out: Vec<_> = once(fields).into_iter().map(|field| lacking(view, field)).collect();
+    let mut svg = Svg::new(WIDTH, bottom + 38.0 + room(&left_out));
+    notes(&mut svg, bottom + 38.0, &left_out);
     for tick in y.ticks() {
         svg.line([left, y.at(tick)], [right, y.at(tick)], "grid");
         svg.text(left - 5.0, y.at(tick) + 4.0, "tick e", &y.label(tick));
@@ -89,31 +124,48 @@ fn pareto(view: &SweepView<'_>, fields: [&Field; 2]) -> Chart {
     svg.text(right, bottom + 32.0, "note e", &named(fields[0]));
     for front in &fronts {
         let corner = |row: &usize| points[*row].map(place).map(|[a, b]| format!("{} {}", n(a), n(b)));
-        svg.path(&format!("M{}", front.iter().filter_map(corner).collect::<Vec<_>>().join("L")), "frontier", "");
+        let corners: Vec<String> = front.iter().filter_map(corner).collect();
+        // A trace may have no point with both results.
+        if corners.len() > 1 {
+            svg.path(&format!("M{}", corners.join("L")), "frontier", "");
+        }
     }
     let on: BTreeSet<usize> = fronts.into_iter().flatten().collect();
     let colour = view.colour().and_then(|name| view.dimensions.iter().find(|dimension| dimension.name == name));
-    let names = [fields[0].name.as_str(), &fields[1].name];
+    let names: Vec<&str> = once(fields).into_iter().map(|field| field.name.as_str()).collect();
+    let wanted = names.len();
     let columns: Vec<&str> =
         ["point"].into_iter().chain(view.dimensions.iter().map(|d| d.name.as_str())).chain(names).collect();
     let mut data = Data::new(&[columns.as_slice(), &["front"]].concat());
+    let mut unlike = false;
     for (row, point) in points.iter().enumerate().filter_map(|(row, point)| Some((row, (*point)?))) {
-        let look = colour.and_then(|dimension| dimension.of[row]).unwrap_or(0);
+        let look = colour.map_or(Some(0), |dimension| dimension.of[row]);
+        let (class, shape) = look.map_or(("pfull".into(), FULL), |value| (format!("p{}", value % COLOURS), value));
+        unlike |= look.is_none();
         let (dim, [across, up]) = (if on.contains(&row) { "" } else { " dim" }, place(point));
         svg.raw(&format!(
-            "<path d=\"{}\" class=\"dot p{}{dim}\"><title>{}</title></path>",
-            marker(look, across, up),
-            look % COLOURS,
+            "<path d=\"{}\" class=\"dot {class}{dim}\"><title>{}</title></path>",
+            marker(shape, across, up),
             escape(&view.describe(row, None))
         ));
         let values = view.dimensions.iter().map(|d| d.of[row].map(|value| d.values[value].clone()).unwrap_or_default());
-        let ends = [cell(Some(point[0])), cell(Some(point[1])), on.contains(&row).to_string()];
-        data.row([view.number(row)].into_iter().chain(values).chain(ends).collect());
+        let ends = point.into_iter().take(wanted).map(|value| cell(Some(value)));
+        let is_on = [on.contains(&row).to_string()];
+        data.row([view.number(row)].into_iter().chain(values).chain(ends).chain(is_on).collect());
     }
-    let names = colour.into_iter().flat_map(|dimension| dimension.values.iter().enumerate());
-    let key = |(value, name): (usize, &String)| Key::of_marker(&format!("p{}", value % COLOURS), value, name);
-    let keys = names.take(KEYS_MAX).map(key).collect();
+    let keys = keys(colour, unlike);
     Chart { svg: svg.finish("Points of two results; lines join those that no other beats", ""), data, keys }
+}
+
+/// What the colours mean: values of a dimension, and that there is none where `unlike` says that some points have none.
+fn keys(colour: Option<&Dimension>, unlike: bool) -> Vec<Key> {
+    let Some(dimension) = colour else { return Vec::new() };
+    let key = |(value, name): (usize, &String)| Key::of_marker(&format!("p{}", value % COLOURS), value, name);
+    let mut keys: Vec<Key> = dimension.values.iter().enumerate().take(KEYS_MAX).map(key).collect();
+    keys.extend(unlike.then(|| Key::of_marker("pfull", FULL, "none")));
+    let more = dimension.values.len().saturating_sub(KEYS_MAX);
+    keys.extend((more > 0).then(|| Key::more(more)));
+    keys
 }
 
 /// The rows of a group that no other of it beats, along the first result.
@@ -129,13 +181,23 @@ fn best(points: &[Option<[f64; 2]>], rows: &[usize], goals: [crate::analysis::go
 fn heat(view: &SweepView<'_>, field: &Field) -> Option<(String, Chart)> {
     let [down, across] = view.heat_axes()?;
     let mut sums = vec![vec![(0.0, 0_u32); across.values.len()]; down.values.len()];
-    for row in 0..view.results.rows() {
-        let (Some(a), Some(b), Some(value)) = (down.of[row], across.of[row], field.cells.number(row)) else { continue };
-        if value.is_finite() && view.error(row).is_none() {
-            sums[a][b].0 += value;
-            sums[a][b].1 += 1;
+    let (mut infinite, mut apart) = (0, 0);
+    for row in (0..view.results.rows()).filter(|row| view.error(*row).is_none()) {
+        match (view.result(field, row), down.of[row].zip(across.of[row])) {
+            (None, _) => {}
+            (Some(value), _) if !value.is_finite() => infinite += 1,
+            (Some(value), Some((a, b))) => {
+                sums[a][b].0 += value;
+                sums[a][b].1 += 1;
+            }
+            (Some(_), None) => apart += 1,
         }
     }
+    let left_out = [
+        lacking(view, field),
+        (infinite, "with ∞".into()),
+        (apart, format!("without {} or {}", down.name, across.name)),
+    ];
     // Values that no point has with the result are left out, as on the page.
     let has = |a: usize, b: usize| sums[a][b].1 > 0;
     let [all_down, all_across] = [down, across].map(|axis| 0..axis.values.len());
@@ -151,7 +213,7 @@ fn heat(view: &SweepView<'_>, field: &Field) -> Option<(String, Chart)> {
         Side { name: &down.name, values: names(down, &rows) },
         Side { name: &across.name, values: names(across, &columns) },
     ];
-    Some((title, map(field, &sides, &cells)))
+    Some((title, map(field, &sides, &cells, &left_out)))
 }
 
 /// A side of a map: an axis with those of its values that stand there.
@@ -160,21 +222,40 @@ struct Side<'a> {
     values: Vec<String>,
 }
 
-fn map(field: &Field, [down, across]: &[Side<'_>; 2], cells: &[Vec<(f64, u32)>]) -> Chart {
+/// The names of columns that there is room for, and the middle of each; of narrow ones only every second has one, or every third.
+fn heads(values: &[String], [left, width]: [f64; 2]) -> Vec<(f64, String)> {
+    let longest = values.iter().map(|value| value.chars().count()).max().unwrap_or(1);
+    let room = |step: usize| (width * step as f64 / LETTER) as usize;
+    let step = (1..values.len()).find(|step| room(*step) >= longest.min(6)).unwrap_or(values.len().max(1));
+    let named: Vec<&str> = values.iter().map(String::as_str).step_by(step).collect();
+    let middle = |i: usize| left + width * ((i * step) as f64 + 0.5);
+    let heads = told_apart(&named, room(step).max(1)).into_iter().enumerate().map(|(i, name)| (middle(i), name));
+    let fits = |(middle, name): &(f64, String)| middle + name.chars().count() as f64 * LETTER / 2.0 <= WIDTH + 10.0;
+    heads.filter(|head| step == 1 || fits(head)).collect()
+}
+
+fn map(
+    field: &Field,
+    [down, across]: &[Side<'_>; 2],
+    cells: &[Vec<(f64, u32)>],
+    left_out: &[(usize, String)],
+) -> Chart {
     let mean = |(sum, count): &(f64, u32)| (*count > 0).then(|| sum / f64::from(*count));
     let ends = extent(cells.iter().flatten().filter_map(mean)).unwrap_or([0.0, 1.0]);
-    let (left, top) = (96.0, 40.0);
+    let (names, left) = beside(&down.values.iter().map(String::as_str).collect::<Vec<_>>(), 22);
+    let (left, top) = (left.max(96.0), 40.0);
+    let bottom = top + ROW * cells.len() as f64 + 4.0;
     let width = (WIDTH - left) / across.values.len().max(1) as f64;
-    let mut svg = Svg::new(WIDTH, top + ROW * cells.len() as f64 + 4.0);
+    let mut svg = Svg::new(WIDTH, bottom + room(left_out));
+    notes(&mut svg, bottom, left_out);
     svg.text(0.0, 11.0, "note s", &format!("{} down, {} across", down.name, across.name));
-    for (i, value) in across.values.iter().enumerate() {
-        let room = ((width / 6.2) as usize).max(1);
-        svg.text(left + width * (i as f64 + 0.5), top - 8.0, "tick m", &shortened(value, room));
+    for (middle, name) in heads(&across.values, [left, width]) {
+        svg.text(middle, top - 8.0, "tick m", &name);
     }
     let mut data = Data::new(&[down.name, across.name, &field.name, "points"]);
     for (i, (value, row)) in down.values.iter().zip(cells).enumerate() {
         let y = top + ROW * i as f64;
-        svg.text(left - 6.0, y + 14.0, "tick e", &shortened(value, 14));
+        svg.text(left - 6.0, y + 14.0, "tick e", &names[i]);
         for (j, sum) in row.iter().enumerate() {
             let mean = mean(sum);
             data.row(vec![value.clone(), across.values[j].clone(), cell(mean), sum.1.to_string()]);
@@ -193,20 +274,24 @@ fn map(field: &Field, [down, across]: &[Side<'_>; 2], cells: &[Vec<(f64, u32)>])
 
 /// For each axis how far the means of a result at its values lie from the mean of all.
 fn ranges(field: &Field, effects: &[(&Dimension, Effect)]) -> Chart {
+    let names: Vec<&str> = effects.iter().map(|(dimension, _)| dimension.name.as_str()).collect();
+    let names = told_apart(&names, 16);
     let (left, right, top) = (110.0, WIDTH - 56.0, 6.0);
     let bottom = top + ROW * effects.len() as f64;
     let ends = effects.iter().flat_map(|(_, effect)| [effect.end(0), effect.end(1), 0.0]);
     let x = Scale::nice(extent(ends).unwrap_or([-0.1, 0.1]), 3, [left, right]);
     let mut svg = Svg::new(WIDTH, bottom + 22.0);
-    for tick in x.ticks() {
+    let percent = x.times(100.0);
+    let text = |tick: f64| format!("{}{}\u{202f}%", if tick > 0.0 { "+" } else { "" }, percent.label(tick * 100.0));
+    for (tick, text) in x.named_ticks(text) {
         svg.line([x.at(tick), top], [x.at(tick), bottom], "grid");
-        svg.text(x.at(tick), bottom + 15.0, "tick m", &signed_percent(tick).replace(".0", ""));
+        svg.text(x.at(tick), bottom + 15.0, "tick m", &text);
     }
     let mut data = Data::new(&["axis", "value", &field.name]);
     for (i, (dimension, effect)) in effects.iter().enumerate() {
         let y = top + ROW * i as f64;
         let (a, b) = (x.at(effect.end(0)), x.at(effect.end(1)));
-        svg.text(left - 6.0, y + 13.0, "label e", &shortened(&dimension.name, 16));
+        svg.text(left - 6.0, y + 13.0, "label e", &names[i]);
         let tip = format!("{} to {}", dimension.values[effect.ends[0]], dimension.values[effect.ends[1]]);
         svg.mark([a, y + 3.0, (b - a).max(1.0), ROW - 7.0], "b2", 1.0, &tip);
         svg.text(right + 6.0, y + 13.0, "value s", &signed_percent(effect.share()).replace('+', ""));

@@ -41,8 +41,10 @@ pub fn value(field: &Field, row: usize) -> String {
 
 /// A share with its sign.
 pub fn signed_percent(share: f64) -> String {
-    let sign = if share > 0.0 { "+" } else { "" };
-    format!("{sign}{}{GAP}%", fixed(share * 100.0, 1))
+    let text = fixed(share * 100.0, 1);
+    // As little as a minus does a plus stand before what rounds to zero.
+    let sign = if share > 0.0 && text != "0.0" { "+" } else { "" };
+    format!("{sign}{text}{GAP}%")
 }
 
 #[cfg(test)]
@@ -69,5 +71,6 @@ mod tests {
             (signed_percent(0.1), signed_percent(-0.25)),
             ("+10.0\u{202f}%".into(), "\u{2212}25.0\u{202f}%".into())
         );
+        assert_eq!([signed_percent(1e-5), signed_percent(-1e-5)], ["0.0\u{202f}%", "0.0\u{202f}%"]);
     }
 }

@@ -73,8 +73,8 @@ fn head(view: &SweepView<'_>) -> String {
 
 fn foot() -> String {
     format!(
-        "<footer><p>Written by rayreel {}. This file holds everything it shows and loads nothing. Numbers are kept to seven digits; \
-         the Parquet file has all.</p></footer>\n",
+        "<footer><p>Written by rayreel {}. This file holds everything it shows and loads nothing. Results are kept to seven digits, or to as \
+         many as tell them apart; the Parquet file has all.</p></footer>\n",
         env!("CARGO_PKG_VERSION")
     )
 }

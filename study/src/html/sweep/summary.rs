@@ -96,8 +96,9 @@ fn counts(view: &SweepView<'_>) -> String {
         return String::new();
     }
     let of = if counted_only == 1 { "is" } else { "are" };
+    // The script counts these again, too.
     format!(
-        "<p class=\"read\">{counted_only} of {} {of} of <code>--detail counts</code>: no cycle was simulated. Their energies lack leakage, \
+        "<p class=\"read\" id=\"counts\"><span>{counted_only} of {} {of}</span> of <code>--detail counts</code>: no cycle was simulated. Their energies lack leakage, \
          clocks and what waiting costs, so they rank no machines, and are no match for those of other points.</p>\n",
         counted(rows, "point")
     )

@@ -1,10 +1,13 @@
 use super::*;
 use crate::analysis::goals::Goal;
 use crate::analysis::tables::{axis, field, figure, table, words};
+use crate::point::key::machine_json;
 use crate::table::{Cells, Role};
+use rayreel_machine::config::NamedMachine;
 
 fn of(rows: usize) -> Results {
     let number = |i: usize| Some(i as i64);
+    let machine = NamedMachine::load("sgrt-ti2", &["ti.trv=5".into()]).map(|found| machine_json(&found)).unwrap();
     let floats = |factor: f64| (0..rows).map(|i| factor * (i + 1) as f64).collect::<Vec<_>>();
     table(vec![
         field("point", Role::Point, Cells::Int((0..rows).map(number).collect())),
@@ -13,7 +16,7 @@ fn of(rows: usize) -> Results {
         words("status", Role::Status, &vec!["done"; rows]),
         figure("time_ms", &floats(1.5)),
         figure("energy_mj", &floats(-0.25)),
-        words("machine_config", Role::Config, &vec![r#"{"ti.trv":5}"#; rows]),
+        words("machine_config", Role::Config, &vec![machine.as_str(); rows]),
     ])
 }
 
@@ -183,4 +186,113 @@ fn the_order_of_policies_stands_there_where_it_may_change() {
     let holds = page::page(&results([1.0, 2.0, 3.0, 1.0, 2.0, 4.0]));
     assert!(holds.contains("The policy that is first in a trace is first there in every row."));
     assert!(!page::page(&of(6)).contains("Order of the policies"), "one policy has no order");
+}
+
+fn saved(results: &Results, name: &str) -> (String, String) {
+    let view = view::SweepView::new(results);
+    drawn::keep(&view);
+    let chart = view.charts.into_saved().into_iter().find(|chart| chart.name == name).expect("a chart");
+    (chart.svg, chart.csv)
+}
+
+/// They were left out, and nobody was told.
+#[test]
+fn charts_say_what_they_leave_out() {
+    let results = table(vec![
+        words("trace", Role::Point, &["a", "a", "a", "a", "b"]),
+        words("policy", Role::Point, &["x", "y", "x", "", "x"]),
+        axis("l1", Cells::Int([1, 1, 2, 2, 2].map(Some).into())),
+        figure("psnr_db", &[30.0, 31.0, 32.0, 33.0, f64::NAN]),
+        figure("perf_per_watt", &[1.0, 2.0, f64::NAN, 4.0, f64::NAN]),
+    ]);
+    let (svg, csv) = saved(&results, "pareto");
+    assert!(svg.contains(">1 point without psnr_db is left out<"), "{svg}");
+    assert!(svg.contains(">2 points without perf_per_watt are left out<"), "{svg}");
+    // No path for the front of b, which has no point; and what has no policy looks like none.
+    assert!(!svg.contains("d=\"M\"") && svg.contains("dot pfull") && svg.contains(">none</text>"), "{svg}");
+    assert!(csv.starts_with("point,trace,policy,l1,psnr_db,perf_per_watt,front\r\n"), "{csv}");
+    let (svg, _) = saved(&results, "heat");
+    assert!(svg.contains("without perf_per_watt are left out<") && svg.contains(">1 point without "), "{svg}");
+    // One result on both axes stands in the file once.
+    let one = table(vec![axis("l1", Cells::Int([1, 2].map(Some).into())), figure("odd", &[1.0, 2.0])]);
+    assert!(saved(&one, "pareto").1.starts_with("point,l1,odd,front\r\n"));
+}
+
+/// Values of both axes were cut to the same text.
+#[test]
+fn names_of_maps_are_told_apart() {
+    let name = |i: usize| format!("sgrt-ti2-with-accumulate-{i}");
+    let names: Vec<String> = (0..9).map(name).collect();
+    let pick = |of: fn(usize) -> usize| (0..81).map(|i| names[of(i)].as_str()).collect::<Vec<_>>();
+    let values = (0..81).map(f64::from).collect::<Vec<_>>();
+    let results = table(vec![
+        words("down", Role::Axis, &pick(|i| i / 9)),
+        words("across", Role::Axis, &pick(|i| i % 9)),
+        figure("time_ms", &values),
+        figure("energy_mj", &values),
+    ]);
+    let (svg, _) = saved(&results, "heat");
+    let texts = |class: &str| {
+        let start = format!("class=\"{class}\">");
+        svg.split(&start).skip(1).map(|rest| rest.split('<').next().unwrap()).collect::<Vec<_>>()
+    };
+    for (class, count) in [("tick e", 9), ("tick m", 3)] {
+        let mut found = texts(class);
+        assert!(found.len() >= count && found.iter().all(|text| text.contains('…')), "{found:?}");
+        let all = found.len();
+        found.sort_unstable();
+        found.dedup();
+        assert_eq!(found.len(), all, "{found:?}");
+    }
+}
+
+#[test]
+fn a_legend_says_how_many_it_lacks() {
+    let names: Vec<String> = (0..30).map(|i| format!("p{i}")).collect();
+    let names: Vec<&str> = names.iter().map(String::as_str).collect();
+    let values = (0..30).map(f64::from).collect::<Vec<_>>();
+    let results =
+        table(vec![words("policy", Role::Point, &names), figure("time_ms", &values), figure("energy_mj", &values)]);
+    let (svg, _) = saved(&results, "pareto");
+    assert!(svg.contains(">p23</text>") && svg.contains(">and 6 more</text>"), "{svg}");
+}
+
+/// A file that has a preset's name and is of another kind was taken for the preset.
+#[test]
+fn a_file_is_no_preset_for_its_name() {
+    let preset = rayreel_replay::policy::NamedPolicy::load("adaptive", &[]).unwrap();
+    let other = rayreel_replay::policy::NamedPolicy::load("multirate", &[]).unwrap();
+    let [preset, other] = [preset, other].map(|found| serde_json::to_string(&found.policy).unwrap());
+    let changed = preset.replacen("\"block\":2", "\"block\":4", 1);
+    let results = table(vec![
+        words("policy", Role::Point, &["adaptive", "adaptive", "adaptive"]),
+        figure("time_ms", &[1.0, 2.0, 3.0]),
+        words("policy_config", Role::Config, &[&preset, &changed, &other]),
+    ]);
+    let view = view::SweepView::new(&results);
+    let half = crate::analysis::configs::Half::Policy;
+    let changes = [0, 1, 2].map(|row| view.changes(row, half));
+    let presets = changes.each_ref().map(|changes| changes.preset.as_deref());
+    assert_eq!(presets, [Some("adaptive"), Some("adaptive"), None]);
+    let list = |row: usize| changes[row].list.iter().map(|c| format!("{}={}", c.key, c.value)).collect::<Vec<_>>();
+    assert_eq!((list(0), list(1)), (Vec::new(), vec!["block=4".to_owned()]));
+    assert_eq!(data::data(&view)["files"], serde_json::json!({ "machine": [], "policy": [2] }));
+}
+
+#[test]
+fn one_column_is_one() {
+    let html = page::page(&table(vec![axis("l1", Cells::Int([1, 2].map(Some).into()))]));
+    assert!(html.contains("<summary>1 column that varies</summary>"), "{html}");
+}
+
+/// The sentence about points that were only counted went with the first filter.
+#[test]
+fn the_script_finds_the_sentences_that_it_counts_again() {
+    let results = table(vec![
+        words("detail", Role::Point, &["full", "counts"]),
+        figure("energy_mj", &[1.0, 2.0]),
+        figure("psnr_db", &[1.0, 2.0]),
+    ]);
+    let html = page::page(&results);
+    assert!(html.contains("<p class=\"read\" id=\"counts\"><span>1 of 2 points is</span> of <code>"), "{html}");
 }

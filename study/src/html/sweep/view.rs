@@ -19,6 +19,9 @@ pub const INFINITE: [(&str, &str, f64); 4] = [
     ("flicker_db", "flicker", 0.0),
 ];
 
+/// The key of a policy that no override changes.
+const KIND: &str = "kind";
+
 /// Most values of an axis that a heat map has room for.
 pub const VALUES_MAX: usize = 64;
 
@@ -189,7 +192,7 @@ impl<'a> SweepView<'a> {
             let preset = preset.and_then(|preset| preset.get(key).cloned());
             Some(Changed { key: key.into(), value: config.get(key)?.clone(), preset })
         };
-        match self.presets[half as usize].get(&name).and_then(Option::as_ref) {
+        match self.known(&name, half).filter(|preset| made_of(config, preset)) {
             Some(preset) => {
                 let differs = |key: &&String| preset.get(*key) != config.get(*key);
                 let list = config.keys().filter(differs).filter_map(|key| changed(key, Some(preset))).collect();
@@ -201,6 +204,23 @@ impl<'a> SweepView<'a> {
             },
         }
     }
+
+    /// Whether the point is of a file that has the name of a preset, and not of the preset.
+    pub fn is_file_of_known_name(&self, row: usize, half: Half) -> bool {
+        let name = self.results.field(half.name()).and_then(|field| label(field, row)).unwrap_or_default();
+        let config = self.configs[half as usize].row(row);
+        config.zip(self.known(&name, half)).is_some_and(|(config, preset)| !made_of(config, preset))
+    }
+
+    /// The preset of a name.
+    fn known(&self, name: &str, half: Half) -> Option<&Config> {
+        self.presets[half as usize].get(name)?.as_ref()
+    }
+}
+
+/// Whether overrides lead from a preset to a configuration: a policy file may have the name of a preset of another kind.
+fn made_of(config: &Config, preset: &Config) -> bool {
+    config.keys().eq(preset.keys()) && config.get(KIND) == preset.get(KIND)
 }
 
 /// What the presets of a column of names hold.

@@ -45,7 +45,11 @@ const sweep = (() => {
   return {
     raw, columns, results, dimensions, done, all,
     config: raw.config.map(lazy),
-    presets: raw.presets,
+    /** The preset that a row is made of, as far as points change it; null for a file, also for one that has a preset's name. */
+    presetOf: (row, half) => {
+      const name = byName.get(half)?.values[row];
+      return Object.hasOwn(raw.presets[half], name) && !raw.files[half].includes(row) ? raw.presets[half][name] : null;
+    },
     column: (name) => byName.get(name),
     /** What a row is called: its number in the plan. */
     number: (row) => (numbers ? numbers.values[row] : row),

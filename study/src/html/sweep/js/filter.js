@@ -14,7 +14,7 @@ sweep.filter = (() => {
   /** Results that the last expression asked for, each with the points that have none of it. */
   const lacking = new Map();
   const expression = (text) => {
-    const test = sweep.language.compile(text, known, hint);
+    const test = sweep.language.compile(text, known, hint, (name) => sweep.column(name).digits);
     const value = (name, row) => {
       const found = sweep.column(name).values[row];
       if (found === null && !sweep.dimensions.includes(sweep.column(name))) {

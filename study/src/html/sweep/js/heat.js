@@ -23,6 +23,7 @@
 
   const MOST = sweep.raw.most_heat;
   let rowsOf = () => [];
+  const saves = window.rayreel.offer($("heat-map").closest("figure"), () => rowsOf());
   const draw = () => {
     rowsOf = () => [];
     const result = sweep.column($("heat-result").value);
@@ -34,10 +35,11 @@
     const wanted = held.map((own) => [own, own.of[Number(fixed.get(own).select.value)]]);
     const how = $("heat-how").value;
     const cells = new Map();
-    let most = 0, left = 0, apart = 0;
+    let most = 0, without = 0, left = 0, apart = 0;
     for (const row of sweep.filter.rows) {
       const value = sweep.value(result, row);
-      if (value === null || wanted.some(([own, only]) => own.values[row] !== only)) continue;
+      if (wanted.some(([own, only]) => own.values[row] !== only)) continue;
+      if (value === null) { without += 1; continue; }
       if (!Number.isFinite(value)) { left += 1; continue; }
       const [a, b] = [down.values[row], across.values[row]];
       if (a === null || b === null) { apart += 1; continue; }
@@ -59,7 +61,8 @@
     const word = { mean: "the mean", min: "the least", max: "the most" }[how];
     const rest = others.filter((own) => !held.includes(own)).map((own) => own.name).join(", ");
     const where = wanted.map(([own, only]) => `${own.name} ${text.value(own, only)}`).join(", ");
-    $("heat-what").textContent = `${result.text}. ${most > 1 ? `A cell is ${word} of up to ${most} points${rest ? ` over ${rest}` : ""}.` : "A cell is one point."}${where ? ` Only ${where}.` : ""}${left > 0 ? ` ${text.counted(left, "point")} with ∞ left out.` : ""}${apart > 0 ? ` ${text.counted(apart, "point")} without ${down.name} or ${across.name} left out.` : ""}`;
+    $("heat-what").textContent = `${result.text}. ${most > 1 ? `A cell is ${word} of up to ${most} points${rest ? ` over ${rest}` : ""}.` : "A cell is one point."}${where ? ` Only ${where}.` : ""}`
+      + text.leftOut(without, `without ${result.name}`) + text.leftOut(left, "with ∞") + text.leftOut(apart, `without ${down.name} or ${across.name}`);
 
     const seen = (own, i) => own.of.filter((value) => value !== null && [...cells.keys()].some((key) => JSON.parse(key)[i] === value));
     const [rows, columns] = [seen(down, 0), seen(across, 1)];
@@ -69,12 +72,14 @@
       const why = same ? "Choose two different axes." : cells.size === 0 ? "No point has both axes and the result." : `An axis has more than ${MOST} values: choose another, or fewer points with the filter.`;
       box.replaceChildren(html("p", {}, why));
       $("heat-legend").replaceChildren();
+      saves.enable(false);
       return;
     }
     rowsOf = () => [[down.name, across.name, result.name, "points"], ...rows.flatMap((a) => columns.map((b) => {
       const cell = cells.get(JSON.stringify([a, b]));
       return [text.cell(down, a), text.cell(across, b), cell ? valueOf(cell) : null, cell?.count ?? 0];
     }))];
+    saves.enable(true);
     // Values stand in the cells as long as there is room for them.
     const values = columns.length <= 24;
     const head = html("tr", {}, html("th", { scope: "col" }, html("span", { class: "corner" }, `${down.name} ↓ ${across.name} →`)), ...columns.map((own) => html("th", { scope: "col", title: text.value(across, own) }, text.value(across, own))));
@@ -93,7 +98,6 @@
       html("table", { class: "heat-table" }, html("thead", {}, head), html("tbody", {}, ...body))));
     $("heat-legend").replaceChildren(html("span", {}, text.withUnit(result, low)), html("span", { class: "ramp-bar", "aria-hidden": "true" }), html("span", {}, text.withUnit(result, high)));
   };
-  window.rayreel.offer($("heat-map").closest("figure"), () => rowsOf());
   on(["heat-result", "heat-row", "heat-column", "heat-how"], draw);
   sweep.filter.listen(draw);
 })();

@@ -53,8 +53,9 @@ sweep.language = (() => {
   const truth = (own) => own !== null && own !== false && own !== 0 && own !== "" && !(Array.isArray(own) && own.length === 0);
   const rank = (own) => (own === null ? 1 : typeof own === "boolean" ? 2 : typeof own === "number" ? 3 : typeof own === "string" ? 4 : 5);
   const isNumber = (own) => typeof own === "number" || typeof own === "boolean";
-  // Numbers with a fraction have seven digits on this page.
-  const near = (a, b) => a === b || (!(Number.isInteger(a) && Number.isInteger(b)) && Number.isFinite(a) && Number.isFinite(b) && Math.abs(a - b) <= 5e-7 * Math.max(Math.abs(a), Math.abs(b)));
+  // Results with a fraction have only some of their digits on this page; how many, each comparison says before it compares.
+  let tolerance = 0;
+  const near = (a, b) => a === b || (!(Number.isInteger(a) && Number.isInteger(b)) && Number.isFinite(a) && Number.isFinite(b) && Math.abs(a - b) <= tolerance * Math.max(Math.abs(a), Math.abs(b)));
   const equal = (a, b) => {
     if (isNumber(a) && isNumber(b)) return near(Number(a), Number(b));
     if (Array.isArray(a) && Array.isArray(b)) return Boolean(a.isTuple) === Boolean(b.isTuple) && a.length === b.length && a.every((own, i) => equal(own, b[i]));
@@ -110,11 +111,12 @@ sweep.language = (() => {
     }
   };
 
-  /** A function from what gives the value of a name to the truth of the expression; `known` says which names there are. */
-  const compile = (text, known, hint = () => "") => {
+  /** A function from what gives the value of a name to the truth of the expression; `known` says which names there are, `digits` how
+   * many of a column are kept, where these are not all. */
+  const compile = (text, known, hint = () => "", digits = () => 7) => {
     bounded(text);
     const list = tokens(text);
-    let next = 0, depth = 0;
+    let next = 0, depth = 0, fewest = Infinity;
     const now = () => list[next];
     const take = (...kinds) => (kinds.includes(now().kind) ? list[next++] : null);
     const wanted = (kind) => take(kind) ?? fail(text, now().at, `${kind} is missing here`);
@@ -154,6 +156,7 @@ sweep.language = (() => {
       if (take("name")) {
         if (!known(own.name)) fail(text, own.at, `there is no column ${own.name}${hint(own.name)}`);
         if (now().kind === "(") fail(text, now().at, "functions are not read here");
+        fewest = Math.min(fewest, digits(own.name) ?? Infinity);
         return (of) => of(own.name);
       }
       if (take("[")) return within(own.at, () => { const all = items("]"); return (of) => all.map((one) => one(of)); });
@@ -179,6 +182,8 @@ sweep.language = (() => {
     const math = (kind, a, b) => (of) => calculate(kind, a(of), b(of));
     const sum = chain(chain(unary, ["*", "/", "//", "%"], math), ["+", "-"], math);
     const comparison = () => {
+      const outer = fewest;
+      fewest = Infinity;
       const first = sum(), rest = [];
       for (;;) {
         let sign = take("==", "!=", "<", "<=", ">", ">=", "in")?.kind;
@@ -186,11 +191,13 @@ sweep.language = (() => {
         if (!sign) break;
         rest.push([COMPARE[sign], sum()]);
       }
+      const own = 5 * 10 ** -fewest;
+      fewest = Math.min(fewest, outer);
       if (rest.length === 0) return first;
       // a < b < c is a < b and b < c.
       return (of) => {
         let left = first(of);
-        return rest.every(([holds, side]) => { const right = side(of); const does = holds(left, right); left = right; return does; });
+        return rest.every(([holds, side]) => { const right = side(of); tolerance = own; const does = holds(left, right); left = right; return does; });
       };
     };
     const negation = () => { if (!take("not")) return comparison(); const inner = negation(); return (of) => !truth(inner(of)); };

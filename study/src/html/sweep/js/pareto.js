@@ -21,15 +21,19 @@
     let low = Math.min(...values.slice(0, 1)), high = low;
     for (const value of values) { low = Math.min(low, value); high = Math.max(high, value); }
     if (values.length === 0) { low = 0; high = 1; }
-    const pad = (high - low) * 0.04 || Math.abs(low) * 0.05 || 1;
+    // What differs in its last digits only is one value to an axis.
+    const span = high - low > Math.max(Math.abs(low), Math.abs(high)) * 1e-12 ? high - low : 0;
+    const pad = span * 0.04 || Math.abs(low) * 0.05 || 1;
     const under = low >= 0 && low - pad < 0 ? 0 : low - pad;
     const raw = (high + pad - under) / count;
     const power = 10 ** Math.floor(Math.log10(raw));
     const step = [1, 2, 5, 10].map((m) => m * power).find((own) => own >= raw * (1 - 1e-9));
     const most = Math.max(Math.abs(under), Math.abs(high));
-    const ticks = [];
-    for (let i = Math.ceil(under / step); i * step <= high + pad; i += 1) ticks.push(i * step);
-    return { at: (value) => from + ((value - under) / (high + pad - under)) * (to - from), ticks, label: (tick) => text.tick(tick, step, most) };
+    const label = (tick) => text.tick(tick, step, most);
+    const first = Math.ceil(under / step);
+    const ticks = Array.from({ length: count + 2 }, (_, i) => (first + i) * step)
+      .filter((tick, i, all) => tick <= high + pad && (i === 0 || label(tick) !== label(all[i - 1])));
+    return { at: (value) => from + ((value - under) / (high + pad - under)) * (to - from), ticks, label };
   };
 
   const SHAPES = [
@@ -40,7 +44,7 @@
     (x, y) => `M${x} ${y + 4.8}l4.6 -8h-9.2z`,
     (x, y) => `M${x - 1.5} ${y - 4.5}h3v3h3v3h-3v3h-3v-3h-3v-3h3z`,
   ];
-  const COLOURS = 7;
+  const COLOURS = 7, KEYS = 40;
   // Values of numbers are ordered: so are their colours. Words take colours and shapes in turn.
   const looks = (dimension, rows) => {
     if (!dimension) return { of: () => 0, list: [{ class: "p0", shape: 0 }] };
@@ -59,9 +63,12 @@
 
   // As wide as `.chart .name` draws it.
   const pen = document.createElement("canvas").getContext("2d");
+  const wide = (own, weight = 600) => {
+    pen.font = `${weight} 11px ${getComputedStyle(document.body).fontFamily}`;
+    return pen.measureText(own).width;
+  };
   const fitting = (name, room) => {
-    pen.font = `600 11px ${getComputedStyle(document.body).fontFamily}`;
-    const fits = (own) => pen.measureText(own).width <= room;
+    const fits = (own) => wide(own) <= room;
     const letters = [...name];
     while (letters.length > 1 && !fits(letters.length < [...name].length ? `${letters.join("")}…` : name)) letters.pop();
     return letters.length < [...name].length ? `${letters.join("")}…` : name;
@@ -82,10 +89,16 @@
     const width = Math.max(Math.min(box.clientWidth || 800, 1100), 290);
     const height = Math.round(Math.min(Math.max(width * 0.55, 300), 500));
     const infinite = { x: rows.some((row) => sweep.value(x, row) === Infinity), y: rows.some((row) => sweep.value(y, row) === Infinity) };
-    const plot = { left: 52, right: width - (infinite.x ? 64 : 14), top: infinite.y ? 62 : 26, bottom: height - 40 };
+    const plot = { right: width - (infinite.x ? 64 : 14), top: infinite.y ? 62 : 26, bottom: height - 40 };
     const finite = (column) => rows.map((row) => sweep.value(column, row)).filter(Number.isFinite);
-    const sx = scale(finite(x), [plot.left, plot.right], width < 500 ? 4 : 7);
     const sy = scale(finite(y), [plot.bottom, plot.top], 6);
+    plot.left = Math.max(52, ...sy.ticks.map((tick) => wide(sy.label(tick), 400) + 10));
+    let sx = scale(finite(x), [plot.left, plot.right], width < 500 ? 4 : 7);
+    // Long texts need more room than that many have.
+    const most = Math.max(...sx.ticks.map((tick) => wide(sx.label(tick), 400) + 8), 1);
+    const apart = (plot.right - plot.left) / most;
+    sx.ticks = sx.ticks.filter((tick) => sx.at(tick) + wide(sx.label(tick), 400) / 2 <= width);
+    if (sx.ticks.length > apart) sx = { ...sx, ticks: sx.ticks.filter((_, i) => i % Math.ceil(sx.ticks.length / Math.max(apart, 1)) === 0) };
     const place = (row) => {
       const [vx, vy] = [sweep.value(x, row), sweep.value(y, row)];
       return [vx === Infinity ? width - 30 : sx.at(vx), vy === Infinity ? 40 : sy.at(vy)].map((v) => Math.round(v * 10) / 10);
@@ -130,12 +143,20 @@
     }
     list.list.forEach((look, i) => { if (paths[i][1]) parts.push(svg("path", { d: paths[i][1], ...styled(look), "data-kind": `front${thick}` })); });
     if (fronts.length > 1 && fronts.length < 9) {
+      const taken = [];
       for (const group of fronts) {
         const [px, py] = place(group.front[Math.floor(group.front.length / 2)]);
         // At the side with more room, and no longer than that.
         const rooms = { e: px - 9 - plot.left, s: width - 4 - px - 9 };
         const side = rooms.e > rooms.s ? "e" : "s";
-        parts.push(svg("text", { x: px + (side === "e" ? -9 : 9), y: Math.max(py - 8, 24), class: `name ${side} halo` }, fitting(group.name, rooms[side])));
+        const [name, start] = [fitting(group.name, rooms[side]), px + (side === "e" ? -9 : 9)];
+        const left = side === "e" ? start - wide(name) : start;
+        // Above, below and farther from the point: the first place that no other name has, if there is one.
+        const isFree = (own) => own >= 13 && own <= plot.bottom && !taken.some((other) => left < other.right && other.left < left + wide(name) && Math.abs(own - other.base) < 13);
+        const base = [Math.max(py - 8, 24), py + 14, py - 22, py + 28].find(isFree);
+        if (base === undefined) continue;
+        taken.push({ left, right: left + wide(name), base });
+        parts.push(svg("text", { x: start, y: base, class: `name ${side} halo` }, name));
       }
     }
     const ring = svg("circle", { r: 8, class: "ring", visibility: "hidden", id: "pareto-ring" });
@@ -148,10 +169,14 @@
     ringAt(mark, sweep.point.chosen);
 
     $("pareto-name").textContent = `${y.name} against ${x.name}`;
-    $("pareto-what").textContent = `${y.name}: ${y.text}. ${x.name}: ${x.text}.`;
-    const entries = list.list.filter((look) => look.name !== undefined).slice(0, 40).map((look) =>
+    const both = new Set([x, y]);
+    const lacking = (own) => sweep.filter.rows.filter((row) => sweep.value(own, row) === null).length;
+    $("pareto-what").textContent = [...both].map((own) => `${own.name}: ${own.text}.`).reverse().join(" ") + [...both].map((own) => text.leftOut(lacking(own), `without ${own.name}`)).join("");
+    const named = list.list.filter((look) => look.name !== undefined);
+    const entries = named.slice(0, KEYS).map((look) =>
       html("li", {}, svg("svg", { viewBox: "0 0 16 16", "aria-hidden": "true" }, svg("path", { d: SHAPES[look.shape](8, 8), ...styled(look) })), look.name));
-    $("pareto-legend").replaceChildren(...(colour ? [html("ul", { class: "legend" }, html("li", {}, html("b", {}, colour.name)), ...entries)] : []));
+    $("pareto-legend").replaceChildren(...(colour ? [html("ul", { class: "legend" }, html("li", {}, html("b", {}, colour.name)), ...entries, ...(named.length > KEYS ? [html("li", {}, `and ${named.length - KEYS} more`)] : []))] : []));
+    saves.enable(rows.length > 0);
     $("pareto-count").textContent = on.size === 1 ? "1 point on the front" : `${on.size} points on the front`;
     const columns = [{ name: "Point", number: true }, { name: x.name, number: true, title: x.text }, { name: y.name, number: true, title: y.text }, ...sweep.dimensions.map((own) => ({ name: own.name, title: own.text }))];
     const lines = walk.slice(0, 200).map((row) => ({ cells: [sweep.point.button(row), text.at(x, row), text.at(y, row), ...sweep.dimensions.map((own) => text.value(own, own.values[row]))] }));
@@ -209,11 +234,11 @@
     showTip(about(walk[at]), frame.left + own.px * zoom, frame.top + own.py * zoom);
   });
 
-  window.rayreel.offer(box.closest("figure"), () => {
+  const saves = window.rayreel.offer(box.closest("figure"), () => {
     const [x, y] = [sweep.column($("pareto-x").value), sweep.column($("pareto-y").value)];
-    const on = new Set(walk);
-    return [["point", ...sweep.dimensions.map((own) => own.name), x.name, y.name, "front"],
-      ...places.map(({ row }) => [sweep.number(row), ...sweep.dimensions.map((own) => text.cell(own, own.values[row])), x.values[row], y.values[row], on.has(row)])];
+    const [on, both] = [new Set(walk), [...new Set([x, y])]];
+    return [["point", ...sweep.dimensions.map((own) => own.name), ...both.map((own) => own.name), "front"],
+      ...places.map(({ row }) => [sweep.number(row), ...sweep.dimensions.map((own) => text.cell(own, own.values[row])), ...both.map((own) => own.values[row]), on.has(row)])];
   });
   on(["pareto-x"], () => setGoal("x"));
   on(["pareto-y"], () => setGoal("y"));

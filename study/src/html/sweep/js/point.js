@@ -11,8 +11,7 @@ sweep.point = (() => {
 
   /** What a point changes of its presets; of files, whatever varies. */
   const changes = (row) => ["machine", "policy"].flatMap((half) => {
-    const name = sweep.column(half)?.values[row];
-    const preset = Object.hasOwn(sweep.presets[half], name) ? sweep.presets[half][name] : null;
+    const preset = sweep.presetOf(row, half);
     const own = configOf(row, half);
     if (!preset) return own.filter((entry) => entry.varies);
     return own.filter((entry) => entry.key in preset && preset[entry.key] !== entry.value)
@@ -29,7 +28,7 @@ sweep.point = (() => {
   const command = (row) => {
     const of = (name) => sweep.column(name)?.values[row];
     // A machine of which nothing is simulated has no preset.
-    const isKnown = (half) => Object.hasOwn(sweep.presets[half], of(half)) || (half === "machine" && of(half) === "none");
+    const isKnown = (half) => sweep.presetOf(row, half) || (half === "machine" && of(half) === "none");
     if (!["machine", "policy"].every(isKnown)) return null;
     const first = of("first_frame");
     const parts = ["rayreel replay", quoted(of("trace")), `--frames ${first}..${first + of("frames")}`, `--machine ${of("machine")}`, `--policy ${of("policy")}`];

@@ -4,9 +4,11 @@
   const { $, html, table } = sweep.dom;
   const text = sweep.text;
   const PAGE = 50;
-  const headlines = sweep.raw.headlines.map((name) => sweep.column(name));
-  const offered = sweep.columns.filter((own) => own.name !== "point" && (own.varies || own.role === "point" || own.role === "axis" || headlines.includes(own) || sweep.raw.rows < 2));
+  // Of points that all failed, status and why may be the same.
+  const WHY = ["status", "error"];
   const failed = sweep.done.length < sweep.all.length;
+  const headlines = sweep.raw.headlines.map((name) => sweep.column(name));
+  const offered = sweep.columns.filter((own) => own.name !== "point" && (own.varies || own.role === "point" || own.role === "axis" || headlines.includes(own) || sweep.raw.rows < 2 || (failed && WHY.includes(own.name))));
   const usual = [...sweep.dimensions, ...headlines, ...(failed ? [sweep.column("status")] : [])].filter(Boolean);
   let shown = new Set(usual);
   let [sorted, down, from] = [null, false, 0];

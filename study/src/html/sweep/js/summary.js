@@ -49,6 +49,17 @@
     return sentence;
   };
 
+  /** How many points were only counted, in the sentence of the file. */
+  const counts = () => {
+    const detail = sweep.column("detail");
+    const sentence = whole.find((node) => node.id === "counts")?.cloneNode(true);
+    const rows = sweep.filter.withFailed;
+    const count = sentence && detail ? rows.filter((row) => detail.values[row] === "counts").length : 0;
+    if (count === 0) return null;
+    sentence.querySelector("span").textContent = `${count} of ${text.counted(rows.length, "point")} ${count === 1 ? "is" : "are"}`;
+    return sentence;
+  };
+
   /** Points without results. */
   const failures = () => {
     const done = new Set(sweep.filter.rows);
@@ -64,6 +75,6 @@
     const failed = withFailed.length - rows.length;
     const of = `${withFailed.length} of ${text.counted(sweep.all.length, "point")}${failed > 0 ? `; ${failed} of them failed${failed > FAILURES ? `, of which the first ${FAILURES} are shown` : ""}` : ""}`;
     const tiles = sweep.raw.headlines.map((name) => sweep.column(name)).filter(Boolean).map(tile).filter(Boolean);
-    box.replaceChildren(...[html("p", { class: "read" }, of), tiles.length > 0 ? html("dl", { class: "numbers" }, ...tiles) : null, estimates(), axes(), failures()].filter(Boolean));
+    box.replaceChildren(...[html("p", { class: "read" }, of), tiles.length > 0 ? html("dl", { class: "numbers" }, ...tiles) : null, estimates(), counts(), axes(), failures()].filter(Boolean));
   });
 })();

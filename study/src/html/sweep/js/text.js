@@ -33,7 +33,8 @@ sweep.text = (() => {
   const within = (column, row) => {
     const interval = sweep.column(`${column.name}_interval_percent`);
     const own = interval ? sweep.value(interval, row) : null;
-    return own === null ? "" : ` ±${GAP}${fixed(own, 1)}${GAP}%`;
+    // As `plus_minus` in `text.rs`: no sign stands before a zero.
+    return own === null || !/[1-9]/.test(fixed(own, 1)) ? "" : ` ±${GAP}${fixed(own, 1)}${GAP}%`;
   };
   // One frame, two frames; ms stays ms.
   const unit = (column, own) => (column.unit && column.unit !== "bytes" ? `${GAP}${own === 1 ? column.unit.replace(/(?<=[a-z]{3})s$/, "") : column.unit}` : "");
@@ -49,15 +50,21 @@ sweep.text = (() => {
     withUnit: (column, own) => value(column, own) + (own === null ? "" : unit(column, own)),
     named: (column) => (column.unit && column.unit !== "bytes" ? `${column.name} (${column.unit})` : column.name),
     percent: (share) => `${fixed(share * 100, 1)}${GAP}%`,
-    signed: (share) => `${share > 0 ? "+" : ""}${fixed(share * 100, 1)}${GAP}%`,
+    signed: (share) => `${share > 0 && fixed(share * 100, 1) !== "0.0" ? "+" : ""}${fixed(share * 100, 1)}${GAP}%`,
+    /** How many points a chart leaves out and why; nothing where it has all. */
+    leftOut: (count, what) => (count === 0 ? "" : ` ${count} ${count === 1 ? "point" : "points"} ${what} ${count === 1 ? "is" : "are"} left out.`),
     /** What a row is: its values of the dimensions. */
     describe: (row) => sweep.dimensions.filter((own) => own.values[row] !== null)
       .map((own) => `${own.name} ${value(own, own.values[row])}`).join(", "),
+    /** A tick with the places that tell it from its neighbours, as `label` in `scale.rs`. */
     tick: (tick, step, most) => {
-      const [scale, prefix] = most >= 1e9 ? [1e9, "G"] : most >= 1e6 ? [1e6, "M"] : most >= 1e4 ? [1e3, "k"] : [1, ""];
-      const own = step / scale;
-      const places = own >= 1 ? (Number.isInteger(Math.round(own * 1e6) / 1e6) ? 0 : 1) : Math.min(Math.ceil(-Math.log10(own) - 1e-9), 8);
-      return tick === 0 ? "0" : fixed(tick / scale, places) + prefix;
+      const power = most.toExponential().split("e").at(-1).replace("+", "");
+      const isPower = most >= 1e12 || (most > 0 && most < 1e-3);
+      const [scale, behind] = isPower ? [Number(`1e${power}`) || 1, `e${power}`] : most >= 1e9 ? [1e9, "G"] : most >= 1e6 ? [1e6, "M"] : most >= 1e4 ? [1e3, "k"] : [1, ""];
+      const isWhole = (own) => own > 0.5 && Math.abs(own - Math.round(own)) < 1e-6;
+      let own = step / scale, places = 0;
+      while (places < 14 && !isWhole(own)) { own *= 10; places += 1; }
+      return tick === 0 ? "0" : fixed(tick / scale, places) + behind;
     },
   };
 })();
