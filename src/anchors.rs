@@ -1,7 +1,8 @@
 //! `rayreel anchors`: figures that publications put between bounds, measured.
 
-use anyhow::Result;
+use anyhow::{Result, bail};
 use rayreel_paper::anchors::{self, Measured};
+use rayreel_settings::near;
 use rayreel_study::pool::Pool;
 use serde_json::json;
 
@@ -28,6 +29,7 @@ pub struct Args {
 }
 
 pub fn run(args: &Args, quiet: bool) -> Result<Exit> {
+    args.machines.iter().try_for_each(|name| check(name))?;
     let pool = Pool { threads: rayon::current_num_threads(), stop: progress::stop_on_signal() };
     let mut bar: Option<Progress> = None;
     let measured = anchors::measure(args.size, &args.machines, &pool, &mut |done, all, scene| {
@@ -49,4 +51,26 @@ pub fn run(args: &Args, quiet: bool) -> Result<Exit> {
         print(&anchors::text(&rows, args.size))?
     }
     Ok(if rows.iter().any(Measured::fails) { Exit::No } else { Exit::Done })
+}
+
+/// Anchors are stated for presets alone: no file will do.
+fn check(name: &str) -> Result<()> {
+    let known = anchors::machines();
+    if !known.contains(&name) {
+        bail!("no anchor is stated for the machine {name}; {}", near(name, &known));
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_machine_without_anchors_is_refused_with_those_that_were_meant() {
+        let said = |name: &str| check(name).unwrap_err().to_string();
+        assert!(said("sgrt-ti3").ends_with("; did you mean sgrt-ti2 or sgrt-ti1?"), "{}", said("sgrt-ti3"));
+        assert!(said("nosuch").contains("; there are sgrt-ti2, ") && !said("nosuch").contains(".toml"));
+        assert!(check("raycore").is_ok() && check("raycore.toml").is_err());
+    }
 }

@@ -38,8 +38,9 @@ pub struct Args {
     /// Image size in pixels; 512x256 by default, the paper's 2048x1024 with --full.
     #[arg(long, value_name = "WxH", value_parser = crate::common::size)]
     size: Option<(u32, u32)>,
-    /// First frames at the paper's size, and all frames of the animation, at 1x1 samples: the machine simulates one in eleven of these
-    /// and the others are estimated from them, by their rays; --detail full simulates all. Ablations and animation stay at 512x256.
+    /// First frames at the paper's size, and all frames of the animation, at 1x1 samples: of a path of 210 frames or more the machine
+    /// simulates one in eleven, and the others are estimated from them, by their rays; --detail full simulates all. Ablations and
+    /// animation have at most 512x256 pixels; without --full 128x64 and 256x128, and the animation has a few frames at 2x2 samples.
     #[arg(long)]
     full: bool,
     /// Beside all this, nine policies on six architectures: the samplers and the machines that the paper stands beside, 2x2 samples a
@@ -99,8 +100,10 @@ pub fn run(args: &Args, quiet: bool) -> Result<Exit> {
         command: command(args, size),
         ..Setup::new(scenes(args)?, machines)?
     };
+    let folders = Folders { cache: args.cache.clone(), out: args.out.clone(), reuse: args.reuse.clone() };
     // What takes no trace to know is refused before anything is written.
     setup.check()?;
+    folders.check()?;
     for folder in [&args.cache, &args.out] {
         std::fs::create_dir_all(folder).with_context(|| format!("cannot create folder {}", folder.display()))?;
     }
@@ -110,7 +113,6 @@ pub fn run(args: &Args, quiet: bool) -> Result<Exit> {
     if matches!(out, Some(None)) {
         return Ok(Exit::Interrupted);
     }
-    let folders = Folders { cache: args.cache.clone(), out: args.out.clone(), reuse: args.reuse.clone() };
     let mut bar: Option<Progress> = None;
     let ended = rayreel_paper::run(&setup, &folders, rayon::current_num_threads(), &stop, &mut |now| {
         let bar = bar.get_or_insert_with(|| Progress::new("paper", now.total, quiet));

@@ -239,8 +239,7 @@ pub fn ablations(setup: &Setup, planned: &[Planned], results: &Results) -> Vec<A
 
 /// Picture size of the ablations.
 pub fn size(setup: &Setup) -> (u32, u32) {
-    let most = SIZES[usize::from(setup.full)];
-    (setup.size.0.min(most.0), setup.size.1.min(most.1))
+    setup.size_within(SIZES[usize::from(setup.full)])
 }
 
 #[cfg(test)]

@@ -89,6 +89,18 @@ fn stretches(length: u32, full: bool) -> Vec<Stretch> {
     PAPER_FRAMES.iter().filter(|frame| **frame <= length).map(around).collect()
 }
 
+/// Which frames count of a path of which only some do, in words.
+fn in_words(runs: &[Stretch]) -> String {
+    let (early, late): (Vec<&Stretch>, Vec<&Stretch>) = runs.iter().partition(|run| run.first == run.counted);
+    let at_once = early.iter().map(|run| format!("the first {}", run.end - run.counted));
+    let after = late.first().map(|run| {
+        let (counted, all) = (run.end - run.counted, run.end - run.first);
+        let of = if late.len() == 1 { "a run".to_owned() } else { format!("each of {} runs", late.len()) };
+        format!("the last {counted} of {of} of {all} consecutive frames")
+    });
+    at_once.chain(after).collect::<Vec<_>>().join(", and ")
+}
+
 /// An animation that is planned.
 pub struct Planned {
     scene: usize,
@@ -135,8 +147,7 @@ pub fn plan(setup: &Setup, plan: &mut Plan<'_>) -> Option<Planned> {
 
 /// Picture size of the animation.
 pub fn size(setup: &Setup) -> (u32, u32) {
-    let most = SIZES[usize::from(setup.full)];
-    (setup.size.0.min(most.0), setup.size.1.min(most.1))
+    setup.size_within(SIZES[usize::from(setup.full)])
 }
 
 /// Where a map lies.
@@ -174,6 +185,12 @@ impl Planned {
     pub fn extent(&self, setup: &Setup) -> (usize, usize) {
         let counted = self.runs.iter().map(|run| (run.end - run.counted) as usize).sum();
         (counted, setup.stages[self.scene].scene.cameras.len())
+    }
+
+    /// Which frames count, if not all of them do: a run that is not the beginning of the path has frames before them.
+    pub fn part(&self, setup: &Setup) -> Option<String> {
+        let (counted, all) = self.extent(setup);
+        (counted < all).then(|| in_words(&self.runs))
     }
 
     /// How many frames a machine simulates.
@@ -275,6 +292,15 @@ mod tests {
         assert_eq!(simulated, [0, 339, 599]);
         // A short path has what there is of it.
         assert_eq!(stretches(2, false), [Stretch { first: 0, counted: 0, end: 2 }]);
+    }
+
+    /// Of the first frames nothing was replayed before them, and of a short path there are no others.
+    #[test]
+    fn frames_that_count_are_said_as_they_are() {
+        let said = |length| in_words(&stretches(length, false));
+        assert_eq!(said(700), "the first 2, and the last 2 of each of 5 runs of 4 consecutive frames");
+        assert_eq!(said(200), "the first 2, and the last 2 of a run of 4 consecutive frames");
+        assert_eq!(said(100), "the first 2");
     }
 
     #[test]

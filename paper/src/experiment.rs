@@ -33,6 +33,7 @@ const ROWS: &str = "paper.json";
 /// goes on there.
 pub fn run(setup: &Setup, folders: &Folders, threads: usize, stop: &Stop, tell: &mut Tell<'_>) -> Result<Finished> {
     setup.check()?;
+    folders.check()?;
     let mut plan = Plan::new(setup, folders.cache.clone());
     let experiment = Experiment {
         points: points::plan(setup, &mut plan),

@@ -53,11 +53,13 @@ impl<'a> Ledger<'a> {
     /// # Errors
     /// A folder that cannot be read or made.
     pub fn open(plan: &'a Plan<'a>, folders: &'a Folders) -> Result<Self> {
+        // Before a folder is made: these may be refused.
+        let reused = ReusedRows::load(&folders.reuse)?;
         Ok(Self {
             plan,
             out: &folders.out,
             store: Store::open(&folders.cache.join(RESULTS))?,
-            reused: ReusedRows::load(&folders.reuse)?,
+            reused,
             points: plan.points.iter().map(|planned| planned.point.clone()).collect(),
             results: vec![PointResult::default(); plan.points.len()],
             counts: PointCounts { points: plan.points.len(), ..PointCounts::default() },

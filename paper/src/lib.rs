@@ -1,8 +1,7 @@
 //! The paper's experiment (Lee et al. 2016) on Rayreel's scenes, and what goes beyond it, as a library.
 //!
-//! Scenes are captured, points of policies and machines computed, and all put together as a
-//! [`Study`](rayreel_study::schema::Study). Points are those of [`rayreel_study::point`]: what a sweep over the same traces has
-//! computed is found, and the other way round. What is there is never computed again.
+//! Scenes are captured, points of policies and machines computed, and all put together as a [`Study`](rayreel_study::schema::Study).
+//! Points are those of [`rayreel_study::point`]: what a sweep over the same traces has computed is found, and the other way round.
 //!
 //! ```
 //! use rayreel_paper::{Folders, Setup, run};
@@ -23,6 +22,7 @@ mod ablations;
 pub mod anchors;
 mod animation;
 pub mod between;
+mod cells;
 mod claims;
 mod error;
 mod estimates;
@@ -46,6 +46,7 @@ mod setup;
 mod study;
 mod systems;
 mod table;
+mod totals;
 mod traces;
 mod widths;
 

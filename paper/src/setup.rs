@@ -1,6 +1,6 @@
 //! What the experiment is made of.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use rayreel_machine::config::{MachineConfig, NamedMachine, Pipeline};
@@ -9,6 +9,8 @@ use rayreel_replay::NamedPolicy;
 use rayreel_replay::detail::{Detail, Share};
 use rayreel_scenes::Scene;
 use rayreel_study::StudyError;
+use rayreel_study::sweep::folder::PLAN;
+use rayreel_study::sweep::reused::RESULTS;
 
 use crate::error::Result;
 use crate::policies::{self, Contender};
@@ -79,6 +81,26 @@ pub struct Folders {
     pub out: PathBuf,
     /// Where results are looked for beside the cache: folders of sweeps and other cache folders.
     pub reuse: Vec<PathBuf>,
+}
+
+impl Folders {
+    /// Refuses a folder whose results are to be taken, if it can hold none. Nothing of it is read.
+    ///
+    /// # Errors
+    /// Which one it is, and which folders will do.
+    pub fn check(&self) -> Result<()> {
+        let lacks = |folder: &Path, name: &str| matches!(folder.join(name).try_exists(), Ok(false));
+        match self.reuse.iter().find(|folder| lacks(folder, PLAN) && lacks(folder, RESULTS)) {
+            None => Ok(()),
+            Some(folder) => {
+                let detail = format!(
+                    "there is neither {PLAN} nor {RESULTS} in it; is this the folder of a sweep? It has to be one, or a cache folder of \
+                     `rayreel paper`"
+                );
+                Err(StudyError::Input { at: folder.display().to_string(), detail }.into())
+            }
+        }
+    }
 }
 
 impl Stage {
@@ -159,6 +181,19 @@ impl Setup {
         Err(StudyError::Usage { detail }.into())
     }
 
+    /// The picture size, or where that is more than `most` either way the largest one of its shape that is not, as near as whole
+    /// pixels come to it.
+    pub(crate) fn size_within(&self, most: (u32, u32)) -> (u32, u32) {
+        let (width, height) = self.size;
+        if width <= most.0 && height <= most.1 {
+            return self.size;
+        }
+        let [w, h, most_w, most_h] = [width, height, most.0, most.1].map(u64::from);
+        // The nearest whole number to `side * by / of`: no more than the limit of this side, since the other is further over its own.
+        let scaled = |side: u64, by: u64, of: u64| ((2 * side * by + of) / (2 * of)).max(1) as u32;
+        if w * most_h >= h * most_w { (most.0, scaled(h, most_w, w)) } else { (scaled(w, most_h, h), most.1) }
+    }
+
     /// Whether a policy has rates that vary over the picture.
     pub(crate) fn has_rates(&self, policy: usize) -> bool {
         !matches!(self.policies[policy].1.policy.kind(), "full" | "adaptive")
@@ -168,6 +203,41 @@ impl Setup {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Each side had its own limit, and pictures of other shapes were squeezed.
+    #[test]
+    fn smaller_pictures_keep_their_shape() {
+        let within = |size, most| Setup { size, ..Setup::new([], None).unwrap() }.size_within(most);
+        let small = (128, 64);
+        assert_eq!([within(SIZE, small), within(SIZE, (256, 128))], [small, (256, 128)]);
+        assert_eq!(within(SIZE_FULL, (512, 256)), (512, 256));
+        for size in [(64, 32), (128, 1), (1, 64), small] {
+            assert_eq!(within(size, small), size, "no larger");
+        }
+        assert_eq!([within((200, 300), small), within((300, 100), small)], [(43, 64), (128, 43)]);
+        // Just over one limit, and of any shape.
+        assert_eq!([within((129, 64), small), within((128, 65), small)], [(128, 64), (126, 64)]);
+        assert_eq!([within((100_000, 1), small), within((1, u32::MAX), small)], [(128, 1), (1, 64)]);
+    }
+
+    #[test]
+    fn a_folder_without_results_is_refused_unread() {
+        let place = tempfile::tempdir().unwrap();
+        let folder = |name: &str| place.path().join(name);
+        let check = |name: &str| {
+            let (cache, out) = (folder("cache"), folder("out"));
+            Folders { cache, out, reuse: vec![folder(name)] }.check()
+        };
+        std::fs::create_dir_all(folder("other-cache").join(RESULTS)).unwrap();
+        std::fs::create_dir_all(folder("sweep")).unwrap();
+        let said = check("sweep").unwrap_err().to_string();
+        for part in ["sweep: there is neither plan.json", "folder of a sweep?", "cache folder of `rayreel paper`"] {
+            assert!(said.contains(part), "{part} in {said}");
+        }
+        std::fs::write(folder("sweep").join(PLAN), "").unwrap();
+        assert!(check("sweep").is_ok() && check("other-cache").is_ok() && check("nowhere").is_err());
+        assert!(!folder("cache").exists() && !folder("out").exists());
+    }
 
     /// One of them was dropped without a word.
     #[test]

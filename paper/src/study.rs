@@ -128,8 +128,8 @@ fn notes(setup: &Setup, experiment: &Experiment, scenes: &[Scene]) -> Vec<String
     if let Some(animation) = &experiment.animation {
         let (counted, all) = animation.extent(setup);
         let mut note = format!("The animation of {} counts {counted} of {all} frames", animation.scene(setup));
-        if counted < all {
-            note += ", the last ones of a run of consecutive frames each";
+        if let Some(part) = animation.part(setup) {
+            note += &format!(", {part}");
         }
         if setup.machines.is_some() {
             let simulated = animation.simulated(setup);
@@ -140,7 +140,8 @@ fn notes(setup: &Setup, experiment: &Experiment, scenes: &[Scene]) -> Vec<String
                 note += ", and the others estimated from these, by their rays";
             }
         }
-        note += ". In it multi-rate policies have the frames before to go by; all other results are of one frame without history.";
+        note += ". In it multi-rate policies have the frames before to go by, but in its first frame; all other results are of one frame \
+                 without history.";
         notes.push(note);
     }
     let sizes = [("The ablations are", Some(ablations::size(setup)))]
@@ -182,6 +183,7 @@ fn models(scenes: &[Scene]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::plan::Plan;
     use crate::setup::Machines;
 
     fn scene(name: &str, triangles: u64) -> Scene {
@@ -206,6 +208,23 @@ mod tests {
         let setup = Setup { size, ..Setup::new([rayreel_scenes::load("cornell").unwrap()], machines).unwrap() };
         let none = Experiment { points: Vec::new(), animation: None, ablations: Vec::new(), systems: Vec::new() };
         notes(&setup, &none, &[scene("cornell", 36)]).join("\n")
+    }
+
+    /// Of two frames it was said that they are the last ones of runs, and that both have frames before them.
+    #[test]
+    fn what_is_said_of_an_animation_is_so() {
+        let said = |frames: usize| {
+            let mut model = rayreel_scenes::load("cornell").unwrap();
+            model.cameras = vec![model.cameras[0]; frames];
+            let setup = Setup { size: (16, 8), ..Setup::new([model], None).unwrap() };
+            let animation = animation::plan(&setup, &mut Plan::new(&setup, "cache".into()));
+            let planned = Experiment { points: Vec::new(), animation, ablations: Vec::new(), systems: Vec::new() };
+            notes(&setup, &planned, &[scene("cornell", 36)]).join("\n")
+        };
+        let (two, some) = (said(2), said(160));
+        assert!(two.contains("counts 2 of 2 frames. In it") && two.contains("but in its first frame"), "{two}");
+        let part = "counts 4 of 160 frames, the first 2, and the last 2 of a run of 4 consecutive frames. In it";
+        assert!(some.contains(part), "{some}");
     }
 
     #[test]

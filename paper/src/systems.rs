@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use rayreel_machine::config::{NamedMachine, Pipeline};
 use rayreel_replay::NamedPolicy;
-use rayreel_study::analysis::systems::{CONCLUSIONS, Pair, Systems};
+use rayreel_study::analysis::systems::{Pair, STATEMENTS, Systems};
 use rayreel_study::point::key::Point;
 use rayreel_study::point::wanted::Wanted;
 use rayreel_study::schema::{Study, SystemPoint};
@@ -157,9 +157,10 @@ fn psnr(pair: &Pair) -> String {
 
 fn verdicts(systems: &Systems<'_>) -> String {
     let verdicts = systems.verdicts();
-    let mut text = "\nconclusions of the paper: value, and whether it holds; T&I units alone / whole GPU\n".to_owned();
-    for (i, conclusion) in CONCLUSIONS.iter().enumerate() {
-        let _ = writeln!(text, "  {conclusion}");
+    let mut text =
+        "\nwhat the paper states or expects: value, and whether it holds; T&I units alone / whole GPU\n".to_owned();
+    for (i, statement) in STATEMENTS.iter().enumerate() {
+        let _ = writeln!(text, "  {statement}");
         for verdict in &verdicts {
             let part = |value: Option<(bool, f64)>| {
                 value.map_or("-".into(), |(holds, v)| format!("{v:.2} {}", if holds { "yes" } else { "no" }))

@@ -4,10 +4,11 @@ use std::fmt::Write as _;
 
 use rayreel_study::schema::{Ablation, Gain, Point, Study};
 
+use crate::cells::{or_dash, plus_minus, psnr};
 use crate::claims::claims;
 use crate::policies::{MODES, word};
-use crate::systems;
 use crate::widths::Widths;
+use crate::{systems, totals};
 
 /// Everything that is printed.
 pub fn table(study: &Study) -> String {
@@ -20,7 +21,7 @@ pub fn table(study: &Study) -> String {
     }
     text += &claims(study, &evaluated(study).collect::<Vec<_>>());
     text += &all(study);
-    text += &animation(study);
+    text += &totals::table(study);
     text += &ablations(&study.ablations, Widths::of(study));
     text += &systems::table(study);
     text += "\nnotes\n";
@@ -35,16 +36,9 @@ fn evaluated(study: &Study) -> impl Iterator<Item = &Point> {
     study.points.iter().filter(stated)
 }
 
-fn or_dash(value: Option<f64>, digits: usize) -> String {
-    value.map_or("-".to_string(), |v| format!("{v:.digits$}"))
-}
-
-/// PSNR; of identical pictures there is none.
-fn psnr(point: &Point) -> String {
-    match point.quality {
-        Some(quality) => quality.psnr_db.map_or("same".into(), |v| format!("{v:.2}")),
-        None => "-".into(),
-    }
+/// The PSNR of a point, whose pictures may not have been compared.
+fn psnr_of(point: &Point) -> String {
+    point.quality.map_or("-".into(), |quality| psnr(quality.psnr_db))
 }
 
 fn ray_ratio(point: &Point) -> f64 {
@@ -68,7 +62,7 @@ fn quality(study: &Study) -> String {
             p.rays_traced,
             ray_ratio(p),
             p.mean_rate * 100.0,
-            psnr(p),
+            psnr_of(p),
             or_dash(paper.map(|paper| paper.psnr_db), 2),
             or_dash(p.quality.and_then(|q| q.ssim), 4),
         );
@@ -84,10 +78,6 @@ fn factors(gain: Option<Gain>) -> [String; 3] {
 fn perf_per_watt(gain: Option<Gain>) -> String {
     let within = gain.and_then(|g| g.interval).map_or_else(String::new, |i| plus_minus(i.perf_per_watt));
     or_dash(gain.map(|g| g.perf_per_watt), 2) + &within
-}
-
-fn plus_minus(part: f64) -> String {
-    format!(" ±{:.1}%", 100.0 * part)
 }
 
 /// Whether any gain is an estimate: then columns of them are wider.
@@ -140,7 +130,7 @@ fn gains(study: &Study, machine: &str) -> String {
     let _ = writeln!(
         text,
         "{:<names$} {:>6} {:>6} {:>of_alone$} {:>12}   {:>6} {:>6} {:>of_gpu$}   {:>9} {:>9}",
-        "the paper, mean",
+        "the paper",
         "",
         or_dash(study.references.power, 2),
         "",
@@ -201,7 +191,7 @@ fn line(p: &Point, over: bool, (Widths { scene, policy }, wide): (Widths, usize)
         p.policy,
         p.scene,
         ray_ratio(p),
-        psnr(p),
+        psnr_of(p),
         or_dash(quality.ssim, 4),
         or_dash(quality.flip, 4),
         or_dash(quality.worst_tile_psnr_db, 2),
@@ -246,44 +236,6 @@ fn geometric_mean(values: Vec<Option<f64>>) -> Option<f64> {
     Some(0.5 * (low + high))
 }
 
-/// The animation: sums over its frames.
-fn animation(study: &Study) -> String {
-    let tracks = &study.tracks;
-    let Some(first) = tracks.first() else { return String::new() };
-    // A machine without T&I units has only the whole.
-    let is_whole = study.points.iter().any(|p| p.gpu.is_some()) && study.points.iter().all(|p| p.ti.is_none());
-    let mut text =
-        format!("\nthe animation of {}, {} frames, {}\n\n", first.scene, first.frames.len(), word(&first.mode));
-    let _ = writeln!(
-        text,
-        "{:<24} {:>9} {:>7} {:>8} {:>9} {:>14}",
-        "policy",
-        "ray ratio",
-        "rate %",
-        "PSNR dB",
-        "flicker",
-        if is_whole { "GPU mJ a frame" } else { "T&I mJ a frame" }
-    );
-    for track in tracks {
-        let frames = &track.frames;
-        let sum = |of: fn(&rayreel_study::schema::TrackFrame) -> u64| frames.iter().map(of).sum::<u64>() as f64;
-        let energy: Vec<f64> = frames.iter().filter_map(|f| f.energy_mj).collect();
-        let energy = (!energy.is_empty()).then(|| energy.iter().sum::<f64>() / energy.len() as f64);
-        let rate = frames.iter().map(|f| f.mean_rate).sum::<f64>() / frames.len().max(1) as f64;
-        let _ = writeln!(
-            text,
-            "{:<24} {:>9.2} {:>7.1} {:>8} {:>9} {:>14}",
-            track.policy,
-            sum(|f| f.rays_full) / sum(|f| f.rays_traced).max(1.0),
-            rate * 100.0,
-            or_dash(track.psnr_db, 2),
-            or_dash(track.flicker, 3),
-            or_dash(energy, 3) + &track.interval.map_or_else(String::new, |i| plus_minus(i.energy_mj))
-        );
-    }
-    text
-}
-
 /// The ablations, each relative to the unchanged one of its group.
 fn ablations(all: &[Ablation], Widths { scene, .. }: Widths) -> String {
     if all.is_empty() {
@@ -308,7 +260,7 @@ fn ablations(all: &[Ablation], Widths { scene, .. }: Widths) -> String {
             ablation.name,
             ablation.scene,
             ablation.rays_full as f64 / ablation.rays_traced.max(1) as f64,
-            or_dash(ablation.psnr_db, 2),
+            psnr(ablation.psnr_db),
             over(|a| a.cycles.map(|c| c as f64)),
             over(|a| a.power_w),
             over(|a| a.perf_per_watt)
@@ -319,7 +271,19 @@ fn ablations(all: &[Ablation], Widths { scene, .. }: Widths) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::geometric_mean;
+    use rayreel_study::schema::Ablation;
+
+    use super::*;
+
+    /// A dash stood for it, as for what was not measured.
+    #[test]
+    fn an_ablation_that_changes_no_pixel_has_the_same_picture() {
+        let row = |psnr_db| Ablation { name: "off".into(), psnr_db, ..Ablation::default() };
+        let text = ablations(&[row(None), row(Some(31.416))], Widths::of(&Study::default()));
+        let said: Vec<&str> =
+            text.lines().filter_map(|line| line.strip_prefix("off")?.split_whitespace().nth(1)).collect();
+        assert_eq!(said, ["same", "31.42"], "{text}");
+    }
 
     #[test]
     fn the_geometric_mean() {

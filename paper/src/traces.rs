@@ -3,10 +3,10 @@
 use std::path::Path;
 
 use rayon::prelude::*;
-use rayreel_formats::Limits;
 use rayreel_formats::container::{ChunkId, Writer};
 use rayreel_formats::scene::Meta;
 use rayreel_formats::trace::{Codec, Trace};
+use rayreel_formats::{Error, Limits};
 use rayreel_scenes::Scene;
 use rayreel_tracer::accel::Built;
 use rayreel_tracer::capture::{self, CaptureOutcome, CaptureOutput};
@@ -46,9 +46,19 @@ pub fn make(
     }
 }
 
-/// Whether there is a partial capture to go on with; one of other settings is dropped, since the cache is ours.
+/// Whether there is a partial capture to go on with; one of other settings, or that cannot be gone on with, is dropped, since the
+/// cache is ours.
 fn is_resumable(path: &Path, wanted: &Meta) -> Result<bool> {
-    let Some(resumed) = Writer::resume(path, &Limits::default())? else { return Ok(false) };
+    let resumed = match Writer::resume(path, &Limits::default()) {
+        Ok(None) => return Ok(false),
+        Ok(Some(resumed)) => resumed,
+        // Dropping it would take it from who writes it, or is refused as well.
+        Err(error @ (Error::Occupied { .. } | Error::Io { .. })) => return Err(error.into()),
+        Err(_) => {
+            Writer::discard(path)?;
+            return Ok(false);
+        }
+    };
     let record = resumed.chunks().iter().find(|c| c.id == ChunkId::META).copied();
     let same = record
         .and_then(|r| resumed.read(&r).ok())
@@ -59,4 +69,51 @@ fn is_resumable(path: &Path, wanted: &Meta) -> Result<bool> {
     }
     Writer::discard(path)?;
     Ok(false)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::fs;
+
+    use rayreel_tracer::{SampleGrid, TOOL, TraceSettings};
+
+    use super::*;
+
+    fn meta() -> Meta {
+        let grid = SampleGrid { width: 16, height: 8, samples: 1, tile: 32, first_frame: 0, frames: 1 };
+        grid.meta(&rayreel_scenes::load("cornell").unwrap(), TraceSettings::default(), TOOL)
+    }
+
+    /// The experiment never began again: every run was refused because of it.
+    #[test]
+    fn a_partial_capture_that_is_none_is_dropped() {
+        let (folder, meta) = (tempfile::tempdir().unwrap(), meta());
+        let [path, partial] = ["a.rtrace", "a.rtrace.partial"].map(|name| folder.path().join(name));
+        drop(Writer::create(&path).unwrap());
+        let whole = fs::read(&partial).unwrap();
+        let changed = |at: usize| {
+            let mut bytes = whole.clone();
+            bytes[at] ^= 0x40;
+            bytes
+        };
+        // Damaged or newer at any byte of its header, and no trace at all.
+        let spoilt = (0..whole.len()).map(changed).chain([b"a file that is no trace, longer than a header".repeat(9)]);
+        for bytes in spoilt {
+            fs::write(&partial, bytes).unwrap();
+            assert!(Writer::resume(&path, &Limits::default()).is_err());
+            assert!(!is_resumable(&path, &meta).unwrap() && !partial.exists());
+        }
+        assert!(!is_resumable(&path, &meta).unwrap(), "there is none");
+    }
+
+    #[test]
+    fn a_partial_capture_that_another_writes_is_left_alone() {
+        let (folder, meta) = (tempfile::tempdir().unwrap(), meta());
+        let [path, partial] = ["a.rtrace", "a.rtrace.partial"].map(|name| folder.path().join(name));
+        let writer = Writer::create(&path).unwrap();
+        let refused = is_resumable(&path, &meta).unwrap_err();
+        assert!(matches!(refused, PaperError::Trace(Error::Occupied { .. })) && partial.exists(), "{refused}");
+        drop(writer);
+        assert!(!is_resumable(&path, &meta).unwrap() && !partial.exists(), "it is of no capture");
+    }
 }

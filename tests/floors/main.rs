@@ -42,13 +42,13 @@ const ORDERS: [(&str, &str); 14] = [
     ),
     (
         "paper/src/lib.rs",
-        "error between frame identity live lockstep policies widths claims reference results rows setup plan ablations animation ledger meter points systems estimates study table traces jobs maker execute experiment anchors",
+        "error between frame identity live lockstep policies widths cells claims reference results rows setup plan ablations animation ledger meter points systems estimates study totals table traces jobs maker execute experiment anchors",
     ),
     (
         "testkit/src/lib.rs",
         "random golden policies switches trees synthetic rules recorded shade past reference same cells poison",
     ),
-    ("python/src/lib.rs", "error columns wait wanted batches view policy replay trace"),
+    ("python/src/lib.rs", "error arguments columns wait wanted batches view policy replay trace"),
     ("fuzz/src/lib.rs", "random memory coverage place mutate seeds traces target targets kept runner"),
     (
         "src/main.rs",

@@ -62,7 +62,7 @@ fn rows() -> impl Iterator<Item = Row> {
 /// done, how many there are, and the scene of the last.
 ///
 /// # Errors
-/// A machine that is none, or that no anchor names; a size that no picture has; an interruption.
+/// A machine that no anchor names; a size that no picture has; an interruption.
 pub fn measure(
     size: (u32, u32),
     presets: &[String],
@@ -83,7 +83,6 @@ pub fn measure(
 }
 
 fn check(preset: &str) -> Result<()> {
-    NamedMachine::load(preset, &[])?;
     let known = machines();
     if known.contains(&preset) {
         return Ok(());
@@ -118,5 +117,23 @@ fn measured(row: &Row, value: Option<f64>) -> Measured {
         unit: anchor.unit,
         inside,
         explanation: value.filter(|_| !inside).and_then(|value| row.explanation(value)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use rayreel_replay::Stop;
+
+    use super::*;
+
+    /// A file was asked for, and then refused.
+    #[test]
+    fn a_machine_without_anchors_is_refused_with_those_that_have_some() {
+        let pool = Pool { threads: 1, stop: Stop::never() };
+        for name in ["nosuch", "mine.toml"] {
+            let said = measure((16, 8), &[name.into()], &pool, &mut |_, _, _| {}).unwrap_err().to_string();
+            let expected = format!("for the machine {name}; there are {}", machines().join(", "));
+            assert!(said.ends_with(&expected), "{said}");
+        }
     }
 }

@@ -31,9 +31,10 @@ pub const ANCHORS: &[Anchor] = &[
         why: &[Why {
             of: &[],
             below: "Box tests are not the bottleneck of sgrt-ti2. At 128x64 pixels the factor is 1.4 in teapot and in car, \
-                    where most lookups hit: there the one triangle unit of a core tests in 83 and 59 % of the cycles. It is 0.95 to 1.07 in the other scenes, where triangle units wait for memory. In all scenes the leaf stages wait \
-                    for the triangle unit in 66 to 90 % of the cycles. The published factor is of a traversal unit whose \
-                    triangle units keep up.",
+                    where 91 and 76 % of the lookups of the traversal units hit, and 0.95 to 1.07 in the other scenes, where \
+                    42 to 51 % do. In all scenes the leaf stages wait for the one triangle unit of a core in 68 to 91 % of \
+                    the cycles: it tests in 82 (teapot), 60 (lab) and 58 % (car) of them, and waits for memory in 45 (chess) \
+                    and 53 % (provence). The published factor is of a traversal unit whose triangle units keep up.",
             above: "",
         }],
     },

@@ -61,7 +61,7 @@ pub const ANCHORS: &[Anchor] = &[
             above: "The estimate is of coherent rays and warm caches. Here 60 to 93 % of the rays are shadow and secondary \
                     rays, triangles alone take 0.7 to 29 MB against an L2 of 256 KiB, whose size is a guess, and every line is \
                     first touched in this one frame: the figure falls as pictures grow. At 128x64 pixels teapot alone lies \
-                    inside on sgrt-ti2, with 0.28, and provence takes 6.5.",
+                    inside on sgrt-ti2, with 0.29, and provence takes 6.5.",
         }],
     },
     Anchor {

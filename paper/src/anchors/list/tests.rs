@@ -33,3 +33,15 @@ fn explanations_are_found_by_side_and_machine() {
         }
     }
 }
+
+/// At small sizes it went unexplained, beside the same share without the inspector, which was explained.
+#[test]
+fn what_makes_similarity_checks_few_makes_them_few_with_their_inspector() {
+    let few = |name: &str| {
+        let row = all().find(|anchor| anchor.name == name).unwrap().rows()[0];
+        (row.explanation(1.0), row.explanation(11.0))
+    };
+    let (below, above) = few("similarity checks with their inspector");
+    assert_eq!((below, above), few("similarity checks in the SRP"));
+    assert!(below.is_some() && above.is_none());
+}
