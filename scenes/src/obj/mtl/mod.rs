@@ -249,8 +249,8 @@ fn maps(
     };
     let shared = s.alpha_map.as_ref().filter(of_colour).is_some();
     let (diffuse_map, mask) = (load(s.diffuse_map.as_ref(), false)?, s.alpha_map.as_ref().filter(|_| !shared));
-    let own = load(mask, true)?;
-    let alpha_map = if shared { diffuse_map.filter(|map| textures.has_alpha(*map)) } else { own };
+    let other_map = load(mask, true)?;
+    let alpha_map = if shared { diffuse_map.filter(|map| textures.has_alpha(*map)) } else { other_map };
     if s.alpha_map.is_none() && diffuse_map.is_some_and(|map| textures.has_alpha(map)) {
         warnings.add("alpha of map_Kd", || {
             format!("{place}: the alpha of its texture is not read: name the file as `map_d` too to cut it out")
