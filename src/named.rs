@@ -43,7 +43,7 @@ pub fn machine(spec: &str, overrides: &[String]) -> Result<NamedMachine> {
 fn of_machine(text: &String) -> Option<String> {
     let key = text.split('=').next()?.trim();
     // A word alone is the whole last part of a key: `block` does not mean `layout.texture_block`.
-    let before: &[char] = if key.contains('.') { &['.', '_'] } else { &['.'] };
+    let before: &[char] = if key.contains(['.', '_']) { &['.', '_'] } else { &['.'] };
     let ends = |name: &&str| name.strip_suffix(key).is_some_and(|begin| begin.ends_with(before));
     let near: Vec<&str> = KEYS.iter().map(|known| known.name).filter(ends).take(6).collect();
     (!near.is_empty()).then(|| format!("--set {text}: a machine has {}", near.join(", ")))

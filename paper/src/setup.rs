@@ -89,8 +89,10 @@ impl Folders {
     /// # Errors
     /// Which one it is, and which folders will do.
     pub fn check(&self) -> Result<()> {
-        let lacks = |folder: &Path, name: &str| matches!(folder.join(name).try_exists(), Ok(false));
-        match self.reuse.iter().find(|folder| lacks(folder, PLAN) && lacks(folder, RESULTS)) {
+        let lacks = |folder: &Path, name: &str| !folder.join(name).exists();
+        // The cache may be one that this run fills.
+        let others = self.reuse.iter().filter(|folder| **folder != self.cache);
+        match others.into_iter().find(|folder| lacks(folder, PLAN) && lacks(folder, RESULTS)) {
             None => Ok(()),
             Some(folder) => {
                 let detail = format!(
@@ -236,6 +238,7 @@ mod tests {
         }
         std::fs::write(folder("sweep").join(PLAN), "").unwrap();
         assert!(check("sweep").is_ok() && check("other-cache").is_ok() && check("nowhere").is_err());
+        assert!(check("sweep/plan.json").is_err() && check("cache").is_ok(), "no folder, and one that this run fills");
         assert!(!folder("cache").exists() && !folder("out").exists());
     }
 

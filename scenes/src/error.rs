@@ -71,12 +71,7 @@ impl SceneError {
     /// A file that the file at `at` names cannot be read; `what` is its kind.
     pub(crate) fn missing(at: Location, what: &str, missing: &Path, source: io::Error) -> Self {
         let what = format!("the {what} `{}` cannot be read", missing.display());
-        Self::Input {
-            at,
-            what,
-            fix: Some("put it there, or take its name out of the file".into()),
-            source: Some(source),
-        }
+        Self::Input { at, what, fix: Some("put it there, or correct its name".into()), source: Some(source) }
     }
 
     /// A folder stands where a file of the kind `expected` should be named.

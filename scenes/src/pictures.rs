@@ -41,6 +41,11 @@ pub(crate) fn other_format(head: &[u8]) -> Option<&'static str> {
     format.extensions_str().first().copied()
 }
 
+/// Whether the first bytes of a picture say that it is one that is read.
+pub(crate) fn is_read(head: &[u8]) -> bool {
+    image::guess_format(head).is_ok_and(|format| !is_other(format))
+}
+
 fn is_other(format: ImageFormat) -> bool {
     !matches!(format, ImageFormat::Png | ImageFormat::Jpeg)
 }

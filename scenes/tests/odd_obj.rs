@@ -75,6 +75,11 @@ fn names_in_libraries_end_before_a_comment() {
     }
     assert_eq!(load("blue"), ([0.0, 1.0, 0.0], 0), "the whole name counts first");
     assert_eq!(load("blue # 1"), ([0.0, 0.0, 1.0], 0));
+    // Of several that are told apart behind the sign alone none is meant.
+    let obj = format!("mtllib a.mtl\nusemtl wood #3\n{TRIANGLE}");
+    let wood = "newmtl wood #1\nKd 1 0 0\nnewmtl wood #2\nKd 0 0 1\n";
+    let told = warnings(&load_in(&folder(&[("a.obj", &obj), ("a.mtl", wood)]), "a.obj").expect("loads"));
+    assert!(told.iter().any(|(_, told)| told.contains("`wood #1`")), "{told:?}");
 }
 
 #[test]

@@ -5,10 +5,10 @@ use strsim::levenshtein;
 /// Longest name that is compared with others, in bytes: the time grows with the length, and nothing is near to a longer one.
 const LONGEST: usize = 200;
 
-/// Most names that are told because they begin with what was written.
+/// Most names that are told because they begin with what was written: more are no help.
 const MOST: usize = 6;
 
-/// The names nearest to `name`, or those of which it is the begin, in their order; none if all of them are other words.
+/// The names nearest to `name`, or those of which it is the beginning, in their order; none if all of them are other words.
 pub fn nearest<'a>(name: &str, names: &[&'a str]) -> Vec<&'a str> {
     if name.len() > LONGEST {
         return Vec::new();
@@ -16,10 +16,13 @@ pub fn nearest<'a>(name: &str, names: &[&'a str]) -> Vec<&'a str> {
     let last = |s: &str| s.rsplit('.').next().unwrap_or_default().to_owned();
     let distance = |other: &str| levenshtein(name, other).min(levenshtein(&last(name), &last(other)));
     let best = names.iter().map(|n| distance(n)).min().unwrap_or(usize::MAX);
-    // More than a third of the letters wrong is another word, or the begin of one.
+    // More than a third of the letters wrong is another word, or the beginning of one.
     if best > last(name).chars().count() / 3 + 1 {
-        let goes_on = |other: &&&str| other.strip_prefix(name).is_some_and(|rest| rest.starts_with(['_', '.']));
-        return if name.is_empty() { Vec::new() } else { names.iter().filter(goes_on).take(MOST).copied().collect() };
+        let begins =
+            |other: &str, name: &str| other.strip_prefix(name).is_some_and(|rest| rest.starts_with(['_', '.']));
+        let goes_on = |other: &&&str| begins(other, name) || begins(&last(other), name);
+        let longer: Vec<&str> = names.iter().filter(goes_on).copied().collect();
+        return if name.is_empty() || longer.len() > MOST { Vec::new() } else { longer };
     }
     names.iter().filter(|n| distance(n) == best).copied().collect()
 }
@@ -66,7 +69,13 @@ mod tests {
         assert!(nearest("colour", &names).is_empty());
         let groups = ["target.psnr_db", "target.audit", "history.plane"];
         assert_eq!(nearest("target.psnr", &groups), ["target.psnr_db"], "the unit was left out");
+        assert_eq!(nearest("psnr", &groups), ["target.psnr_db"], "the group too");
         assert_eq!(nearest("target", &groups), ["target.psnr_db", "target.audit"], "a group");
+        let many: Vec<String> = (0..9).map(|i| format!("target.key{i}")).collect();
+        assert!(
+            nearest("target", &many.iter().map(String::as_str).collect::<Vec<_>>()).is_empty(),
+            "too large a group"
+        );
         assert_eq!(near("colour", &names), "there are ti.trv, ti.ist, l2.ways");
         assert!(nearest("", &[]).is_empty());
         let long = "ti.".repeat(1 << 20);

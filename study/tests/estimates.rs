@@ -146,7 +146,7 @@ fn the_page_says_what_is_estimated() {
         .unwrap();
     let told = page(whole.clone());
     assert!(
-        told.contains("nothing is estimated; 1 frame was simulated whole (a single tile is a large part of it)")
+        told.contains("nothing is estimated; 1 frame was simulated whole (one tile is a large part of a frame)")
             && !told.contains('±'),
         "{told}"
     );

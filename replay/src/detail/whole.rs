@@ -37,12 +37,12 @@ impl WhyWhole {
     /// The same in words.
     pub fn words(self) -> &'static str {
         match self {
-            Self::FewTiles => "too few tiles, or too small ones",
-            Self::Machine => "the machine gathers rays, traces them by threads or has a rasteriser",
-            Self::OneTile => "a single tile is a large part of it",
-            Self::Uniform => "its tiles are too alike",
-            Self::Precision => "no sample reaches this precision",
-            Self::Policy => "the policy cannot begin a frame again",
+            Self::FewTiles => "too few tiles, or too small ones, for what was asked",
+            Self::Machine => "a machine that gathers rays, traces them by threads or has a rasteriser",
+            Self::OneTile => "one tile is a large part of a frame",
+            Self::Uniform => "tiles too alike",
+            Self::Precision => "a precision that no sample reaches",
+            Self::Policy => "a policy that cannot begin a frame again",
         }
     }
 }

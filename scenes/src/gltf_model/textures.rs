@@ -1,5 +1,7 @@
 //! Pictures of a glTF file: decoded once each; cut-outs scaled so that their cutoff becomes one half.
 
+use std::borrow::Cow;
+
 use glam::{DVec3, Vec3};
 use gltf::texture::WrappingMode;
 use image::RgbaImage;
@@ -193,22 +195,26 @@ impl Pictures {
     }
 }
 
-/// The format of a picture, if it is one that is not read: as the file says, else as its first bytes do.
+/// The format of a picture, if it is one that is not read: as the file says, and in a data URI as its first bytes do.
 fn other_format(source: &Source, index: usize) -> Option<&'static str> {
     let image = &source.root().images[index];
     let uri = image.uri.as_deref().unwrap_or("");
-    let inside = uri::mime_type(uri);
-    let ending = if inside.is_some() { String::new() } else { uri.to_lowercase() };
-    let mimes = [image.mime_type.as_ref().map(|mime| mime.0.to_lowercase()), inside];
-    let is = |kind: &str| {
-        ending.ends_with(&format!(".{kind}")) || mimes.iter().flatten().any(|mime| *mime == format!("image/{kind}"))
+    let (inside, ending) = (uri::mime_type(uri), uri.to_lowercase());
+    let mime = image.mime_type.as_ref().map(|mime| mime.0.to_lowercase());
+    let is = |kind: &str| match &inside {
+        Some(inside) => *inside == format!("image/{kind}"),
+        None => mime == Some(format!("image/{kind}")) || ending.ends_with(&format!(".{kind}")),
     };
-    let stated = pictures::OTHER_ENDINGS.into_iter().chain([BASIS]).find(|kind| is(kind));
+    let stated = || pictures::OTHER_ENDINGS.into_iter().chain([BASIS]).find(|kind| is(kind));
     // What cannot be had is an error when the picture is decoded.
-    stated.or_else(|| match image.buffer_view {
-        Some(view) => pictures::other_format(source.view("image", view.value()).ok()?),
-        None => pictures::other_format(&uri::head(&source.path, uri, pictures::HEAD)?),
-    })
+    let begin = || match image.buffer_view {
+        Some(view) => source.view("image", view.value()).ok().map(Cow::from),
+        None => uri::head(&source.path, uri, pictures::HEAD).map(Cow::from),
+    };
+    if inside.is_some() && begin().is_some_and(|begin| pictures::is_read(&begin)) {
+        return None;
+    }
+    stated().or_else(|| pictures::other_format(&begin()?))
 }
 
 /// What a sampler says of the edges.

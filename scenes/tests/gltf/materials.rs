@@ -121,6 +121,10 @@ fn pictured(alphas: [u8; 2], extra: &Value) -> Writer {
     writer
 }
 
+/// In base64.
+const ONE_PIXEL_PNG: &str =
+    "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAIAAACQd1PeAAAADElEQVR4nGM4kWIEAANWAV/oF4RSAAAAAElFTkSuQmCC";
+
 /// A picture that OBJ only warns of was an error here.
 #[test]
 fn pictures_in_other_formats_have_a_warning() {
@@ -156,6 +160,11 @@ fn the_bytes_of_a_picture_say_its_format() {
         let text = message(&folder, &scene.expect_err("is damaged"));
         assert!(text.contains("image 0: the texture `image 0` cannot be decoded"), "{text}");
     }
+    // A picture that is in the file itself is what its bytes say, whatever its type.
+    let mut writer = pictured([255; 2], &json!({}));
+    writer.json["images"] = json!([{"uri": format!("data:image/webp;base64,{ONE_PIXEL_PNG}")}]);
+    let (folder, scene) = writer.load();
+    assert!(warnings(&folder, &scene).iter().all(|(_, words)| !words.contains("not read")));
     let mut writer = pictured([255; 2], &json!({}));
     writer.json["images"] = json!([{"uri": "a.png"}]);
     let folder = crate::folder();

@@ -299,7 +299,7 @@
       if (part.matches(".ramp-bar")) ramp(part, 24).forEach((fill, i, { length }) => made.append(element("rect", { x: x + (at.width * i) / length, y, width: at.width / length + 0.5, height: at.height, fill })));
       else if (at.width > 0 && own.backgroundColor !== "rgba(0, 0, 0, 0)") made.append(element("rect", { x, y, width: at.width, height: at.height, fill: plain(own.backgroundColor) }));
       for (const node of [...part.childNodes].filter((child) => child.nodeType === Node.TEXT_NODE)) {
-        for (const { 0: word, index } of node.data.matchAll(/\S+/g)) {
+        for (const { 0: word, index } of node.data.matchAll(/[^\s-]+-*|-+/g)) {
           const range = document.createRange();
           range.setStart(node, index);
           range.setEnd(node, index + word.length);

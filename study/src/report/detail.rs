@@ -117,12 +117,12 @@ impl DetailReport {
     }
 }
 
-/// The runs of which the replicates of an estimate tell.
 /// The reasons of frames that were simulated whole, by their names.
 fn because(frames: &WholeFrames) -> Map<String, Value> {
     frames.reasons().map(|(why, count)| (why.name().to_owned(), count.into())).collect()
 }
 
+/// The runs of which the replicates of an estimate tell.
 fn replicates<'a>(run: &'a MachineRun, estimate: &'a Estimate) -> impl Iterator<Item = MachineRun> + 'a {
     estimate.replicates.iter().map(|replicate| MachineRun {
         stats: replicate.stats.clone(),

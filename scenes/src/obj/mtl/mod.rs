@@ -45,8 +45,9 @@ pub(crate) use textures::TextureSet;
 pub(crate) struct MaterialList {
     list: Vec<Material>,
     by_name: BTreeMap<String, usize>,
-    /// By what stands before a `#` in their names, which begins a comment where nobody knows the whole.
-    by_bare_name: BTreeMap<String, usize>,
+    /// Those of libraries by what stands before a `#` in their names, which begins a comment where nobody knows the whole; none
+    /// where several have the same before it.
+    by_bare_name: BTreeMap<String, Option<usize>>,
 }
 
 impl MaterialList {
@@ -58,7 +59,7 @@ impl MaterialList {
     /// The material that a statement names. A name may hold a `#`: the whole counts before what is left without a comment.
     pub fn find_stated(&self, name: &str) -> Option<usize> {
         let bare = before_comment(name);
-        self.find(name).or_else(|| self.find(bare)).or_else(|| self.by_bare_name.get(bare).copied())
+        self.find(name).or_else(|| self.find(bare)).or_else(|| self.by_bare_name.get(bare).copied().flatten())
     }
 
     /// A material by its place.
@@ -75,7 +76,6 @@ impl MaterialList {
     pub fn append(&mut self, material: Material) -> usize {
         let at = self.list.len();
         self.by_name.entry(material.name.clone()).or_insert(at);
-        self.by_bare_name.entry(before_comment(&material.name).to_owned()).or_insert(at);
         self.list.push(material);
         at
     }
@@ -88,7 +88,9 @@ impl MaterialList {
                 true
             }
             None => {
-                self.append(material);
+                let bare = before_comment(&material.name).to_owned();
+                let at = self.append(material);
+                self.by_bare_name.entry(bare).and_modify(|one| *one = None).or_insert(Some(at));
                 false
             }
         }

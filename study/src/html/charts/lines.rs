@@ -145,9 +145,10 @@ impl Lines<'_> {
     }
 }
 
-/// A value for the script: whole numbers in full, of others the digits that it reads out and some more.
+/// A value for the script: whole numbers in full, of others the digits that it reads out, four or one behind the point.
 fn short(value: f64) -> String {
-    let text = if value.fract() == 0.0 { format!("{value}") } else { format!("{value:.6e}") };
+    let digits = if value.abs() < 1e3 { 3 } else { 6 };
+    let text = if value.fract() == 0.0 { format!("{value}") } else { format!("{value:.digits$e}") };
     match text.parse::<f64>() {
         Ok(v) if v.is_infinite() => if v > 0.0 { "Infinity" } else { "-Infinity" }.into(),
         Ok(v) if v == 0.0 || (1e-6..1e15).contains(&v.abs()) => v.to_string(),

@@ -51,7 +51,7 @@ impl Scale {
         named.dedup_by(|a, b| a.1 == b.1);
         // Nor does one stick out to the right.
         named.retain(|(tick, text)| self.at(*tick) + text_width(text) / 2.0 <= WIDTH + 4.0);
-        let widest = named.iter().map(|(_, text)| text_width(text)).fold(0.0, f64::max) + 4.0;
+        let widest = named.iter().map(|(_, text)| text_width(text) * TICK).fold(0.0, f64::max) + 4.0;
         let apart = named.windows(2).map(|pair| (self.at(pair[1].0) - self.at(pair[0].0)).abs()).fold(widest, f64::min);
         let every = if apart > 0.0 { (widest / apart).ceil() as usize } else { named.len() };
         named.into_iter().step_by(every.max(1)).collect()
@@ -172,7 +172,8 @@ mod tests {
             let scale = Scale::nice(domain, 3, [0.0, 1.0]);
             let labels: Vec<String> = scale.ticks().into_iter().map(|tick| scale.label(tick)).collect();
             assert_eq!(labels, texts);
-            assert!(scale.margin(1.0, |tick| scale.label(tick)) > 3.0 * 6.0);
+            let widest = labels.iter().map(|label| label.chars().count()).max().unwrap();
+            assert!(scale.margin(1.0, |tick| scale.label(tick)) > 6.0 * widest as f64);
         }
         // One number that two sums gave.
         let one = Scale::nice([1e15, 1e15 + 0.5], 4, [0.0, 1.0]);

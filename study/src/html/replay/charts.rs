@@ -39,8 +39,7 @@ impl Figure {
 
 /// Whether a figure is the PSNR of a picture that equals the reference: it has no number.
 pub fn is_identical(figures: &Value, key: &str) -> bool {
-    key.ends_with("psnr_db")
-        && key != "audited_psnr_db"
+    matches!(key, "psnr_db" | "worst_tile_psnr_db" | "worst_frame_psnr_db")
         && figure(figures, key).is_null()
         && figures["identical"] == true
 }
@@ -89,7 +88,8 @@ pub fn over_frames(stats: &Value, figures: &[Figure], drawn: &Gallery) -> String
         drawn.card(&["frames", key], &title, &lines.draw(&format!("Line chart: {title} over frames")), "")
     };
     let charts: String = figures.iter().map(chart).collect();
-    let is_broken = frames.iter().any(|(_, frame)| is_identical(frame, "psnr_db"));
+    let is_line = frames.iter().any(|(_, frame)| figure(frame, "psnr_db").is_number());
+    let is_broken = is_line && frames.iter().any(|(_, frame)| is_identical(frame, "psnr_db"));
     let gaps = if is_broken { how_to_read(GAPS) } else { String::new() };
     if charts.is_empty() { charts } else { grid(&charts) + &gaps }
 }

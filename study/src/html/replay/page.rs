@@ -7,7 +7,7 @@ use super::folder::Folder;
 use crate::figures::{FixedColumn, columns};
 use crate::html::charts::file::Saved;
 use crate::html::charts::gallery::Gallery;
-use crate::html::magnitude::{self, Unit};
+use crate::html::magnitude::Unit;
 use crate::html::parts::{Head, Section, how_to_read, table};
 use crate::html::shell::Shell;
 use crate::html::text::{base64, bytes, count, counted, escape, plus_minus};
@@ -107,11 +107,11 @@ fn shown(figures: &Value, key: &str, places: usize, scale: f64) -> String {
     number + &plus_minus(charts::interval(figures, key).map(|percent| percent / 100.0))
 }
 
-/// A number with so many places; one of which these would leave less than two digits by its power of ten.
+/// A number with so many places; one of which these would leave nothing by its power of ten.
 fn written(number: f64, places: usize) -> String {
     let fixed = format!("{number:.places$}");
     let digits = fixed.trim_start_matches(['-', '0', '.']).len();
-    if number != 0.0 && places > 0 && digits < 2 { format!("{number:.3e}") } else { fixed }
+    if number != 0.0 && places > 0 && digits == 0 { format!("{number:.3e}") } else { fixed }
 }
 
 /// The figures of all frames together, with what they mean.
@@ -120,8 +120,7 @@ fn figures(stats: &Value) -> Option<Section> {
         let FixedColumn { name, unit, description, .. } = column;
         let value = column.value(stats);
         let is_figure = column.is_figure && (value.is_number() || charts::is_identical(stats, name));
-        let Unit { name: unit, scale } = magnitude::of(unit, value.as_f64());
-        let cells = || vec![escape(name), shown(stats, name, 4, scale), escape(unit), escape(description)];
+        let cells = || vec![escape(name), shown(stats, name, 4, 1.0), escape(unit), escape(description)];
         is_figure.then(|| (String::new(), cells()))
     };
     let rows: Vec<_> = columns().iter().filter_map(row).collect();

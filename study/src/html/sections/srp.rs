@@ -95,7 +95,7 @@ fn chart(view: &StudyView<'_>, scene: &str, mode: &str) -> String {
         let text = percent(added(&kernels));
         rows.push(StackedRow::Bar {
             name: "the paper".into(),
-            parts: parts("the paper, of which scenes is not stated", &kernels),
+            parts: parts("the paper (it does not say of which scenes)", &kernels),
             within: None,
             text,
         });

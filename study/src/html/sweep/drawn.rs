@@ -25,6 +25,10 @@ const STRIP: f64 = 34.0;
 /// Width of a letter of a tick, roughly.
 const LETTER: f64 = 6.2;
 
+/// Width of a digit above a column, which is wider, and between two names.
+const DIGIT: f64 = 7.0;
+const GAP: f64 = 5.0;
+
 /// Height of a line of a note below a chart.
 const NOTE: f64 = 14.0;
 
@@ -225,12 +229,12 @@ struct Side<'a> {
 /// The names of columns that there is room for, and the middle of each; of narrow ones only every second has one, or every third.
 fn heads(values: &[String], [left, width]: [f64; 2]) -> Vec<(f64, String)> {
     let longest = values.iter().map(|value| value.chars().count()).max().unwrap_or(1);
-    let room = |step: usize| (width * step as f64 / LETTER) as usize;
+    let room = |step: usize| ((width * step as f64 - GAP) / DIGIT) as usize;
     let step = (1..values.len()).find(|step| room(*step) >= longest.min(6)).unwrap_or(values.len().max(1));
     let named: Vec<&str> = values.iter().map(String::as_str).step_by(step).collect();
     let middle = |i: usize| left + width * ((i * step) as f64 + 0.5);
     let heads = told_apart(&named, room(step).max(1)).into_iter().enumerate().map(|(i, name)| (middle(i), name));
-    let fits = |(middle, name): &(f64, String)| middle + name.chars().count() as f64 * LETTER / 2.0 <= WIDTH + 10.0;
+    let fits = |(middle, name): &(f64, String)| middle + name.chars().count() as f64 * DIGIT / 2.0 <= WIDTH + 10.0;
     heads.filter(|head| step == 1 || fits(head)).collect()
 }
 
@@ -279,7 +283,9 @@ fn ranges(field: &Field, effects: &[(&Dimension, Effect)]) -> Chart {
     let (left, right, top) = (110.0, WIDTH - 56.0, 6.0);
     let bottom = top + ROW * effects.len() as f64;
     let ends = effects.iter().flat_map(|(_, effect)| [effect.end(0), effect.end(1), 0.0]);
-    let x = Scale::nice(extent(ends).unwrap_or([-0.1, 0.1]), 3, [left, right]);
+    // What is left of sums that are equal is no effect.
+    let ends = extent(ends).filter(|[low, high]| high - low > 1e-12).unwrap_or([-0.1, 0.1]);
+    let x = Scale::nice(ends, 3, [left, right]);
     let mut svg = Svg::new(WIDTH, bottom + 22.0);
     let percent = x.times(100.0);
     let text = |tick: f64| format!("{}{}\u{202f}%", if tick > 0.0 { "+" } else { "" }, percent.label(tick * 100.0));

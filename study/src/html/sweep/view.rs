@@ -218,9 +218,10 @@ impl<'a> SweepView<'a> {
     }
 }
 
-/// Whether overrides lead from a preset to a configuration: a policy file may have the name of a preset of another kind.
+/// Whether overrides lead from a preset to a configuration: a policy file may have the name of a preset of another kind. What the
+/// preset has beside is of a later build than the results.
 fn made_of(config: &Config, preset: &Config) -> bool {
-    config.keys().eq(preset.keys()) && config.get(KIND) == preset.get(KIND)
+    config.get(KIND) == preset.get(KIND) && config.keys().all(|key| preset.contains_key(key))
 }
 
 /// What the presets of a column of names hold.

@@ -21,6 +21,8 @@ sweep.language = (() => {
   const unquote = (text, at, given) => given.slice(1, -1).replace(/\\(.)/gs, (_, own) => ESCAPES[own] ?? fail(text, at, `there is no escape \\${own}`));
 
   const quantity = (text, at, given) => {
+    // Columns of such numbers are words here: no number holds them.
+    if (/^\d+$/.test(given) && !Number.isSafeInteger(Number(given))) return given;
     if (/^\d+(\.\d+)?([eE][+-]?\d+)?$/.test(given)) return Number(given);
     const size = /^(\d+)([A-Za-z]+)$/.exec(given);
     if (size && Object.hasOwn(UNITS, size[2])) return Number(size[1]) * UNITS[size[2]];
