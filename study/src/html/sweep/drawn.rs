@@ -25,8 +25,10 @@ const STRIP: f64 = 34.0;
 /// Width of a letter of a tick, roughly.
 const LETTER: f64 = 6.2;
 
-/// Width of a digit above a column, which is wider, and between two names.
+/// Width of a digit above a column, which is wider.
 const DIGIT: f64 = 7.0;
+
+/// Between two names above columns, at least.
 const GAP: f64 = 5.0;
 
 /// Height of a line of a note below a chart.
@@ -229,12 +231,14 @@ struct Side<'a> {
 /// The names of columns that there is room for, and the middle of each; of narrow ones only every second has one, or every third.
 fn heads(values: &[String], [left, width]: [f64; 2]) -> Vec<(f64, String)> {
     let longest = values.iter().map(|value| value.chars().count()).max().unwrap_or(1);
-    let room = |step: usize| ((width * step as f64 - GAP) / DIGIT) as usize;
+    let is_number = |value: &String| value.starts_with(|c: char| c.is_ascii_digit());
+    let letter = if values.iter().all(is_number) { DIGIT } else { LETTER };
+    let room = |step: usize| ((width * step as f64 - GAP) / letter) as usize;
     let step = (1..values.len()).find(|step| room(*step) >= longest.min(6)).unwrap_or(values.len().max(1));
     let named: Vec<&str> = values.iter().map(String::as_str).step_by(step).collect();
     let middle = |i: usize| left + width * ((i * step) as f64 + 0.5);
     let heads = told_apart(&named, room(step).max(1)).into_iter().enumerate().map(|(i, name)| (middle(i), name));
-    let fits = |(middle, name): &(f64, String)| middle + name.chars().count() as f64 * DIGIT / 2.0 <= WIDTH + 10.0;
+    let fits = |(middle, name): &(f64, String)| middle + name.chars().count() as f64 * letter / 2.0 <= WIDTH + 10.0;
     heads.filter(|head| step == 1 || fits(head)).collect()
 }
 
@@ -311,5 +315,23 @@ fn ranges(field: &Field, effects: &[(&Dimension, Effect)]) -> Chart {
         svg: svg.finish("Main effects: from the least to the most mean, from the mean of all", ""),
         data,
         keys: Vec::new(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Six numbers ran into one another, and with more room between them the names of presets were cut.
+    #[test]
+    fn names_above_columns_stay_apart_and_whole() {
+        let named = |names: &[&str], width: f64| -> Vec<String> {
+            let names: Vec<String> = names.iter().map(|name| (*name).to_owned()).collect();
+            heads(&names, [96.0, width]).into_iter().map(|(_, head)| head).collect()
+        };
+        let presets = ["full", "paper-ss", "multirate", "adaptive"];
+        assert_eq!(named(&presets, 66.0), presets);
+        let numbers = ["123400", "123401", "123402", "123403"];
+        assert_eq!((named(&numbers, 48.0), named(&numbers, 44.0).len()), (numbers.map(String::from).to_vec(), 2));
     }
 }
